@@ -1,0 +1,2 @@
+//! The program `truepose`.
+fn main() {}
