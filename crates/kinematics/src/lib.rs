@@ -1,1 +1,28 @@
-//! truepose-kinematics
+#![doc = include_str!("../README.md")]
+
+mod chain;
+mod conditions;
+mod error;
+mod ids;
+mod jacobian;
+mod joint;
+mod load;
+mod motion;
+mod pose;
+mod posture;
+pub mod samples;
+mod target;
+
+pub use chain::{Chain, Gravity, GravityFrame, Placed};
+pub use conditions::{Conditions, Slot};
+pub use error::ChainError;
+pub use ids::{Axis, FrameId, JointId, Site, TargetId};
+pub use jacobian::joint_jacobian;
+pub use joint::{Joint, JointKind, Link, Placement};
+pub use load::{Load, Payload, Wrench};
+pub use motion::{JointMotion, Twist};
+pub use pose::{Pose, rotation_log, rotation_vector, skew};
+pub use posture::{Posture, PostureBuffer};
+pub use target::Target;
+
+pub use nalgebra;

@@ -1,0 +1,55 @@
+//! Every input of the model at one moment: at fit time and at run time alike.
+
+use crate::{Chain, Load};
+
+/// Joints, load, approach, time and channels at one moment.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Conditions {
+    /// Values of the movable joints in the order of [`Chain::movable`], rad or m.
+    pub joints: Vec<f64>,
+    /// What the tool carries.
+    pub load: Load,
+    /// When, s.
+    pub time: f64,
+    /// Direction in which each movable joint last moved: −1, 0 or +1.
+    pub approach: Vec<f64>,
+    /// Values of the channels (temperature, …), in the order of the schema that names them.
+    pub channels: Vec<f64>,
+}
+
+impl Conditions {
+    /// The robot at these joint values (rad or m, movable joints only), unloaded, at time zero.
+    pub fn at(chain: &Chain, joints: &[f64]) -> Self {
+        Conditions {
+            joints: joints.to_vec(),
+            approach: vec![0.0; chain.movable().len()],
+            ..Conditions::default()
+        }
+    }
+
+    /// With a load.
+    pub fn with_load(mut self, load: Load) -> Self {
+        self.load = load;
+        self
+    }
+
+    /// The value that a slot points to.
+    pub fn slot(&self, slot: Slot) -> f64 {
+        match slot {
+            Slot::Time => self.time,
+            Slot::Approach(k) => self.approach[k],
+            Slot::Channel(k) => self.channels[k],
+        }
+    }
+}
+
+/// A place in [`Conditions`] to which a signal was resolved, once, before any row is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slot {
+    /// [`Conditions::time`].
+    Time,
+    /// An entry of [`Conditions::approach`].
+    Approach(usize),
+    /// An entry of [`Conditions::channels`].
+    Channel(usize),
+}

@@ -1,0 +1,219 @@
+//! The robot at one configuration: its frames, and the wrench that each of them carries.
+//!
+//! | symbol | here | shape | unit | frame |
+//! | --- | --- | --- | --- | --- |
+//! | T_i | `frame(i)` | pose | m | measurement |
+//! | w_i | `wrench(i)` | 6 | N, N·m | about and in the axes of frame i |
+//! | τ_j | `joint_load(j)` | 1 | N·m or N | about or along joint j's axis |
+//!
+//! Statics, from the tip to the base, with links k of mass m_k and centre c_k (frame k), load w at the tool:
+//!
+//! ```text
+//! w_tool = load;     w_i = Σ_{k ≥ i} m_k g at c_k  +  load,   i = 1 … n;     w_0 = w_1
+//! ```
+//!
+//! Frame i carries its own link, since `E_i` stands in front of that link. Wrenches are those that the
+//! weights exert *on* the robot: a joint yields in the direction of `joint_load`.
+
+use crate::{Chain, Conditions, FrameId, JointId, JointKind, Load, Pose, Slot, Wrench};
+use nalgebra::Vector3;
+
+/// Memory for one posture, used again for the next one without allocating.
+#[derive(Debug, Clone)]
+pub struct PostureBuffer {
+    frames: Vec<Pose>,
+    /// In the measurement frame's axes, about each frame's origin.
+    wrenches: Vec<Wrench>,
+}
+
+impl PostureBuffer {
+    /// Memory for postures of this robot.
+    pub fn new(chain: &Chain) -> Self {
+        let n = chain.joints().len() + 2;
+        PostureBuffer { frames: vec![Pose::IDENTITY; n], wrenches: vec![Wrench::default(); n] }
+    }
+
+    /// The nominal posture under these conditions.
+    ///
+    /// `conditions.joints` has one value for each movable joint.
+    pub fn update<'a>(&'a mut self, chain: &'a Chain, conditions: &'a Conditions) -> Posture<'a> {
+        self.move_to(chain, conditions);
+        self.view(chain, conditions)
+    }
+
+    /// The posture computed last, seen under conditions of the same joints and load (time, channels and
+    /// approach may differ).
+    pub fn view<'a>(&'a self, chain: &'a Chain, conditions: &'a Conditions) -> Posture<'a> {
+        Posture { chain, conditions, frames: &self.frames, wrenches: &self.wrenches, slots: &[] }
+    }
+
+    fn move_to(&mut self, chain: &Chain, conditions: &Conditions) {
+        let n = chain.joints().len();
+        let mut pose = chain.base().pose;
+        self.frames[0] = pose;
+        for (index, joint) in chain.joints().iter().enumerate() {
+            let q = chain.coordinate(JointId(index + 1)).map_or(0.0, |k| conditions.joints[k]);
+            pose = pose * joint.transform(q);
+            self.frames[index + 1] = pose;
+        }
+        self.frames[n + 1] = pose * chain.tool().pose;
+
+        let gravity = chain.gravity_in_measurement_frame();
+        let tool = &self.frames[n + 1];
+        let mut wrench = match conditions.load {
+            Load::None => Wrench::default(),
+            Load::Payload(payload) => weight(payload.mass, &(tool.rotation * payload.com), &gravity),
+            Load::Wrench(measured) => measured.rotated(&tool.rotation),
+        };
+        self.wrenches[n + 1] = wrench;
+        for frame in (0..=n).rev() {
+            let arm = self.frames[frame + 1].translation - self.frames[frame].translation;
+            wrench = wrench.carried_to(&arm);
+            if frame > 0
+                && let Some(link) = &chain.joints()[frame - 1].link
+            {
+                let own = weight(link.mass, &(self.frames[frame].rotation * link.com), &gravity);
+                wrench.force += own.force;
+                wrench.moment += own.moment;
+            }
+            self.wrenches[frame] = wrench;
+        }
+    }
+}
+
+/// The weight of a mass whose centre lies at `arm` from the point of reference.
+fn weight(mass: f64, arm: &Vector3<f64>, gravity: &Vector3<f64>) -> Wrench {
+    let force = gravity * mass;
+    Wrench { force, moment: arm.cross(&force) }
+}
+
+/// The robot at one configuration. Only a posture has frames and wrenches.
+#[derive(Debug, Clone, Copy)]
+pub struct Posture<'a> {
+    chain: &'a Chain,
+    conditions: &'a Conditions,
+    frames: &'a [Pose],
+    wrenches: &'a [Wrench],
+    slots: &'a [Slot],
+}
+
+impl<'a> Posture<'a> {
+    /// The robot.
+    pub fn chain(&self) -> &'a Chain {
+        self.chain
+    }
+
+    /// The inputs that made this posture.
+    pub fn conditions(&self) -> &'a Conditions {
+        self.conditions
+    }
+
+    /// Nominal pose of a frame in the measurement frame.
+    pub fn frame(&self, frame: FrameId) -> &'a Pose {
+        &self.frames[frame.0]
+    }
+
+    /// Nominal pose of the tool in the measurement frame.
+    pub fn tool(&self) -> &'a Pose {
+        &self.frames[self.frames.len() - 1]
+    }
+
+    /// Value of a joint, rad or m; zero for a fixed joint.
+    pub fn joint(&self, joint: JointId) -> f64 {
+        self.chain.coordinate(joint).map_or(0.0, |k| self.conditions.joints[k])
+    }
+
+    /// The wrench that a frame carries, about its origin, in its axes: N, N·m.
+    pub fn wrench(&self, frame: FrameId) -> Wrench {
+        self.wrenches[frame.0].rotated(&self.frames[frame.0].rotation.transpose())
+    }
+
+    /// The load about (N·m) or along (N) a joint's axis; zero for a fixed joint.
+    pub fn joint_load(&self, joint: JointId) -> f64 {
+        let Some(motion) = self.chain.joint_motion(joint) else { return 0.0 };
+        let at = &self.frames[motion.frame.0];
+        let axis = at.rotation * motion.axis;
+        let carried = &self.wrenches[self.chain.frame_after(joint).0];
+        match motion.kind {
+            JointKind::Prismatic => axis.dot(&carried.force),
+            _ => {
+                let arm = self.frames[joint.0].translation - at.translation;
+                axis.dot(&carried.carried_to(&arm).moment)
+            }
+        }
+    }
+
+    /// The k-th signal that the effect being evaluated asked for.
+    pub fn signal(&self, k: usize) -> f64 {
+        self.conditions.slot(self.slots[k])
+    }
+
+    /// The same posture for an effect whose needs were resolved to these slots.
+    pub fn with_slots(&self, slots: &'a [Slot]) -> Posture<'a> {
+        Posture { slots, ..*self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Payload, samples};
+
+    /// Potential energy of everything that hangs on the robot, J: an independent way to the joint loads.
+    fn energy(chain: &Chain, conditions: &Conditions) -> f64 {
+        let mut pose = chain.base().pose;
+        let g = chain.gravity_in_measurement_frame();
+        let mut energy = 0.0;
+        for (index, joint) in chain.joints().iter().enumerate() {
+            let q = chain.coordinate(JointId(index + 1)).map_or(0.0, |k| conditions.joints[k]);
+            pose = pose * joint.transform(q);
+            if let Some(link) = joint.link {
+                energy -= link.mass * g.dot(&pose.apply(&link.com));
+            }
+        }
+        if let Load::Payload(p) = conditions.load {
+            energy -= p.mass * g.dot(&(pose * chain.tool().pose).apply(&p.com));
+        }
+        energy
+    }
+
+    #[test]
+    fn joint_load_is_the_slope_of_the_potential_energy() {
+        for chain in samples::all() {
+            let n = chain.movable().len();
+            let joints: Vec<f64> = (0..n).map(|k| 0.3 + 0.25 * k as f64).collect();
+            let load = Load::Payload(Payload { mass: 12.0, com: Vector3::new(0.1, -0.2, 0.3) });
+            let conditions = Conditions::at(&chain, &joints).with_load(load);
+            let mut buffer = PostureBuffer::new(&chain);
+            let loads: Vec<f64> = {
+                let posture = buffer.update(&chain, &conditions);
+                chain.movable().iter().map(|&j| posture.joint_load(j)).collect()
+            };
+            for (k, load) in loads.iter().enumerate() {
+                let at = |d: f64| {
+                    let mut c = conditions.clone();
+                    c.joints[k] += d;
+                    energy(&chain, &c)
+                };
+                let slope = -(at(1e-5) - at(-1e-5)) / 2e-5;
+                assert!(
+                    (slope - load).abs() < 1e-5 * (1.0 + slope.abs()),
+                    "{} joint {k}: {slope} against {load}",
+                    chain.name()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn measured_wrench_wins_over_nothing_and_is_in_tool_axes() {
+        let chain = samples::ur10();
+        let wrench = Wrench { force: Vector3::new(1.0, 2.0, 3.0), moment: Vector3::new(0.1, 0.2, 0.3) };
+        let conditions = Conditions::at(&chain, &[0.3; 6]).with_load(Load::Wrench(wrench));
+        let mut buffer = PostureBuffer::new(&chain);
+        let posture = buffer.update(&chain, &conditions);
+        let back = posture.wrench(chain.tool_frame());
+        assert!((back.force - wrench.force).norm() < 1e-14);
+        assert!((back.moment - wrench.moment).norm() < 1e-14);
+    }
+}

@@ -1,0 +1,15 @@
+//! A point that the instrument measures.
+
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// A measured point, carried by the tool.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Target {
+    /// Its name in the `target` column of the data.
+    pub name: String,
+    /// Nominal position in the tool frame, m.
+    pub position: Vector3<f64>,
+    /// False when the position is to be found from the data.
+    pub known: bool,
+}
