@@ -1,0 +1,79 @@
+//! What can be wrong with a model, or with data for it.
+
+use thiserror::Error;
+
+/// A model that does not fit its robot, or data that does not fit the model.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A family that the registry does not know.
+    #[error("unknown effect family `{kind}`; known families: {}", known.join(", "))]
+    UnknownKind {
+        /// What was asked for.
+        kind: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// Parameters of an effect that do not parse.
+    #[error("effect `{kind}`: {reason}")]
+    Parameters {
+        /// The effect's family.
+        kind: String,
+        /// What is wrong with which parameter.
+        reason: String,
+    },
+    /// An effect that asks for a joint, frame or target that the robot lacks.
+    #[error("effect `{kind}` refers to {what} {number}, but the robot has {count}")]
+    NoSuchPlace {
+        /// The effect's family.
+        kind: String,
+        /// `joint`, `frame` or `target`.
+        what: &'static str,
+        /// Its number.
+        number: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// An effect of a joint's motion at a joint that does not move.
+    #[error("effect `{kind}` acts on the motion of joint `{joint}`, which is fixed")]
+    JointIsFixed {
+        /// The effect's family.
+        kind: String,
+        /// The joint.
+        joint: String,
+    },
+    /// A signal that the model needs and the data lacks.
+    #[error("effect `{kind}` needs {signal}, which the data does not have{}", hint(have))]
+    MissingSignal {
+        /// The effect's family.
+        kind: String,
+        /// The missing signal in words.
+        signal: String,
+        /// Channels that the data has.
+        have: Vec<String>,
+    },
+    /// A channel whose values are in another unit than those that the model was fitted on.
+    #[error("channel `{channel}` is in [{have}], but the model was fitted on [{need}]")]
+    ChannelUnit {
+        /// The channel.
+        channel: String,
+        /// Unit of the data.
+        have: String,
+        /// Unit at fit time.
+        need: String,
+    },
+    /// A column, coefficient vector or matrix of the wrong size.
+    #[error("{what}: {have} where {need} are needed")]
+    Shape {
+        /// Which quantity.
+        what: &'static str,
+        /// Its size.
+        have: usize,
+        /// The size it should have.
+        need: usize,
+    },
+}
+
+fn hint(have: &[String]) -> String {
+    if have.is_empty() { String::new() } else { format!(" (its channels: {})", have.join(", ")) }
+}
