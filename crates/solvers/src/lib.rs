@@ -1,4 +1,5 @@
 //! x
+pub mod accumulator;
 mod dense;
 mod error;
 mod problem;
