@@ -5,10 +5,12 @@
 //! fixed order and the result is the same bit for bit, whoever made the parts.
 
 mod bytes;
+mod directions;
 mod factor;
 mod gram;
 mod triangular;
 
+pub use directions::Directions;
 pub use factor::{ColumnScale, Factor, NullSpace};
 pub use gram::Gram;
 pub use triangular::Triangular;
