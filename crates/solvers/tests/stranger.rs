@@ -15,7 +15,7 @@ impl Solver for ConjugateGradients {
     }
 
     fn supports(&self, need: Need) -> bool {
-        matches!(need, Need::Weights | Need::PlainLeastSquares)
+        matches!(need, Need::Weights | Need::Unpenalised)
     }
 
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {

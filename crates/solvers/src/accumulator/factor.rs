@@ -149,7 +149,17 @@ impl Factor {
         let inner = DVector::from_fn(decision.rank, |i, _| turned[i] / parts.d[i]);
         let mut x = parts.v.columns(0, decision.rank) * inner;
         x.iter_mut().zip(&s).for_each(|(x, s)| *x *= s);
+        self.clear_zero_columns(&mut x);
         Ok(self.solution(k, x, parts.d, decision, None))
+    }
+
+    /// Zero for zero columns, to which the SVD gives round-off.
+    pub(crate) fn clear_zero_columns(&self, x: &mut DVector<f64>) {
+        for (x, n) in x.iter_mut().zip(self.column_norms()) {
+            if n < f64::MIN_POSITIVE {
+                *x = 0.0;
+            }
+        }
     }
 
     /// minimise ‖A x − y_k‖² + λ ‖x / s‖².
@@ -169,6 +179,7 @@ impl Factor {
             DVector::from_fn(decision.rank, |i, _| parts.d[i] * turned[i] / (parts.d[i].powi(2) + lambda));
         let mut x = parts.v.columns(0, decision.rank) * inner;
         x.iter_mut().zip(&s).for_each(|(x, s)| *x *= s);
+        self.clear_zero_columns(&mut x);
         let used = parts.d[..decision.rank].iter().map(|d| d * d / (d * d + lambda)).sum();
         let mut solution = self.solution(k, x, parts.d, decision, None);
         solution.info.strength = Some(lambda);

@@ -53,7 +53,7 @@ impl Solver for NormalEquations {
     }
 
     fn supports(&self, need: Need) -> bool {
-        matches!(need, Need::RankDeficient | Need::Weights | Need::PlainLeastSquares)
+        matches!(need, Need::RankDeficient | Need::Weights | Need::Unpenalised)
     }
 
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {

@@ -26,7 +26,7 @@ impl Solver for PivotedQr {
     }
 
     fn supports(&self, need: Need) -> bool {
-        matches!(need, Need::RankDeficient | Need::Weights | Need::PlainLeastSquares)
+        matches!(need, Need::RankDeficient | Need::Weights | Need::Unpenalised)
     }
 
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {

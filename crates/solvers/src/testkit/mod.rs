@@ -1,9 +1,9 @@
 //! The conformance kit: what every solver has to get right, checked without asking another solver.
 //!
-//! The tests follow from what the solver says that it supports. Whoever supports
-//! [`PlainLeastSquares`](Need::PlainLeastSquares) has to meet the normal equations Aᵀ W (A x − y) = 0 (or, with bounds,
-//! the Karush-Kuhn-Tucker conditions); a robust solver those with the row weights that it reports; everybody else, having
-//! a penalty, at least xᵀ Aᵀ W (A x − y) ≤ 0, which any penalty that grows along a ray from zero implies.
+//! The tests follow from what the solver says that it supports. Without a penalty ([`Unpenalised`](Need::Unpenalised)) it
+//! has to meet the normal equations Aᵀ W (A x − y) = 0, or, with bounds, the Karush-Kuhn-Tucker conditions; with a penalty
+//! at least xᵀ Aᵀ W (A x − y) ≤ 0, which any penalty that grows along a ray from zero implies. The weights are those of the
+//! problem, times the row weights that a robust solver reports.
 
 mod cases;
 mod optimality;
@@ -74,7 +74,7 @@ fn run(solver: &dyn Solver, case: &Case) -> Result<(), String> {
     if solver.supports(Need::RankDeficient) {
         let by_rank = !deficient || solution.status == Status::RankDeficient { rank: case.rank };
         // A penalty may keep fewer directions than the data determine, and may settle what they do not.
-        if solver.supports(Need::PlainLeastSquares) && (solution.rank != case.rank || !by_rank) {
+        if solver.supports(Need::Unpenalised) && (solution.rank != case.rank || !by_rank) {
             return Err(format!(
                 "rank {} with status {:?}, should be {}",
                 solution.rank, solution.status, case.rank
@@ -86,13 +86,7 @@ fn run(solver: &dyn Solver, case: &Case) -> Result<(), String> {
             return Err(format!("zero column {column} got {}", solution.x[column]));
         }
     }
-    let demand = if solver.supports(Need::PlainLeastSquares) {
-        Demand::LeastSquares
-    } else if solution.info.row_weights.is_some() {
-        Demand::Reweighted
-    } else {
-        Demand::Shrunken
-    };
+    let demand = if solver.supports(Need::Unpenalised) { Demand::Stationary } else { Demand::Shrunken };
     stationary(&problem, &solution, demand)?;
     match &case.truth {
         Some(truth) if solver.supports(Need::Outliers) => {

@@ -4,9 +4,10 @@
 //!
 //! | demand | condition |
 //! | --- | --- |
-//! | least squares | g_j = 0 inside the bounds; g_j ≥ 0 at the lower, ≤ 0 at the upper |
-//! | reweighted | the same with the row weights that the solver reports |
+//! | stationary | g_j = 0 inside the bounds; g_j ≥ 0 at the lower, ≤ 0 at the upper |
 //! | shrunken | xᵀ g ≤ 0 |
+//!
+//! W includes the row weights that a robust solver reports.
 
 use crate::dense::norm;
 use crate::{LeastSquares, Solution};
@@ -15,8 +16,7 @@ use nalgebra::DVector;
 /// What the answer has to satisfy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Demand {
-    LeastSquares,
-    Reweighted,
+    Stationary,
     Shrunken,
 }
 
@@ -30,11 +30,11 @@ pub(super) fn stationary(
     solution: &Solution,
     demand: Demand,
 ) -> Result<(), String> {
-    let robust = match (&solution.info.row_weights, demand) {
-        (Some(weights), Demand::Reweighted) if weights.len() == problem.rows() => Some(weights),
-        (Some(weights), Demand::Reweighted) => return Err(format!("{} row weights", weights.len())),
-        _ => None,
-    };
+    let robust = solution.info.row_weights.as_ref();
+    if let Some(weights) = robust.filter(|w| w.len() != problem.rows()) {
+        return Err(format!("{} row weights for {} rows", weights.len(), problem.rows()));
+    }
+    let tolerance = if robust.is_some() { ITERATED } else { DIRECT };
     let factor = |i: usize| problem.root_weight(i) * robust.map_or(1.0, |w| w[i].sqrt());
     // Everything relative to y and to each column, so that no product leaves the range.
     let y_size = weighted_norm(problem.y, factor).max(f64::MIN_POSITIVE);
@@ -52,8 +52,7 @@ pub(super) fn stationary(
         let g = (column / size).dot(&r);
         match demand {
             Demand::Shrunken => along += g * (solution.x[j] * size / y_size),
-            Demand::Reweighted => within(problem, solution, j, g, ITERATED)?,
-            Demand::LeastSquares => within(problem, solution, j, g, DIRECT)?,
+            Demand::Stationary => within(problem, solution, j, g, tolerance)?,
         }
     }
     if along > ITERATED {
