@@ -28,7 +28,9 @@ pub enum SolveError {
         column: usize,
     },
     /// A weight is negative or not finite.
-    #[error("weight {value} of row {row} is not a finite number ≥ 0: use 1/σ² of that row, or 0 to leave it out")]
+    #[error(
+        "weight {value} of row {row} is not a finite number ≥ 0: use 1/σ² of that row, or 0 to leave it out"
+    )]
     BadWeight {
         /// Row.
         row: usize,
@@ -36,7 +38,9 @@ pub enum SolveError {
         value: f64,
     },
     /// An expected size is not a positive number.
-    #[error("scale {value} of column {column} is not a finite number > 0: give the size that you expect of it")]
+    #[error(
+        "scale {value} of column {column} is not a finite number > 0: give the size that you expect of it"
+    )]
     BadScale {
         /// Column.
         column: usize,
@@ -157,7 +161,11 @@ mod tests {
 
     #[test]
     fn messages_say_what_to_do() {
-        let e = SolveError::UnknownSolver { name: "rigde".into(), known: vec!["qr", "ridge"], nearest: Some("ridge") };
+        let e = SolveError::UnknownSolver {
+            name: "rigde".into(),
+            known: vec!["qr", "ridge"],
+            nearest: Some("ridge"),
+        };
         assert_eq!(e.to_string(), "unknown solver `rigde`, did you mean `ridge`?; there are: qr, ridge");
         let e = SolveError::Unsupported { solver: "qr".into(), need: Need::Bounds };
         assert!(e.to_string().contains("bounds"));

@@ -221,7 +221,10 @@ mod tests {
         let y = DVector::zeros(3);
         let p = LeastSquares::new(&a, &y);
         assert!(p.validate().is_ok());
-        assert!(matches!(p.with_weights(&[1.0, -1.0, 1.0]).validate(), Err(SolveError::BadWeight { row: 1, .. })));
+        assert!(matches!(
+            p.with_weights(&[1.0, -1.0, 1.0]).validate(),
+            Err(SolveError::BadWeight { row: 1, .. })
+        ));
         assert!(matches!(p.with_weights(&[1.0]).validate(), Err(SolveError::Shape { found: 1, .. })));
         assert!(matches!(p.with_scale(&[1.0, 0.0]).validate(), Err(SolveError::BadScale { column: 1, .. })));
         let crossed = Bounds::free(2).with(0, 1.0, 0.0);

@@ -41,11 +41,17 @@ impl RankRule {
         match *self {
             RankRule::Default => Ok(()),
             RankRule::Relative(r) if !(0.0..1.0).contains(&r) => bad("rcond", r, "0 ≤ rcond < 1"),
-            RankRule::Absolute(a) if !(a >= 0.0 && a.is_finite()) => bad("tolerance", a, "a finite number ≥ 0"),
-            RankRule::WidestGap { floor, ceiling, .. } if !(0.0 <= floor && floor < ceiling && ceiling <= 1.0) => {
+            RankRule::Absolute(a) if !(a >= 0.0 && a.is_finite()) => {
+                bad("tolerance", a, "a finite number ≥ 0")
+            }
+            RankRule::WidestGap { floor, ceiling, .. }
+                if !(0.0 <= floor && floor < ceiling && ceiling <= 1.0) =>
+            {
                 bad("floor", floor, "0 ≤ floor < ceiling ≤ 1")
             }
-            RankRule::WidestGap { least, .. } if !(least >= 1.0) => bad("least", least, "a ratio ≥ 1"),
+            RankRule::WidestGap { least, .. } if least < 1.0 || least.is_nan() => {
+                bad("least", least, "a ratio ≥ 1")
+            }
             _ => Ok(()),
         }
     }
@@ -73,7 +79,11 @@ impl RankDecision {
     /// above the tolerance.
     pub fn is_clear(&self) -> bool {
         const CLEAR: f64 = 1e3;
-        if self.dropped == 0 { self.rank == 0 || self.last_kept >= CLEAR * self.tolerance } else { self.gap >= CLEAR }
+        if self.dropped == 0 {
+            self.rank == 0 || self.last_kept >= CLEAR * self.tolerance
+        } else {
+            self.gap >= CLEAR
+        }
     }
 }
 

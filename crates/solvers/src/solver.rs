@@ -73,8 +73,8 @@ pub enum Need {
     Outliers,
     /// Columns that enter or stay out together.
     ColumnGroups,
-    /// The minimiser of the stated sum of squares itself, with no penalty added and no row weighted down.
-    PlainLeastSquares,
+    /// No penalty on the unknowns: the gradient of the squares (as weighted in the end) vanishes.
+    Unpenalised,
 }
 
 impl std::fmt::Display for Need {
@@ -85,7 +85,7 @@ impl std::fmt::Display for Need {
             Need::Bounds => "bounds",
             Need::Outliers => "outliers",
             Need::ColumnGroups => "groups of columns",
-            Need::PlainLeastSquares => "plain least squares",
+            Need::Unpenalised => "the absence of a penalty",
         })
     }
 }

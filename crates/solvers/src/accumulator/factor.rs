@@ -12,7 +12,7 @@
 use crate::dense::{norm, pivoted_qr, singular_values, solve_upper, svd};
 use crate::problem::check_len;
 use crate::solver::status_of_rank;
-use crate::{decide_rank, RankDecision, RankRule, Solution, SolveError, SolverInfo};
+use crate::{RankDecision, RankRule, Solution, SolveError, SolverInfo, decide_rank};
 use nalgebra::{DMatrix, DVector};
 
 /// By what the columns are multiplied before anything is decided.
@@ -71,9 +71,11 @@ impl Factor {
     pub fn multipliers(&self, scale: ColumnScale<'_>) -> Result<Vec<f64>, SolveError> {
         match scale {
             ColumnScale::Unit => Ok(vec![1.0; self.columns()]),
-            ColumnScale::Norms => {
-                Ok(self.column_norms().iter().map(|n| if *n >= f64::MIN_POSITIVE { 1.0 / n } else { 1.0 }).collect())
-            }
+            ColumnScale::Norms => Ok(self
+                .column_norms()
+                .iter()
+                .map(|n| if *n >= f64::MIN_POSITIVE { 1.0 / n } else { 1.0 })
+                .collect()),
             ColumnScale::Given(s) => {
                 check_len("scale", self.columns(), s.len())?;
                 match s.iter().position(|s| !s.is_finite() || *s <= 0.0) {
@@ -111,7 +113,12 @@ impl Factor {
     }
 
     /// Basic solution of right-hand side `k` by pivoted QR: columns that depend on others get zero.
-    pub fn solve_pivoted(&self, k: usize, scale: ColumnScale<'_>, rule: RankRule) -> Result<Solution, SolveError> {
+    pub fn solve_pivoted(
+        &self,
+        k: usize,
+        scale: ColumnScale<'_>,
+        rule: RankRule,
+    ) -> Result<Solution, SolveError> {
         rule.validate()?;
         let s = self.multipliers(scale)?;
         let qr = pivoted_qr(&self.scaled(&s), &self.z.columns(k, 1).into_owned());
@@ -128,7 +135,12 @@ impl Factor {
     }
 
     /// Solution of right-hand side `k` of least norm in the scaled unknowns, by truncated SVD.
-    pub fn solve_svd(&self, k: usize, scale: ColumnScale<'_>, rule: RankRule) -> Result<Solution, SolveError> {
+    pub fn solve_svd(
+        &self,
+        k: usize,
+        scale: ColumnScale<'_>,
+        rule: RankRule,
+    ) -> Result<Solution, SolveError> {
         rule.validate()?;
         let s = self.multipliers(scale)?;
         let parts = svd(&self.scaled(&s))?;
@@ -137,21 +149,37 @@ impl Factor {
         let inner = DVector::from_fn(decision.rank, |i, _| turned[i] / parts.d[i]);
         let mut x = parts.v.columns(0, decision.rank) * inner;
         x.iter_mut().zip(&s).for_each(|(x, s)| *x *= s);
+        self.clear_zero_columns(&mut x);
         Ok(self.solution(k, x, parts.d, decision, None))
+    }
+
+    /// Zero for zero columns, to which the SVD gives round-off.
+    pub(crate) fn clear_zero_columns(&self, x: &mut DVector<f64>) {
+        for (x, n) in x.iter_mut().zip(self.column_norms()) {
+            if n < f64::MIN_POSITIVE {
+                *x = 0.0;
+            }
+        }
     }
 
     /// minimise ‖A x − y_k‖² + λ ‖x / s‖².
     pub fn solve_ridge(&self, k: usize, scale: ColumnScale<'_>, lambda: f64) -> Result<Solution, SolveError> {
         if !(lambda >= 0.0 && lambda.is_finite()) {
-            return Err(SolveError::BadOption { option: "lambda", value: lambda, expected: "a finite number ≥ 0" });
+            return Err(SolveError::BadOption {
+                option: "lambda",
+                value: lambda,
+                expected: "a finite number ≥ 0",
+            });
         }
         let s = self.multipliers(scale)?;
         let parts = svd(&self.scaled(&s))?;
         let decision = self.decide(&parts.d, RankRule::Default);
         let turned = parts.u.tr_mul(&self.z.column(k));
-        let inner = DVector::from_fn(decision.rank, |i, _| parts.d[i] * turned[i] / (parts.d[i].powi(2) + lambda));
+        let inner =
+            DVector::from_fn(decision.rank, |i, _| parts.d[i] * turned[i] / (parts.d[i].powi(2) + lambda));
         let mut x = parts.v.columns(0, decision.rank) * inner;
         x.iter_mut().zip(&s).for_each(|(x, s)| *x *= s);
+        self.clear_zero_columns(&mut x);
         let used = parts.d[..decision.rank].iter().map(|d| d * d / (d * d + lambda)).sum();
         let mut solution = self.solution(k, x, parts.d, decision, None);
         solution.info.strength = Some(lambda);

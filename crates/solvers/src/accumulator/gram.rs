@@ -11,12 +11,12 @@
 //! It squares the condition number: singular values below √(p ε) of the largest are round-off, which the factor says
 //! as its `resolution`. Take [`Triangular`](super::Triangular) wherever a rank is in question.
 
-use super::bytes::{read, write, Stored};
-use super::triangular::check_finite;
 use super::Factor;
-use crate::dense::{fold, gram, svd, Reflectors};
-use crate::problem::check_len;
+use super::bytes::{Stored, read, write};
+use super::triangular::check_finite;
 use crate::SolveError;
+use crate::dense::{Reflectors, fold, gram, svd};
+use crate::problem::check_len;
 use faer::MatMut;
 use nalgebra::DMatrix;
 
@@ -35,7 +35,12 @@ pub struct Gram {
 impl Gram {
     /// An empty accumulator of `columns` unknowns and `rhs` right-hand sides.
     pub fn new(columns: usize, rhs: usize) -> Self {
-        Self { g: DMatrix::zeros(columns, columns), h: DMatrix::zeros(columns, rhs), q: vec![0.0; rhs], rows: 0 }
+        Self {
+            g: DMatrix::zeros(columns, columns),
+            h: DMatrix::zeros(columns, rhs),
+            q: vec![0.0; rhs],
+            rows: 0,
+        }
     }
 
     /// Number of rows seen.
@@ -138,11 +143,13 @@ impl Gram {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accumulator::{ColumnScale, Triangular};
     use crate::RankRule;
+    use crate::accumulator::{ColumnScale, Triangular};
 
     fn block(rows: usize, columns: usize, seed: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(rows, columns, |i, j| ((i * 31 + j * 17 + seed * 5 + i * j) as f64 * 0.9).sin() * 10f64.powi(3 * j as i32))
+        DMatrix::from_fn(rows, columns, |i, j| {
+            ((i * 31 + j * 17 + seed * 5 + i * j) as f64 * 0.9).sin() * 10f64.powi(3 * j as i32)
+        })
     }
 
     #[test]
@@ -159,7 +166,9 @@ mod tests {
             assert!((want.r.column(j) - have.r.column(j)).norm() < 1e-12 * want.r.column(j).norm());
         }
         for k in 0..2 {
-            assert!((want.rss[k] - have.rss[k]).abs() < 1e-11 * (want.rss[k] + want.z.column(k).norm_squared()));
+            assert!(
+                (want.rss[k] - have.rss[k]).abs() < 1e-11 * (want.rss[k] + want.z.column(k).norm_squared())
+            );
         }
         assert_eq!(left.rows(), 400);
     }

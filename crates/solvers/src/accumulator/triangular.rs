@@ -9,11 +9,11 @@
 //!
 //! Source: Demmel, Grigori, Hoemmen and Langou (2012). Rows are kept in a buffer and folded in blocks.
 
-use super::bytes::{read, write, Stored};
 use super::Factor;
-use crate::dense::{fold, norm, Reflectors};
+use super::bytes::{Stored, read, write};
+use crate::dense::{Reflectors, fold, norm};
 use crate::problem::check_len;
-use crate::SolveError;
+use crate::{LeastSquares, SolveError};
 use faer::MatMut;
 use nalgebra::DMatrix;
 
@@ -130,6 +130,18 @@ impl Triangular {
         Ok(made)
     }
 
+    /// Takes in the weighted rows of a problem that has been validated.
+    pub(crate) fn take_problem(&mut self, problem: &LeastSquares<'_>) {
+        let (a, y) = (problem.a, problem.y);
+        match problem.weights {
+            None => self.take(a.nrows(), |i, j| if j < a.ncols() { a[(i, j)] } else { y[i] }),
+            Some(weights) => {
+                let roots: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
+                self.take(a.nrows(), |i, j| roots[i] * if j < a.ncols() { a[(i, j)] } else { y[i] });
+            }
+        }
+    }
+
     fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
         let mut from = 0;
         while from < rows {
@@ -226,7 +238,10 @@ mod tests {
         let mut merged = parts.remove(3);
         parts.iter().for_each(|p| merged.merge(p).unwrap());
         check(&merged.finish(), &a, &y);
-        assert!((merged.finish().r - whole.finish().r).amax() < 1e-12, "the sign of the diagonal is normalised");
+        assert!(
+            (merged.finish().r - whole.finish().r).amax() < 1e-12,
+            "the sign of the diagonal is normalised"
+        );
     }
 
     #[test]
@@ -249,7 +264,10 @@ mod tests {
         let back = Triangular::from_bytes(&t.to_bytes()).unwrap();
         assert_eq!(back.finish(), t.finish());
         assert!(Triangular::from_bytes(&t.to_bytes()[1..]).is_err());
-        assert!(matches!(t.update_rows(&[0.0, 0.0, f64::NAN, 0.0, 1.0]), Err(SolveError::NotFinite { column: 2, .. })));
+        assert!(matches!(
+            t.update_rows(&[0.0, 0.0, f64::NAN, 0.0, 1.0]),
+            Err(SolveError::NotFinite { column: 2, .. })
+        ));
         assert!(matches!(t.update_rows(&[0.0; 7]), Err(SolveError::Shape { expected: 10, found: 7, .. })));
         assert_eq!(back.finish(), t.finish(), "a refused update leaves no trace");
     }

@@ -121,7 +121,13 @@ fn panel(
         product.rb_mut(),
         turned.rb_mut(),
     );
-    panel(top.submatrix_mut(half, half, rest, rest), right.rb_mut(), s22.rb_mut(), product.rb_mut(), turned.rb_mut());
+    panel(
+        top.submatrix_mut(half, half, rest, rest),
+        right.rb_mut(),
+        s22.rb_mut(),
+        product.rb_mut(),
+        turned.rb_mut(),
+    );
     // S12 = −S11 (V1ᵀ V2) S22; the identities of V1 and V2 do not overlap.
     let mut w = product.submatrix_mut(0, 0, half, rest);
     let mut t = turned.submatrix_mut(0, 0, half, rest);

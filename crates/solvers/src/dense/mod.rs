@@ -9,10 +9,10 @@ mod singular;
 mod triangle;
 
 pub(crate) use cholesky::{cholesky, gram};
-pub(crate) use householder::{fold, Reflectors};
+pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
-pub(crate) use pivoted::{pivoted_qr, Pivoted};
-pub(crate) use singular::{singular_values, svd, Svd};
+pub(crate) use pivoted::pivoted_qr;
+pub(crate) use singular::{singular_values, svd};
 pub(crate) use triangle::{solve_upper, solve_upper_transposed};
 
 use faer::{Mat, MatRef};

@@ -38,7 +38,11 @@ pub(crate) fn pivoted_qr(m: &DMatrix<f64>, z: &DMatrix<f64>) -> Pivoted {
     let (rows, cols) = m.shape();
     let size = rows.min(cols);
     if size == 0 {
-        return Pivoted { r: DMatrix::zeros(0, cols), z: DMatrix::zeros(0, z.ncols()), order: (0..cols).collect() };
+        return Pivoted {
+            r: DMatrix::zeros(0, cols),
+            z: DMatrix::zeros(0, z.ncols()),
+            order: (0..cols).collect(),
+        };
     }
     let by = tame(m);
     let mut qr = tamed(m, by);
@@ -75,7 +79,9 @@ mod tests {
 
     #[test]
     fn rebuilds_the_matrix_and_orders_the_pivots() {
-        let m = DMatrix::from_fn(6, 4, |i, j| ((i * 7 + j * 3) % 5) as f64 + if j == 2 { 1e-9 * i as f64 } else { 0.0 });
+        let m = DMatrix::from_fn(6, 4, |i, j| {
+            ((i * 7 + j * 3) % 5) as f64 + if j == 2 { 1e-9 * i as f64 } else { 0.0 }
+        });
         let p = pivoted_qr(&m, &DMatrix::identity(6, 6));
         let back = p.z.transpose() * &p.r;
         for (place, &column) in p.order.iter().enumerate() {

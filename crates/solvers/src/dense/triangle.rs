@@ -34,6 +34,8 @@ mod tests {
         let r = DMatrix::from_row_slice(3, 3, &[2.0, 1.0, -1.0, 0.0, 3.0, 0.5, 0.0, 0.0, 4.0]);
         let b = [1.0, 2.0, 3.0];
         assert!((&r * solve_upper(&r, &b) - DVector::from_column_slice(&b)).norm() < 1e-15);
-        assert!((r.transpose() * solve_upper_transposed(&r, &b) - DVector::from_column_slice(&b)).norm() < 1e-15);
+        assert!(
+            (r.transpose() * solve_upper_transposed(&r, &b) - DVector::from_column_slice(&b)).norm() < 1e-15
+        );
     }
 }
