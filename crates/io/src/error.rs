@@ -101,7 +101,9 @@ impl IoError {
     /// The line that the error is about, from 1, where there is one.
     pub fn line_number(&self) -> Option<u64> {
         match self {
-            IoError::Text { line, .. } | IoError::Line { line, .. } | IoError::Cell { line, .. } => Some(*line),
+            IoError::Text { line, .. } | IoError::Line { line, .. } | IoError::Cell { line, .. } => {
+                Some(*line)
+            }
             _ => None,
         }
     }

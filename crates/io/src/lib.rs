@@ -2,10 +2,13 @@
 
 mod error;
 mod nearest;
+mod robot;
 mod text;
+mod toml_tree;
 mod unit;
 mod write_whole;
 
 pub use error::{IoError, Warning};
+pub use robot::{RobotOptions, read_robot, robot_toml};
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, check_writable, write_whole};

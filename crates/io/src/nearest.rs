@@ -6,7 +6,7 @@ pub(crate) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) 
     known
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(&word, &candidate.to_lowercase()), candidate))
-        .filter(|(distance, candidate)| *distance <= 1 + candidate.chars().count().max(word.chars().count()) / 4)
+        .filter(|(distance, candidate)| *distance <= candidate.chars().count().max(word.chars().count()) / 3)
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
 }
@@ -36,6 +36,7 @@ mod tests {
         assert_eq!(nearest("lenght", known), Some("length"));
         assert_eq!(nearest("Angle", known), Some("angle"));
         assert_eq!(nearest("mass", known), None);
+        assert_eq!(nearest("j9", ["j1", "j2"]), None);
         assert_eq!(meant("angel", known), "; did you mean `angle`?");
         assert_eq!(listed(known), "length, angle");
         assert_eq!(listed([]), "none");

@@ -72,7 +72,9 @@ pub(crate) fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16; save the file as UTF-8"),
         [0x1f, 0x8b, ..] => Some("is compressed (gzip); unpack it first"),
         [b'P', b'K', 3, 4, ..] => Some("is a zip archive or a spreadsheet; export it as text (UTF-8) first"),
-        [b'P', b'A', b'R', b'1', ..] => Some("is a Parquet file, which this version does not read; export it as CSV"),
+        [b'P', b'A', b'R', b'1', ..] => {
+            Some("is a Parquet file, which this version does not read; export it as CSV")
+        }
         _ => None,
     }
 }
@@ -97,7 +99,10 @@ mod tests {
         let path = folder.path().join("robot.toml");
         std::fs::write(&path, b"name = \"a\"\nx = \"\xfc\"\n").unwrap();
         let message = Text::read(&path).unwrap_err().to_string();
-        assert!(message.ends_with("robot.toml:2:6: byte 0xFC is not UTF-8; save the file as UTF-8"), "{message}");
+        assert!(
+            message.ends_with("robot.toml:2:6: byte 0xFC is not UTF-8; save the file as UTF-8"),
+            "{message}"
+        );
         std::fs::write(&path, b"\xef\xbb\xbfx = 1").unwrap();
         assert_eq!(Text::read(&path).unwrap().text, "x = 1");
         std::fs::write(&path, b"\xff\xfex\0").unwrap();

@@ -72,7 +72,10 @@ impl WholeFile {
             path.to_path_buf()
         };
         if existing.as_ref().is_some_and(|metadata| metadata.permissions().readonly()) {
-            return Err(IoError::Write { file: path.into(), message: "the existing file is read-only".into() });
+            return Err(IoError::Write {
+                file: path.into(),
+                message: "the existing file is read-only".into(),
+            });
         }
         let folder = match onto.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
