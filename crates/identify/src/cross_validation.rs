@@ -140,13 +140,19 @@ impl Work<'_> {
             let mut others = before.clone();
             others.merge(&after[parts.len() - 1 - fold])?;
             before.merge(part)?;
-            let factor = others.finish().restricted(&self.fit.reduction.kept)?;
+            let factor = self.with_prior(&others.finish().restricted(&self.fit.reduction.kept)?)?;
             match triangle_solve(&factor) {
                 Some(change) => steps.push(Step { change: self.expand(&change), refitted: false }),
                 None => steps.push(self.again(&members[fold])?),
             }
         }
         Ok(steps)
+    }
+
+    /// A factor over the kept columns with the rows of the prior, which belong to no fold.
+    fn with_prior(&self, factor: &Factor) -> Result<Factor, IdentifyError> {
+        let at = self.fit.reduction.grouped(self.fit.fitted.coefficients());
+        self.fit.prior.joined(factor, &at)
     }
 
     /// The block formula.
@@ -167,7 +173,7 @@ impl Work<'_> {
         let residual: DVector<f64> = whole.column(kept.len()).into_owned();
         let a = whole.columns(0, kept.len());
         // V = R⁻ᵀ A_Fᵀ, so that H = Vᵀ V and G⁻¹ A_Fᵀ = R⁻¹ V.
-        let r = &self.fit.factor.r;
+        let r = &self.with_prior(&self.fit.factor)?.r;
         let Some(v) = r.tr_solve_upper_triangular(&a.transpose()) else { return self.again(out) };
         let rest = DMatrix::identity(rows, rows) - v.tr_mul(&v);
         let Some(cholesky) = rest.cholesky() else { return self.again(out) };
@@ -188,7 +194,7 @@ impl Work<'_> {
         let rest = self.data.select(&rows);
         let options = FitOptions { noise: NoiseSource::Fixed(self.fit.noise), ..FitOptions::default() };
         let model = self.fit.fitted.model();
-        let other = refit(model, &rest, self.solver, &options, &self.fit.reduction)?;
+        let other = refit(model, &rest, self.solver, &options, &self.fit.reduction, &self.fit.prior)?;
         let change =
             other.fitted.coefficients().iter().zip(self.fit.fitted.coefficients()).map(|(a, b)| a - b);
         Ok(Step { change: change.collect(), refitted: true })

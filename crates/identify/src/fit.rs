@@ -7,12 +7,17 @@
 //! | A | whitened design matrix at c | m × p | 1 per unit |
 //! | r | whitened y − y(c) | m | 1 |
 //!
-//! Each round solves `min ‖A B β − (r + A c)‖` for the grouped errors themselves, not for their change: so a solver
-//! with a prior or with bounds means the errors. The first round alone is the paper's linear fit.
+//! | W | prior, see [`crate::Prior`] | r × r | 1 per unit |
+//!
+//! Each round solves `min ‖A B β − (r + A c)‖² + ‖W β‖²` for the grouped errors themselves, not for their change: so a
+//! solver with bounds means the errors. The second term leaves alone what the data determines, and keeps directions
+//! that it hardly excites from running away: the posterior standard deviation of a direction is never above its
+//! prior one (statistics 6.1). A step that makes things worse is halved. The first round alone, without a
+//! prior, is the paper's linear fit.
 
 use crate::linearise::{collect, factorise};
-use crate::reduction::{Reduction, drop_weak, reduce};
-use crate::{IdentifyError, NoiseModel, Residuals, Spread, estimate_noise};
+use crate::reduction::{Reduction, reduce};
+use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread, estimate_noise};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use truepose_errormodel::{Dataset, Domain, ErrorModel, FittedModel, Noise, Visits};
@@ -28,8 +33,8 @@ pub struct FitOptions {
     pub max_rounds: usize,
     /// How ranks are decided.
     pub rank: RankRule,
-    /// Drop directions that the data excites too weakly to say anything about.
-    pub drop_weak: bool,
+    /// How strongly coefficients are held to their expected sizes.
+    pub prior: PriorStrength,
     /// Where standard deviations come from.
     pub noise: NoiseSource,
 }
@@ -47,9 +52,9 @@ impl Default for FitOptions {
     fn default() -> Self {
         FitOptions {
             refine: true,
-            max_rounds: 30,
+            max_rounds: 500,
             rank: RankRule::Default,
-            drop_weak: true,
+            prior: PriorStrength::Evidence,
             noise: NoiseSource::Estimate,
         }
     }
@@ -62,6 +67,11 @@ impl FitOptions {
     /// Names the option that is out of its range.
     pub fn validate(&self) -> Result<(), IdentifyError> {
         self.rank.validate()?;
+        if let PriorStrength::Fixed(kappa) = self.prior
+            && !(kappa.is_finite() && kappa > 0.0)
+        {
+            return Err(IdentifyError::Option { option: "prior", value: kappa, expected: "above 0" });
+        }
         if self.max_rounds == 0 {
             return Err(IdentifyError::Option { option: "max_rounds", value: 0.0, expected: "at least 1" });
         }
@@ -82,6 +92,8 @@ pub struct Fit {
     pub residuals: Residuals,
     /// Whitened triangular factor of `[A B | r + A c]` at the solution: the small problem that says it all.
     pub factor: Factor,
+    /// The prior on the grouped errors, with the κ that was used.
+    pub prior: Prior,
     /// Rounds that were taken.
     pub rounds: usize,
     /// Whether the last round moved nothing any more.
@@ -160,21 +172,13 @@ pub fn fit(
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
     let factor = state.linearise()?;
-    let mut reduction = reduce(model, data, &factor, options.rank)?;
-    let mut outcome = state.rounds(&reduction, Some(factor))?;
-    if options.drop_weak && !reduction.kept.is_empty() {
-        let absolute = state.absolute(&state.linearise()?, &state.coefficients);
-        let lean = drop_weak(&reduction, model, &absolute)?;
-        if lean.kept != reduction.kept {
-            reduction = lean;
-            state.coefficients.fill(0.0);
-            outcome = state.rounds(&reduction, None)?;
-        }
-    }
+    let reduction = reduce(model, data, &factor, options.rank)?;
+    state.prior = Prior::new(model, &reduction, options.prior);
+    let outcome = state.rounds(&reduction, factor)?;
     state.finish(reduction, outcome)
 }
 
-/// Fits with a reduction that is already known; nothing about the structure is decided again.
+/// Fits with a reduction and a prior that are already known; nothing about the structure is decided again.
 ///
 /// # Errors
 /// As [`fit`].
@@ -184,10 +188,14 @@ pub fn refit(
     solver: &dyn Solver,
     options: &FitOptions,
     reduction: &Reduction,
+    prior: &Prior,
 ) -> Result<Fit, IdentifyError> {
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
-    let outcome = state.rounds(reduction, None)?;
+    state.prior = prior.clone();
+    state.options.prior = PriorStrength::Fixed(prior.kappa);
+    let factor = state.linearise()?;
+    let outcome = state.rounds(reduction, factor)?;
     state.finish(reduction.clone(), outcome)
 }
 
@@ -196,9 +204,10 @@ struct State<'a> {
     data: &'a Dataset,
     visits: &'a Visits,
     solver: &'a dyn Solver,
-    options: &'a FitOptions,
+    options: FitOptions,
     observations: usize,
     noise: NoiseModel,
+    prior: Prior,
     coefficients: Vec<f64>,
 }
 
@@ -206,6 +215,8 @@ struct Outcome {
     solution: Solution,
     rounds: usize,
     converged: bool,
+    /// At the last coefficients.
+    factor: Factor,
 }
 
 impl<'a> State<'a> {
@@ -214,7 +225,7 @@ impl<'a> State<'a> {
         data: &'a Dataset,
         visits: &'a Visits,
         solver: &'a dyn Solver,
-        options: &'a FitOptions,
+        options: &FitOptions,
     ) -> Result<Self, IdentifyError> {
         options.validate()?;
         data.validate(model.chain())?;
@@ -227,7 +238,9 @@ impl<'a> State<'a> {
             NoiseSource::Fixed(noise) => noise,
         };
         let coefficients = vec![0.0; model.columns().len()];
-        Ok(State { model, data, visits, solver, options, observations, noise, coefficients })
+        let prior = Prior::new(model, &Reduction::none(coefficients.len()), PriorStrength::None);
+        let options = options.clone();
+        Ok(State { model, data, visits, solver, options, observations, noise, prior, coefficients })
     }
 
     fn linearise(&self) -> Result<Factor, IdentifyError> {
@@ -243,31 +256,80 @@ impl<'a> State<'a> {
     }
 
     /// Gauss–Newton rounds, with the noise estimated between them.
-    fn rounds(&mut self, reduction: &Reduction, first: Option<Factor>) -> Result<Outcome, IdentifyError> {
-        let kept_scales: Vec<f64> = reduction.kept.iter().map(|&c| self.model.columns()[c].scale).collect();
-        let mut factor = match first {
-            Some(factor) => factor,
-            None => self.linearise()?,
-        };
+    fn rounds(&mut self, reduction: &Reduction, first: Factor) -> Result<Outcome, IdentifyError> {
+        /// Steps (in standard deviations, relative) below which nothing moves, and below which the noise is looked at.
+        const STILL: f64 = 1e-8;
+        const FIRST_LOOK: f64 = 0.1;
+        const NEAR: f64 = 1e-4;
+        const MOST_LOOKS: usize = 15;
+        const FIRST_DAMPING: f64 = 1e-4;
+        // A penalty that only the solver knows, or weights that it changes, make no objective to hold steps against.
+        let guarded = self.options.refine
+            && self.solver.supports(Need::Unpenalised)
+            && !self.solver.supports(Need::Outliers);
+        let scales: Vec<f64> = reduction.kept.iter().map(|&c| self.model.columns()[c].scale).collect();
         let limit = if self.options.refine { self.options.max_rounds } else { 1 };
+        // Noise and prior are looked at when steps have become short, the more often the less they still change.
+        let mut near = FIRST_LOOK;
+        let mut factor = first;
+        let mut damping = 0.0;
+        let (mut flat, mut looks) = (0, 0);
         let mut rounds = 0;
-        let mut noise_settled = self.options.noise != NoiseSource::Estimate;
         loop {
             rounds += 1;
-            let (solution, next) = self.solve(reduction, &factor, &kept_scales)?;
-            let moved = self.step(&factor, &next);
-            self.coefficients = next;
-            if !noise_settled {
-                let noise = self.estimate(reduction)?;
-                noise_settled = settled(&self.noise, &noise) || rounds > 8;
-                self.noise = noise;
+            let before = self.objective(reduction, &factor, &self.coefficients);
+            let (solution, target) = self.solve(reduction, &factor, &scales, damping)?;
+            let mut moved = self.step(&factor, &target);
+            let start = std::mem::replace(&mut self.coefficients, target);
+            let next = self.linearise()?;
+            let after = self.objective(reduction, &next, &self.coefficients);
+            if guarded && moved > STILL && after > before * (1.0 + 1e-12) && rounds < limit {
+                // Too far for the linear picture: the same point again, with a shorter step.
+                self.coefficients = start;
+                damping = (10.0 * damping).max(FIRST_DAMPING);
+                continue;
             }
-            let still = moved < 1e-9;
-            if (still && noise_settled) || rounds >= limit {
-                return Ok(Outcome { solution, rounds, converged: still || !self.options.refine });
+            damping = if damping > FIRST_DAMPING { 0.2 * damping } else { 0.0 };
+            factor = next;
+            // In a flat valley steps stay long while nothing is gained any more: that is the end, too.
+            flat = if guarded && before - after < 1e-10 * before { flat + 1 } else { 0 };
+            if flat >= 3 {
+                moved = 0.0;
             }
-            factor = self.linearise()?;
+            let last = rounds >= limit;
+            if moved < near || last {
+                near = NEAR.min(near);
+                looks += 1;
+                let mut settled = true;
+                if self.options.noise == NoiseSource::Estimate {
+                    let noise = self.estimate(reduction)?;
+                    settled &= alike(&self.noise, &noise);
+                    self.noise = noise;
+                    factor = self.linearise()?;
+                }
+                if self.options.prior == PriorStrength::Evidence {
+                    let inner = self.absolute(&factor, &self.coefficients).restricted(&reduction.kept)?;
+                    let prior = self.prior.from_evidence(&inner)?;
+                    settled &= (prior.kappa / self.prior.kappa).ln().abs() < 1e-2;
+                    self.prior = prior;
+                }
+                if settled || looks > MOST_LOOKS {
+                    settled = true;
+                    near = STILL;
+                }
+                if (settled && moved < STILL) || last {
+                    let converged = moved < STILL || !self.options.refine;
+                    return Ok(Outcome { solution, rounds, converged, factor });
+                }
+            }
         }
+    }
+
+    /// Whitened squares at the point of linearisation, prior included.
+    fn objective(&self, reduction: &Reduction, factor: &Factor, at: &[f64]) -> f64 {
+        let prior =
+            if self.solver.supports(Need::Outliers) { 0.0 } else { self.prior.penalty(&reduction.grouped(at)) };
+        factor.z.column(0).norm_squared() + factor.rss[0] + prior
     }
 
     /// One solve for the grouped errors: the new coefficients.
@@ -276,18 +338,21 @@ impl<'a> State<'a> {
         reduction: &Reduction,
         factor: &Factor,
         scales: &[f64],
+        damping: f64,
     ) -> Result<(Solution, Vec<f64>), IdentifyError> {
         let columns = self.model.columns().len();
         let solution = if self.solver.supports(Need::Outliers) {
             let rows = collect(self.model, self.data, self.visits, self.noise, &self.coefficients)?;
             let y = &rows.residual + &rows.a * DVector::from_column_slice(&self.coefficients);
-            let a = reduction.select(&rows.a);
-            let problem = LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&rows.visit);
+            let (a, y) = self.with_prior(reduction.select(&rows.a), y);
+            let mut groups = rows.visit;
+            groups.extend((0..a.nrows() - groups.len()).map(|k| self.visits.len() + k));
+            let problem = LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&groups);
             self.solver.solve(&problem)?
         } else {
             let small = self.absolute(factor, &self.coefficients);
-            let a = reduction.select(&small.r);
-            let y: DVector<f64> = small.z.column(0).into_owned();
+            let (a, y) = self.with_prior(reduction.select(&small.r), small.z.column(0).into_owned());
+            let (a, y) = self.damped(a, y, &reduction.grouped(&self.coefficients), damping);
             self.solver.solve(&LeastSquares::new(&a, &y).with_scale(scales))?
         };
         if !solution.x.iter().all(|v| v.is_finite()) {
@@ -298,6 +363,31 @@ impl<'a> State<'a> {
         }
         let next = reduction.expand(solution.x.as_slice(), columns);
         Ok((solution, next))
+    }
+
+    /// The problem with the rows of the prior, `W β = 0`.
+    fn with_prior(&self, a: DMatrix<f64>, y: DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+        let Some(prior) = self.prior.rows() else { return (a, y) };
+        let rows = a.nrows();
+        let more = prior.nrows();
+        let mut a = a.resize_vertically(rows + more, 0.0);
+        a.rows_mut(rows, more).copy_from(&prior);
+        (a, y.resize_vertically(rows + more, 0.0))
+    }
+
+    /// The problem with rows that hold the unknowns where they are, `√λ W₁ (β − β_now) = 0` (Levenberg, Marquardt),
+    /// measured in expected sizes.
+    fn damped(&self, a: DMatrix<f64>, y: DVector<f64>, now: &[f64], damping: f64) -> (DMatrix<f64>, DVector<f64>) {
+        if damping <= 0.0 {
+            return (a, y);
+        }
+        let hold = self.prior.unit_rows() * damping.sqrt();
+        let (rows, more) = (a.nrows(), hold.nrows());
+        let mut a = a.resize_vertically(rows + more, 0.0);
+        let mut y = y.resize_vertically(rows + more, 0.0);
+        y.rows_mut(rows, more).copy_from(&(&hold * DVector::from_column_slice(now)));
+        a.rows_mut(rows, more).copy_from(&hold);
+        (a, y)
     }
 
     /// How far a step goes, in standard deviations of the data or relative to its size, whichever is finer.
@@ -327,12 +417,12 @@ impl<'a> State<'a> {
 
     fn finish(self, reduction: Reduction, outcome: Outcome) -> Result<Fit, IdentifyError> {
         let columns = self.model.columns().len();
-        let at_solution = self.linearise()?;
-        let absolute = self.absolute(&at_solution, &self.coefficients).restricted(&reduction.kept)?;
+        let absolute = self.absolute(&outcome.factor, &self.coefficients).restricted(&reduction.kept)?;
         let grouped =
             DVector::from_iterator(reduction.rank(), reduction.kept.iter().map(|&c| self.coefficients[c]));
         let chi_square = absolute.residual_norm(0, &grouped).powi(2);
-        let covariance = spread_out(&inverse_gram(&absolute.r), &reduction.kept, columns);
+        let joined = self.prior.joined(&absolute, &vec![0.0; reduction.rank()])?;
+        let covariance = spread_out(&inverse_gram(&joined.r), &reduction.kept, columns);
         let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
         fitted.channels = self.data.schema.channels.clone();
         fitted.domain = Domain::of(self.data);
@@ -354,6 +444,7 @@ impl<'a> State<'a> {
             noise: self.noise,
             residuals,
             factor: absolute,
+            prior: self.prior,
             rounds: outcome.rounds,
             converged: outcome.converged,
             observations: self.observations,
@@ -364,7 +455,7 @@ impl<'a> State<'a> {
     }
 }
 
-fn settled(old: &NoiseModel, new: &NoiseModel) -> bool {
+fn alike(old: &NoiseModel, new: &NoiseModel) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-13;
     close(old.position_sd, new.position_sd)
         && close(old.visit_sd, new.visit_sd)

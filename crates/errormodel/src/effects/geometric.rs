@@ -7,6 +7,10 @@ use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, Posture, Site, TargetId};
 
+/// Expected size of an angle, rad; lengths are expected at this share of the arm's characteristic length, so that all
+/// columns move the end of the arm about equally far.
+pub(super) const EXPECTED_ANGLE: f64 = 5e-4;
+
 /// A frame, or all targets: the members of the `frames` list of a declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -76,7 +80,7 @@ impl Effect for Geometric {
         let mut columns = Vec::new();
         self.for_each_site(chain, |site| {
             let axis = site.axis();
-            let scale = if axis.is_rotation() { 1e-3 / length } else { 1e-3 };
+            let scale = if axis.is_rotation() { EXPECTED_ANGLE } else { EXPECTED_ANGLE * length };
             columns.push(Column {
                 name: chain.site_word(site),
                 unit: axis.unit().into(),

@@ -39,7 +39,7 @@ impl Effect for JointCompliance {
                 let joint = chain.joint(id);
                 let (unit, scale) = match joint.kind {
                     JointKind::Prismatic => ("m/N", 1e-7),
-                    _ => ("rad/(N*m)", 3e-6),
+                    _ => ("rad/(N*m)", 1e-5),
                 };
                 Column::new(format!("compliance {}", joint.name), unit, scale)
             })

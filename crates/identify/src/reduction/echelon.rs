@@ -27,6 +27,9 @@ const REACHES: f64 = 1e-3;
 /// Reduced row echelon form of `null` (p × k, orthonormal columns), with columns preferred in this order.
 pub fn echelon(null: &DMatrix<f64>, preference: &[usize]) -> Echelon {
     let (p, k) = null.shape();
+    if k == 0 {
+        return Echelon { dropped: Vec::new(), relations: DMatrix::zeros(0, p) };
+    }
     let mut rows = null.transpose();
     let mut dropped = Vec::with_capacity(k);
     let mut left = k;

@@ -62,8 +62,6 @@ pub enum Cause {
     Structural,
     /// This data set excites their difference not at all.
     Unexcited,
-    /// This data set excites their difference so little that its estimate would be worse than knowing nothing.
-    Weak,
 }
 
 /// A grouped error: the kept column and what passes into it.
@@ -103,6 +101,11 @@ impl Reduction {
     /// The columns of a p-column matrix that are kept.
     pub fn select(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         matrix.select_columns(&self.kept)
+    }
+
+    /// β of the model's coefficients, when the dropped ones are zero.
+    pub fn grouped(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.kept.iter().map(|&column| coefficients[column]).collect()
     }
 
     /// β as the model's coefficients: kept ones in their places, zero elsewhere.
@@ -151,36 +154,6 @@ pub fn reduce(
     drop_more(&mut reduction, &unexcited.basis, &order, &scales, Cause::Unexcited);
     regroup(&mut reduction);
     Ok(reduction)
-}
-
-/// Drops the directions that the data excites so little that their estimate would be worse than the expected
-/// sizes of the columns: posterior standard deviation above the prior one, and nothing significant in the data that
-/// speaks for them (statistics 6.1). `factor` is whitened, with absolute coefficients on its right-hand side.
-///
-/// # Errors
-/// When a factorisation fails.
-pub fn drop_weak(
-    reduction: &Reduction,
-    model: &ErrorModel,
-    factor: &Factor,
-) -> Result<Reduction, IdentifyError> {
-    /// Standard errors beyond which a weak direction is believed in all the same.
-    const BELIEVED: f64 = 3.0;
-    let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-    let inner = factor.restricted(&reduction.kept)?;
-    let inner_scales: Vec<f64> = reduction.kept.iter().map(|&c| scales[c]).collect();
-    let turned = inner.directions(ColumnScale::Given(&inner_scales))?;
-    let weak: Vec<usize> = (0..turned.values.len())
-        .filter(|&k| turned.values[k] < 1.0 && turned.projections[k].abs() < BELIEVED)
-        .collect();
-    let mut reduced = reduction.clone();
-    if weak.is_empty() {
-        return Ok(reduced);
-    }
-    let basis = turned.vectors.select_columns(&weak);
-    drop_more(&mut reduced, &basis, &preference(model), &scales, Cause::Weak);
-    regroup(&mut reduced);
-    Ok(reduced)
 }
 
 /// Relations of a null space over all columns.

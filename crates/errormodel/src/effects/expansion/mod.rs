@@ -18,6 +18,7 @@ mod factor;
 pub use basis::Basis;
 pub use factor::{Factor, Input};
 
+use super::geometric::EXPECTED_ANGLE;
 use super::{frame_exists, joint_exists, joint_moves, target_exists};
 use crate::{Column, Effect, Emission, ModelError, Signal};
 use serde::{Deserialize, Serialize};
@@ -180,7 +181,7 @@ impl Effect for Expansion {
         let length = chain.characteristic_length();
         let mut columns = Vec::with_capacity(self.places() * words.len());
         let mut place = |word: &str, rotation: bool, site: Option<Site>| {
-            let (unit, expected) = if rotation { ("rad", 1e-3 / length) } else { ("m", 1e-3) };
+            let (unit, expected) = if rotation { ("rad", EXPECTED_ANGLE) } else { ("m", EXPECTED_ANGLE * length) };
             for ((product, per), size) in words.iter().zip(&units).zip(&sizes) {
                 columns.push(Column {
                     name: if product.is_empty() { word.into() } else { format!("{word} · {product}") },
