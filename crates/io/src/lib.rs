@@ -1,16 +1,23 @@
 //! truepose-io
 
 mod error;
+mod export;
 mod measurements;
 mod nearest;
+mod poses;
+mod predictions;
 mod robot;
+mod table;
 mod text;
 mod toml_tree;
 mod unit;
 mod write_whole;
 
 pub use error::{IoError, Warning};
+pub use export::{ExportUnits, write_measurements};
 pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements};
+pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
+pub use predictions::write_predictions;
 pub use robot::{RobotOptions, read_robot, robot_toml};
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, check_writable, write_whole};

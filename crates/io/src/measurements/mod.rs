@@ -21,4 +21,4 @@ pub(crate) use header::Needs;
 pub use info::{ColumnInfo, CsvInfo};
 pub use reader::{MeasurementsOptions, MeasurementsReader};
 pub use whole::read_measurements;
-pub(crate) use whole::{Table, read_table};
+pub(crate) use whole::read_table;
