@@ -1,2 +1,71 @@
-//! Chores of the workspace.
-fn main() {}
+//! Chores of the workspace: `cargo xtask VERB`.
+//!
+//! This crate runs cargo and reads files; it depends on no other crate of the workspace, so that it
+//! works while they do not build.
+
+mod ci;
+mod tidy;
+
+use anyhow::{Context, Result, bail};
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Chores of the workspace")]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Everything that CI runs, in the same order.
+    Ci,
+    /// Layers, file lengths, names, licences, READMEs: what neither rustc nor clippy looks at.
+    Tidy,
+    /// All benchmarks.
+    Bench {
+        /// Passed on to the benchmarks, e.g. a filter.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        rest: Vec<String>,
+    },
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().verb) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(verb: Verb) -> Result<()> {
+    let root = root()?;
+    match verb {
+        Verb::Ci => ci::run(&root),
+        Verb::Tidy => tidy::run(&root),
+        Verb::Bench { rest } => {
+            finished(Command::new("cargo").args(["bench", "--workspace", "--"]).args(rest).current_dir(&root))
+        }
+    }
+}
+
+/// The workspace's folder: the one above this crate's.
+fn root() -> Result<PathBuf> {
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let root = here.parent().context("xtask has no folder above it")?;
+    Ok(root.to_path_buf())
+}
+
+/// Runs a command to its end; its failure is ours.
+fn finished(command: &mut Command) -> Result<()> {
+    let shown = format!("{command:?}").replace('"', "");
+    let status = command.status().with_context(|| format!("cannot start {shown}"))?;
+    if !status.success() {
+        bail!("{shown} failed ({status})");
+    }
+    Ok(())
+}

@@ -1,1 +1,18 @@
-//! truepose-simulate
+#![doc = include_str!("../README.md")]
+
+mod campaign;
+mod equilibrium;
+mod error;
+mod instrument;
+mod measure;
+pub mod physics;
+mod plant;
+mod rigid;
+mod truth;
+
+pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
+pub use error::SimulateError;
+pub use instrument::{Blunders, Instrument, Repeatability, Tail};
+pub use measure::Observation;
+pub use plant::Plant;
+pub use truth::{JointTruth, Truth, span};

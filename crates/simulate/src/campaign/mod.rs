@@ -1,0 +1,81 @@
+//! What is measured, in which order: visits of the robot, with their loads.
+//!
+//! A campaign is made from a set of postures, loaded, put in order and put on the clock:
+//!
+//! ```
+//! use truepose_simulate::Campaign;
+//! use truepose_kinematics::samples;
+//!
+//! let robot = samples::heavy();
+//! let campaign = Campaign::random(&robot, 40, 7)?          // a Latin hypercube within the limits
+//!     .with_each_payload(&[0.0, 50.0], [0.0, 0.0, 0.2])    // each posture empty, then loaded
+//!     .repeated(2)                                         // and all of that twice
+//!     .shuffled(7);                                        // in no order that drift could hide behind
+//! assert_eq!(campaign.visits.len(), 160);
+//! # Ok::<(), truepose_simulate::SimulateError>(())
+//! ```
+
+mod channels;
+mod order;
+mod paper;
+mod postures;
+
+pub use channels::ChannelPlan;
+pub use paper::{POUND, TREATMENT_POINT, payload_at_treatment_point};
+
+use truepose_kinematics::{Load, TargetId};
+
+/// One standstill of the robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Visit {
+    /// Values of the movable joints, rad or m.
+    pub joints: Vec<f64>,
+    /// What is declared to hang on the tool.
+    pub load: Load,
+    /// Direction in which each movable joint last moved; none: from the visit before.
+    pub approach: Option<Vec<f64>>,
+}
+
+/// Visits in the order in which they are made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    /// The visits.
+    pub visits: Vec<Visit>,
+    /// Targets measured at each visit; empty: all that the robot has, or its tool's origin.
+    pub targets: Vec<Option<TargetId>>,
+    /// Seconds from one visit to the next.
+    pub visit_s: f64,
+    /// Seconds from one target to the next.
+    pub row_s: f64,
+    /// When the first visit begins, s.
+    pub start_s: f64,
+    /// Numeric columns besides those with a meaning.
+    pub channels: Vec<ChannelPlan>,
+}
+
+impl Campaign {
+    /// Visits of these postures, unloaded, half a minute each.
+    pub fn of(postures: Vec<Vec<f64>>) -> Self {
+        let visits =
+            postures.into_iter().map(|joints| Visit { joints, load: Load::None, approach: None }).collect();
+        Campaign {
+            visits,
+            targets: Vec::new(),
+            visit_s: 30.0,
+            row_s: 2.0,
+            start_s: 0.0,
+            channels: Vec::new(),
+        }
+    }
+
+    /// With these columns besides those with a meaning.
+    pub fn with_channels(mut self, channels: Vec<ChannelPlan>) -> Self {
+        self.channels = channels;
+        self
+    }
+
+    /// Seconds from the first visit's beginning to the last one's.
+    pub fn duration_s(&self) -> f64 {
+        self.visit_s * self.visits.len().saturating_sub(1) as f64
+    }
+}

@@ -1,0 +1,83 @@
+//! What can go wrong with a plant, a campaign or their description.
+
+use thiserror::Error;
+
+/// A plant that cannot be built, or that finds no equilibrium.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimulateError {
+    /// A joint, frame or target that the robot lacks.
+    #[error("the robot has no {what} `{name}`; it has: {}", known.join(", "))]
+    Unknown {
+        /// `joint`, `frame` or `target`.
+        what: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// An error of one kind of joint at a joint of another kind.
+    #[error("{what} needs a {need} joint, but `{joint}` is {have}")]
+    JointKind {
+        /// The error.
+        what: &'static str,
+        /// The joint.
+        joint: String,
+        /// Its kind.
+        have: &'static str,
+        /// The kind that is needed.
+        need: &'static str,
+    },
+    /// A size that makes no sense.
+    #[error("{what} is {value}; it has to be {need}")]
+    Size {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// In words: `positive`, `between 0 and 1`.
+        need: &'static str,
+    },
+    /// A slide without limits, over which nothing can be drawn.
+    #[error("joint `{joint}` is a slide without limits; declare its travel")]
+    NoLimits {
+        /// The joint.
+        joint: String,
+    },
+    /// A list of the wrong length.
+    #[error("{what}: {have} where {need} are needed")]
+    Shape {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        have: usize,
+        /// The length it should have.
+        need: usize,
+    },
+    /// A robot that is too soft to stand.
+    #[error(
+        "the robot `{robot}` finds no equilibrium under its load: after {iterations} steps it still moves by \
+         {change_m:.3e} m; its stiffnesses are too low"
+    )]
+    NoEquilibrium {
+        /// The robot.
+        robot: String,
+        /// Steps made.
+        iterations: usize,
+        /// Last change, m (angles × 1 m).
+        change_m: f64,
+    },
+    /// A campaign in which nothing is measured.
+    #[error("the campaign has no visits")]
+    NoVisits,
+    /// A plant description that cannot be read.
+    #[error("line {line}, column {column}: {message}")]
+    Description {
+        /// From 1.
+        line: usize,
+        /// From 1.
+        column: usize,
+        /// What is wrong.
+        message: String,
+    },
+}

@@ -1,0 +1,121 @@
+//! What changes with time: growth with temperature, drift, and bumps.
+//!
+//! ```text
+//! growth   κ · (T(t) − T_ref) · direction           T from a body of its own lag
+//! drift    f(t) · direction                         f a smooth walk that begins at zero
+//! bump     direction from the instant t_b on, nothing before
+//! ```
+//!
+//! | symbol | here | unit | frame |
+//! | --- | --- | --- | --- |
+//! | direction | `Mover` | per unit of the amount | base, tool, a joint's own motion, a link's length, a slide's scale |
+//! | T − T_ref | amount of a growth | K | |
+//! | f | amount of a drift | 1 | |
+//!
+//! A [`Mover`] says which way one unit moves the robot; an [`Amount`] says how many units there are at time t.
+//! Source: Slocum, *Precision Machine Design*, section 2.3.5 (thermal growth).
+
+use super::curve::SmoothCurve;
+
+/// Which way one unit of a change moves the robot. Places are counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mover {
+    /// The base, `[tx ty tz rx ry rz]` in frame 0's axes, m and rad a unit.
+    Base([f64; 6]),
+    /// The tool, in the tool's axes, m and rad a unit.
+    Tool([f64; 6]),
+    /// A joint's own motion: its place and rad or m a unit.
+    Joint(usize, f64),
+    /// A link's length: the place of the joint in front of it, and strain a unit.
+    Length(usize, f64),
+    /// The scale of a slide: its place, and strain a unit.
+    Scale(usize, f64),
+}
+
+/// How many units of a change there are, over time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Amount {
+    /// A temperature difference (K) or a walk (1), over s.
+    Curve(SmoothCurve),
+    /// None before the instant (s), one from it on.
+    Since(f64),
+}
+
+/// Something that changes with time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Which way.
+    pub mover: Mover,
+    /// How much.
+    pub amount: Amount,
+}
+
+/// The sum of all changes at one moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moved {
+    /// Of the base, in frame 0's axes.
+    pub base: [f64; 6],
+    /// Of the tool, in its axes.
+    pub tool: [f64; 6],
+    /// Of each joint's own motion, rad or m.
+    pub joints: Vec<f64>,
+    /// Strain of each link's length.
+    pub lengths: Vec<f64>,
+    /// Strain of each slide's scale.
+    pub scales: Vec<f64>,
+}
+
+impl Moved {
+    /// What these changes have come to at this time (s) on a robot of `joints` joints.
+    pub fn at(changes: &[Change], time: f64, joints: usize) -> Self {
+        let mut moved = Moved {
+            base: [0.0; 6],
+            tool: [0.0; 6],
+            joints: vec![0.0; joints],
+            lengths: vec![0.0; joints],
+            scales: vec![0.0; joints],
+        };
+        let add = |sum: &mut [f64; 6], direction: [f64; 6], amount: f64| {
+            for (sum, part) in sum.iter_mut().zip(direction) {
+                *sum += amount * part;
+            }
+        };
+        for change in changes {
+            let amount = match &change.amount {
+                Amount::Curve(curve) => curve.value(time),
+                Amount::Since(instant) => f64::from(u8::from(time >= *instant)),
+            };
+            match change.mover {
+                Mover::Base(direction) => add(&mut moved.base, direction, amount),
+                Mover::Tool(direction) => add(&mut moved.tool, direction, amount),
+                Mover::Joint(place, rate) => moved.joints[place] += amount * rate,
+                Mover::Length(place, rate) => moved.lengths[place] += amount * rate,
+                Mover::Scale(place, rate) => moved.scales[place] += amount * rate,
+            }
+        }
+        moved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_add_up_at_their_place_and_time() {
+        let ramp = SmoothCurve::through(0.0, 100.0, vec![0.0, 5.0]).expect("a ramp");
+        let changes = [
+            Change { mover: Mover::Joint(1, 1e-5), amount: Amount::Curve(ramp.clone()) },
+            Change { mover: Mover::Joint(1, 2e-4), amount: Amount::Since(50.0) },
+            Change { mover: Mover::Tool([1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]), amount: Amount::Since(50.0) },
+            Change { mover: Mover::Length(0, 1.2e-5), amount: Amount::Curve(ramp) },
+        ];
+        let before = Moved::at(&changes, 40.0, 2);
+        assert!((before.joints[1] - 2e-5).abs() < 1e-15);
+        assert_eq!(before.tool, [0.0; 6]);
+        let after = Moved::at(&changes, 50.0, 2);
+        assert!((after.joints[1] - 2.25e-4).abs() < 1e-15);
+        assert_eq!(after.tool, [1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]);
+        assert!((after.lengths[0] - 3e-5).abs() < 1e-18);
+    }
+}

@@ -1,0 +1,145 @@
+//! Everything that is wrong with one robot, in numbers.
+
+use crate::SimulateError;
+use crate::physics::beam::Beam;
+use crate::physics::bearing::Bearing;
+use crate::physics::changes::Change;
+use crate::physics::coupling::Coupling;
+use crate::physics::foundation::Foundation;
+use crate::physics::gear::Gear;
+use crate::physics::play::Play;
+use crate::physics::rail::Rail;
+use nalgebra::Vector3;
+use truepose_kinematics::{Chain, Joint, JointId, JointKind, Link, Placement};
+
+/// What is wrong with a robot. [`Truth::of`] is a robot without any error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    /// Constant displacement `[tx ty tz rx ry rz]` behind each frame, in its axes: base, joints, tool; m, rad.
+    /// The rotation is a rotation vector.
+    pub frames: Vec<[f64; 6]>,
+    /// How far each target lies from where it is declared, tool axes, m.
+    pub targets: Vec<Vector3<f64>>,
+    /// The floor.
+    pub foundation: Foundation,
+    /// Each joint and the link that it moves, fixed ones included.
+    pub joints: Vec<JointTruth>,
+    /// What changes with time.
+    pub changes: Vec<Change>,
+}
+
+/// One joint as it is, and the link behind it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct JointTruth {
+    /// Springs of drive and bearing.
+    pub bearing: Bearing,
+    /// The guideway of a slide.
+    pub rail: Option<Rail>,
+    /// Periodic errors.
+    pub gears: Vec<Gear>,
+    /// Play.
+    pub play: Option<Play>,
+    /// Joints that drag this one along.
+    pub couplings: Vec<Coupling>,
+    /// The link's true mass and centre.
+    pub link: Option<Link>,
+    /// The link as an elastic body; none is rigid.
+    pub beam: Option<Beam>,
+}
+
+impl Truth {
+    /// A robot that is exactly as described.
+    pub fn of(chain: &Chain) -> Self {
+        Truth {
+            frames: vec![[0.0; 6]; chain.joints().len() + 2],
+            targets: vec![Vector3::zeros(); chain.targets().len()],
+            foundation: Foundation::default(),
+            joints: chain
+                .joints()
+                .iter()
+                .map(|joint| JointTruth { link: joint.link, ..JointTruth::default() })
+                .collect(),
+            changes: Vec::new(),
+        }
+    }
+
+    /// The same truth, if it has the size of this robot.
+    ///
+    /// # Errors
+    /// [`SimulateError::Shape`] names the list that has not.
+    pub fn fits(&self, chain: &Chain) -> Result<(), SimulateError> {
+        let n = chain.joints().len();
+        let lists = [
+            ("displaced frames", self.frames.len(), n + 2),
+            ("displaced targets", self.targets.len(), chain.targets().len()),
+            ("joints with errors", self.joints.len(), n),
+        ];
+        match lists.into_iter().find(|(_, have, need)| have != need) {
+            Some((what, have, need)) => Err(SimulateError::Shape { what, have, need }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Where the link behind a joint begins and ends, in the axes of the frame after the joint, at the joint's zero:
+/// from the joint's axis to the next one (or to the tool).
+///
+/// With standard DH the frame sits at the far end of the link; with MDH and origin + axis at its near end.
+pub fn span(chain: &Chain, joint: JointId) -> (Vector3<f64>, Vector3<f64>) {
+    let here = chain.joint(joint);
+    match here.placement {
+        Placement::Dh { d, a, alpha, .. } => {
+            // Rx(−α) takes (a, 0, d) from the axis' frame to the frame behind the link.
+            let d = if here.kind == JointKind::Prismatic { 0.0 } else { d };
+            let (s, c) = alpha.sin_cos();
+            (-Vector3::new(a, s * d, c * d), Vector3::zeros())
+        }
+        Placement::Mdh { .. } | Placement::Origin { .. } => {
+            let next = chain.joints().get(joint.index() + 1);
+            (Vector3::zeros(), next.map_or(chain.tool().pose.translation, next_axis))
+        }
+    }
+}
+
+/// The point of a joint's axis (its origin for a slide) seen from the frame in front of it.
+fn next_axis(next: &Joint) -> Vector3<f64> {
+    match next.placement {
+        Placement::Dh { .. } => Vector3::zeros(),
+        Placement::Mdh { alpha, a, d, .. } => {
+            let d = if next.kind == JointKind::Prismatic { 0.0 } else { d };
+            let (s, c) = alpha.sin_cos();
+            Vector3::new(a, -s * d, c * d)
+        }
+        Placement::Origin { pose, .. } => pose.translation,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigid::TakenApart;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn a_link_reaches_from_its_axis_to_the_next() {
+        // UR10 (DH): the upper arm's frame sits at the elbow; the shoulder lies 0.612 m along +x of it.
+        let (root, tip) = span(&samples::ur10(), JointId(2));
+        assert!((root - Vector3::new(0.612, 0.0, 0.0)).norm() < 1e-15 && tip.norm() < 1e-15);
+        // Heavy (MDH): the forearm of a4 … the upper arm of a2 reaches 1.1 m along x.
+        let (root, tip) = span(&samples::heavy(), JointId(2));
+        assert!(root.norm() < 1e-15 && (tip - Vector3::new(1.1, 0.0, 0.0)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn the_root_of_a_dh_link_lies_on_its_axis() {
+        for chain in [samples::ur10(), samples::skewed()] {
+            for (index, joint) in chain.joints().iter().enumerate() {
+                if let Placement::Dh { .. } = joint.placement {
+                    let (root, _) = span(&chain, JointId(index + 1));
+                    let seen = TakenApart::of(joint).after * nalgebra::Point3::from(root);
+                    assert!(seen.coords.norm() < 1e-15, "{} joint {}", chain.name(), index + 1);
+                }
+            }
+        }
+    }
+}

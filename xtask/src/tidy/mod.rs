@@ -1,0 +1,97 @@
+//! `cargo xtask tidy`: the rules of the house that no other tool knows.
+//!
+//! Each check reads the tree and returns what it found; nothing is changed. A *fault* fails the run, a
+//! *warning* does not.
+
+mod layers;
+mod length;
+mod manifests;
+mod names;
+mod words;
+
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+use std::process::Command;
+
+/// What a check has to say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Finding {
+    /// Fails the run.
+    Fault(String),
+    /// Is shown.
+    Warning(String),
+}
+
+/// A file under version control: its path from the root with `/`, and its text.
+#[derive(Debug, Clone)]
+pub struct SourceFile {
+    /// Path from the root.
+    pub path: String,
+    /// Its text; empty for a file that is not UTF-8.
+    pub text: String,
+}
+
+/// Runs every check.
+pub fn run(root: &Path) -> Result<()> {
+    let files = tracked_files(root)?;
+    let metadata = metadata(root)?;
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).context("cannot read Cargo.toml")?;
+    let table = layers::Table::from_manifest(&manifest)?;
+
+    let mut findings = layers::check(&table, &layers::packages(&metadata)?);
+    findings.extend(manifests::check(&metadata, &files)?);
+    findings.extend(length::check(&files));
+    findings.extend(names::check(&files));
+    findings.extend(words::check(&files));
+
+    let mut faults = 0;
+    for finding in &findings {
+        match finding {
+            Finding::Fault(text) => {
+                faults += 1;
+                eprintln!("fault: {text}");
+            }
+            Finding::Warning(text) => eprintln!("warning: {text}"),
+        }
+    }
+    if faults > 0 {
+        bail!("tidy found {faults} fault{}", if faults == 1 { "" } else { "s" });
+    }
+    println!("tidy: {} files, {} crates, no faults", files.len(), table.len());
+    Ok(())
+}
+
+/// Tracked files and new ones that are not ignored.
+fn tracked_files(root: &Path) -> Result<Vec<SourceFile>> {
+    let output = Command::new("git")
+        .args(["ls-files", "--cached", "--others", "--exclude-standard", "-z"])
+        .current_dir(root)
+        .output()
+        .context("cannot start git")?;
+    if !output.status.success() {
+        bail!("git ls-files failed: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
+    let listed = String::from_utf8(output.stdout).context("a path is not UTF-8")?;
+    let mut files: Vec<SourceFile> = Vec::new();
+    for path in listed.split('\0').filter(|path| !path.is_empty()) {
+        // A file that was deleted but is still in the index has nothing to be checked.
+        if let Ok(bytes) = std::fs::read(root.join(path)) {
+            files.push(SourceFile { path: path.into(), text: String::from_utf8(bytes).unwrap_or_default() });
+        }
+    }
+    files.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(files)
+}
+
+/// `cargo metadata` of the workspace's own crates.
+fn metadata(root: &Path) -> Result<serde_json::Value> {
+    let output = Command::new("cargo")
+        .args(["metadata", "--format-version", "1", "--no-deps"])
+        .current_dir(root)
+        .output()
+        .context("cannot start cargo")?;
+    if !output.status.success() {
+        bail!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
+    serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")
+}
