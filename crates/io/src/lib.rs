@@ -2,7 +2,9 @@
 
 mod error;
 mod export;
+mod fit;
 mod measurements;
+mod model;
 mod nearest;
 mod poses;
 mod predictions;
@@ -15,7 +17,9 @@ mod write_whole;
 
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
+pub use fit::{FIT_FORMAT, read_fit, write_fit};
 pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements};
+pub use model::read_model;
 pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
 pub use predictions::write_predictions;
 pub use robot::{RobotOptions, read_robot, robot_toml};

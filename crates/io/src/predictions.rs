@@ -60,6 +60,7 @@ pub fn write_predictions(
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // what is exact is tested as such
 mod tests {
     use super::*;
     use crate::{MeasurementsOptions, read_measurements};

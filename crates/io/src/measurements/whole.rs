@@ -65,6 +65,7 @@ pub(crate) fn read_table(path: &Path, chain: &Chain, needs: Needs) -> Result<Tab
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // what is exact is tested as such
 mod tests {
     use super::*;
     use truepose_kinematics::{Load, TargetId, samples};
