@@ -1,4 +1,4 @@
-//! truepose-io
+#![doc = include_str!("../README.md")]
 
 mod error;
 mod export;
