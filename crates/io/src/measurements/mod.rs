@@ -14,6 +14,7 @@ mod plausible;
 mod reader;
 mod row;
 mod suspicious;
+mod together;
 mod visits;
 mod whole;
 
