@@ -1,16 +1,27 @@
-//! truepose-io
+#![doc = include_str!("../README.md")]
 
 mod error;
+mod export;
+mod fit;
 mod measurements;
+mod model;
 mod nearest;
+mod poses;
+mod predictions;
 mod robot;
+mod table;
 mod text;
 mod toml_tree;
 mod unit;
 mod write_whole;
 
 pub use error::{IoError, Warning};
+pub use export::{ExportUnits, write_measurements};
+pub use fit::{FIT_FORMAT, read_fit, write_fit};
 pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements};
+pub use model::read_model;
+pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
+pub use predictions::write_predictions;
 pub use robot::{RobotOptions, read_robot, robot_toml};
 pub use unit::{Quantity, Unit};
-pub use write_whole::{WholeFile, check_writable, write_whole};
+pub use write_whole::{WholeFile, check_writable, make_folder, write_whole};

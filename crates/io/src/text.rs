@@ -6,7 +6,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// No description of a robot or a model comes near this size; what is larger is another kind of file.
-const LARGEST_TEXT: u64 = 64 << 20;
+const LARGEST_TEXT: u64 = 8 << 20;
 
 /// A whole text and where it came from.
 #[derive(Debug)]

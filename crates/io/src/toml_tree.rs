@@ -83,6 +83,12 @@ impl<'a> Table<'a> {
         self.table.keys().map(|key| &**key.get_ref())
     }
 
+    /// An error at a key.
+    pub fn error_at_key(&self, key: &str, message: impl Into<String>) -> IoError {
+        let at = self.table.get_key_value(key).map_or(self.at, |(key, _)| key.span().start);
+        self.text.error(at, message)
+    }
+
     pub fn error(&self, message: impl Into<String>) -> IoError {
         self.text.error(self.at, message)
     }
@@ -184,8 +190,16 @@ impl<'a> Value<'a> {
             .collect()
     }
 
-    /// The value as JSON: numbers finite, no dates.
-    pub fn json(&self) -> Result<serde_json::Value, IoError> {
+    pub fn is_array(&self) -> bool {
+        self.value.is_array()
+    }
+
+    pub fn is_table(&self) -> bool {
+        self.value.is_table()
+    }
+
+    /// A text, number or truth value as JSON.
+    pub fn scalar(&self) -> Result<serde_json::Value, IoError> {
         Ok(match self.value {
             DeValue::String(text) => text.to_string().into(),
             DeValue::Boolean(value) => (*value).into(),
@@ -194,22 +208,13 @@ impl<'a> Value<'a> {
                 Err(_) => self.number()?.into(),
             },
             DeValue::Float(_) => self.number()?.into(),
-            DeValue::Datetime(_) => return Err(self.not("a number, a text, an array or a table")),
-            DeValue::Array(_) => {
-                let elements = self.elements("an array")?;
-                elements.iter().map(Value::json).collect::<Result<Vec<_>, _>>()?.into()
-            }
-            DeValue::Table(_) => {
-                let table = self.table(&self.name)?;
-                let mut object = serde_json::Map::new();
-                for key in table.keys() {
-                    if let Some(value) = table.get(key) {
-                        object.insert(key.to_string(), value.json()?);
-                    }
-                }
-                object.into()
-            }
+            _ => return Err(self.not("a number or a text")),
         })
+    }
+
+    /// As messages call it.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 }
 

@@ -32,6 +32,21 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     WholeFile::create(path.as_ref()).map(drop)
 }
 
+/// Makes a folder for output, with the folders above it; one that exists already is fine.
+///
+/// # Errors
+/// [`IoError::Write`] when it cannot be made, or a file has its name.
+pub fn make_folder(path: impl AsRef<Path>) -> Result<(), IoError> {
+    let path = path.as_ref();
+    fs::create_dir_all(path).map_err(|error| match error.kind() {
+        io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => IoError::Write {
+            file: path.into(),
+            message: "a file stands where a folder is needed; name another folder".into(),
+        },
+        _ => refused(path, &error),
+    })
+}
+
 /// A file that is being written and appears under its name only with [`WholeFile::finish`].
 #[derive(Debug)]
 pub struct WholeFile {
@@ -190,6 +205,12 @@ mod tests {
         write_whole(&path, b"new").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         check_writable(&path).unwrap();
+        make_folder(folder.path()).unwrap();
+        let message = make_folder(&path).unwrap_err().to_string();
+        assert!(
+            message.ends_with("a file stands where a folder is needed; name another folder"),
+            "{message}"
+        );
         assert_eq!(names(folder.path()), ["out.json"]);
     }
 

@@ -194,6 +194,7 @@ impl Column {
                 (si.word.to_string(), false, *si, role.meaning(chain))
             }
             (None, unit) => {
+                looks_like_a_joint(name, unit, chain)?;
                 let known = FIXED.iter().map(|(word, _)| *word).chain(joint_names(chain));
                 if let Some(near) = nearest(name, known) {
                     warning = Some(format!("is taken as a channel; did you mean `{near}`?"));
@@ -220,6 +221,25 @@ impl Column {
         };
         Ok((column, warning))
     }
+}
+
+/// Refuses `j7[rad]` on a robot whose joints are `j1` … `j6`: an angle or a length under a joint's kind of name.
+fn looks_like_a_joint(name: &str, unit: Option<&str>, chain: &Chain) -> Result<(), String> {
+    let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
+    let numbered = |name: &str| name.ends_with(|c: char| c.is_ascii_digit()) && !stem(name).is_empty();
+    let measures = unit.and_then(Unit::named).map(|unit| unit.quantity);
+    let alike = |joint: &str| numbered(joint) && stem(joint) == stem(name);
+    if numbered(name)
+        && matches!(measures, Some(Quantity::Angle | Quantity::Length))
+        && joint_names(chain).any(alike)
+    {
+        let joints = crate::nearest::listed(joint_names(chain));
+        return Err(format!(
+            "the robot has no moving joint `{name}` (its joints: {joints}); remove the column, or give it another \
+             name if it is a channel"
+        ));
+    }
+    Ok(())
 }
 
 fn name_and_unit(header: &str) -> Result<(&str, Option<&str>), String> {
@@ -323,6 +343,11 @@ mod tests {
                 "unknown unit [Deg]; did you mean [deg]? (`theta` is an angle; its unit can be: rad, deg, mrad)",
             ),
             ("payload[t]", "unknown unit [t] (`payload` is a mass; its unit can be: kg, lb)"),
+            (
+                "d4[mm]",
+                "the robot has no moving joint `d4` (its joints: d1, d2, d3, theta, roll, pitch); remove the column, or \
+                 give it another name if it is a channel",
+            ),
             (
                 "approach_rol",
                 "the robot has no moving joint `rol`; did you mean `roll`? (its joints: d1, d2, d3, theta, roll, pitch)",

@@ -14,6 +14,7 @@ mod plausible;
 mod reader;
 mod row;
 mod suspicious;
+mod together;
 mod visits;
 mod whole;
 
@@ -21,4 +22,4 @@ pub(crate) use header::Needs;
 pub use info::{ColumnInfo, CsvInfo};
 pub use reader::{MeasurementsOptions, MeasurementsReader};
 pub use whole::read_measurements;
-pub(crate) use whole::{Table, read_table};
+pub(crate) use whole::read_table;

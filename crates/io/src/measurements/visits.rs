@@ -2,7 +2,8 @@
 
 use super::header::Header;
 use crate::IoError;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
+use std::hash::{BuildHasherDefault, Hash, Hasher};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::Load;
 
@@ -105,7 +106,7 @@ fn check_same(data: &Dataset, a: usize, b: usize, label: i64, header: &Header) -
 /// since it is never the same twice.
 pub(crate) fn count_configurations(data: &Dataset) -> usize {
     let mut last = usize::MAX;
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::with_hasher(BuildHasherDefault::<AlreadyMixed>::default());
     for row in 0..data.len() {
         if data.visit[row] == last {
             continue;
@@ -123,16 +124,42 @@ pub(crate) fn count_configurations(data: &Dataset) -> usize {
             }
             Load::Wrench(_) => key.add(1.0),
         }
-        seen.insert((key.a, key.b));
+        seen.insert(key);
     }
     seen.len()
 }
 
 /// 128 mixed bits of some numbers: equal numbers give equal bits, and no collision is to be expected otherwise.
-#[derive(Default)]
+#[derive(Default, PartialEq, Eq)]
 struct Mixed {
     a: u64,
     b: u64,
+}
+
+impl Hash for Mixed {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        state.write_u64(self.a);
+    }
+}
+
+/// Passes on bits that are mixed already.
+#[derive(Default)]
+struct AlreadyMixed(u64);
+
+impl Hasher for AlreadyMixed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u64(u64::from(byte));
+        }
+    }
+
+    fn write_u64(&mut self, bits: u64) {
+        self.0 = self.0.rotate_left(5) ^ bits;
+    }
 }
 
 impl Mixed {

@@ -13,6 +13,12 @@ use crate::{IoError, Warning};
 use std::path::Path;
 use truepose_kinematics::Chain;
 
+/// No serial robot has more joints, fixed ones included.
+const MOST_JOINTS: usize = 256;
+
+/// No tool carries more targets.
+const MOST_TARGETS: usize = 4096;
+
 /// Which part of a URDF is the robot.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RobotOptions {

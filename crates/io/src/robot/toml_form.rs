@@ -1,7 +1,7 @@
 //! The TOML form of a robot description.
 
 use super::names::{cell_problem, joint_name_problem};
-use super::{RobotOptions, urdf};
+use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{IoError, Unit, Warning};
@@ -147,6 +147,9 @@ fn units(root: &Table<'_>) -> Result<Units, IoError> {
 
 fn joints(value: &Value<'_>, units: Units) -> Result<Vec<Joint>, IoError> {
     let tables = value.tables("joints")?;
+    if let Some(table) = tables.get(MOST_JOINTS) {
+        return Err(table.error(format!("a robot has at most {MOST_JOINTS} joints")));
+    }
     let mut joints: Vec<Joint> = Vec::with_capacity(tables.len());
     for table in &tables {
         let joint = joint(table, units)?;
@@ -256,7 +259,11 @@ fn placed(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
 
 fn targets(value: &Value<'_>, units: Units) -> Result<Vec<Target>, IoError> {
     let mut targets: Vec<Target> = Vec::new();
-    for table in value.tables("targets")? {
+    let tables = value.tables("targets")?;
+    if let Some(table) = tables.get(MOST_TARGETS) {
+        return Err(table.error(format!("a robot has at most {MOST_TARGETS} targets")));
+    }
+    for table in tables {
         table.only(&["name", "xyz", "known"])?;
         let name = table.require("name")?;
         if let Some(problem) = cell_problem(name.string()?) {

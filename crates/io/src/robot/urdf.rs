@@ -310,4 +310,26 @@ mod tests {
         assert_eq!(read_robot(&path, &options).unwrap().0.joints().len(), 4);
         assert_eq!(read_robot(&path, &options).unwrap().0.joints()[3].name, "grip");
     }
+
+    #[test]
+    fn what_robots_carry_besides_is_skipped() {
+        let text = arm(
+            r#"<!-- everything that a generated file has, too -->
+<material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+<transmission name="t1"><type>transmission_interface/SimpleTransmission</type>
+<joint name="j1"><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>
+<actuator name="m1"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>
+<gazebo reference="l1"><material>Gazebo/Grey</material></gazebo>
+<ros2_control name="arm" type="system"><hardware><plugin>mock</plugin></hardware><joint name="j1"><command_interface name="position"/></joint></ros2_control>
+"#,
+        )
+        .replace(
+            "<link name=\"l2\">",
+            "<link name=\"l2\"><visual><origin xyz=\"0 0 0\" rpy=\"0 0 0\"/><geometry><mesh filename=\"package://a/b.dae\"/></geometry>\
+             <material name=\"grey\"/></visual><collision><geometry><cylinder radius=\"0.1\" length=\"0.2\"/></geometry></collision>",
+        )
+        .replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><dynamics damping=\"0.1\"/><safety_controller k_velocity=\"0\"/>");
+        let (chain, warnings) = read(&text, None, None).unwrap();
+        assert_eq!((chain.joints().len(), warnings.len()), (4, 0));
+    }
 }

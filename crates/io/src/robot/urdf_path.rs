@@ -1,8 +1,8 @@
 //! The way from a URDF's base link to its tip link.
 
-use super::RobotOptions;
+use super::{MOST_JOINTS, RobotOptions};
 use crate::nearest::{listed, meant};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Why there is no way, and the element that is to blame.
 #[derive(Debug)]
@@ -23,10 +23,11 @@ pub(super) fn path_between<'a>(
     options: &RobotOptions,
 ) -> Result<Vec<&'a urdf_rs::Joint>, NoPath> {
     let links = || robot.links.iter().map(|link| link.name.as_str());
+    let declared: HashSet<&str> = links().collect();
     let mut above: HashMap<&str, &urdf_rs::Joint> = HashMap::new();
     for joint in &robot.joints {
         for end in [&joint.parent.link, &joint.child.link] {
-            if !links().any(|link| link == end) {
+            if !declared.contains(end.as_str()) {
                 return Err(NoPath {
                     element: Some(("joint", joint.name.clone())),
                     message: format!("joint `{}` refers to a link `{end}` that is not declared", joint.name),
@@ -41,7 +42,7 @@ pub(super) fn path_between<'a>(
         }
     }
     let known = |role: &str, name: &str| {
-        if links().any(|link| link == name) {
+        if declared.contains(name) {
             Ok(())
         } else {
             let hint = meant(name, links());
@@ -84,11 +85,12 @@ fn only_leaf<'a>(
     above: &HashMap<&str, &'a urdf_rs::Joint>,
     base: &str,
 ) -> Result<&'a str, NoPath> {
+    let parents: HashSet<&str> = robot.joints.iter().map(|joint| joint.parent.link.as_str()).collect();
     let leaves: Vec<&str> = robot
         .links
         .iter()
         .map(|link| link.name.as_str())
-        .filter(|link| !robot.joints.iter().any(|joint| joint.parent.link == *link))
+        .filter(|link| !parents.contains(link))
         .filter(|link| *link != base && climb(above, base, link).is_some())
         .collect();
     match leaves[..] {
@@ -114,7 +116,7 @@ fn climb<'a>(
     while link != base {
         let joint = *above.get(link)?;
         joints.push(joint);
-        if joints.len() > above.len() {
+        if joints.len() > MOST_JOINTS.min(above.len()) {
             return None;
         }
         link = &joint.parent.link;

@@ -1,0 +1,202 @@
+//! Reading a fit file.
+
+use super::schema_v1::FitV1;
+use super::{FIT_FORMAT, PROGRAM};
+use crate::IoError;
+use crate::text::Text;
+use serde::Deserialize;
+use std::path::Path;
+use truepose_errormodel::{EffectRegistry, FittedModel};
+
+/// A covariance of a few thousand coefficients fits in here.
+const LARGEST_FIT: u64 = 1 << 30;
+
+/// What a file says about itself, in any format.
+#[derive(Deserialize)]
+struct Heading {
+    format: Option<u64>,
+    program: Option<String>,
+}
+
+/// Reads a fit file; its effects have to be known to the registry.
+///
+/// # Errors
+/// When the file cannot be read, is no fit file, is of a newer format, or contradicts itself.
+pub fn read_fit(path: impl AsRef<Path>, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
+    let path = path.as_ref();
+    let text = Text::read_up_to(path, LARGEST_FIT)?;
+    if text.text.trim().is_empty() {
+        return Err(IoError::file(path, "is empty; a fit file is written by `truepose identify`"));
+    }
+    let heading: Heading = parsed(&text)?;
+    match heading.format {
+        Some(FIT_FORMAT) => {}
+        Some(newer) if newer > FIT_FORMAT => {
+            let by = heading.program.unwrap_or_else(|| "a newer version of truepose".into());
+            return Err(IoError::file(
+                path,
+                format!("is of format {newer}, which {PROGRAM} does not read; use {by} or a later version"),
+            ));
+        }
+        Some(other) => {
+            return Err(IoError::file(
+                path,
+                format!("is of format {other}, which does not exist; formats begin with 1"),
+            ));
+        }
+        None => {
+            return Err(IoError::file(
+                path,
+                "is no fit file: it has no `format`; `truepose identify` writes such files",
+            ));
+        }
+    }
+    let file: FitV1 = parsed(&text)?;
+    file.into_model(registry).map_err(|message| IoError::file(path, message))
+}
+
+fn parsed<'t, T: Deserialize<'t>>(text: &'t Text) -> Result<T, IoError> {
+    serde_json::from_str(&text.text).map_err(|error| {
+        let words = error.to_string();
+        let words = words.split(" at line ").next().unwrap_or(&words);
+        let message = match error.classify() {
+            serde_json::error::Category::Eof => format!("the file ends too early ({words}); it is not whole"),
+            serde_json::error::Category::Data => format!("is no fit file of format {FIT_FORMAT}: {words}"),
+            _ => format!("is not JSON: {words}"),
+        };
+        IoError::Text {
+            file: text.file.clone(),
+            line: error.line().max(1) as u64,
+            column: error.column().max(1) as u64,
+            message,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::write::fit_json;
+    use crate::write_fit;
+    use proptest::prelude::*;
+    use truepose_errormodel::effects::{Geometric, JointCompliance};
+    use truepose_errormodel::{Channel, Domain, ErrorModel, Interval, Noise};
+    use truepose_kinematics::nalgebra::DMatrix;
+    use truepose_kinematics::{Chain, samples};
+
+    fn fit(chain: Chain, numbers: &mut dyn FnMut() -> f64) -> FittedModel {
+        let model = ErrorModel::new(
+            chain,
+            vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())],
+        )
+        .unwrap();
+        let n = model.columns().len();
+        let coefficients = (0..n).map(|_| numbers()).collect();
+        let covariance = DMatrix::from_fn(n, n, |_, _| numbers());
+        let mut fit = FittedModel::new(model, coefficients, covariance).unwrap();
+        fit.channels = vec![Channel { name: "oil".into(), unit: "degC".into(), temperature: true }];
+        fit.noise = Noise { position_sd: 5e-5, orientation_sd: 0.0 };
+        fit.domain = Domain {
+            joints: vec![Interval { lower: -1.0, upper: 2.0 }],
+            payload: Some(Interval { lower: 0.0, upper: 70.0 }),
+            time: None,
+            channels: vec![],
+        };
+        fit.provenance.insert("data".into(), "train.csv".into());
+        fit
+    }
+
+    fn read(text: &[u8]) -> Result<FittedModel, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("fit.json");
+        std::fs::write(&path, text).unwrap();
+        read_fit(&path, &EffectRegistry::builtin())
+            .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        #[test]
+        fn fits_come_back_to_the_bit(seed: u64, which in 0usize..6) {
+            let mut state = seed;
+            let mut numbers = || {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                let value = f64::from_bits(state ^ (state >> 29));
+                if value.is_finite() { value } else { -0.0 }
+            };
+            let chain = samples::all().swap_remove(which);
+            let fit = fit(chain, &mut numbers);
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("fit.json");
+            write_fit(&path, &fit).unwrap();
+            let again = read_fit(&path, &EffectRegistry::builtin()).unwrap();
+            let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(again.chain(), fit.chain());
+            prop_assert_eq!(bits(again.coefficients()), bits(fit.coefficients()));
+            prop_assert_eq!(bits(again.covariance().as_slice()), bits(fit.covariance().as_slice()));
+            prop_assert_eq!((&again.channels, &again.domain, again.noise, &again.provenance),
+                (&fit.channels, &fit.domain, fit.noise, &fit.provenance));
+            prop_assert_eq!(fit_json(&again).unwrap(), fit_json(&fit).unwrap());
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let good = fit_json(&fit(samples::scara(), &mut || 0.5)).unwrap();
+        assert!(read(good.as_bytes()).is_ok());
+        let error = |text: &str| read(text.as_bytes()).unwrap_err();
+        let with = |from: &str, to: &str| {
+            assert!(good.contains(from), "{from}");
+            error(&good.replacen(from, to, 1))
+        };
+        assert_eq!(
+            with(
+                "\"format\": 1,\n\"program\": \"truepose 0.1.0\"",
+                "\"format\": 3,\n\"program\": \"truepose 7.2.0\""
+            ),
+            "fit.json: is of format 3, which truepose 0.1.0 does not read; use truepose 7.2.0 or a later version"
+        );
+        assert_eq!(
+            with("\"format\": 1", "\"format\": 0"),
+            "fit.json: is of format 0, which does not exist; formats begin with 1"
+        );
+        assert_eq!(
+            error("{\"a\": 1}"),
+            "fit.json: is no fit file: it has no `format`; `truepose identify` writes such files"
+        );
+        assert_eq!(error(""), "fit.json: is empty; a fit file is written by `truepose identify`");
+        assert_eq!(error("hello"), "fit.json:1:1: is not JSON: expected value");
+        assert_eq!(
+            with("geometric", "geometrics"),
+            "fit.json: unknown effect family `geometrics`; known families: expansion, geometric, joint_compliance"
+        );
+        assert_eq!(
+            with("x@base", "y@base"),
+            "fit.json: coefficient 1 is `y@base` [m], but the model of the file has `x@base` [m] there; the file is damaged"
+        );
+        assert!(with("\"targets\":[]", "\"targets\":7").starts_with("fit.json:4:"));
+        assert!(with("\"value\":0.5", "\"value\":null").contains("is no fit file of format 1: "));
+        assert!(error("[]").starts_with("fit.json:1:"));
+        assert!(error(&"[".repeat(100_000)).starts_with("fit.json:1:"));
+    }
+
+    #[test]
+    fn a_truncated_file_never_passes() {
+        let good = fit_json(&fit(samples::scara(), &mut || 0.25)).unwrap();
+        for end in (0..good.trim_end().len()).step_by(97) {
+            let message = read(&good.as_bytes()[..end]).expect_err("half a file");
+            assert!(message.starts_with("fit.json"), "{message}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("fit.json");
+        let message = write_fit(&path, &fit(samples::scara(), &mut || f64::NAN)).unwrap_err().to_string();
+        assert!(message.ends_with(
+            "cannot be written: coefficient `x@base` is NaN; a fit file holds finite numbers only"
+        ));
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,166 @@
+//! The fit file, format 1, as it stands in JSON. What stands here does not change; a new format is a new file.
+
+use super::robot_v1::RobotV1;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use truepose_errormodel::{Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, Noise};
+use truepose_kinematics::Chain;
+use truepose_kinematics::nalgebra::DMatrix;
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct FitV1 {
+    pub format: u64,
+    pub program: String,
+    pub robot: RobotV1,
+    pub effects: Vec<EffectV1>,
+    pub coefficients: Vec<CoefficientV1>,
+    /// Rows of the covariance of the coefficients.
+    pub covariance: Vec<Vec<f64>>,
+    pub channels: Vec<ChannelV1>,
+    pub domain: DomainV1,
+    pub noise: NoiseV1,
+    #[serde(default)]
+    pub provenance: Map<String, Value>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct EffectV1 {
+    pub family: String,
+    pub parameters: Value,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct CoefficientV1 {
+    pub name: String,
+    pub unit: String,
+    pub value: f64,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct ChannelV1 {
+    name: String,
+    unit: String,
+    temperature: bool,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct DomainV1 {
+    joints: Vec<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    payload: Option<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time: Option<[f64; 2]>,
+    channels: Vec<[f64; 2]>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct NoiseV1 {
+    position_sd: f64,
+    orientation_sd: f64,
+}
+
+impl From<&FittedModel> for FitV1 {
+    fn from(fit: &FittedModel) -> Self {
+        let model = fit.model();
+        let covariance = fit.covariance();
+        FitV1 {
+            format: super::FIT_FORMAT,
+            program: super::PROGRAM.into(),
+            robot: fit.chain().into(),
+            effects: model
+                .effects()
+                .iter()
+                .map(|effect| EffectV1 { family: effect.kind().into(), parameters: effect.parameters() })
+                .collect(),
+            coefficients: model
+                .columns()
+                .iter()
+                .zip(fit.coefficients())
+                .map(|(column, &value)| CoefficientV1 {
+                    name: column.name.clone(),
+                    unit: column.unit.clone(),
+                    value,
+                })
+                .collect(),
+            covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            channels: fit
+                .channels
+                .iter()
+                .map(|channel| ChannelV1 {
+                    name: channel.name.clone(),
+                    unit: channel.unit.clone(),
+                    temperature: channel.temperature,
+                })
+                .collect(),
+            domain: DomainV1 {
+                joints: fit.domain.joints.iter().map(ends).collect(),
+                payload: fit.domain.payload.as_ref().map(ends),
+                time: fit.domain.time.as_ref().map(ends),
+                channels: fit.domain.channels.iter().map(ends).collect(),
+            },
+            noise: NoiseV1 { position_sd: fit.noise.position_sd, orientation_sd: fit.noise.orientation_sd },
+            provenance: fit.provenance.clone(),
+        }
+    }
+}
+
+impl FitV1 {
+    /// The model that the file holds.
+    ///
+    /// # Errors
+    /// What in the file contradicts itself or is not known here.
+    pub fn into_model(self, registry: &EffectRegistry) -> Result<FittedModel, String> {
+        let chain = Chain::try_from(self.robot).map_err(|error| error.to_string())?;
+        let effects = self
+            .effects
+            .into_iter()
+            .map(|effect| registry.build(&effect.family, effect.parameters, &chain))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|error| error.to_string())?;
+        let model = ErrorModel::new(chain, effects).map_err(|error| error.to_string())?;
+        for (number, (column, stored)) in (1..).zip(model.columns().iter().zip(&self.coefficients)) {
+            if column.name != stored.name || column.unit != stored.unit {
+                return Err(format!(
+                    "coefficient {number} is `{}` [{}], but the model of the file has `{}` [{}] there; the file is damaged",
+                    stored.name, stored.unit, column.name, column.unit
+                ));
+            }
+        }
+        let coefficients: Vec<f64> = self.coefficients.iter().map(|coefficient| coefficient.value).collect();
+        let size = self.covariance.len();
+        if let Some((row, short)) = (1..).zip(&self.covariance).find(|(_, row)| row.len() != size) {
+            return Err(format!(
+                "row {row} of the covariance has {} numbers, not {size}; the file is damaged",
+                short.len()
+            ));
+        }
+        let covariance = DMatrix::from_row_iterator(size, size, self.covariance.into_iter().flatten());
+        let mut fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
+        fit.channels = self
+            .channels
+            .into_iter()
+            .map(|channel| Channel {
+                name: channel.name,
+                unit: channel.unit,
+                temperature: channel.temperature,
+            })
+            .collect();
+        fit.domain = Domain {
+            joints: self.domain.joints.into_iter().map(interval).collect(),
+            payload: self.domain.payload.map(interval),
+            time: self.domain.time.map(interval),
+            channels: self.domain.channels.into_iter().map(interval).collect(),
+        };
+        fit.noise = Noise { position_sd: self.noise.position_sd, orientation_sd: self.noise.orientation_sd };
+        fit.provenance = self.provenance;
+        Ok(fit)
+    }
+}
+
+fn ends(interval: &Interval) -> [f64; 2] {
+    [interval.lower, interval.upper]
+}
+
+fn interval([lower, upper]: [f64; 2]) -> Interval {
+    Interval { lower, upper }
+}

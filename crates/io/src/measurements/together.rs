@@ -1,0 +1,140 @@
+//! What the cells of one row say together: plausible joints, an orientation, a load.
+
+use super::row::RowReader;
+use crate::IoError;
+use truepose_kinematics::nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
+
+/// Further from one than this, a quaternion is something else.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+impl RowReader {
+    /// What the cells of the row say together.
+    pub(super) fn understand(&mut self) -> Result<(), IoError> {
+        let line = self.row.line;
+        if let Some(slots) = &self.header.slots.joints {
+            for (joint, &k) in slots.iter().enumerate() {
+                let (value, plausible) = (self.numbers[k], &self.plausible[joint]);
+                if value < plausible.lower || value > plausible.upper {
+                    plausible
+                        .judge(value, &self.header.columns[k])
+                        .map_err(|message| self.header.cell_error(line, k, message))?;
+                    self.beyond[joint].get_or_insert((line, 0)).1 += 1;
+                }
+            }
+        }
+        if self.position_needed
+            && let Some(slots) = self.header.slots.position
+            && let Some(&k) = slots.iter().find(|&&k| self.numbers[k].is_nan())
+        {
+            return Err(self.header.cell_error(line, k, "is empty; a desired pose needs all of x, y, z"));
+        }
+        if let Some(k) = self.header.slots.visit {
+            self.row.visit = Some(self.numbers[k] as i64);
+        }
+        if let Some(k) = self.header.slots.time {
+            self.row.time = self.numbers[k];
+        }
+        if let Some(slots) = self.header.slots.quaternion {
+            self.row.orientation = self.quaternion(slots)?;
+        }
+        if let Some(slots) = self.header.slots.rotation_vector {
+            self.row.orientation = self.rotation_vector(slots)?;
+        }
+        for slots in [self.header.slots.position_sd, self.header.slots.orientation_sd].into_iter().flatten() {
+            if let Some(&k) = slots.iter().find(|&&k| self.numbers[k] <= 0.0) {
+                let message =
+                    "a standard deviation has to be above zero; leave the cell empty where none is stated";
+                return Err(self.header.cell_error(line, k, message));
+            }
+        }
+        self.row.load = self.load()?;
+        Ok(())
+    }
+
+    fn load(&self) -> Result<Load, IoError> {
+        let slots = &self.header.slots;
+        if let Some(slots) = slots.wrench
+            && let Some(w) = self.all_or_none(slots, "the wrench")?
+        {
+            return Ok(Load::Wrench(Wrench {
+                force: Vector3::new(w[0], w[1], w[2]),
+                moment: Vector3::new(w[3], w[4], w[5]),
+            }));
+        }
+        let Some(k) = slots.payload else {
+            return Ok(Load::None);
+        };
+        let mass = self.numbers[k];
+        if mass < 0.0 {
+            return Err(self.header.cell_error(self.row.line, k, "a mass cannot be negative"));
+        }
+        let mut com = Vector3::zeros();
+        if let Some(slots) = slots.centre {
+            com = Vector3::from(slots.map(|k| self.numbers[k]));
+            if com.iter().any(|v| v.is_nan()) {
+                if mass > 0.0 {
+                    let k = slots[com.iter().position(|v| v.is_nan()).unwrap_or(0)];
+                    return Err(self.header.cell_error(
+                        self.row.line,
+                        k,
+                        "is empty; a mass needs its centre of gravity",
+                    ));
+                }
+                com = Vector3::zeros();
+            }
+        }
+        Ok(Load::Payload(Payload { mass, com }))
+    }
+
+    fn quaternion(&self, slots: [usize; 4]) -> Result<Option<[f64; 4]>, IoError> {
+        let Some(q) = self.all_or_none(slots, "the quaternion")? else {
+            return Ok(None);
+        };
+        let norm = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+        if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
+            let message = format!(
+                "the quaternion has length {}, not 1; check the order qw qx qy qz",
+                super::plausible::rounded(norm)
+            );
+            return Err(self.header.cell_error(self.row.line, slots[0], message));
+        }
+        Ok(Some(q.map(|v| v / norm)))
+    }
+
+    fn rotation_vector(&self, slots: [usize; 3]) -> Result<Option<[f64; 4]>, IoError> {
+        let Some(v) = self.all_or_none(slots, "the rotation vector")? else {
+            return Ok(None);
+        };
+        let v = Vector3::from(v);
+        let turn = v.norm();
+        if turn.is_nan() || turn > 3.0 * std::f64::consts::PI {
+            let message = format!(
+                "the rotation vector turns by {} rad, beyond any plausible turn; check the unit",
+                super::plausible::rounded(turn)
+            );
+            return Err(self.header.cell_error(self.row.line, slots[0], message));
+        }
+        let rotation: Matrix3<f64> = rotation_vector(&v);
+        Ok(Some(Pose::new(rotation, Vector3::zeros()).quaternion()))
+    }
+
+    /// The cells of one thing: all of them, or none when all are empty.
+    fn all_or_none<const N: usize>(
+        &self,
+        slots: [usize; N],
+        what: &str,
+    ) -> Result<Option<[f64; N]>, IoError> {
+        let values = slots.map(|k| self.numbers[k]);
+        match values.iter().filter(|v| v.is_nan()).count() {
+            0 => Ok(Some(values)),
+            empty if empty == N => Ok(None),
+            _ => {
+                let k = slots[values.iter().position(|v| v.is_nan()).unwrap_or(0)];
+                let message =
+                    format!("is empty while other cells of {what} are filled; fill or empty all of them");
+                Err(self.header.cell_error(self.row.line, k, message))
+            }
+        }
+    }
+}

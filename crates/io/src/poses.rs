@@ -1,0 +1,187 @@
+//! Desired poses in, joint commands out: the files of `truepose compensate`.
+
+use crate::measurements::{Needs, read_table};
+use crate::table::TableWriter;
+use crate::{CsvInfo, IoError, Quantity, Unit, Warning};
+use std::path::Path;
+use truepose_errormodel::Dataset;
+use truepose_kinematics::{Chain, JointKind};
+
+/// Desired poses, with the conditions under which they are wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Poses {
+    /// One row for each pose: `position` and `orientation` are the desired ones. Joints are the seed of the search
+    /// where the file has one, else zero; directions of approach are zero where the file states none.
+    pub rows: Dataset,
+    /// Whether the file has joint columns.
+    pub seeded: bool,
+    /// The unit of each movable joint in the file, in which commands are written.
+    pub joint_units: Vec<Unit>,
+}
+
+/// What became of a desired pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CommandStatus {
+    /// The command brings the robot to the pose.
+    Ok,
+    /// The pose is out of reach.
+    Unreachable,
+    /// Only joint values beyond their limits would reach it.
+    Limit,
+    /// The search did not come to an end.
+    NotConverged,
+}
+
+impl CommandStatus {
+    /// Its word in the file.
+    pub fn word(self) -> &'static str {
+        match self {
+            CommandStatus::Ok => "ok",
+            CommandStatus::Unreachable => "unreachable",
+            CommandStatus::Limit => "limit",
+            CommandStatus::NotConverged => "not_converged",
+        }
+    }
+}
+
+/// The command for one desired pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CommandRow {
+    /// Values of the movable joints, rad or m; NaN makes an empty cell.
+    pub joints: Vec<f64>,
+    /// What became of the pose.
+    pub status: CommandStatus,
+}
+
+/// Reads desired poses.
+///
+/// # Errors
+/// When the file cannot be read, lacks a position, or at the first cell that is wrong.
+pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
+    let needs = Needs { joints: false, measured: false, position: true };
+    let table = read_table(path.as_ref(), chain, needs)?;
+    let joint_units = match &table.header.slots.joints {
+        Some(slots) => slots.iter().map(|&k| table.header.columns[k].conversion).collect(),
+        None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),
+    };
+    let seeded = table.header.slots.joints.is_some();
+    Ok((Poses { rows: table.data, seeded, joint_units }, table.info, table.warnings))
+}
+
+/// Writes the command of each pose, in the order of the poses and in their units.
+///
+/// # Errors
+/// When the file cannot be written, or there is not one command for each pose.
+pub fn write_commands(
+    path: impl AsRef<Path>,
+    chain: &Chain,
+    poses: &Poses,
+    commands: &[CommandRow],
+) -> Result<(), IoError> {
+    let path = path.as_ref();
+    if commands.len() != poses.rows.len() || poses.joint_units.len() != chain.movable().len() {
+        let message = format!("there are {} commands for {} poses", commands.len(), poses.rows.len());
+        return Err(IoError::Write { file: path.into(), message });
+    }
+    let mut header: Vec<String> = chain
+        .movable()
+        .iter()
+        .zip(&poses.joint_units)
+        .map(|(&joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word))
+        .collect();
+    header.push("status".into());
+    let mut table = TableWriter::create(path, &header)?;
+    for command in commands {
+        for (k, unit) in poses.joint_units.iter().enumerate() {
+            table.number(command.joints.get(k).map_or(f64::NAN, |&value| unit.from_si(value)));
+        }
+        table.text(command.status.word());
+        table.end_row()?;
+    }
+    table.finish()
+}
+
+pub(crate) fn si_unit(kind: JointKind) -> &'static Unit {
+    match kind {
+        JointKind::Prismatic => Quantity::Length.si(),
+        _ => Quantity::Angle.si(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::{TargetId, samples};
+
+    fn read(text: &str) -> Result<(Poses, Vec<Warning>), String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        std::fs::write(&path, text).unwrap();
+        read_poses(&path, &samples::pps())
+            .map(|(poses, _, warnings)| (poses, warnings))
+            .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    }
+
+    #[test]
+    fn seeds_are_optional() {
+        let (poses, warnings) =
+            read("x[mm],y[mm],z[mm],target,time[s],approach_d1\n1,2,3,P1,5,1\n4,5,6,,4,-1\n").unwrap();
+        assert!(!poses.seeded && !poses.rows.schema.approach);
+        assert_eq!(poses.rows.joints, vec![vec![0.0, 0.0]; 6]);
+        assert_eq!(poses.rows.approach[0], [1.0, -1.0]);
+        assert_eq!(poses.rows.target, [Some(TargetId(0)), None]);
+        assert_eq!(
+            poses.joint_units.iter().map(|u| u.word).collect::<Vec<_>>(),
+            ["m", "m", "m", "rad", "rad", "rad"]
+        );
+        assert_eq!(warnings.len(), 1);
+        let (poses, _) = read(
+            "d1[mm],d2[mm],d3[mm],theta[deg],roll[deg],pitch[deg],x[mm],y[mm],z[mm],qw,qx,qy,qz\n\
+             10,20,30,40,1,2,1,2,3,1,0,0,0\n1,2,3,4,1,2,1,2,3,,,,\n",
+        )
+        .unwrap();
+        assert!(poses.seeded);
+        assert_eq!(poses.rows.joints[0], [0.01, 0.001]);
+        assert_eq!(poses.rows.orientation, [Some([1.0, 0.0, 0.0, 0.0]), None]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        assert_eq!(
+            read("x[mm],y[mm],z[mm]\n1,,3\n").unwrap_err(),
+            "t.csv:2: column `y[mm]` (2): is empty; a desired pose needs all of x, y, z"
+        );
+        assert_eq!(
+            read("qw,qx,qy,qz\n1,0,0,0\n").unwrap_err(),
+            "t.csv:1: no columns hold a position; add `x[mm]`, `y[mm]`, `z[mm]` (columns here: qw, qx, qy, qz)"
+        );
+        assert!(
+            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n").unwrap_err().contains("joint `d2` has no column")
+        );
+    }
+
+    #[test]
+    fn commands_come_in_the_units_of_the_poses() {
+        let (poses, _) = read(
+            "d1[mm],d2[mm],d3[mm],theta[deg],roll[deg],pitch[deg],x[mm],y[mm],z[mm]\n\
+             10,20,30,40,1,2,1,2,3\n1,2,3,4,1,2,1,2,3\n",
+        )
+        .unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("q.csv");
+        let commands = [
+            CommandRow {
+                joints: vec![0.25, 0.5, 1.0, std::f64::consts::PI, 0.0, 0.0],
+                status: CommandStatus::Ok,
+            },
+            CommandRow { joints: vec![], status: CommandStatus::NotConverged },
+        ];
+        write_commands(&path, &samples::pps(), &poses, &commands).unwrap();
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            "d1[mm],d2[mm],d3[mm],theta[deg],roll[deg],pitch[deg],status\n\
+             250.0,500.0,1000.0,180.0,0.0,0.0,ok\n,,,,,,not_converged\n"
+        );
+        assert!(write_commands(&path, &samples::pps(), &poses, &commands[..1]).is_err());
+    }
+}

@@ -1,0 +1,94 @@
+//! Predicted rows: the file of `truepose predict`.
+
+use crate::poses::si_unit;
+use crate::table::TableWriter;
+use crate::{CsvInfo, IoError};
+use std::path::Path;
+use truepose_errormodel::Dataset;
+use truepose_kinematics::{Chain, Pose};
+
+/// Writes one predicted row for each row of the data, in its order.
+///
+/// `predicted` holds the position of the row's target (m) and the orientation of the tool, both in the measurement
+/// frame. Besides `x[m],y[m],z[m]` and `qw,qx,qy,qz` each row repeats its visit (by the file's own number, from
+/// `info`), its joints in rad and m, and its target, where the data has them.
+///
+/// # Errors
+/// When the file cannot be written, or there is not one prediction for each row.
+pub fn write_predictions(
+    path: impl AsRef<Path>,
+    chain: &Chain,
+    data: &Dataset,
+    info: &CsvInfo,
+    predicted: &[Pose],
+) -> Result<(), IoError> {
+    let path = path.as_ref();
+    if predicted.len() != data.len() {
+        let message = format!("there are {} predictions for {} rows", predicted.len(), data.len());
+        return Err(IoError::Write { file: path.into(), message });
+    }
+    let visits = !info.visit_labels.is_empty();
+    let targets = data.target.iter().any(Option::is_some);
+    let mut header: Vec<String> = Vec::new();
+    if visits {
+        header.push("visit".into());
+    }
+    header.extend(chain.movable().iter().map(|&joint| {
+        let joint = chain.joint(joint);
+        format!("{}[{}]", joint.name, si_unit(joint.kind).word)
+    }));
+    if targets {
+        header.push("target".into());
+    }
+    header.extend(["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"].map(String::from));
+    let mut table = TableWriter::create(path, &header)?;
+    for (row, pose) in predicted.iter().enumerate() {
+        if visits {
+            table.integer(info.visit_labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
+        }
+        for column in &data.joints {
+            table.number(column[row]);
+        }
+        if targets {
+            table.text(data.target[row].map_or("", |target| &chain.targets()[target.0].name));
+        }
+        pose.translation.iter().for_each(|&v| table.number(v));
+        pose.quaternion().iter().for_each(|&v| table.number(v));
+        table.end_row()?;
+    }
+    table.finish()
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // what is exact is tested as such
+mod tests {
+    use super::*;
+    use crate::{MeasurementsOptions, read_measurements};
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn predictions_read_as_measurements() {
+        let folder = tempfile::tempdir().unwrap();
+        let (source, out) = (folder.path().join("d.csv"), folder.path().join("p.csv"));
+        std::fs::write(
+            &source,
+            "visit,r1[rad],r2[deg],slide[mm],r4[rad]\n7,0.1,20,30,0.4\n-2,0.5,60,70,0.8\n",
+        )
+        .unwrap();
+        let chain = samples::scara();
+        let options = MeasurementsOptions { measured_required: false };
+        let (data, info, _) = read_measurements(&source, &chain, &options).unwrap();
+        let predicted: Vec<Pose> = (0..2).map(|row| chain.forward(&data.conditions(row).joints)).collect();
+        write_predictions(&out, &chain, &data, &info, &predicted).unwrap();
+        let (again, info, warnings) =
+            read_measurements(&out, &chain, &MeasurementsOptions::default()).unwrap();
+        assert_eq!((info.visit_labels, warnings), (vec![7, -2], vec![]));
+        assert_eq!(again.joints, data.joints);
+        for (row, pose) in predicted.iter().enumerate() {
+            assert_eq!(again.position[row], [pose.translation.x, pose.translation.y, pose.translation.z]);
+            let same = again.measured_rotation(row).unwrap() - pose.rotation;
+            assert!(same.amax() < 1e-15);
+        }
+        assert!(write_predictions(&out, &chain, &data, &CsvInfo::default(), &[]).is_err());
+    }
+}
