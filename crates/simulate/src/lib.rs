@@ -3,6 +3,7 @@
 mod campaign;
 mod equilibrium;
 mod error;
+pub mod flaws;
 mod instrument;
 mod measure;
 pub mod physics;
@@ -12,6 +13,7 @@ mod truth;
 
 pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
 pub use error::SimulateError;
+pub use flaws::Flaws;
 pub use instrument::{Blunders, Instrument, Repeatability, Tail};
 pub use measure::Observation;
 pub use plant::Plant;
