@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod campaign;
+pub mod description;
 mod equilibrium;
 mod error;
 pub mod flaws;
@@ -12,6 +13,7 @@ mod rigid;
 mod truth;
 
 pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
+pub use description::{PlantDescription, PlantOptions};
 pub use error::SimulateError;
 pub use flaws::Flaws;
 pub use instrument::{Blunders, Instrument, Repeatability, Tail};
