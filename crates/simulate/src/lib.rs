@@ -10,6 +10,7 @@ mod measure;
 pub mod physics;
 mod plant;
 mod rigid;
+pub mod robots;
 mod truth;
 
 pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
