@@ -161,9 +161,9 @@ mod tests {
         };
         let shop = Shop::steady(20.0).expect("a shop");
         let (truth, _) = flaws.on(&chain, &shop, 8).expect("a truth");
-        let touched: Vec<usize> = (0..8).filter(|&k| truth.frames[k] != [0.0; 6]).collect();
+        let touched: Vec<usize> = (0..8).filter(|&k| truth.frames[k].iter().any(|v| v.abs() > 0.0)).collect();
         assert_eq!(touched, [3, 7]);
-        assert_eq!(truth.frames[7], [1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]);
+        assert_eq!(truth.frames[7].to_vec(), [1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]);
         assert_eq!(truth.targets[1], Vector3::new(0.0, 5e-4, 0.0));
         let ratio = truth.joints[1].link.expect("a link").mass / 260.0;
         assert!((ratio - 1.0).abs() > 1e-6 && (0.8..1.25).contains(&ratio), "{ratio}");

@@ -110,7 +110,7 @@ mod tests {
         worst.sort_by(f64::total_cmp);
         elastic.sort_by(f64::total_cmp);
         assert!(worst[0] > 5e-3 && worst[19] < 12e-3, "{worst:?}");
-        assert!(elastic[10] > 5e-3 && elastic[10] < 8e-3, "{elastic:?}");
+        assert!(elastic[10] > 6e-3 && elastic[10] < 8e-3, "{elastic:?}");
     }
 
     #[test]
@@ -125,6 +125,31 @@ mod tests {
         let line = |k: usize| sag[0] + (sag[12] - sag[0]) * k as f64 / 12.0;
         let off = (0..13).map(|k| (sag[k] - line(k)).abs()).fold(0.0, f64::max);
         assert!(off < 1e-4 && off > 1e-7, "{off}");
+    }
+
+    #[test]
+    fn noise_alone_has_the_radius_that_is_known() {
+        // Largest of 56 treatment points from three targets, 0.05 mm shared and 0.04 mm not: 0.184 mm in the median.
+        let mut radii: Vec<f64> = (0..40)
+            .map(|seed| {
+                let plant = pps_plant(seed).expect("a plant");
+                let mut half = Campaign::paper_set_a(plant.chain()).expect("set a").shuffled(seed);
+                half.visits.truncate(56);
+                let seen = plant.observe(&half, seed).expect("data");
+                let point =
+                    |positions: &[Vector3<f64>]| treatment_point(plant.chain(), positions).expect("a point");
+                let radius = |visit: usize| {
+                    let rows = 3 * visit..3 * visit + 3;
+                    let measured: Vec<_> = rows.clone().map(|row| seen.data.measured_position(row)).collect();
+                    (point(&measured) - point(&seen.true_positions[rows])).norm()
+                };
+                (0..56).map(radius).fold(0.0, f64::max)
+            })
+            .collect();
+        radii.sort_by(f64::total_cmp);
+        let median = (radii[19] + radii[20]) / 2.0;
+        // The median of 40 is known to about 4 µm.
+        assert!((median - 0.184e-3).abs() < 12e-6, "{median}");
     }
 
     #[test]
