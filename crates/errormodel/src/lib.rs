@@ -1,9 +1,27 @@
-//! The error model of a robot.
+#![doc = include_str!("../README.md")]
 
 mod dataset;
+mod effect;
+pub mod effects;
+mod emission;
 mod error;
+mod fitted;
+mod generalized;
+mod jacobian;
+mod model;
+mod real;
+mod registry;
+pub mod testkit;
 
 pub use dataset::{
     Channel, Dataset, Schema, Seen, Visits, approach_from_order, configurations, visits_from_rows,
 };
+pub use effect::{AnyEffect, Column, Effect, Shape, Signal};
+pub use emission::{Emission, Entry};
 pub use error::ModelError;
+pub use fitted::{Domain, FittedModel, Interval, Noise, Predictor};
+pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
+pub use jacobian::ErrorJacobian;
+pub use model::{BoundModel, ErrorModel};
+pub use real::RealPosture;
+pub use registry::EffectRegistry;

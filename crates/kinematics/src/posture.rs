@@ -22,6 +22,8 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone)]
 pub struct PostureBuffer {
     frames: Vec<Pose>,
+    /// `A_1 … A_n`, then the tool's transform.
+    steps: Vec<Pose>,
     /// In the measurement frame's axes, about each frame's origin.
     wrenches: Vec<Wrench>,
 }
@@ -30,7 +32,11 @@ impl PostureBuffer {
     /// Memory for postures of this robot.
     pub fn new(chain: &Chain) -> Self {
         let n = chain.joints().len() + 2;
-        PostureBuffer { frames: vec![Pose::IDENTITY; n], wrenches: vec![Wrench::default(); n] }
+        PostureBuffer {
+            frames: vec![Pose::IDENTITY; n],
+            steps: vec![Pose::IDENTITY; n - 1],
+            wrenches: vec![Wrench::default(); n],
+        }
     }
 
     /// The nominal posture under these conditions.
@@ -44,7 +50,14 @@ impl PostureBuffer {
     /// The posture computed last, seen under conditions of the same joints and load (time, channels and
     /// approach may differ).
     pub fn view<'a>(&'a self, chain: &'a Chain, conditions: &'a Conditions) -> Posture<'a> {
-        Posture { chain, conditions, frames: &self.frames, wrenches: &self.wrenches, slots: &[] }
+        Posture {
+            chain,
+            conditions,
+            frames: &self.frames,
+            steps: &self.steps,
+            wrenches: &self.wrenches,
+            slots: &[],
+        }
     }
 
     fn move_to(&mut self, chain: &Chain, conditions: &Conditions) {
@@ -53,9 +66,11 @@ impl PostureBuffer {
         self.frames[0] = pose;
         for (index, joint) in chain.joints().iter().enumerate() {
             let q = chain.coordinate(JointId(index + 1)).map_or(0.0, |k| conditions.joints[k]);
-            pose = pose * joint.transform(q);
+            self.steps[index] = joint.transform(q);
+            pose = pose * self.steps[index];
             self.frames[index + 1] = pose;
         }
+        self.steps[n] = chain.tool().pose;
         self.frames[n + 1] = pose * chain.tool().pose;
 
         let gravity = chain.gravity_in_measurement_frame();
@@ -93,6 +108,7 @@ pub struct Posture<'a> {
     chain: &'a Chain,
     conditions: &'a Conditions,
     frames: &'a [Pose],
+    steps: &'a [Pose],
     wrenches: &'a [Wrench],
     slots: &'a [Slot],
 }
@@ -111,6 +127,11 @@ impl<'a> Posture<'a> {
     /// Nominal pose of a frame in the measurement frame.
     pub fn frame(&self, frame: FrameId) -> &'a Pose {
         &self.frames[frame.0]
+    }
+
+    /// The nominal transforms that lead from frame 0 to the tool: `A_1(q_1) … A_n(q_n)`, then the tool's.
+    pub fn steps(&self) -> &'a [Pose] {
+        self.steps
     }
 
     /// Nominal pose of the tool in the measurement frame.

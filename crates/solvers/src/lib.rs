@@ -1,1 +1,24 @@
-//! truepose-solvers
+#![doc = include_str!("../README.md")]
+
+pub mod accumulator;
+mod backends;
+mod dense;
+mod error;
+mod folds;
+mod problem;
+mod rank;
+pub mod ridge;
+pub mod robust;
+mod solver;
+pub mod testkit;
+
+pub use accumulator::{ColumnScale, Factor, Gram, NullSpace, Triangular};
+pub use backends::{NormalEquations, PivotedQr, Svd};
+pub use error::SolveError;
+pub use folds::{Choice, GroupedFolds};
+pub use nalgebra;
+pub use problem::{Bounds, LeastSquares};
+pub use rank::{RankDecision, RankRule, decide_rank};
+pub use ridge::{Ridge, RidgeStrength};
+pub use robust::{Loss, Robust, Start, Trimming};
+pub use solver::{Fallback, Need, Solution, Solver, SolverInfo, Status};

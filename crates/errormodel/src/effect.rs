@@ -1,0 +1,191 @@
+//! The seam through which effects enter: the only trait that an author of an effect implements.
+
+use crate::{Emission, ModelError};
+use serde::{Serialize, de::DeserializeOwned};
+use std::fmt::Debug;
+use truepose_kinematics::{Chain, JointId, Posture, Site};
+
+/// One unknown of an effect.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// What it is, in a reader's words: `compliance j2`.
+    pub name: String,
+    /// SI unit of the coefficient.
+    pub unit: String,
+    /// Expected size in that unit: it scales the column, and is its prior standard deviation where one is wanted.
+    pub scale: f64,
+    /// The site, when the column is a constant generalized error and nothing else.
+    pub site: Option<Site>,
+}
+
+impl Column {
+    /// An unknown that is not a constant generalized error.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, scale: f64) -> Self {
+        Column { name: name.into(), unit: unit.into(), scale, site: None }
+    }
+}
+
+/// An input that not every data set has. Asked for by name, resolved once, then read as `at.signal(k)`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Signal {
+    /// The time of the row, s.
+    Time,
+    /// The direction in which a joint last moved: −1, 0, +1.
+    Approach(JointId),
+    /// A channel, by its name.
+    Channel(String),
+}
+
+impl Signal {
+    /// In words.
+    pub fn describe(&self, chain: &Chain) -> String {
+        match self {
+            Signal::Time => "a `time` column".into(),
+            Signal::Approach(joint) => format!("the approach of joint `{}`", chain.joint(*joint).name),
+            Signal::Channel(name) => format!("a channel `{name}`"),
+        }
+    }
+}
+
+/// A parameter in which an effect is not linear: a period, a time constant, an instant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Its name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// Present value.
+    pub value: f64,
+    /// Smallest value that makes sense.
+    pub lower: f64,
+    /// Largest value that makes sense.
+    pub upper: f64,
+}
+
+/// A physical cause that makes generalized errors: at a posture it *emits* triples (column, site, value), "per
+/// unit of coefficient k the generalized error at this site is v" (one row of Φ in `ε(s) = Φ(s) c`).
+///
+/// The design matrix multiplies an emission by the error Jacobian, the evaluator by the coefficients: so fit
+/// and compensation cannot disagree, and no effect touches a Jacobian, an index or a solver. Parameters that
+/// are not unknowns of the fit are the struct's fields; they are what a file stores.
+///
+/// A complete effect, an encoder that reads a constant fraction too much:
+///
+/// ```
+/// use serde::{Deserialize, Serialize};
+/// use truepose_errormodel::{Column, Effect, Emission};
+/// use truepose_kinematics::{Chain, JointId, Posture};
+///
+/// #[derive(Debug, Clone, Serialize, Deserialize)]
+/// struct EncoderGain { joint: JointId }
+///
+/// impl Effect for EncoderGain {
+///     const KIND: &'static str = "acme/encoder_gain";
+///     fn columns(&self, chain: &Chain) -> Vec<Column> {
+///         vec![Column::new(format!("gain {}", chain.joint(self.joint).name), "1", 1e-3)]
+///     }
+///     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+///         if let Some(motion) = at.chain().joint_motion(self.joint) {
+///             out.along(0, &motion, at.joint(self.joint));
+///         }
+///     }
+/// }
+/// ```
+pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + 'static {
+    /// Its tag in files. Third parties prefix theirs: `acme/belt`.
+    const KIND: &'static str;
+
+    /// One line for a list of effects.
+    const ABOUT: &'static str = "";
+
+    /// The unknowns: name, unit, expected size.
+    fn columns(&self, chain: &Chain) -> Vec<Column>;
+
+    /// Emits Φ at a posture. Called for every row: no allocation, no panic.
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission);
+
+    /// The signals that `eval` reads as `at.signal(0)`, `at.signal(1)`, … Checked once against the data's schema.
+    fn needs(&self) -> Vec<Signal> {
+        Vec::new()
+    }
+
+    /// Checks the parameters against the robot, once, when a model is made.
+    ///
+    /// # Errors
+    /// Says which parameter does not fit.
+    fn validate(&self, _chain: &Chain) -> Result<(), ModelError> {
+        Ok(())
+    }
+
+    /// Parameters in which it is not linear, with their present values.
+    fn shape(&self) -> Vec<Shape> {
+        Vec::new()
+    }
+
+    /// The same effect with other values of those parameters.
+    fn with_shape(&self, _values: &[f64]) -> Self {
+        self.clone()
+    }
+}
+
+/// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and by nothing else.
+pub trait AnyEffect: Debug + Send + Sync {
+    /// [`Effect::KIND`].
+    fn kind(&self) -> &'static str;
+    /// [`Effect::columns`].
+    fn columns(&self, chain: &Chain) -> Vec<Column>;
+    /// [`Effect::eval`].
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission);
+    /// [`Effect::needs`].
+    fn needs(&self) -> Vec<Signal>;
+    /// [`Effect::validate`].
+    ///
+    /// # Errors
+    /// As [`Effect::validate`].
+    fn validate(&self, chain: &Chain) -> Result<(), ModelError>;
+    /// [`Effect::shape`].
+    fn shape(&self) -> Vec<Shape>;
+    /// [`Effect::with_shape`].
+    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect>;
+    /// Its parameters as they stand in a file.
+    fn parameters(&self) -> serde_json::Value;
+    /// A copy.
+    fn boxed(&self) -> Box<dyn AnyEffect>;
+}
+
+impl<E: Effect> AnyEffect for E {
+    fn kind(&self) -> &'static str {
+        E::KIND
+    }
+    fn columns(&self, chain: &Chain) -> Vec<Column> {
+        Effect::columns(self, chain)
+    }
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        Effect::eval(self, at, out);
+    }
+    fn needs(&self) -> Vec<Signal> {
+        Effect::needs(self)
+    }
+    fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
+        Effect::validate(self, chain)
+    }
+    fn shape(&self) -> Vec<Shape> {
+        Effect::shape(self)
+    }
+    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect> {
+        Box::new(Effect::with_shape(self, values))
+    }
+    fn parameters(&self) -> serde_json::Value {
+        // A struct that serde cannot write as JSON (a map with keys that are not strings) has no parameters in a file.
+        serde_json::to_value(self).unwrap_or(serde_json::Value::Null)
+    }
+    fn boxed(&self) -> Box<dyn AnyEffect> {
+        Box::new(self.clone())
+    }
+}
+
+impl Clone for Box<dyn AnyEffect> {
+    fn clone(&self) -> Self {
+        self.as_ref().boxed()
+    }
+}

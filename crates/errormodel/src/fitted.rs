@@ -1,0 +1,182 @@
+//! A fitted model: evaluated without the data, the solver or the reduction that made it.
+
+mod domain;
+
+pub use domain::{Domain, Interval};
+
+use crate::{
+    BoundModel, Channel, Emission, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, RealPosture,
+    Schema,
+};
+use nalgebra::{DMatrix, Matrix6};
+use truepose_kinematics::{Chain, Conditions, Pose, PostureBuffer, TargetId};
+
+/// An error model with coefficients, how well they are known, and where they were seen.
+#[derive(Debug, Clone)]
+pub struct FittedModel {
+    model: ErrorModel,
+    coefficients: Vec<f64>,
+    covariance: DMatrix<f64>,
+    /// Channels at fit time, with their units: the same have to be there at run time.
+    pub channels: Vec<Channel>,
+    /// The inputs on which it was fitted.
+    pub domain: Domain,
+    /// Standard deviations that a single new measurement has around the model.
+    pub noise: Noise,
+    /// How it came about, for people: program, data, options. Not needed for evaluation.
+    pub provenance: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Standard deviations of one component of a new measurement around the true model.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Noise {
+    /// Of a position's component, m.
+    pub position_sd: f64,
+    /// Of an orientation's component, rad; zero where none was measured.
+    pub orientation_sd: f64,
+}
+
+impl FittedModel {
+    /// From coefficients c (one a column of the model) and their covariance.
+    ///
+    /// # Errors
+    /// When the sizes do not fit.
+    pub fn new(
+        model: ErrorModel,
+        coefficients: Vec<f64>,
+        covariance: DMatrix<f64>,
+    ) -> Result<Self, ModelError> {
+        let need = model.columns().len();
+        if coefficients.len() != need {
+            return Err(ModelError::Shape { what: "coefficients", have: coefficients.len(), need });
+        }
+        if covariance.shape() != (need, need) {
+            return Err(ModelError::Shape { what: "covariance", have: covariance.nrows(), need });
+        }
+        Ok(FittedModel {
+            model,
+            coefficients,
+            covariance,
+            channels: Vec::new(),
+            domain: Domain::default(),
+            noise: Noise::default(),
+            provenance: serde_json::Map::new(),
+        })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &ErrorModel {
+        &self.model
+    }
+
+    /// The robot.
+    pub fn chain(&self) -> &Chain {
+        self.model.chain()
+    }
+
+    /// Coefficients c, one a column of the model, in its unit.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+
+    /// Covariance of the coefficients; rows and columns of those that the reduction left out are zero.
+    pub fn covariance(&self) -> &DMatrix<f64> {
+        &self.covariance
+    }
+
+    /// Ready to predict under conditions of this schema.
+    ///
+    /// # Errors
+    /// When a signal that the model needs is missing, or a channel has another unit than at fit time.
+    pub fn bind(&self, schema: &Schema) -> Result<Predictor<'_>, ModelError> {
+        for channel in &self.channels {
+            if let Some(k) = schema.channel(&channel.name)
+                && schema.channels[k].unit != channel.unit
+                && self
+                    .model
+                    .effects()
+                    .iter()
+                    .any(|effect| effect.needs().contains(&crate::Signal::Channel(channel.name.clone())))
+            {
+                return Err(ModelError::ChannelUnit {
+                    channel: channel.name.clone(),
+                    have: schema.channels[k].unit.clone(),
+                    need: channel.unit.clone(),
+                });
+            }
+        }
+        Ok(Predictor {
+            fitted: self,
+            bound: self.model.bind(schema)?,
+            nominal: PostureBuffer::new(self.chain()),
+            real: RealPosture::new(self.chain()),
+            emission: Emission::new(),
+            errors: GeneralizedErrors::zero(self.chain()),
+        })
+    }
+}
+
+/// Evaluates a fitted model, posture after posture, without allocating.
+#[derive(Debug, Clone)]
+pub struct Predictor<'m> {
+    fitted: &'m FittedModel,
+    bound: BoundModel<'m>,
+    nominal: PostureBuffer,
+    real: RealPosture,
+    emission: Emission,
+    errors: GeneralizedErrors,
+}
+
+impl Predictor<'_> {
+    /// The real robot under these conditions: orientation of the tool, position of the target (none: of the tool's
+    /// origin), in the measurement frame.
+    pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
+        self.settle(conditions);
+        let point = self.real.point(self.fitted.chain(), &self.errors, target);
+        Pose::new(self.real.tool().rotation, point)
+    }
+
+    /// The same pose as the nominal robot has it.
+    pub fn nominal(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
+        let chain = self.fitted.chain();
+        let posture = self.nominal.update(chain, conditions);
+        let tool = posture.tool();
+        let point = target.map_or(tool.translation, |t| tool.apply(&chain.targets()[t.0].position));
+        Pose::new(tool.rotation, point)
+    }
+
+    /// How well the prediction is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
+    /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
+    pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
+        self.settle(conditions);
+        let jacobian = ErrorJacobian::new(self.fitted.chain(), &self.real, &self.errors, target);
+        let columns = self.fitted.coefficients.len();
+        let mut rows = DMatrix::zeros(6, columns);
+        for entry in self.emission.entries() {
+            let mut column = rows.column_mut(entry.column);
+            let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
+            for k in 0..3 {
+                column[k] += entry.value * p[k];
+                column[k + 3] += entry.value * r[k];
+            }
+        }
+        let spread = &rows * &self.fitted.covariance * rows.transpose();
+        Matrix6::from_iterator(spread.iter().copied())
+    }
+
+    /// The generalized errors under these conditions.
+    pub fn errors(&mut self, conditions: &Conditions) -> &GeneralizedErrors {
+        self.settle(conditions);
+        &self.errors
+    }
+
+    fn settle(&mut self, conditions: &Conditions) {
+        let posture = self.nominal.update(self.fitted.chain(), conditions);
+        self.bound.emit(&posture, &mut self.emission);
+        self.errors.clear();
+        for entry in self.emission.entries() {
+            self.errors.add(entry.site, entry.value * self.fitted.coefficients[entry.column]);
+        }
+        self.real.update(&posture, &self.errors);
+    }
+}

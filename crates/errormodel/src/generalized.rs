@@ -1,0 +1,128 @@
+//! The six generalized errors of a frame, and the error matrix `E_i` that they make.
+//!
+//! | symbol | here | unit | the paper's |
+//! | --- | --- | --- | --- |
+//! | x, y, z | components 0…2 | m | e_x, e_y, e_z |
+//! | rx | component 3 | rad | pitch e_p, about X |
+//! | ry | component 4 | rad | spin e_s, about Y |
+//! | rz | component 5 | rad | roll e_r, about Z |
+//!
+//! Exactly, `E = [R_Y(ry) R_Z(rz) R_X(rx), t]`; to first order (Eq. 2) `E = I + [[φ]×, t]`.
+
+use nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::{Chain, FrameId, Pose, Site, TargetId, skew};
+
+/// All generalized errors of a robot: six a frame, three a target, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeneralizedErrors {
+    values: Vec<f64>,
+    frames: usize,
+}
+
+impl GeneralizedErrors {
+    /// A perfect robot.
+    pub fn zero(chain: &Chain) -> Self {
+        GeneralizedErrors { values: vec![0.0; chain.site_count()], frames: chain.frames().len() }
+    }
+
+    /// Sets all to zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Adds to the error at a site.
+    pub fn add(&mut self, site: Site, value: f64) {
+        let index = self.index(site);
+        self.values[index] += value;
+    }
+
+    /// The error at a site, m or rad.
+    pub fn get(&self, site: Site) -> f64 {
+        self.values[self.index(site)]
+    }
+
+    /// `[x y z rx ry rz]` of a frame.
+    pub fn frame(&self, frame: FrameId) -> [f64; 6] {
+        std::array::from_fn(|k| self.values[6 * frame.0 + k])
+    }
+
+    /// Error of a target's position, in the tool's axes, m.
+    pub fn target(&self, target: TargetId) -> Vector3<f64> {
+        let start = 6 * self.frames + 3 * target.0;
+        Vector3::new(self.values[start], self.values[start + 1], self.values[start + 2])
+    }
+
+    fn index(&self, site: Site) -> usize {
+        match site {
+            Site::Frame(frame, axis) => 6 * frame.0 + axis.index(),
+            Site::Target(target, axis) => 6 * self.frames + 3 * target.0 + axis.direction(),
+        }
+    }
+}
+
+/// The error matrix, exactly: rotations about Y, Z, X in that order, with the translation.
+pub fn error_matrix(e: &[f64; 6]) -> Pose {
+    let translation = Vector3::new(e[0], e[1], e[2]);
+    let (sx, cx) = e[3].sin_cos();
+    let (sy, cy) = e[4].sin_cos();
+    let (sz, cz) = e[5].sin_cos();
+    // R_Y(ry) R_Z(rz) R_X(rx), multiplied out.
+    let rotation = Matrix3::new(
+        cy * cz,
+        sy * sx - cy * sz * cx,
+        sy * cx + cy * sz * sx,
+        sz,
+        cz * cx,
+        -cz * sx,
+        -sy * cz,
+        cy * sx + sy * sz * cx,
+        cy * cx - sy * sz * sx,
+    );
+    Pose::new(rotation, translation)
+}
+
+/// The error matrix to first order, Eq. (2): not a rotation, only for comparison with the paper.
+pub fn error_matrix_first_order(e: &[f64; 6]) -> Pose {
+    let rotation = Matrix3::identity() + skew(&Vector3::new(e[3], e[4], e[5]));
+    Pose::new(rotation, Vector3::new(e[0], e[1], e[2]))
+}
+
+/// The axes about which the rotation of [`error_matrix`] turns when rx, ry or rz grows, as columns, in the
+/// axes of the frame in front of `E`: `[R_Y R_Z x̂, ŷ, R_Y ẑ]`. The identity at zero error.
+pub fn rotation_axes(e: &[f64; 6]) -> Matrix3<f64> {
+    let (sy, cy) = e[4].sin_cos();
+    let (sz, cz) = e[5].sin_cos();
+    Matrix3::new(cy * cz, 0.0, sy, sz, 1.0, 0.0, -sy * cz, 0.0, cy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use truepose_kinematics::rotation_log;
+
+    proptest! {
+        #[test]
+        fn exact_matrix_is_the_product_of_three_rotations(e in prop::array::uniform6(-1.0..1.0f64)) {
+            let product = Pose::rot(1, e[4]) * Pose::rot(2, e[5]) * Pose::rot(0, e[3]);
+            prop_assert!((product.rotation - error_matrix(&e).rotation).amax() < 1e-15);
+        }
+
+        #[test]
+        fn axes_are_the_derivative(e in prop::array::uniform6(-1.0..1.0f64)) {
+            let axes = rotation_axes(&e);
+            for k in 0..3 {
+                let at = |d: f64| { let mut f = e; f[3 + k] += d; error_matrix(&f).rotation };
+                let turn = rotation_log(&(at(1e-6) * at(-1e-6).transpose())) / 2e-6;
+                prop_assert!((turn - axes.column(k)).norm() < 1e-9);
+            }
+        }
+
+        #[test]
+        fn first_order_differs_by_second_order(e in prop::array::uniform6(-1e-3..1e-3f64)) {
+            let (a, b) = (error_matrix(&e), error_matrix_first_order(&e));
+            prop_assert!((a.rotation - b.rotation).amax() < 2e-6);
+            prop_assert_eq!(a.translation, b.translation);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The effects that a robot is declared to have: Φ of `ε(s) = Φ(s) c`.
+
+use crate::{AnyEffect, Column, Emission, ModelError, Schema, Signal};
+use std::ops::Range;
+use truepose_kinematics::{Chain, Posture, Slot};
+
+/// A robot and the effects that its model has. Immutable; coefficients live elsewhere.
+#[derive(Debug, Clone)]
+pub struct ErrorModel {
+    chain: Chain,
+    effects: Vec<Box<dyn AnyEffect>>,
+    columns: Vec<Column>,
+    first: Vec<usize>,
+}
+
+impl ErrorModel {
+    /// A model of these effects.
+    ///
+    /// # Errors
+    /// When an effect's parameters do not fit the robot.
+    pub fn new(chain: Chain, effects: Vec<Box<dyn AnyEffect>>) -> Result<Self, ModelError> {
+        let mut columns = Vec::new();
+        let mut first = vec![0];
+        for effect in &effects {
+            effect.validate(&chain)?;
+            columns.extend(effect.columns(&chain));
+            first.push(columns.len());
+        }
+        Ok(ErrorModel { chain, effects, columns, first })
+    }
+
+    /// The same model with one more effect.
+    ///
+    /// # Errors
+    /// When the effect's parameters do not fit the robot.
+    pub fn with(&self, effect: Box<dyn AnyEffect>) -> Result<Self, ModelError> {
+        let mut effects = self.effects.clone();
+        effects.push(effect);
+        ErrorModel::new(self.chain.clone(), effects)
+    }
+
+    /// The same effects on another description of the robot (a placement that was found).
+    ///
+    /// # Errors
+    /// When an effect does not fit it.
+    pub fn on(&self, chain: Chain) -> Result<Self, ModelError> {
+        ErrorModel::new(chain, self.effects.clone())
+    }
+
+    /// The robot.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// The effects, in order.
+    pub fn effects(&self) -> &[Box<dyn AnyEffect>] {
+        &self.effects
+    }
+
+    /// All unknowns, effect by effect.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The columns of the k-th effect.
+    pub fn columns_of(&self, effect: usize) -> Range<usize> {
+        self.first[effect]..self.first[effect + 1]
+    }
+
+    /// The effect to which a column belongs.
+    pub fn effect_of(&self, column: usize) -> usize {
+        self.first.partition_point(|&first| first <= column) - 1
+    }
+
+    /// Resolves every signal that the effects need, once, so that evaluation cannot fail.
+    ///
+    /// # Errors
+    /// [`ModelError::MissingSignal`] when the data lacks one.
+    pub fn bind(&self, schema: &Schema) -> Result<BoundModel<'_>, ModelError> {
+        let mut slots = Vec::new();
+        let mut first = vec![0];
+        for effect in &self.effects {
+            for need in effect.needs() {
+                slots.push(self.resolve(effect.kind(), &need, schema)?);
+            }
+            first.push(slots.len());
+        }
+        Ok(BoundModel { model: self, slots, first })
+    }
+
+    fn resolve(&self, kind: &str, need: &Signal, schema: &Schema) -> Result<Slot, ModelError> {
+        let slot = match need {
+            Signal::Time => schema.time.then_some(Slot::Time),
+            Signal::Approach(joint) => {
+                self.chain.coordinate(*joint).filter(|_| schema.approach).map(Slot::Approach)
+            }
+            Signal::Channel(name) => schema.channel(name).map(Slot::Channel),
+        };
+        slot.ok_or_else(|| ModelError::MissingSignal {
+            kind: kind.into(),
+            signal: need.describe(&self.chain),
+            have: schema.channels.iter().map(|channel| channel.name.clone()).collect(),
+        })
+    }
+}
+
+/// A model whose signals have been found in the data.
+#[derive(Debug, Clone)]
+pub struct BoundModel<'m> {
+    model: &'m ErrorModel,
+    slots: Vec<Slot>,
+    first: Vec<usize>,
+}
+
+impl<'m> BoundModel<'m> {
+    /// The model.
+    pub fn model(&self) -> &'m ErrorModel {
+        self.model
+    }
+
+    /// Φ at a nominal posture: replaces what `out` holds.
+    pub fn emit(&self, at: &Posture<'_>, out: &mut Emission) {
+        out.clear();
+        for (k, effect) in self.model.effects.iter().enumerate() {
+            out.start_at(self.model.first[k]);
+            effect.eval(&at.with_slots(&self.slots[self.first[k]..self.first[k + 1]]), out);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The real robot at one configuration: `T = B E_0 A_1 E_1 … A_n E_n · tool · E_tool` with exact `E_i` (Eq. 4).
+//!
+//! | symbol | here | shape | unit | frame |
+//! | --- | --- | --- | --- | --- |
+//! | R_i, p_i | `before(i)` | pose | m | measurement, in front of `E_i` |
+//! | o_i | `after(i).translation` | 3 | m | measurement, behind `E_i` |
+//! | ω_ik | `axes(i)` columns | 3×3 | 1 | measurement: about what a growing rx, ry, rz turns |
+
+use crate::{GeneralizedErrors, error_matrix, rotation_axes};
+use nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::{Chain, FrameId, Pose, Posture, TargetId};
+
+/// Frames of the real robot; memory is used again from one posture to the next.
+#[derive(Debug, Clone)]
+pub struct RealPosture {
+    before: Vec<Pose>,
+    after: Vec<Pose>,
+    axes: Vec<Matrix3<f64>>,
+}
+
+impl RealPosture {
+    /// Memory for this robot.
+    pub fn new(chain: &Chain) -> Self {
+        let n = chain.frames().len();
+        RealPosture {
+            before: vec![Pose::IDENTITY; n],
+            after: vec![Pose::IDENTITY; n],
+            axes: vec![Matrix3::identity(); n],
+        }
+    }
+
+    /// Moves to a posture with these generalized errors.
+    pub fn update(&mut self, nominal: &Posture<'_>, errors: &GeneralizedErrors) {
+        let mut pose = nominal.chain().base().pose;
+        let frames = self.before.len();
+        for i in 0..frames {
+            let e = errors.frame(FrameId(i));
+            self.before[i] = pose;
+            if e.iter().all(|&v| v == 0.0) {
+                self.axes[i] = pose.rotation;
+            } else {
+                self.axes[i] = pose.rotation * rotation_axes(&e);
+                pose = pose * error_matrix(&e);
+            }
+            self.after[i] = pose;
+            if i + 1 < frames {
+                pose = pose * nominal.steps()[i];
+            }
+        }
+    }
+
+    /// A frame in front of its `E_i`.
+    pub fn before(&self, frame: FrameId) -> &Pose {
+        &self.before[frame.0]
+    }
+
+    /// A frame behind its `E_i`.
+    pub fn after(&self, frame: FrameId) -> &Pose {
+        &self.after[frame.0]
+    }
+
+    /// Axes (columns) about which the robot beyond frame i turns when rx, ry, rz of `E_i` grow.
+    pub fn axes(&self, frame: FrameId) -> &Matrix3<f64> {
+        &self.axes[frame.0]
+    }
+
+    /// Pose of the real tool in the measurement frame.
+    pub fn tool(&self) -> &Pose {
+        &self.after[self.after.len() - 1]
+    }
+
+    /// The real position of a target (none: the tool's origin) in the measurement frame, m.
+    pub fn point(&self, chain: &Chain, errors: &GeneralizedErrors, target: Option<TargetId>) -> Vector3<f64> {
+        match target {
+            None => self.tool().translation,
+            Some(t) => self.tool().apply(&(chain.targets()[t.0].position + errors.target(t))),
+        }
+    }
+}

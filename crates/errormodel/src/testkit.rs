@@ -1,0 +1,80 @@
+//! The conformance kit for effects, ours and a stranger's: `check_effect(&effect, &robot)`.
+
+use crate::{Channel, Effect, EffectRegistry, Emission, Entry, ErrorModel, Schema};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, Conditions, Load, Payload, PostureBuffer};
+
+/// Checks what every effect promises, on this robot.
+///
+/// * as many columns are emitted to as are declared, with finite values at sites that the robot has;
+/// * expected sizes are positive, names differ;
+/// * evaluation is pure: the same posture gives the same emission;
+/// * it comes back from a file as itself;
+/// * shape parameters read back what was set.
+///
+/// # Panics
+/// When one of these does not hold: it is meant for tests.
+#[track_caller]
+pub fn check_effect<E: Effect>(effect: &E, chain: &Chain) {
+    effect.validate(chain).unwrap_or_else(|error| panic!("refused by its own validate: {error}"));
+    let columns = Effect::columns(effect, chain);
+    for (k, column) in columns.iter().enumerate() {
+        assert!(column.scale.is_finite() && column.scale > 0.0, "expected size of `{}`", column.name);
+        assert!(!column.unit.is_empty(), "`{}` has no unit", column.name);
+        let same = columns[..k].iter().any(|other| other.name == column.name);
+        assert!(!same, "two columns are called `{}`", column.name);
+    }
+
+    let first = emissions(effect, chain);
+    assert_eq!(first, emissions(effect, chain), "evaluation is not pure");
+    for entry in first.iter().flatten() {
+        assert!(entry.column < columns.len(), "emits to column {} of {}", entry.column, columns.len());
+        assert!(entry.value.is_finite(), "emits {} for `{}`", entry.value, columns[entry.column].name);
+        assert!(chain.site_index(entry.site) < chain.site_count(), "emits at {:?}", entry.site);
+    }
+
+    let json = serde_json::to_value(effect).unwrap_or_else(|error| panic!("cannot be written: {error}"));
+    let registry = EffectRegistry::empty().with::<E>();
+    let back = registry
+        .build(E::KIND, json.clone(), chain)
+        .unwrap_or_else(|error| panic!("cannot be read back: {error}"));
+    assert_eq!(back.parameters(), json, "comes back from a file as something else");
+
+    let shape = effect.shape();
+    let values: Vec<f64> = shape.iter().map(|s| 0.5 * (s.lower + s.upper)).collect();
+    let moved = effect.with_shape(&values).shape();
+    assert_eq!(moved.len(), shape.len());
+    for (now, value) in moved.iter().zip(&values) {
+        assert!((now.value - value).abs() <= 1e-12 * value.abs(), "shape `{}` does not read back", now.name);
+    }
+}
+
+/// Emissions at three postures: unloaded, loaded, and with every signal that it asks for.
+fn emissions<E: Effect>(effect: &E, chain: &Chain) -> Vec<Vec<Entry>> {
+    let needed = Effect::needs(effect).into_iter().filter_map(|signal| match signal {
+        crate::Signal::Channel(name) => Some(Channel { name, unit: "1".into(), temperature: false }),
+        _ => None,
+    });
+    let schema = Schema { channels: needed.collect(), time: true, load: true, approach: true };
+    let model = ErrorModel::new(chain.clone(), vec![Box::new(effect.clone())])
+        .unwrap_or_else(|error| panic!("makes no model: {error}"));
+    let bound = model.bind(&schema).unwrap_or_else(|error| panic!("cannot be bound: {error}"));
+    let mut buffer = PostureBuffer::new(chain);
+    let mut out = Emission::new();
+    (0..3)
+        .map(|k| {
+            let n = chain.movable().len();
+            let joints: Vec<f64> = (0..n).map(|j| 0.1 + 0.13 * (j * k) as f64 - 0.05 * k as f64).collect();
+            let mut conditions = Conditions::at(chain, &joints);
+            if k > 0 {
+                let com = Vector3::new(0.02, 0.03, 0.1);
+                conditions.load = Load::Payload(Payload { mass: 20.0 * k as f64, com });
+            }
+            conditions.time = 100.0 * k as f64;
+            conditions.channels = vec![20.0 + k as f64; schema.channels.len()];
+            conditions.approach = (0..n).map(|j| if (j + k) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            bound.emit(&buffer.update(chain, &conditions), &mut out);
+            out.entries().to_vec()
+        })
+        .collect()
+}

@@ -1,0 +1,279 @@
+//! The design matrix, block by block: `y − y(c) ≈ P J_e Φ δc`, whitened (Eq. 18).
+//!
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | A | first p numbers of a row | rows × p | 1 per unit of each column |
+//! | r | last number of a row | rows | 1 |
+//!
+//! A block holds the rows of one visit, three for a measured position and three for a measured orientation, less
+//! what was not seen. It is linearised at the exact real robot with coefficients c (Φ at the nominal posture, J_e at
+//! the current one) and handed on at once: the matrix is never whole in memory unless somebody collects it.
+
+use crate::{IdentifyError, NoiseModel, noise::whiten};
+use nalgebra::{DMatrix, DVector};
+use truepose_errormodel::{
+    BoundModel, Dataset, Emission, ErrorJacobian, ErrorModel, GeneralizedErrors, RealPosture, Visits,
+};
+use truepose_kinematics::{Conditions, PostureBuffer, rotation_log};
+use truepose_solvers::accumulator::{Factor, Triangular};
+
+/// Turns visits into whitened rows of `[A | r]`. Memory is used again from visit to visit.
+#[derive(Debug, Clone)]
+pub struct Lineariser<'a> {
+    bound: BoundModel<'a>,
+    data: &'a Dataset,
+    noise: NoiseModel,
+    coefficients: &'a [f64],
+    conditions: Conditions,
+    nominal: PostureBuffer,
+    real: RealPosture,
+    emission: Emission,
+    errors: GeneralizedErrors,
+    block: Vec<f64>,
+    /// For each row of the block: the data's row and the component (0…2 position, 3…5 orientation).
+    source: Vec<(usize, usize)>,
+    dot: Vec<f64>,
+}
+
+/// The rows of one visit.
+#[derive(Debug, Clone, Copy)]
+pub struct Block<'b> {
+    /// `[a_1 … a_p, r]`, row after row.
+    pub rows: &'b [f64],
+    /// For each row: the data's row and the component (0…2 position, 3…5 orientation).
+    pub source: &'b [(usize, usize)],
+}
+
+impl<'a> Lineariser<'a> {
+    /// Linearises at these coefficients.
+    ///
+    /// # Errors
+    /// When the data does not fit the robot, or lacks a signal that the model needs.
+    pub fn new(
+        model: &'a ErrorModel,
+        data: &'a Dataset,
+        noise: NoiseModel,
+        coefficients: &'a [f64],
+    ) -> Result<Self, IdentifyError> {
+        data.validate(model.chain())?;
+        let chain = model.chain();
+        Ok(Lineariser {
+            bound: model.bind(&data.schema)?,
+            data,
+            noise,
+            coefficients,
+            conditions: Conditions::default(),
+            nominal: PostureBuffer::new(chain),
+            real: RealPosture::new(chain),
+            emission: Emission::new(),
+            errors: GeneralizedErrors::zero(chain),
+            block: Vec::new(),
+            source: Vec::new(),
+            dot: vec![0.0; model.columns().len() + 1],
+        })
+    }
+
+    /// Numbers in a row: one a column of the model, and the residual.
+    pub fn width(&self) -> usize {
+        self.dot.len()
+    }
+
+    /// The whitened rows of one visit.
+    pub fn visit(&mut self, rows: &[usize]) -> Block<'_> {
+        self.raw(rows);
+        self.whiten_block(rows);
+        Block { rows: &self.block, source: &self.source }
+    }
+
+    /// The rows of one visit in metres and radians, not whitened.
+    pub fn unweighted(&mut self, rows: &[usize]) -> Block<'_> {
+        self.raw(rows);
+        Block { rows: &self.block, source: &self.source }
+    }
+
+    fn raw(&mut self, rows: &[usize]) {
+        self.block.clear();
+        self.source.clear();
+        for &row in rows {
+            self.row(row);
+        }
+    }
+
+    fn row(&mut self, row: usize) {
+        let seen = self.data.seen(row);
+        let count = seen.count();
+        if count == 0 {
+            return;
+        }
+        let chain = self.bound.model().chain();
+        self.data.conditions_into(row, &mut self.conditions);
+        let posture = self.nominal.update(chain, &self.conditions);
+        self.bound.emit(&posture, &mut self.emission);
+        self.errors.clear();
+        for entry in self.emission.entries() {
+            self.errors.add(entry.site, entry.value * self.coefficients[entry.column]);
+        }
+        self.real.update(&posture, &self.errors);
+
+        let width = self.dot.len();
+        let start = self.block.len();
+        self.block.resize(start + count * width, 0.0);
+        let mut place = [usize::MAX; 6];
+        let mut next = start;
+        for (component, at) in place.iter_mut().enumerate() {
+            if if component < 3 { seen.position[component] } else { seen.orientation } {
+                *at = next;
+                next += width;
+                self.source.push((row, component));
+            }
+        }
+
+        let jacobian = ErrorJacobian::new(chain, &self.real, &self.errors, self.data.target[row]);
+        for entry in self.emission.entries() {
+            let p = jacobian.position(entry.site);
+            for k in 0..3 {
+                if place[k] != usize::MAX {
+                    self.block[place[k] + entry.column] += entry.value * p[k];
+                }
+            }
+            if seen.orientation {
+                let r = jacobian.rotation(entry.site);
+                for k in 0..3 {
+                    self.block[place[k + 3] + entry.column] += entry.value * r[k];
+                }
+            }
+        }
+        let difference = self.data.measured_position(row) - jacobian.point();
+        for k in 0..3 {
+            if place[k] != usize::MAX {
+                self.block[place[k] + width - 1] = difference[k];
+            }
+        }
+        if let Some(measured) = self.data.measured_rotation(row) {
+            let turn = rotation_log(&(measured * self.real.tool().rotation.transpose()));
+            for k in 0..3 {
+                self.block[place[k + 3] + width - 1] = turn[k];
+            }
+        }
+    }
+
+    fn whiten_block(&mut self, rows: &[usize]) {
+        let width = self.dot.len();
+        let mut members = [0usize; 64];
+        let mut sd = [0.0; 64];
+        let (mut many_members, mut many_sd) = (Vec::new(), Vec::new());
+        for component in 0..6 {
+            let of_component = self.source.iter().enumerate().filter(|(_, s)| s.1 == component);
+            let deviation = |row: usize| {
+                if component < 3 {
+                    self.noise.position(self.data.position_sd[row][component])
+                } else {
+                    self.noise.orientation(self.data.orientation_sd[row][component - 3])
+                }
+            };
+            let shared = if component < 3 { self.noise.visit_sd } else { 0.0 };
+            // A visit rarely has more than a few dozen rows; beyond that the lists go to the heap.
+            if rows.len() <= members.len() {
+                let mut count = 0;
+                for (index, &(row, _)) in of_component {
+                    (members[count], sd[count]) = (index, deviation(row));
+                    count += 1;
+                }
+                whiten(&mut self.block, width, &members[..count], &sd[..count], shared, &mut self.dot);
+            } else {
+                many_members.clear();
+                many_sd.clear();
+                for (index, &(row, _)) in of_component {
+                    many_members.push(index);
+                    many_sd.push(deviation(row));
+                }
+                whiten(&mut self.block, width, &many_members, &many_sd, shared, &mut self.dot);
+            }
+        }
+    }
+}
+
+/// Folds these visits into the triangular factor of `[A | r]`.
+///
+/// # Errors
+/// When the model and the data do not fit, or a number is not finite.
+pub fn accumulate(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    which: impl Iterator<Item = usize>,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<Triangular, IdentifyError> {
+    let mut lineariser = Lineariser::new(model, data, noise, coefficients)?;
+    let mut factor = Triangular::new(model.columns().len(), 1);
+    for visit in which {
+        factor.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
+    }
+    Ok(factor)
+}
+
+/// How many visits one block of work takes: fixed, so that results do not depend on the number of threads.
+const VISITS_PER_BLOCK: usize = 1024;
+
+/// The triangular factor of all visits, in parallel over fixed blocks that are merged in order.
+///
+/// # Errors
+/// As [`accumulate`].
+pub fn factorise(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<Factor, IdentifyError> {
+    use rayon::prelude::*;
+    let blocks = visits.len().div_ceil(VISITS_PER_BLOCK);
+    let parts: Vec<Triangular> = (0..blocks)
+        .into_par_iter()
+        .map(|block| {
+            let range = block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len());
+            accumulate(model, data, visits, range, noise, coefficients)
+        })
+        .collect::<Result<_, _>>()?;
+    let mut whole = Triangular::new(model.columns().len(), 1);
+    for part in &parts {
+        whole.merge(part)?;
+    }
+    Ok(whole.finish())
+}
+
+/// All whitened rows at once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// A, rows × p.
+    pub a: DMatrix<f64>,
+    /// r, rows.
+    pub residual: DVector<f64>,
+    /// The visit of each row.
+    pub visit: Vec<usize>,
+}
+
+/// All whitened rows as one matrix, for solvers that have to see rows.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn collect(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<Rows, IdentifyError> {
+    let mut lineariser = Lineariser::new(model, data, noise, coefficients)?;
+    let width = lineariser.width();
+    let (mut flat, mut visit) = (Vec::new(), Vec::new());
+    for (k, rows) in visits.rows.iter().enumerate() {
+        let block = lineariser.visit(rows);
+        flat.extend_from_slice(block.rows);
+        visit.resize(visit.len() + block.source.len(), k);
+    }
+    let whole = DMatrix::from_row_slice(visit.len(), width, &flat);
+    let residual = whole.column(width - 1).into_owned();
+    Ok(Rows { a: whole.remove_column(width - 1), residual, visit })
+}

@@ -1,0 +1,277 @@
+//! Levenberg and Marquardt's method over base, tool and targets at once.
+//!
+//! | unknowns | meaning | derivative of p | of the orientation |
+//! | --- | --- | --- | --- |
+//! | base t, ω | B ← (exp ω, t) B, measurement axes | 1, −[p]× | 0, 1 |
+//! | tool t, ω | tool ← tool (exp ω, t), tool axes | R, −R [x]× | 0, R |
+//! | target | x_τ ← x_τ + δ, tool axes | R | 0 |
+//!
+//! with R the tool's orientation and x the target in its axes. Each step solves the damped problem by the triangular
+//! factor of the stacked rows, never by an inverse of JᵀJ (Moré 1978). Directions that the data does not fix
+//! get no step: they stay as described.
+
+use super::Sight;
+use crate::IdentifyError;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use truepose_errormodel::Dataset;
+use truepose_kinematics::{Chain, Placed, Pose, Target, TargetId, rotation_log, rotation_vector, skew};
+use truepose_solvers::accumulator::{ColumnScale, Factor, Triangular};
+
+/// What is to be found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unknowns {
+    pub base: bool,
+    pub tool: bool,
+    pub targets: Vec<TargetId>,
+}
+
+impl Unknowns {
+    /// What the description marks as unknown and the data shows at all. When nothing but positions of unknown
+    /// targets is seen, the tool's pose is only a name for where those targets are: it stays as described.
+    pub fn of(chain: &Chain, data: &Dataset) -> Self {
+        let targets: Vec<TargetId> = (0..chain.targets().len())
+            .map(TargetId)
+            .filter(|t| !chain.targets()[t.0].known && data.target.contains(&Some(*t)))
+            .collect();
+        let turned = data.orientation.iter().any(Option::is_some);
+        let fixed_point = data.target.iter().any(|t| t.is_none_or(|t| !targets.contains(&t)));
+        Unknowns { base: !chain.base().known, tool: !chain.tool().known && (turned || fixed_point), targets }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.count() == 0
+    }
+
+    pub fn count(&self) -> usize {
+        6 * (usize::from(self.base) + usize::from(self.tool)) + 3 * self.targets.len()
+    }
+
+    pub fn tool_column(&self) -> usize {
+        if self.base { 6 } else { 0 }
+    }
+
+    pub fn target_column(&self, target: TargetId) -> Option<usize> {
+        let place = self.targets.iter().position(|&t| t == target)?;
+        Some(self.tool_column() + if self.tool { 6 } else { 0 } + 3 * place)
+    }
+
+    /// Names of what is looked for.
+    pub fn words(&self, chain: &Chain) -> Vec<String> {
+        let mut words = Vec::new();
+        if self.base {
+            words.push("base".into());
+        }
+        if self.tool {
+            words.push("tool".into());
+        }
+        words.extend(self.targets.iter().map(|t| format!("target {}", chain.targets()[t.0].name)));
+        words
+    }
+}
+
+/// Present values.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct State {
+    pub base: Pose,
+    pub tool: Pose,
+    pub targets: Vec<Vector3<f64>>,
+}
+
+impl State {
+    pub fn of(chain: &Chain) -> Self {
+        State {
+            base: chain.base().pose,
+            tool: chain.tool().pose,
+            targets: chain.targets().iter().map(|t| t.position).collect(),
+        }
+    }
+
+    /// A sight's target in the tool's axes.
+    pub fn point(&self, target: Option<TargetId>) -> Vector3<f64> {
+        target.map_or(Vector3::zeros(), |t| self.targets[t.0])
+    }
+
+    fn moved(&self, unknowns: &Unknowns, by: &DVector<f64>) -> State {
+        let mut next = self.clone();
+        let twist = |at: usize| {
+            let v = |k: usize| Vector3::new(by[at + k], by[at + k + 1], by[at + k + 2]);
+            Pose::new(rotation_vector(&v(3)), v(0))
+        };
+        if unknowns.base {
+            next.base = (twist(0) * self.base).renormalised();
+        }
+        if unknowns.tool {
+            next.tool = (self.tool * twist(unknowns.tool_column())).renormalised();
+        }
+        for &target in &unknowns.targets {
+            if let Some(at) = unknowns.target_column(target) {
+                next.targets[target.0] += Vector3::new(by[at], by[at + 1], by[at + 2]);
+            }
+        }
+        next
+    }
+
+    /// The robot with these values.
+    pub fn applied(&self, chain: &Chain, unknowns: &Unknowns) -> Result<Chain, IdentifyError> {
+        let targets: Vec<Target> = chain
+            .targets()
+            .iter()
+            .enumerate()
+            .map(|(k, target)| Target {
+                position: self.targets[k],
+                known: target.known || unknowns.targets.contains(&TargetId(k)),
+                ..target.clone()
+            })
+            .collect();
+        let wrong = |error: truepose_kinematics::ChainError| IdentifyError::Placement {
+            what: unknowns.words(chain).join(", "),
+            why: error.to_string(),
+        };
+        chain
+            .clone()
+            .with_base(Placed { pose: self.base, known: true })
+            .and_then(|c| c.with_tool(Placed { pose: self.tool, known: true }))
+            .and_then(|c| c.with_targets(targets))
+            .map_err(wrong)
+    }
+}
+
+/// Where a start led.
+#[derive(Debug, Clone)]
+pub(crate) struct Refined {
+    pub state: State,
+    pub cost: f64,
+    pub rms: f64,
+    pub factor: Factor,
+}
+
+/// Refines a start; angles count as `length` metres a radian.
+pub(crate) fn refine(
+    chain: &Chain,
+    unknowns: &Unknowns,
+    sights: &[Sight],
+    start: State,
+    length: f64,
+    rounds: usize,
+) -> Refined {
+    let mut state = start;
+    let mut factor = linearised(unknowns, sights, &state, length);
+    let mut cost = cost_of(sights, &state, length);
+    let scale = scales(unknowns, length);
+    let mut damping = 1e-3;
+    for _ in 0..rounds {
+        let Ok(step) = factor.solve_ridge(0, ColumnScale::Given(&scale), damping * strength(&factor, &scale))
+        else {
+            break;
+        };
+        let next = state.moved(unknowns, &step.x);
+        let next_cost = cost_of(sights, &next, length);
+        if next_cost < cost {
+            let gain = (cost - next_cost) / cost.max(f64::MIN_POSITIVE);
+            (state, cost) = (next, next_cost);
+            factor = linearised(unknowns, sights, &state, length);
+            damping = (damping * 0.1).max(1e-14);
+            if gain < 1e-13 {
+                break;
+            }
+        } else {
+            damping *= 20.0;
+            if damping > 1e8 {
+                break;
+            }
+        }
+    }
+    let positions = sights.iter().filter_map(|s| Some((s, s.position?)));
+    let squares: Vec<f64> =
+        positions.map(|(s, p)| (p - predicted(s, &state).translation).norm_squared()).collect();
+    let rms = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+    debug_assert_eq!(state.targets.len(), chain.targets().len());
+    Refined { state, cost, rms, factor }
+}
+
+/// Tool orientation and target position of a sight.
+fn predicted(sight: &Sight, state: &State) -> Pose {
+    let tool = state.base * sight.flange * state.tool;
+    Pose::new(tool.rotation, tool.apply(&state.point(sight.target)))
+}
+
+fn cost_of(sights: &[Sight], state: &State, length: f64) -> f64 {
+    sights
+        .iter()
+        .map(|sight| {
+            let pose = predicted(sight, state);
+            let p = sight.position.map_or(0.0, |p| (p - pose.translation).norm_squared());
+            let r = sight.rotation.map_or(0.0, |r| {
+                rotation_log(&(r * pose.rotation.transpose())).norm_squared() * length * length
+            });
+            p + r
+        })
+        .sum()
+}
+
+/// Triangular factor of the rows `[J | residual]`.
+fn linearised(unknowns: &Unknowns, sights: &[Sight], state: &State, length: f64) -> Factor {
+    let count = unknowns.count();
+    let mut factor = Triangular::new(count, 1);
+    let mut rows = DMatrix::<f64>::zeros(count + 1, 3);
+    let mut put = |rows: &DMatrix<f64>| {
+        // Columns of `rows` are rows of the problem; a non-finite one cannot come from finite poses.
+        let _ = factor.update_rows(rows.as_slice());
+    };
+    for sight in sights {
+        let pose = predicted(sight, state);
+        let x = state.point(sight.target);
+        if let Some(p) = sight.position {
+            rows.fill(0.0);
+            let mut block =
+                |at: usize, m: &Matrix3<f64>| rows.view_mut((at, 0), (3, 3)).copy_from(&m.transpose());
+            if unknowns.base {
+                block(0, &Matrix3::identity());
+                block(3, &-skew(&pose.translation));
+            }
+            if unknowns.tool {
+                block(unknowns.tool_column(), &pose.rotation);
+                block(unknowns.tool_column() + 3, &-(pose.rotation * skew(&x)));
+            }
+            if let Some(at) = sight.target.and_then(|t| unknowns.target_column(t)) {
+                block(at, &pose.rotation);
+            }
+            let residual = p - pose.translation;
+            rows.row_mut(count).copy_from(&residual.transpose());
+            put(&rows);
+        }
+        if let Some(r) = sight.rotation {
+            rows.fill(0.0);
+            let mut block = |at: usize, m: Matrix3<f64>| {
+                rows.view_mut((at, 0), (3, 3)).copy_from(&(m.transpose() * length))
+            };
+            if unknowns.base {
+                block(3, Matrix3::identity());
+            }
+            if unknowns.tool {
+                block(unknowns.tool_column() + 3, pose.rotation);
+            }
+            let residual = rotation_log(&(r * pose.rotation.transpose())) * length;
+            rows.row_mut(count).copy_from(&residual.transpose());
+            put(&rows);
+        }
+    }
+    factor.finish()
+}
+
+/// A metre, and the angle that moves the end of the arm by a metre.
+pub(crate) fn scales(unknowns: &Unknowns, length: f64) -> Vec<f64> {
+    let mut scale = Vec::with_capacity(unknowns.count());
+    for _ in 0..usize::from(unknowns.base) + usize::from(unknowns.tool) {
+        scale.extend([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length]);
+    }
+    scale.resize(unknowns.count(), 1.0);
+    scale
+}
+
+/// Mean square of the scaled columns: what damping is measured by.
+fn strength(factor: &Factor, scale: &[f64]) -> f64 {
+    let squares: f64 =
+        factor.column_norms().iter().zip(scale).map(|(norm, s)| (norm * s).powi(2)).sum::<f64>();
+    squares / scale.len().max(1) as f64
+}

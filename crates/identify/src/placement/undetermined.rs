@@ -1,0 +1,122 @@
+//! Directions of a placement that the data does not fix, in words, and what would fix them.
+
+use super::Sight;
+use super::refine::{Refined, Unknowns, scales};
+use nalgebra::{DMatrix, Vector3};
+use truepose_errormodel::Dataset;
+use truepose_kinematics::{Chain, JointKind};
+use truepose_solvers::ColumnScale;
+
+/// One direction that stays as described.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Undetermined {
+    /// What is not fixed, in words.
+    pub what: String,
+    /// What would fix it.
+    pub advice: String,
+}
+
+/// Directions along which the sights would not notice a move: a metre (or the angle that moves the arm's end by a
+/// metre) changes them by less than this many metres.
+const UNNOTICED: f64 = 1e-7;
+
+pub(super) fn undetermined(
+    chain: &Chain,
+    unknowns: &Unknowns,
+    refined: &Refined,
+    sights: &[Sight],
+    data: &Dataset,
+) -> Vec<Undetermined> {
+    let scale = scales(unknowns, chain.characteristic_length());
+    let Ok(turned) = refined.factor.directions(ColumnScale::Given(&scale)) else { return Vec::new() };
+    let least = UNNOTICED * (sights.len() as f64).sqrt();
+    let null: Vec<usize> = (0..turned.values.len()).filter(|&k| turned.values[k] < least).collect();
+    if null.is_empty() {
+        return Vec::new();
+    }
+    let basis = turned.vectors.select_columns(&null);
+    let parts = shares(chain, unknowns, &basis);
+    let advice = advice(chain, unknowns, sights, data);
+    parts.into_iter().map(|what| Undetermined { what, advice: advice.clone() }).collect()
+}
+
+/// Which unknowns take part in the directions, and how many directions there are.
+fn shares(chain: &Chain, unknowns: &Unknowns, basis: &DMatrix<f64>) -> Vec<String> {
+    let mut blocks: Vec<(String, usize)> = Vec::new();
+    if unknowns.base {
+        blocks.push(("position of the base".into(), 0));
+        blocks.push(("orientation of the base".into(), 3));
+    }
+    if unknowns.tool {
+        blocks.push(("position of the tool".into(), unknowns.tool_column()));
+        blocks.push(("orientation of the tool".into(), unknowns.tool_column() + 3));
+    }
+    for &target in &unknowns.targets {
+        if let Some(at) = unknowns.target_column(target) {
+            blocks.push((format!("position of target {}", chain.targets()[target.0].name), at));
+        }
+    }
+    let involved: Vec<String> = blocks
+        .into_iter()
+        .filter(|(_, at)| basis.view((*at, 0), (3, basis.ncols())).norm() > 1e-3)
+        .map(|(word, _)| word)
+        .collect();
+    let count = basis.ncols();
+    let directions = if count == 1 { "one direction".to_string() } else { format!("{count} directions") };
+    vec![format!("{directions} of {}", involved.join(", "))]
+}
+
+fn advice(chain: &Chain, unknowns: &Unknowns, sights: &[Sight], data: &Dataset) -> String {
+    let moved: Vec<&str> = chain
+        .movable()
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| {
+            let column = &data.joints[*k];
+            let first = column.first().copied().unwrap_or(0.0);
+            column.iter().any(|v| (v - first).abs() > 1e-6)
+        })
+        .map(|(_, &joint)| chain.joint(joint).name.as_str())
+        .collect();
+    let turning = chain
+        .movable()
+        .iter()
+        .filter(|j| {
+            chain.joint(**j).kind == JointKind::Revolute && moved.contains(&chain.joint(**j).name.as_str())
+        })
+        .count();
+    let turned = sights.iter().any(|s| s.rotation.is_some());
+    let mut seen: Vec<Vector3<f64>> = Vec::new();
+    for sight in sights {
+        let at = sight.target.map_or(Vector3::zeros(), |t| chain.targets()[t.0].position);
+        if !seen.iter().any(|s| (s - at).norm() < 1e-9) {
+            seen.push(at);
+        }
+    }
+    if moved.len() < 2 {
+        let only = moved.first().map_or("no joint moved".to_string(), |name| format!("only {name} moved"));
+        return format!("{only}: move at least two joints whose axes are not parallel");
+    }
+    if turning < 2 && !turned {
+        return "move at least two turning joints whose axes are not parallel, or measure orientations"
+            .into();
+    }
+    if !turned && unknowns.tool && seen.len() < 3 {
+        return "positions of fewer than three targets do not show how the tool is turned: measure orientations, or \
+                three targets that are not on a line; until then the tool's orientation stays as described"
+            .into();
+    }
+    if !turned && collinear(&seen) {
+        return "all targets lie on one line: add one beside it".into();
+    }
+    "move more joints, over wider ranges".into()
+}
+
+fn collinear(points: &[Vector3<f64>]) -> bool {
+    let Some(first) = points.first() else { return true };
+    let Some(far) = points.iter().max_by(|a, b| (*a - first).norm().total_cmp(&(*b - first).norm())) else {
+        return true;
+    };
+    let along = far - first;
+    points.iter().all(|p| (p - first).cross(&along).norm() < 1e-6 * along.norm_squared().max(1e-12))
+}

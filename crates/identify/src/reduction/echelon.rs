@@ -1,0 +1,99 @@
+//! From a basis of the null space to its reduced row echelon form, in a fixed order of columns (Eq. 10–13).
+//!
+//! | symbol | here | shape |
+//! | --- | --- | --- |
+//! | N | orthonormal rows, `J N^T = 0` in scaled columns | k × p |
+//! | C | relations, 1 at their own dropped column, 0 at the others | k × p |
+//!
+//! Columns are visited from the least preferred on. A column is dropped when what is left of the null space reaches
+//! it; the rows are then turned (by a Householder reflection) so that a single row reaches it, and that row is set
+//! aside. The others stay orthonormal, so that no pivot is ever judged after a division: round-off cannot make a group.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Columns that depend on the others, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Echelon {
+    /// Dropped columns, from the least preferred on.
+    pub dropped: Vec<usize>,
+    /// One row a dropped column: `Σ_j C_ij · column_j = 0`, with C = 1 at the dropped column itself and 0 at the
+    /// other dropped ones.
+    pub relations: DMatrix<f64>,
+}
+
+/// A direction of the null space that reaches a column with less than this does not need it.
+const REACHES: f64 = 1e-3;
+
+/// Reduced row echelon form of `null` (p × k, orthonormal columns), with columns preferred in this order.
+pub fn echelon(null: &DMatrix<f64>, preference: &[usize]) -> Echelon {
+    let (p, k) = null.shape();
+    let mut rows = null.transpose();
+    let mut dropped = Vec::with_capacity(k);
+    let mut left = k;
+    for &column in preference.iter().rev() {
+        if left == 0 {
+            break;
+        }
+        let reach = rows.view((0, column), (left, 1)).norm();
+        if reach < REACHES {
+            continue;
+        }
+        reflect_to_last(&mut rows, left, column, reach);
+        left -= 1;
+        dropped.push(column);
+    }
+    // Set aside from the last row upwards: row k−1 is the first pivot.
+    let chosen = DMatrix::from_fn(dropped.len(), p, |i, j| rows[(k - 1 - i, j)]);
+    let pivots = DMatrix::from_fn(dropped.len(), dropped.len(), |i, j| chosen[(i, dropped[j])]);
+    // Later pivots have a zero in earlier pivots' columns: the system is triangular and well away from singular.
+    let mut relations = pivots.lu().solve(&chosen).unwrap_or_else(|| DMatrix::zeros(dropped.len(), p));
+    for (i, &column) in dropped.iter().enumerate() {
+        for row in 0..dropped.len() {
+            relations[(row, column)] = if row == i { 1.0 } else { 0.0 };
+        }
+    }
+    Echelon { dropped, relations }
+}
+
+/// Turns the first `count` rows so that only the last of them reaches the column.
+fn reflect_to_last(rows: &mut DMatrix<f64>, count: usize, column: usize, reach: f64) {
+    let mut v = DVector::from_fn(count, |i, _| rows[(i, column)]);
+    let last = count - 1;
+    v[last] += if v[last] < 0.0 { -reach } else { reach };
+    let square = v.norm_squared();
+    for j in 0..rows.ncols() {
+        let along: f64 = (0..count).map(|i| v[i] * rows[(i, j)]).sum();
+        for i in 0..count {
+            rows[(i, j)] -= 2.0 * along / square * v[i];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_the_preferred_and_says_how_the_others_depend() {
+        // Columns a, b, c = a + 2 b, d: null space (1, 2, −1, 0).
+        let null = DMatrix::from_column_slice(4, 1, &[1.0, 2.0, -1.0, 0.0]) / 6f64.sqrt();
+        let first = echelon(&null, &[0, 1, 2, 3]);
+        assert_eq!(first.dropped, [2]);
+        let expected = [-1.0, -2.0, 1.0, 0.0];
+        for (value, expect) in first.relations.row(0).iter().zip(expected) {
+            assert!((value - expect).abs() < 1e-14);
+        }
+        assert_eq!(echelon(&null, &[2, 3, 1, 0]).dropped, [0]);
+    }
+
+    #[test]
+    fn does_not_depend_on_the_basis_of_the_null_space() {
+        let raw = DMatrix::from_fn(9, 3, |i, j| ((7 * i + 3 * j * j + i * j) % 11) as f64 - 5.0);
+        let basis = raw.clone().qr().q();
+        let turn = DMatrix::from_fn(3, 3, |i, j| ((i * 5 + j * 3) % 7) as f64).qr().q();
+        let order: Vec<usize> = (0..9).rev().collect();
+        let (a, b) = (echelon(&basis, &order), echelon(&(basis * turn), &order));
+        assert_eq!(a.dropped, b.dropped);
+        assert!((a.relations - b.relations).amax() < 1e-12);
+    }
+}

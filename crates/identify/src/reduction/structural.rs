@@ -1,0 +1,89 @@
+//! The null space that no data can ever fill: over many postures within the limits.
+//!
+//! Postures follow a Halton sequence (Halton 1960), so that the answer is the same everywhere. What was measured
+//! (which components, which targets), loads and channels are taken from the data in turn.
+
+use crate::{IdentifyError, Lineariser, NoiseModel};
+use truepose_errormodel::{Dataset, ErrorModel, Interval};
+use truepose_kinematics::{Chain, JointKind};
+use truepose_solvers::accumulator::{Factor, Triangular};
+
+/// The range of each movable joint: its limits, or what makes sense where there are none.
+pub fn joint_ranges(chain: &Chain, data: Option<&Dataset>) -> Vec<Interval> {
+    chain
+        .movable()
+        .iter()
+        .enumerate()
+        .map(|(k, &joint)| {
+            let described = chain.joint(joint);
+            let seen = data.and_then(|data| Interval::of(data.joints[k].iter().copied()));
+            match (described.limits, described.kind) {
+                (Some((lower, upper)), _) if lower.is_finite() && upper.is_finite() && lower < upper => {
+                    Interval { lower, upper }
+                }
+                (_, JointKind::Prismatic) => {
+                    let middle = seen.map_or(0.0, |s| 0.5 * (s.lower + s.upper));
+                    let half = seen.map_or(0.5, |s| (s.upper - s.lower).max(0.5));
+                    Interval { lower: middle - half, upper: middle + half }
+                }
+                _ => Interval { lower: -std::f64::consts::PI, upper: std::f64::consts::PI },
+            }
+        })
+        .collect()
+}
+
+/// Triangular factor of the model over `count` postures spread within the limits, seen as `data` was.
+pub fn spread_factor(model: &ErrorModel, data: &Dataset, count: usize) -> Result<Factor, IdentifyError> {
+    let ranges = joint_ranges(model.chain(), Some(data));
+    let rows: Vec<usize> = (0..data.len()).filter(|&row| data.seen(row).count() > 0).collect();
+    if rows.is_empty() {
+        return Err(IdentifyError::NothingMeasured { rows: data.len() });
+    }
+    // Kinds of rows in the order in which they first appear, so that rare targets come up as often as common ones.
+    let mut kinds: Vec<usize> = Vec::new();
+    for &row in &rows {
+        let same =
+            |&other: &usize| data.target[other] == data.target[row] && data.seen(other) == data.seen(row);
+        if !kinds.iter().any(same) {
+            kinds.push(row);
+        }
+    }
+    let picked: Vec<usize> = (0..count).flat_map(|_| kinds.iter().copied()).collect();
+    let conditions: Vec<usize> =
+        (0..picked.len()).map(|k| rows[((k / kinds.len()) * 7919) % rows.len()]).collect();
+    let mut sample = data.select(&picked);
+    let source = data.select(&conditions);
+    sample.load = source.load;
+    sample.channels = source.channels;
+    sample.approach = source.approach;
+    sample.time = source.time;
+    for (k, range) in ranges.iter().enumerate() {
+        for (row, value) in sample.joints[k].iter_mut().enumerate() {
+            let posture = row / kinds.len();
+            *value =
+                range.lower + (range.upper - range.lower) * halton(posture + 1, PRIMES[k % PRIMES.len()]);
+        }
+    }
+    let zero = vec![0.0; model.columns().len()];
+    let length = model.chain().characteristic_length();
+    let noise = NoiseModel { position_sd: 1e-3, visit_sd: 0.0, orientation_sd: 1e-3 / length };
+    let mut lineariser = Lineariser::new(model, &sample, noise, &zero)?;
+    let mut factor = Triangular::new(model.columns().len(), 1);
+    for row in 0..sample.len() {
+        factor.update_rows(lineariser.visit(&[row]).rows)?;
+    }
+    Ok(factor.finish())
+}
+
+const PRIMES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
+
+/// The radical inverse of `index` in a base.
+fn halton(mut index: usize, base: usize) -> f64 {
+    let (mut value, mut share) = (0.0, 1.0);
+    while index > 0 {
+        share /= base as f64;
+        value += share * (index % base) as f64;
+        index /= base;
+    }
+    value
+}

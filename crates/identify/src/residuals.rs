@@ -1,0 +1,137 @@
+//! What is left between data and a model, and its statistics by row, axis, target and visit.
+//!
+//! Every `rms`, `p95` and `max` of a position is of the 3-D distance between measured and predicted position, m.
+
+use crate::IdentifyError;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use truepose_errormodel::{Dataset, FittedModel, Visits};
+use truepose_kinematics::{Conditions, rotation_log};
+
+/// Residuals of each row: measured − predicted, in the measurement frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Residuals {
+    /// m; NaN for a component that was not measured.
+    pub position: Vec<Vector3<f64>>,
+    /// Rotation vector, rad; none where no orientation was measured.
+    pub orientation: Vec<Option<Vector3<f64>>>,
+}
+
+/// Mean, root mean square, 95 % quantile and maximum of a magnitude.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Spread {
+    /// How many values.
+    pub count: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// 95 % quantile.
+    pub p95: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+impl Residuals {
+    /// Of a fitted model on data.
+    ///
+    /// # Errors
+    /// When the data lacks a signal that the model needs, or does not fit the robot.
+    pub fn of(fitted: &FittedModel, data: &Dataset) -> Result<Self, IdentifyError> {
+        data.validate(fitted.chain())?;
+        let mut predictor = fitted.bind(&data.schema)?;
+        let mut conditions = Conditions::default();
+        let mut residuals = Residuals::default();
+        for row in 0..data.len() {
+            data.conditions_into(row, &mut conditions);
+            let pose = predictor.predict(&conditions, data.target[row]);
+            residuals.position.push(data.measured_position(row) - pose.translation);
+            residuals
+                .orientation
+                .push(data.measured_rotation(row).map(|r| rotation_log(&(r * pose.rotation.transpose()))));
+        }
+        Ok(residuals)
+    }
+
+    /// 3-D distance of a row whose position was measured completely, m.
+    pub fn distance(&self, row: usize) -> Option<f64> {
+        let d = self.position[row].norm();
+        d.is_finite().then_some(d)
+    }
+
+    /// Distances of all rows.
+    pub fn positions(&self) -> Spread {
+        Spread::of((0..self.position.len()).filter_map(|row| self.distance(row)))
+    }
+
+    /// Angles of all rows, rad.
+    pub fn orientations(&self) -> Spread {
+        Spread::of(self.orientation.iter().flatten().map(|v| v.norm()))
+    }
+
+    /// Distances of these rows.
+    pub fn positions_of(&self, rows: &[usize]) -> Spread {
+        Spread::of(rows.iter().filter_map(|&row| self.distance(row)))
+    }
+
+    /// One axis (0…2) of all rows: mean is signed, the rest is of the magnitude.
+    pub fn axis(&self, axis: usize) -> Spread {
+        let values: Vec<f64> = self.position.iter().map(|v| v[axis]).filter(|v| v.is_finite()).collect();
+        let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+        Spread { mean, ..Spread::of(values.iter().map(|v| v.abs())) }
+    }
+
+    /// The visits with the largest errors: (visit, its worst row, distance), worst first.
+    pub fn worst_visits(&self, visits: &Visits, count: usize) -> Vec<(usize, usize, f64)> {
+        let mut worst: Vec<(usize, usize, f64)> = visits
+            .rows
+            .iter()
+            .enumerate()
+            .filter_map(|(visit, rows)| {
+                let row = rows.iter().copied().filter(|&r| self.distance(r).is_some()).max_by(|&a, &b| {
+                    let (da, db) = (self.position[a].norm(), self.position[b].norm());
+                    da.total_cmp(&db)
+                })?;
+                Some((visit, row, self.position[row].norm()))
+            })
+            .collect();
+        worst.sort_by(|a, b| b.2.total_cmp(&a.2).then(a.0.cmp(&b.0)));
+        worst.truncate(count);
+        worst
+    }
+}
+
+impl Spread {
+    /// Of these magnitudes.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.collect();
+        if sorted.is_empty() {
+            return Spread::default();
+        }
+        sorted.sort_by(f64::total_cmp);
+        let n = sorted.len() as f64;
+        let position = 0.95 * (n - 1.0);
+        let below = position.floor() as usize;
+        let above = (below + 1).min(sorted.len() - 1);
+        Spread {
+            count: sorted.len(),
+            mean: sorted.iter().sum::<f64>() / n,
+            rms: (sorted.iter().map(|v| v * v).sum::<f64>() / n).sqrt(),
+            p95: sorted[below] + (position - below as f64) * (sorted[above] - sorted[below]),
+            max: sorted[sorted.len() - 1],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_as_numpy_takes_them() {
+        let spread = Spread::of((0..=100).map(f64::from));
+        assert!((spread.p95 - 95.0).abs() < 1e-12);
+        assert!((spread.rms - 3350.0f64.sqrt()).abs() < 1e-9);
+        assert_eq!(Spread::of(std::iter::empty()).count, 0);
+    }
+}

@@ -1,0 +1,338 @@
+//! What the columns of a table mean.
+
+use crate::nearest::{meant, nearest};
+use crate::{Quantity, Unit};
+use truepose_kinematics::{Chain, JointKind};
+
+/// The meaning of a column. Numbers count from 0: movable joints, or x y z, or w x y z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Role {
+    Joint(usize),
+    Position(usize),
+    Quaternion(usize),
+    RotationVector(usize),
+    Target,
+    Visit,
+    PayloadMass,
+    PayloadCentre(usize),
+    Force(usize),
+    Moment(usize),
+    Time,
+    Approach(usize),
+    PositionSd(usize),
+    OrientationSd(usize),
+    Channel(usize),
+}
+
+/// What the cells of a column may hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cells {
+    /// A number in every row.
+    Number,
+    /// A number or nothing.
+    Maybe,
+    /// An integer in every row.
+    Integer,
+    /// −1, 0 or +1 in every row.
+    Direction,
+    /// A target's name or nothing.
+    Target,
+}
+
+/// A column with its unit.
+#[derive(Debug, Clone)]
+pub(crate) struct Column {
+    /// The header as it stands in the file.
+    pub header: String,
+    pub name: String,
+    /// The unit of the file.
+    pub unit: String,
+    /// Whether the header names the unit.
+    pub unit_given: bool,
+    pub conversion: Unit,
+    pub role: Role,
+    pub cells: Cells,
+    pub meaning: String,
+}
+
+/// Columns with a meaning of their own, apart from joints and directions of approach.
+pub(crate) const FIXED: [(&str, Role); 29] = [
+    ("x", Role::Position(0)),
+    ("y", Role::Position(1)),
+    ("z", Role::Position(2)),
+    ("qw", Role::Quaternion(0)),
+    ("qx", Role::Quaternion(1)),
+    ("qy", Role::Quaternion(2)),
+    ("qz", Role::Quaternion(3)),
+    ("rx", Role::RotationVector(0)),
+    ("ry", Role::RotationVector(1)),
+    ("rz", Role::RotationVector(2)),
+    ("target", Role::Target),
+    ("visit", Role::Visit),
+    ("payload", Role::PayloadMass),
+    ("cx", Role::PayloadCentre(0)),
+    ("cy", Role::PayloadCentre(1)),
+    ("cz", Role::PayloadCentre(2)),
+    ("fx", Role::Force(0)),
+    ("fy", Role::Force(1)),
+    ("fz", Role::Force(2)),
+    ("tx", Role::Moment(0)),
+    ("ty", Role::Moment(1)),
+    ("tz", Role::Moment(2)),
+    ("time", Role::Time),
+    ("sx", Role::PositionSd(0)),
+    ("sy", Role::PositionSd(1)),
+    ("sz", Role::PositionSd(2)),
+    ("srx", Role::OrientationSd(0)),
+    ("sry", Role::OrientationSd(1)),
+    ("srz", Role::OrientationSd(2)),
+];
+
+impl Role {
+    /// The role of a column of this name; `channels` is how many channels stand before it.
+    ///
+    /// # Errors
+    /// Why a column cannot bear this name.
+    pub fn of(name: &str, chain: &Chain, channels: usize) -> Result<Role, String> {
+        if let Some(joint) = chain.joint_named(name) {
+            return match chain.coordinate(joint) {
+                Some(k) => Ok(Role::Joint(k)),
+                None => Err(format!("joint `{name}` is fixed and has no values; remove the column")),
+            };
+        }
+        if let Some((_, role)) = FIXED.iter().find(|(word, _)| *word == name) {
+            return Ok(*role);
+        }
+        if let Some(joint) = name.strip_prefix("approach_") {
+            return match chain.joint_named(joint).and_then(|j| chain.coordinate(j)) {
+                Some(k) => Ok(Role::Approach(k)),
+                None => {
+                    let joints = || joint_names(chain);
+                    let hint = meant(joint, joints());
+                    let joints = crate::nearest::listed(joints());
+                    Err(format!("the robot has no moving joint `{joint}`{hint} (its joints: {joints})"))
+                }
+            };
+        }
+        Ok(Role::Channel(channels))
+    }
+
+    /// What its numbers measure; none for texts, counts and channels.
+    pub fn quantity(self, chain: &Chain) -> Option<Quantity> {
+        match self {
+            Role::Joint(k) => Some(joint_quantity(chain, k)),
+            Role::Position(_) | Role::PayloadCentre(_) | Role::PositionSd(_) => Some(Quantity::Length),
+            Role::RotationVector(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
+            Role::Quaternion(_) | Role::Approach(_) | Role::Target | Role::Visit => Some(Quantity::Ratio),
+            Role::PayloadMass => Some(Quantity::Mass),
+            Role::Force(_) => Some(Quantity::Force),
+            Role::Moment(_) => Some(Quantity::Moment),
+            Role::Time => Some(Quantity::Time),
+            Role::Channel(_) => None,
+        }
+    }
+
+    pub fn cells(self) -> Cells {
+        match self {
+            Role::Joint(_) | Role::PayloadMass | Role::Time | Role::Channel(_) => Cells::Number,
+            Role::Visit => Cells::Integer,
+            Role::Approach(_) => Cells::Direction,
+            Role::Target => Cells::Target,
+            _ => Cells::Maybe,
+        }
+    }
+
+    /// The meaning in words.
+    pub fn meaning(self, chain: &Chain) -> String {
+        let xyz = |k: usize| ["x", "y", "z"][k];
+        match self {
+            Role::Joint(k) => {
+                let joint = chain.joint(chain.movable()[k]);
+                let kind = if joint.kind == JointKind::Prismatic { "prismatic" } else { "revolute" };
+                format!("value of {kind} joint {}", chain.movable()[k].0)
+            }
+            Role::Position(k) => format!("measured position, {}", xyz(k)),
+            Role::Quaternion(k) => format!("measured orientation, quaternion {}", ["w", "x", "y", "z"][k]),
+            Role::RotationVector(k) => format!("measured orientation, rotation vector {}", xyz(k)),
+            Role::Target => "measured target".into(),
+            Role::Visit => "visit".into(),
+            Role::PayloadMass => "mass carried".into(),
+            Role::PayloadCentre(k) => format!("centre of gravity of the mass, tool frame, {}", xyz(k)),
+            Role::Force(k) => format!("force of the load, tool axes, {}", xyz(k)),
+            Role::Moment(k) => format!("moment of the load, tool axes, {}", xyz(k)),
+            Role::Time => "time of measurement".into(),
+            Role::Approach(k) => {
+                format!("direction of approach of {}", chain.joint(chain.movable()[k]).name)
+            }
+            Role::PositionSd(k) => format!("stated standard deviation of the position, {}", xyz(k)),
+            Role::OrientationSd(k) => format!("stated standard deviation of the orientation, {}", xyz(k)),
+            Role::Channel(_) => "channel".into(),
+        }
+    }
+}
+
+impl Column {
+    /// A column from its header cell; the second value is a warning.
+    ///
+    /// # Errors
+    /// What is wrong with the header, and what to do.
+    pub fn parse(header: &str, chain: &Chain, channels: usize) -> Result<(Column, Option<String>), String> {
+        let (name, unit) = name_and_unit(header)?;
+        let role = Role::of(name, chain, channels)?;
+        let mut warning = None;
+        let (unit, unit_given, conversion, meaning) = match (role.quantity(chain), unit) {
+            (Some(quantity), Some(word)) => {
+                let conversion = unit_of(word, name, quantity)?;
+                (word.to_string(), true, conversion, role.meaning(chain))
+            }
+            (Some(quantity), None) => {
+                let si = quantity.si();
+                if quantity != Quantity::Ratio {
+                    let word = si.word;
+                    warning = Some(format!("has no unit and is taken as [{word}]; write `{name}[{word}]`"));
+                }
+                (si.word.to_string(), false, *si, role.meaning(chain))
+            }
+            (None, unit) => {
+                let known = FIXED.iter().map(|(word, _)| *word).chain(joint_names(chain));
+                if let Some(near) = nearest(name, known) {
+                    warning = Some(format!("is taken as a channel; did you mean `{near}`?"));
+                }
+                let word = unit.unwrap_or("1");
+                match Unit::named(word) {
+                    Some(named) if named.quantity == Quantity::Temperature => {
+                        (word.to_string(), true, *named, "channel, a temperature".to_string())
+                    }
+                    _ => (word.to_string(), unit.is_some(), *Quantity::Ratio.si(), role.meaning(chain)),
+                }
+            }
+        };
+        let cells = role.cells();
+        let column = Column {
+            header: header.into(),
+            name: name.into(),
+            unit,
+            unit_given,
+            conversion,
+            role,
+            cells,
+            meaning,
+        };
+        Ok((column, warning))
+    }
+}
+
+fn name_and_unit(header: &str) -> Result<(&str, Option<&str>), String> {
+    let (name, unit) = match header.split_once('[') {
+        None => (header.trim(), None),
+        Some((name, rest)) => match rest.trim_end().strip_suffix(']') {
+            Some(unit) if !unit.contains(['[', ']']) => (name.trim(), Some(unit.trim())),
+            _ => return Err("a header is `name` or `name[unit]`; close the bracket at its end".into()),
+        },
+    };
+    if name.is_empty() {
+        return Err("has no name; name the column in the header, or remove it".into());
+    }
+    if name.contains(']') {
+        return Err("a header is `name` or `name[unit]`; open the bracket".into());
+    }
+    if unit == Some("") {
+        return Err(format!("the unit is empty; write `{name}[1]` for a plain number"));
+    }
+    Ok((name, unit))
+}
+
+fn unit_of(word: &str, name: &str, quantity: Quantity) -> Result<Unit, String> {
+    let units = quantity.units().filter(|unit| *unit != "%").collect::<Vec<_>>();
+    let listed = units.join(", ");
+    match Unit::named(word) {
+        Some(unit) if unit.quantity == quantity && word != "%" => Ok(*unit),
+        Some(unit) => Err(format!(
+            "[{word}] is the unit of {}, but `{name}` is {}; its unit can be: {listed}",
+            unit.quantity.word(),
+            quantity.word()
+        )),
+        None => {
+            let lower = word.to_lowercase();
+            let near = units.iter().find(|unit| unit.to_lowercase() == lower).copied();
+            let hint = near.or_else(|| nearest(word, units.iter().copied()));
+            let hint = hint.map_or(String::new(), |unit| format!("; did you mean [{unit}]?"));
+            Err(format!(
+                "unknown unit [{word}]{hint} (`{name}` is {}; its unit can be: {listed})",
+                quantity.word()
+            ))
+        }
+    }
+}
+
+pub(crate) fn joint_quantity(chain: &Chain, k: usize) -> Quantity {
+    match chain.joint(chain.movable()[k]).kind {
+        JointKind::Prismatic => Quantity::Length,
+        _ => Quantity::Angle,
+    }
+}
+
+/// Names of the movable joints.
+pub(crate) fn joint_names(chain: &Chain) -> impl Iterator<Item = &str> + Clone {
+    chain.movable().iter().map(|&joint| chain.joint(joint).name.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::samples;
+
+    fn parse(header: &str) -> Result<(Column, Option<String>), String> {
+        Column::parse(header, &samples::pps(), 0)
+    }
+
+    #[test]
+    fn headers_are_understood() {
+        let (column, warning) = parse(" theta [ deg ] ").unwrap();
+        assert_eq!(
+            (column.name.as_str(), column.unit.as_str(), column.role),
+            ("theta", "deg", Role::Joint(3))
+        );
+        assert_eq!(warning, None);
+        assert_eq!(parse("d1[mm]").unwrap().0.meaning, "value of prismatic joint 1");
+        assert_eq!(parse("approach_roll").unwrap().0.role, Role::Approach(4));
+        let (channel, warning) = parse("temperature[K]").unwrap();
+        assert_eq!((channel.role, channel.unit.as_str(), warning), (Role::Channel(0), "K", None));
+        assert_eq!(channel.meaning, "channel, a temperature");
+        assert_eq!(parse("humidity[%]").unwrap().0.unit, "%");
+        let say = |header: &str| parse(header).unwrap().1.unwrap();
+        assert_eq!(say("x"), "has no unit and is taken as [m]; write `x[m]`");
+        assert_eq!(say("paylod[kg]"), "is taken as a channel; did you mean `payload`?");
+    }
+
+    #[test]
+    fn bad_headers_are_said() {
+        for (header, message) in [
+            ("", "has no name; name the column in the header, or remove it"),
+            ("[mm]", "has no name; name the column in the header, or remove it"),
+            ("x[mm", "a header is `name` or `name[unit]`; close the bracket at its end"),
+            ("x mm]", "a header is `name` or `name[unit]`; open the bracket"),
+            ("x[]", "the unit is empty; write `x[1]` for a plain number"),
+            ("x[deg]", "[deg] is the unit of an angle, but `x` is a length; its unit can be: m, mm, um, in"),
+            (
+                "d1[rad]",
+                "[rad] is the unit of an angle, but `d1` is a length; its unit can be: m, mm, um, in",
+            ),
+            (
+                "theta[Deg]",
+                "unknown unit [Deg]; did you mean [deg]? (`theta` is an angle; its unit can be: rad, deg, mrad)",
+            ),
+            ("payload[t]", "unknown unit [t] (`payload` is a mass; its unit can be: kg, lb)"),
+            (
+                "approach_rol",
+                "the robot has no moving joint `rol`; did you mean `roll`? (its joints: d1, d2, d3, theta, roll, pitch)",
+            ),
+        ] {
+            assert_eq!(parse(header).unwrap_err(), message);
+        }
+        assert_eq!(
+            Column::parse("flange[rad]", &samples::skewed(), 0).unwrap_err(),
+            "joint `flange` is fixed and has no values; remove the column"
+        );
+    }
+}

@@ -1,0 +1,24 @@
+//! Measurements: tables in, columns in SI units out.
+//!
+//! ```text
+//! Lines ──► Header ──► RowReader ──► MeasurementsReader ──► blocks of rows
+//!                                            └──► read_measurements: the whole file, its visits and approaches
+//! ```
+
+pub(crate) mod cells;
+pub(crate) mod columns;
+pub(crate) mod header;
+mod info;
+mod lines;
+mod plausible;
+mod reader;
+mod row;
+mod suspicious;
+mod visits;
+mod whole;
+
+pub(crate) use header::Needs;
+pub use info::{ColumnInfo, CsvInfo};
+pub use reader::{MeasurementsOptions, MeasurementsReader};
+pub use whole::read_measurements;
+pub(crate) use whole::{Table, read_table};

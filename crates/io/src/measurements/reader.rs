@@ -1,0 +1,270 @@
+//! Rows of a table in blocks, in constant memory.
+
+use super::header::{Header, Needs};
+use super::info::{ColumnInfo, CsvInfo};
+use super::lines::Lines;
+use super::row::RowReader;
+use super::visits::{VisitNumbers, check_standstills};
+use crate::{IoError, Warning};
+use std::path::Path;
+use truepose_errormodel::{Dataset, Schema};
+use truepose_kinematics::Chain;
+
+/// What a file of measurements has to have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeasurementsOptions {
+    /// Whether something has to be measured; a prediction needs the conditions only.
+    pub measured_required: bool,
+}
+
+impl Default for MeasurementsOptions {
+    fn default() -> Self {
+        MeasurementsOptions { measured_required: true }
+    }
+}
+
+/// Reads measurements block by block, for files of any length.
+#[derive(Debug)]
+pub struct MeasurementsReader {
+    lines: Lines,
+    pub(super) rows: RowReader,
+    schema: Schema,
+    joints: usize,
+    pub(super) visits: VisitNumbers,
+    /// A row that was read and belongs to the next block.
+    pending: bool,
+    pub(super) count: usize,
+    pub(super) first_bytes: usize,
+    last_time: f64,
+    /// The first line where time goes backwards, and how many do.
+    pub(super) backwards: Option<(u64, usize)>,
+    pub(super) warnings: Vec<Warning>,
+}
+
+impl MeasurementsReader {
+    /// Opens a file and reads its header.
+    ///
+    /// # Errors
+    /// When the file cannot be read or its header does not make sense.
+    pub fn open(
+        path: impl AsRef<Path>,
+        chain: &Chain,
+        options: &MeasurementsOptions,
+    ) -> Result<Self, IoError> {
+        let needs = Needs { joints: true, measured: options.measured_required, position: false };
+        MeasurementsReader::open_for(path.as_ref(), chain, needs)
+    }
+
+    pub(crate) fn open_for(path: &Path, chain: &Chain, needs: Needs) -> Result<Self, IoError> {
+        let mut lines = Lines::open(path)?;
+        let mut warnings = Vec::new();
+        let header = match lines.next()? {
+            Some((line, text)) => Header::parse(path, line, text, chain, needs, &mut warnings)?,
+            None => {
+                return Err(IoError::file(
+                    path,
+                    "is empty; the first line names the columns, such as `theta[deg],x[mm]`",
+                ));
+            }
+        };
+        let schema = header.schema(chain);
+        Ok(MeasurementsReader {
+            lines,
+            rows: RowReader::new(header, chain, needs.position),
+            schema,
+            joints: chain.movable().len(),
+            visits: VisitNumbers::default(),
+            pending: false,
+            count: 0,
+            first_bytes: 0,
+            last_time: f64::NEG_INFINITY,
+            backwards: None,
+            warnings,
+        })
+    }
+
+    /// Which signals the file carries. Directions of approach count only where the file states them for every joint.
+    pub fn schema(&self) -> &Schema {
+        &self.schema
+    }
+
+    /// What was suspicious so far.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// Reads the next block into `block`, replacing what it holds: at least `rows` rows, so many more that no visit
+    /// is cut, and fewer at the end of the file. Returns how many; zero at the end.
+    ///
+    /// Visits count from zero in each block. Rows of one visit have to follow each other.
+    ///
+    /// # Errors
+    /// At the first row that is wrong.
+    pub fn read_block(&mut self, rows: usize, block: &mut Dataset) -> Result<usize, IoError> {
+        self.clear(block);
+        let mut labels: Vec<i64> = Vec::new();
+        let mut visit = 0;
+        loop {
+            if !self.pending && !self.next_row()? {
+                break;
+            }
+            self.pending = false;
+            let label = self.rows.row.visit;
+            // Pushed first: whether a row without a number continues the visit shows only beside the one before.
+            self.rows.push(visit, block);
+            let row = block.visit.len() - 1;
+            if row > 0 {
+                let same = match label {
+                    Some(_) => label == labels.last().copied(),
+                    None => block.same_configuration(row - 1, row),
+                };
+                if !same && row >= rows {
+                    self.take_back(block);
+                    self.pending = true;
+                    break;
+                }
+                visit += usize::from(!same);
+                block.visit[row] = visit;
+            }
+            if let Some(label) = label
+                && labels.last() != Some(&label)
+            {
+                self.number_visit(true)?;
+                labels.push(label);
+            }
+        }
+        if !labels.is_empty() {
+            check_standstills(block, &labels, &self.rows.header)?;
+        }
+        if self.count == 0 {
+            return Err(self.no_rows());
+        }
+        Ok(block.len())
+    }
+
+    /// What was understood so far; the number of configurations is left at zero.
+    pub fn info(&self) -> CsvInfo {
+        let columns = self.rows.header.columns.iter().zip(&self.rows.seen);
+        let visit_labels = self.visits.labels();
+        CsvInfo {
+            file: self.lines.file().into(),
+            columns: columns
+                .map(|(column, seen)| ColumnInfo {
+                    name: column.name.clone(),
+                    unit: column.unit.clone(),
+                    unit_given: column.unit_given,
+                    meaning: column.meaning.clone(),
+                    filled: seen.filled,
+                    range: seen.range(),
+                })
+                .collect(),
+            rows: self.count,
+            visits: visit_labels.len(),
+            configurations: 0,
+            visit_labels,
+        }
+    }
+
+    /// Reads all rows. Visits have the numbers of the whole file, or none where the file numbers none.
+    pub(super) fn read_all(&mut self) -> Result<Dataset, IoError> {
+        let mut data = Dataset::default();
+        self.clear(&mut data);
+        while self.next_row()? {
+            let visit = self.number_visit(false)?;
+            self.rows.push(visit, &mut data);
+            if self.count == 1 {
+                let rows = self.lines.size() as usize / self.first_bytes.max(8) + 1;
+                reserve(&mut data, rows.min(1 << 26));
+            }
+        }
+        if self.count == 0 {
+            return Err(self.no_rows());
+        }
+        Ok(data)
+    }
+
+    fn no_rows(&self) -> IoError {
+        IoError::file(self.lines.file(), "has a header but no rows; add at least one row below the header")
+    }
+
+    fn next_row(&mut self) -> Result<bool, IoError> {
+        let Some((line, text)) = self.lines.next()? else {
+            return Ok(false);
+        };
+        if self.count == 0 {
+            self.first_bytes = text.len() + 1;
+        }
+        self.rows.read(line, text)?;
+        self.count += 1;
+        let time = self.rows.row.time;
+        if time < self.last_time {
+            self.backwards.get_or_insert((line, 0)).1 += 1;
+        }
+        self.last_time = time;
+        Ok(true)
+    }
+
+    fn number_visit(&mut self, consecutive: bool) -> Result<usize, IoError> {
+        let (Some(label), Some(slot)) = (self.rows.row.visit, self.rows.header.slots.visit) else {
+            return Ok(0);
+        };
+        let (number, new) = self.visits.number(label);
+        if consecutive && !new {
+            let message = format!(
+                "visit {label} stands in several places of the file; sort the rows by visit to read it in blocks"
+            );
+            return Err(self.rows.header.cell_error(self.rows.row.line, slot, message));
+        }
+        Ok(number)
+    }
+
+    fn clear(&self, data: &mut Dataset) {
+        data.schema.clone_from(&self.schema);
+        let columns = |table: &mut Vec<Vec<f64>>, count: usize| {
+            table.resize_with(count, Vec::new);
+            table.iter_mut().for_each(Vec::clear);
+        };
+        columns(&mut data.joints, self.joints);
+        columns(&mut data.approach, self.joints);
+        columns(&mut data.channels, self.schema.channels.len());
+        data.position.clear();
+        data.orientation.clear();
+        data.position_sd.clear();
+        data.orientation_sd.clear();
+        data.target.clear();
+        data.visit.clear();
+        data.load.clear();
+        data.time.clear();
+        data.line.clear();
+    }
+
+    fn take_back(&self, data: &mut Dataset) {
+        for column in data.joints.iter_mut().chain(&mut data.approach).chain(&mut data.channels) {
+            column.pop();
+        }
+        data.position.pop();
+        data.orientation.pop();
+        data.position_sd.pop();
+        data.orientation_sd.pop();
+        data.target.pop();
+        data.visit.pop();
+        data.load.pop();
+        data.time.pop();
+        data.line.pop();
+    }
+}
+
+fn reserve(data: &mut Dataset, rows: usize) {
+    for column in data.joints.iter_mut().chain(&mut data.approach).chain(&mut data.channels) {
+        column.reserve(rows);
+    }
+    data.position.reserve(rows);
+    data.orientation.reserve(rows);
+    data.position_sd.reserve(rows);
+    data.orientation_sd.reserve(rows);
+    data.target.reserve(rows);
+    data.visit.reserve(rows);
+    data.load.reserve(rows);
+    data.time.reserve(rows);
+    data.line.reserve(rows);
+}

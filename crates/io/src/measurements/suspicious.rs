@@ -1,0 +1,100 @@
+//! What is not wrong in a table but looks as if something were.
+
+use super::header::Needs;
+use super::plausible::rounded;
+use super::reader::MeasurementsReader;
+use crate::Warning;
+use truepose_errormodel::Dataset;
+use truepose_kinematics::Chain;
+
+/// Positions spread over more than this many lengths of the robot are in another unit.
+const TOO_FAR: f64 = 20.0;
+
+pub(super) fn look(
+    reader: &MeasurementsReader,
+    chain: &Chain,
+    data: &Dataset,
+    needs: Needs,
+    warnings: &mut Vec<Warning>,
+) {
+    let header = &reader.rows.header;
+    let at = |line: u64, column: Option<usize>, message: String| Warning {
+        file: header.file.clone(),
+        line: Some(line),
+        column: column.map(|k| (header.columns[k].header.clone(), k + 1)),
+        message,
+    };
+    if let Some((line, count)) = reader.backwards {
+        let message = format!("time goes backwards here{}; it counts as the order all the same", more(count));
+        warnings.push(at(line, header.slots.time, message));
+    }
+    if let Some(slots) = &header.slots.joints {
+        for (joint, &k) in slots.iter().enumerate() {
+            if let Some((line, count)) = reader.rows.beyond[joint] {
+                let message = format!("is beyond the joint's limits{}", more(count));
+                warnings.push(at(line, Some(k), message));
+            }
+        }
+        for (unit, larger, what) in [("deg", "rad", "radians"), ("mm", "m", "metres")] {
+            // A joint that hardly moves is nothing special; all of them together are.
+            let judged: Vec<(usize, bool)> = slots
+                .iter()
+                .enumerate()
+                .filter(|&(_, &k)| header.columns[k].unit == unit)
+                .filter_map(|(joint, &k)| {
+                    let conversion = header.columns[k].conversion;
+                    let (low, high) = reader.rows.seen[k].range()?;
+                    let (low, high) = (conversion.to_si(low), conversion.to_si(high));
+                    Some((k, reader.rows.plausible(joint).looks_too_small(low, high, unit)?))
+                })
+                .collect();
+            if let Some(&(k, _)) = judged.first()
+                && judged.iter().all(|(_, small)| *small)
+                && data.len() >= 5
+            {
+                let message = format!(
+                    "all joint values in [{unit}] are so small that they look like {what}; if so, call the columns `name[{larger}]`"
+                );
+                header.warn(warnings, Some(k), message);
+            }
+        }
+    }
+    if let Some(slots) = header.slots.position {
+        let spread = slots
+            .iter()
+            .map(|&k| {
+                let conversion = header.columns[k].conversion;
+                reader.rows.seen[k]
+                    .range()
+                    .map_or(0.0, |(low, high)| conversion.to_si(high) - conversion.to_si(low))
+            })
+            .fold(0.0, f64::hypot);
+        let length = chain.characteristic_length();
+        if spread > TOO_FAR * length {
+            let message = format!(
+                "positions spread over {} m, but the robot is about {} m long; check the unit",
+                rounded(spread),
+                rounded(length)
+            );
+            header.warn(warnings, Some(slots[0]), message);
+        }
+    }
+    if needs.measured {
+        let empty = (0..data.len()).filter(|&row| data.seen(row).count() == 0);
+        let mut empty = empty.peekable();
+        if let Some(&first) = empty.peek() {
+            let count = empty.count();
+            let message =
+                format!("nothing was measured in this row{}; it takes no part in a fit", more(count));
+            warnings.push(at(data.line[first], None, message));
+        }
+    }
+}
+
+fn more(count: usize) -> String {
+    match count {
+        0 | 1 => String::new(),
+        2 => " and in another row".into(),
+        n => format!(" and in {} other rows", n - 1),
+    }
+}

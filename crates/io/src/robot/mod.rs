@@ -1,0 +1,48 @@
+//! Robot descriptions: TOML and URDF in, TOML out.
+
+mod names;
+mod toml_form;
+mod urdf;
+mod urdf_path;
+mod write;
+mod xml_places;
+
+pub use write::robot_toml;
+
+use crate::{IoError, Warning};
+use std::path::Path;
+use truepose_kinematics::Chain;
+
+/// Which part of a URDF is the robot.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct RobotOptions {
+    /// The link at the robot's base; none stands for the root of the URDF.
+    pub base: Option<String>,
+    /// The link at the robot's tip; none stands for the only leaf.
+    pub tip: Option<String>,
+}
+
+/// Reads a robot description, `.toml` or `.urdf`.
+///
+/// # Errors
+/// When the file cannot be read, is not of its kind, or does not describe a serial robot.
+pub fn read_robot(path: impl AsRef<Path>, options: &RobotOptions) -> Result<(Chain, Vec<Warning>), IoError> {
+    let path = path.as_ref();
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let mut warnings = Vec::new();
+    let chain = match ending.as_deref() {
+        Some("toml") => toml_form::read(path, options, &mut warnings)?,
+        Some("urdf") => {
+            let arm = urdf::read(path, options, &mut warnings)?;
+            Chain::new(arm.name, arm.joints).map_err(|error| IoError::file(path, error.to_string()))?
+        }
+        Some("xacro") => {
+            return Err(IoError::file(
+                path,
+                "is a xacro; expand it to a .urdf first (`xacro in.xacro > out.urdf`)",
+            ));
+        }
+        _ => return Err(IoError::file(path, "a robot description ends in .toml or .urdf")),
+    };
+    Ok((chain, warnings))
+}

@@ -1,0 +1,466 @@
+//! The TOML form of a robot description.
+
+use super::names::{cell_problem, joint_name_problem};
+use super::{RobotOptions, urdf};
+use crate::text::Text;
+use crate::toml_tree::{Document, Table, Value};
+use crate::{IoError, Unit, Warning};
+use std::path::Path;
+use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
+use truepose_kinematics::{
+    Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
+};
+
+/// Units of every length and angle of one file.
+#[derive(Clone, Copy)]
+struct Units {
+    length: &'static Unit,
+    angle: &'static Unit,
+}
+
+impl Units {
+    fn lengths(self, values: [f64; 3]) -> [f64; 3] {
+        values.map(|v| self.length.to_si(v))
+    }
+
+    fn angles(self, values: [f64; 3]) -> [f64; 3] {
+        values.map(|v| self.angle.to_si(v))
+    }
+}
+
+pub(super) fn read(
+    path: &Path,
+    options: &RobotOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Chain, IoError> {
+    let text = Text::read(path)?;
+    if text.text.trim().is_empty() {
+        return Err(IoError::file(path, "is empty; a robot description begins with its name and its joints"));
+    }
+    let document = Document::parse(&text)?;
+    let root = document.root("the robot");
+    root.only(&[
+        "name",
+        "gravity",
+        "gravity_frame",
+        "units",
+        "base",
+        "base_link",
+        "joints",
+        "tool",
+        "targets",
+        "urdf",
+        "tip",
+    ])?;
+    let units = units(&root)?;
+    let (name, joints) = match (root.get("urdf"), root.get("joints")) {
+        (Some(urdf), Some(_)) => {
+            return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
+        }
+        (Some(file), None) => {
+            let arm = from_urdf(path, &root, &file, options, warnings)?;
+            (arm.name, arm.joints)
+        }
+        (None, joints) => {
+            if options.base.is_some() || options.tip.is_some() {
+                let message = "lists its joints itself; a base or tip link can be chosen for a URDF only";
+                return Err(IoError::file(path, message));
+            }
+            for key in ["tip", "base_link"] {
+                if let Some(value) = root.get(key) {
+                    return Err(value.error(format!(
+                        "`{key}` chooses a link of a URDF; add `urdf = \"…\"` or remove it"
+                    )));
+                }
+            }
+            let joints = joints.ok_or_else(|| {
+                IoError::file(path, "has neither [[joints]] nor `urdf`; a robot needs one of them")
+            })?;
+            (String::from("robot"), self::joints(&joints, units)?)
+        }
+    };
+    let name = root.get("name").map(|value| value.string().map(String::from)).transpose()?.unwrap_or(name);
+    let whole = |error: ChainError| IoError::file(path, error.to_string());
+    let mut chain = Chain::new(name, joints).map_err(whole)?;
+    if let Some(base) = root.get("base").filter(|base| !base.is_string()) {
+        chain = chain.with_base(placed(&base.table("[base]")?, units)?).map_err(whole)?;
+    }
+    if let Some(tool) = root.get("tool") {
+        chain = chain.with_tool(placed(&tool.table("[tool]")?, units)?).map_err(whole)?;
+    }
+    if let Some(targets) = root.get("targets") {
+        chain = chain.with_targets(self::targets(&targets, units)?).map_err(whole)?;
+    }
+    chain.with_gravity(gravity(&root)?).map_err(whole)
+}
+
+fn from_urdf(
+    path: &Path,
+    root: &Table<'_>,
+    file: &Value<'_>,
+    options: &RobotOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<urdf::Arm, IoError> {
+    let word = |key: &str| -> Result<Option<String>, IoError> {
+        root.get(key).filter(Value::is_string).map(|value| value.string().map(String::from)).transpose()
+    };
+    if let Some(link) = root.get("base_link") {
+        link.string()?;
+    }
+    if let Some(tip) = root.get("tip") {
+        tip.string()?;
+    }
+    let base = match (word("base_link")?, word("base")?) {
+        (Some(link), _) | (None, Some(link)) => Some(link),
+        (None, None) => None,
+    };
+    let options =
+        RobotOptions { base: options.base.clone().or(base), tip: options.tip.clone().or(word("tip")?) };
+    let beside = path.parent().unwrap_or(Path::new("")).join(file.string()?);
+    if !beside.is_file() {
+        return Err(file.error(format!(
+            "there is no file `{}`; the path counts from this file's folder",
+            beside.display()
+        )));
+    }
+    urdf::read(&beside, &options, warnings)
+}
+
+fn units(root: &Table<'_>) -> Result<Units, IoError> {
+    let named = |word: &'static str| (word, Unit::named(word));
+    let (mut length, mut angle) = (Unit::named("m"), Unit::named("rad"));
+    if let Some(units) = root.get("units") {
+        let units = units.table("[units]")?;
+        units.only(&["length", "angle"])?;
+        if let Some(value) = units.get("length") {
+            length = value.word(&["m", "mm", "in"].map(named))?;
+        }
+        if let Some(value) = units.get("angle") {
+            angle = value.word(&["rad", "deg"].map(named))?;
+        }
+    }
+    match (length, angle) {
+        (Some(length), Some(angle)) => Ok(Units { length, angle }),
+        _ => Err(root.error("the units of this file are not known")),
+    }
+}
+
+fn joints(value: &Value<'_>, units: Units) -> Result<Vec<Joint>, IoError> {
+    let tables = value.tables("joints")?;
+    let mut joints: Vec<Joint> = Vec::with_capacity(tables.len());
+    for table in &tables {
+        let joint = joint(table, units)?;
+        if joints.iter().any(|other| other.name == joint.name) {
+            return Err(table
+                .require("name")?
+                .error(format!("two joints bear the name `{}`; names must be different", joint.name)));
+        }
+        joints.push(joint);
+    }
+    Ok(joints)
+}
+
+fn joint(table: &Table<'_>, units: Units) -> Result<Joint, IoError> {
+    table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com"])?;
+    let name = table.require("name")?;
+    if let Some(problem) = joint_name_problem(name.string()?) {
+        return Err(name.error(problem));
+    }
+    let kind = table.require("type")?.word(&[
+        ("revolute", JointKind::Revolute),
+        ("prismatic", JointKind::Prismatic),
+        ("fixed", JointKind::Fixed),
+    ])?;
+    let mut joint = Joint::new(name.string()?, kind, placement(table, kind, units)?);
+    if let Some(limits) = table.get("limits") {
+        let unit = match kind {
+            JointKind::Revolute => units.angle,
+            JointKind::Prismatic => units.length,
+            JointKind::Fixed => return Err(limits.error("a fixed joint has no limits; remove them")),
+        };
+        let [lower, upper] = limits.numbers::<2>()?;
+        if lower > upper {
+            return Err(limits.error(format!("the limits are the wrong way round: {lower} > {upper}")));
+        }
+        joint = joint.with_limits(unit.to_si(lower), unit.to_si(upper));
+    }
+    joint.link = match (table.get("mass"), table.get("com")) {
+        (None, None) => None,
+        (Some(mass), Some(com)) => {
+            let kg = mass.number()?;
+            if kg < 0.0 {
+                return Err(mass.error(format!("a mass cannot be negative: {kg} kg")));
+            }
+            Some(Link { mass: kg, com: Vector3::from(units.lengths(com.numbers::<3>()?)) })
+        }
+        (Some(mass), None) => {
+            return Err(mass.error(
+                "`mass` needs `com`, the link's centre of mass in the frame after the joint; add it",
+            ));
+        }
+        (None, Some(com)) => return Err(com.error("`com` needs `mass`, the link's mass in kg; add it")),
+    };
+    Ok(joint)
+}
+
+fn placement(table: &Table<'_>, kind: JointKind, units: Units) -> Result<Placement, IoError> {
+    let given: Vec<(&str, Value<'_>)> =
+        ["dh", "mdh", "origin"].into_iter().filter_map(|key| table.get(key).map(|v| (key, v))).collect();
+    let (key, value) = match &given[..] {
+        [(key, value)] => (*key, value),
+        [] => return Err(table.error(format!("{} needs one of `dh`, `mdh` and `origin`", table.name()))),
+        [_, (_, second), ..] => {
+            let keys: Vec<&str> = given.iter().map(|(key, _)| *key).collect();
+            let message =
+                format!("{} has `{}`; keep exactly one of them", table.name(), keys.join("` and `"));
+            return Err(second.error(message));
+        }
+    };
+    let inner = value.table(&format!("`{key}` of {}", table.name()))?;
+    if key == "origin" {
+        inner.only(&["xyz", "rpy", "axis"])?;
+        let axis = match (inner.get("axis"), kind) {
+            (Some(value), _) => {
+                let axis = Vector3::from(value.numbers::<3>()?);
+                UnitVector::try_new(axis, 1e-9).ok_or_else(|| {
+                    value.error("the axis has length zero; give a direction such as [0, 0, 1]")
+                })?
+            }
+            (None, JointKind::Fixed) => Vector3::z_axis(),
+            (None, _) => {
+                return Err(inner.error(format!("{} lacks `axis`; add it, e.g. [0, 0, 1]", inner.name())));
+            }
+        };
+        return Ok(Placement::Origin { pose: pose(&inner, units)?, axis });
+    }
+    inner.only(&["theta", "d", "a", "alpha"])?;
+    let number = |key: &str| inner.require(key)?.number();
+    let theta = units.angle.to_si(number("theta")?);
+    let d = units.length.to_si(number("d")?);
+    let a = units.length.to_si(number("a")?);
+    let alpha = units.angle.to_si(number("alpha")?);
+    Ok(if key == "dh" { Placement::Dh { theta, d, a, alpha } } else { Placement::Mdh { alpha, a, theta, d } })
+}
+
+/// A pose from `xyz` and `rpy`, each zero where it is absent.
+fn pose(table: &Table<'_>, units: Units) -> Result<Pose, IoError> {
+    let three = |key: &str| table.get(key).map_or(Ok([0.0; 3]), |value| value.numbers::<3>());
+    Ok(Pose::from_xyz_rpy(units.lengths(three("xyz")?), units.angles(three("rpy")?)))
+}
+
+fn placed(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
+    table.only(&["xyz", "rpy", "known"])?;
+    let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
+    Ok(Placed { pose: pose(table, units)?, known })
+}
+
+fn targets(value: &Value<'_>, units: Units) -> Result<Vec<Target>, IoError> {
+    let mut targets: Vec<Target> = Vec::new();
+    for table in value.tables("targets")? {
+        table.only(&["name", "xyz", "known"])?;
+        let name = table.require("name")?;
+        if let Some(problem) = cell_problem(name.string()?) {
+            return Err(name.error(problem));
+        }
+        if targets.iter().any(|other| Ok(other.name.as_str()) == name.string().as_deref().map_err(|_| ())) {
+            return Err(name
+                .error(format!("two targets bear the name `{}`; names must be different", name.string()?)));
+        }
+        let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
+        let position = match table.get("xyz") {
+            Some(value) => Vector3::from(units.lengths(value.numbers::<3>()?)),
+            None if !known => Vector3::zeros(),
+            None => {
+                return Err(table.error(format!("{} lacks `xyz`; add it, or `known = false`", table.name())));
+            }
+        };
+        targets.push(Target { name: name.string()?.into(), position, known });
+    }
+    Ok(targets)
+}
+
+fn gravity(root: &Table<'_>) -> Result<Gravity, IoError> {
+    let mut gravity = Gravity::default();
+    if let Some(value) = root.get("gravity") {
+        gravity.vector = Vector3::from(value.numbers::<3>()?);
+    }
+    if let Some(value) = root.get("gravity_frame") {
+        gravity.frame =
+            value.word(&[("measurement", GravityFrame::Measurement), ("base", GravityFrame::Base)])?;
+    }
+    Ok(gravity)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{RobotOptions, read_robot};
+    use std::f64::consts::FRAC_PI_2;
+    use truepose_kinematics::{Chain, GravityFrame, JointKind, Placement};
+
+    fn read(toml: &str) -> Result<Chain, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.toml");
+        std::fs::write(&path, toml).unwrap();
+        read_robot(&path, &RobotOptions::default())
+            .map(|(chain, warnings)| {
+                assert_eq!(warnings, []);
+                chain
+            })
+            .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    }
+
+    const GOOD: &str = r#"
+name = "pps"
+gravity = [0.0, -9.81, 0.0]
+gravity_frame = "base"
+[units]
+length = "mm"
+angle = "deg"
+[base]
+xyz = [1000, 0, 0]
+rpy = [0, 0, 90]
+known = false
+[[joints]]
+name = "d1"
+type = "prismatic"
+limits = [0, 2250]
+dh = { theta = 0, d = 0, a = 0, alpha = -90 }
+mass = 120.0
+com = [0, 0, 350]
+[[joints]]
+name = "theta"
+type = "revolute"
+limits = [-90, 90]
+mdh = { alpha = 90, a = 10, theta = 0, d = 5 }
+[[joints]]
+name = "flange"
+type = "fixed"
+origin = { xyz = [0, 0, 100] }
+[[joints]]
+name = "roll"
+type = "revolute"
+origin = { xyz = [0, 0, 100], rpy = [0, 0, 0], axis = [0, 0, -2] }
+[tool]
+xyz = [0, 0, 50]
+[[targets]]
+name = "P1"
+xyz = [250, 100, -840]
+[[targets]]
+name = "P2"
+known = false
+"#;
+
+    #[test]
+    fn units_reach_every_number() {
+        let chain = read(GOOD).unwrap();
+        assert_eq!(chain.name(), "pps");
+        assert_eq!(chain.gravity().frame, GravityFrame::Base);
+        assert!(!chain.base().known && chain.tool().known);
+        assert_eq!(chain.base().pose.translation.x.to_bits(), 1.0f64.to_bits());
+        assert!((chain.base().pose.rpy()[2] - FRAC_PI_2).abs() < 1e-15);
+        let [slide, turn, flange, roll] = chain.joints() else { panic!("four joints") };
+        assert_eq!(slide.limits, Some((0.0, 2.25)));
+        assert_eq!(slide.link.unwrap().com.z.to_bits(), 0.35f64.to_bits());
+        assert_eq!(slide.placement, Placement::Dh { theta: 0.0, d: 0.0, a: 0.0, alpha: -FRAC_PI_2 });
+        assert_eq!(turn.limits, Some((-FRAC_PI_2, FRAC_PI_2)));
+        assert_eq!(turn.placement, Placement::Mdh { alpha: FRAC_PI_2, a: 0.01, theta: 0.0, d: 0.005 });
+        assert_eq!(flange.kind, JointKind::Fixed);
+        assert!(matches!(roll.placement, Placement::Origin { axis, .. } if (axis.z + 1.0).abs() < 1e-15));
+        assert!(!chain.targets()[1].known);
+        assert_eq!(chain.targets()[0].position.z.to_bits(), (-0.84f64).to_bits());
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        let change = |from: &str, to: &str| {
+            assert!(GOOD.contains(from), "{from}");
+            read(&GOOD.replacen(from, to, 1)).unwrap_err()
+        };
+        let cases = [
+            (
+                change("limits = [0, 2250]", "limit = [0, 2250]"),
+                "r.toml:15:1: unknown key `limit` in [[joints]] 1; did you mean `limits`? \
+                 (known: name, type, limits, dh, mdh, origin, mass, com)",
+            ),
+            (
+                change("length = \"mm\"", "length = \"cm\""),
+                "r.toml:6:10: `length` of [units] cannot be `cm` (known: m, mm, in)",
+            ),
+            (
+                change("type = \"revolute\"", "type = \"rotary\""),
+                "r.toml:21:8: `type` of [[joints]] 2 cannot be `rotary` (known: revolute, prismatic, fixed)",
+            ),
+            (
+                change("name = \"theta\"", "name = \"d1\""),
+                "r.toml:20:8: two joints bear the name `d1`; names must be different",
+            ),
+            (
+                change("name = \"theta\"", "name = \"rx\""),
+                "r.toml:20:8: a joint cannot be called `rx`, which is a column of measurements with another meaning; \
+                 rename it",
+            ),
+            (
+                change("mdh = {", "origin = {}\nmdh = {"),
+                "r.toml:23:10: [[joints]] 2 has `mdh` and `origin`; keep exactly one of them",
+            ),
+            (
+                change("mdh = { alpha = 90, a = 10, theta = 0, d = 5 }\n", ""),
+                "r.toml:19:1: [[joints]] 2 needs one of `dh`, `mdh` and `origin`",
+            ),
+            (
+                change("theta = 0, d = 0, a = 0, alpha", "theta = 0, a = 0, alpha"),
+                "r.toml:16:6: `dh` of [[joints]] 1 lacks `d`; add it",
+            ),
+            (
+                change("com = [0, 0, 350]\n", ""),
+                "r.toml:17:8: `mass` needs `com`, the link's centre of mass in the frame after the joint; add it",
+            ),
+            (change("mass = 120.0", "mass = -1.0"), "r.toml:17:8: a mass cannot be negative: -1 kg"),
+            (change("[0, 2250]", "[9, 2]"), "r.toml:15:10: the limits are the wrong way round: 9 > 2"),
+            (
+                change("[0, 2250]", "[0, inf]"),
+                "r.toml:15:14: element 2 of `limits` of [[joints]] 1 has to be a finite number",
+            ),
+            (
+                change("axis = [0, 0, -2]", "axis = [0, 0, 0]"),
+                "r.toml:31:55: the axis has length zero; give a direction such as [0, 0, 1]",
+            ),
+            (
+                change("known = false\n", "known = 0\n"),
+                "r.toml:11:9: `known` of [base] has to be true or false, not an integer",
+            ),
+            (
+                change("xyz = [250, 100, -840]\n", ""),
+                "r.toml:34:1: [[targets]] 1 lacks `xyz`; add it, or `known = false`",
+            ),
+            (
+                change("[[joints]]", "tip = \"t\"\n[[joints]]"),
+                "r.toml:12:1: unknown key `tip` in [base] (known: xyz, rpy, known)",
+            ),
+            (
+                change("name = \"pps\"", "urdf = \"a.urdf\""),
+                "r.toml:2:8: `urdf` and [[joints]] exclude each other; keep one of them",
+            ),
+        ];
+        for (message, expected) in cases {
+            assert_eq!(message, expected);
+        }
+        assert_eq!(
+            read("name = \"a\"").unwrap_err(),
+            "r.toml: has neither [[joints]] nor `urdf`; a robot needs one of them"
+        );
+        assert_eq!(
+            read(" \n").unwrap_err(),
+            "r.toml: is empty; a robot description begins with its name and its joints"
+        );
+        assert_eq!(
+            read("joints = 3").unwrap_err(),
+            "r.toml:1:10: `joints` of the robot has to be an array of tables, each headed by [[joints]], not an integer"
+        );
+        assert!(read("name = ").unwrap_err().starts_with("r.toml:1:8: is not TOML: "));
+        assert_eq!(
+            read("urdf = \"none.urdf\"").unwrap_err(),
+            "r.toml:1:8: there is no file `none.urdf`; the path counts from this file's folder"
+        );
+    }
+}

@@ -1,0 +1,313 @@
+//! The URDF form of a robot description: from a base link to a tip link.
+//!
+//! The frame after a URDF joint is its child link's frame, so that a link's centre of mass is where its
+//! `<inertial>` has its origin; the inertia's own orientation plays no part in statics.
+
+use super::RobotOptions;
+use super::names::joint_name_problem;
+use super::urdf_path::path_between;
+use super::xml_places::{place_of, tags};
+use crate::text::Text;
+use crate::{IoError, Warning};
+use std::path::Path;
+use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
+use truepose_kinematics::{Joint, JointKind, Link, Placement, Pose};
+use urdf_rs::JointType;
+
+/// The serial part of a URDF.
+#[derive(Debug)]
+pub(super) struct Arm {
+    pub name: String,
+    pub joints: Vec<Joint>,
+}
+
+pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warning>) -> Result<Arm, IoError> {
+    let text = Text::read(path)?;
+    if text.text.trim().is_empty() {
+        return Err(IoError::file(path, "is empty; a URDF begins with <robot name=\"…\">"));
+    }
+    let tags = tags(&text.text).map_err(|(at, message)| text.error(at, message))?;
+    match tags.first() {
+        Some(tag) if tag.element == "robot" => {}
+        Some(tag) => {
+            return Err(
+                text.error(tag.at, format!("is no URDF: it begins with <{}>, not <robot>", tag.element))
+            );
+        }
+        None => return Err(text.error(0, "is no URDF: it has no <robot>")),
+    }
+    let robot = urdf_rs::read_from_string(&text.text).map_err(|error| {
+        let words = error.to_string().replace('\n', "; ");
+        let at = culprit(&words, &tags);
+        text.error(at, format!("is not a valid URDF: {words}"))
+    })?;
+    let on_path = path_between(&robot, options).map_err(|problem| {
+        let at = problem.element.map_or(0, |(element, name)| place_of(&tags, element, &name));
+        text.error(at, problem.message)
+    })?;
+    let mut joints: Vec<Joint> = Vec::with_capacity(on_path.len());
+    for described in on_path {
+        let at = place_of(&tags, "joint", &described.name);
+        let warn = |message: String| {
+            let (line, _) = text.place(at);
+            Warning { file: path.into(), line: Some(line), column: None, message }
+        };
+        let mut joint = joint(described).map_err(|message| text.error(at, message))?;
+        if joints.iter().any(|other| other.name == joint.name) {
+            return Err(
+                text.error(at, format!("two joints bear the name `{}`; names must be different", joint.name))
+            );
+        }
+        if matches!(described.joint_type, JointType::Revolute | JointType::Prismatic)
+            && joint.limits.is_none()
+        {
+            warnings.push(warn(format!("joint `{}` has no limits; add <limit lower=… upper=…>", joint.name)));
+        }
+        if let Some(link) = robot.links.iter().find(|link| link.name == described.child.link) {
+            joint.link =
+                link_of(link).map_err(|message| text.error(place_of(&tags, "link", &link.name), message))?;
+        }
+        joints.push(joint);
+    }
+    warn_of_side_branches(&robot, &joints, path, warnings);
+    if joints.is_empty() {
+        return Err(text.error(0, "base and tip are the same link; choose links with joints between them"));
+    }
+    Ok(Arm { name: robot.name.clone(), joints })
+}
+
+fn joint(described: &urdf_rs::Joint) -> Result<Joint, String> {
+    let name = &described.name;
+    if let Some(problem) = joint_name_problem(name) {
+        return Err(problem);
+    }
+    if described.mimic.is_some() {
+        return Err(format!(
+            "joint `{name}` mimics another one, which is not supported between base and tip"
+        ));
+    }
+    let kind = match described.joint_type {
+        JointType::Revolute | JointType::Continuous => JointKind::Revolute,
+        JointType::Prismatic => JointKind::Prismatic,
+        JointType::Fixed => JointKind::Fixed,
+        JointType::Floating | JointType::Planar | JointType::Spherical => {
+            let kind = format!("{:?}", described.joint_type).to_lowercase();
+            return Err(format!(
+                "joint `{name}` is {kind}, which is not supported between base and tip; choose other links"
+            ));
+        }
+    };
+    let pose = Pose::from_xyz_rpy(described.origin.xyz.0, described.origin.rpy.0);
+    if !pose.is_finite() {
+        return Err(format!("the origin of joint `{name}` is not finite"));
+    }
+    let axis = Vector3::from(described.axis.xyz.0);
+    let axis = match UnitVector::try_new(axis, 1e-9) {
+        Some(axis) if axis.iter().all(|v| v.is_finite()) => axis,
+        _ if kind == JointKind::Fixed => Vector3::z_axis(),
+        _ => return Err(format!("the axis of joint `{name}` has no direction; give one such as \"0 0 1\"")),
+    };
+    let mut joint = Joint::new(name.clone(), kind, Placement::Origin { pose, axis });
+    let (lower, upper) = (described.limit.lower, described.limit.upper);
+    let limited = matches!(described.joint_type, JointType::Revolute | JointType::Prismatic);
+    if limited && lower.is_finite() && upper.is_finite() && (lower, upper) != (0.0, 0.0) {
+        if lower > upper {
+            return Err(format!("the limits of joint `{name}` are the wrong way round: {lower} > {upper}"));
+        }
+        joint = joint.with_limits(lower, upper);
+    }
+    Ok(joint)
+}
+
+fn link_of(link: &urdf_rs::Link) -> Result<Option<Link>, String> {
+    let (mass, com) = (link.inertial.mass.value, Vector3::from(link.inertial.origin.xyz.0));
+    if !mass.is_finite() || mass < 0.0 || !com.iter().all(|v| v.is_finite()) {
+        return Err(format!(
+            "the inertial of link `{}` has a mass of {mass} kg; it has to be 0 or more",
+            link.name
+        ));
+    }
+    Ok((mass > 0.0).then_some(Link { mass, com }))
+}
+
+/// Links that hang beside the path have weight, too, which a serial chain does not carry.
+fn warn_of_side_branches(robot: &urdf_rs::Robot, joints: &[Joint], path: &Path, warnings: &mut Vec<Warning>) {
+    let on_path = |name: &str| joints.iter().any(|joint| joint.name == name);
+    let Some(first) = robot.joints.iter().find(|joint| joints.first().is_some_and(|j| j.name == joint.name))
+    else {
+        return;
+    };
+    // Everything that the first joint moves, by walking outwards.
+    let mut moved: Vec<&str> = vec![&first.child.link];
+    let mut next = 0;
+    while next < moved.len() && moved.len() <= robot.links.len() {
+        let link = moved[next];
+        moved.extend(
+            robot
+                .joints
+                .iter()
+                .filter(|joint| joint.parent.link == link)
+                .map(|joint| joint.child.link.as_str()),
+        );
+        next += 1;
+    }
+    let beside: Vec<&urdf_rs::Link> = robot
+        .joints
+        .iter()
+        .filter(|joint| !on_path(&joint.name) && moved.contains(&joint.child.link.as_str()))
+        .filter_map(|joint| robot.links.iter().find(|link| link.name == joint.child.link))
+        .filter(|link| link.inertial.mass.value > 0.0)
+        .collect();
+    if !beside.is_empty() {
+        let kg: f64 = beside.iter().map(|link| link.inertial.mass.value).sum();
+        let names: Vec<&str> = beside.iter().map(|link| link.name.as_str()).collect();
+        let message = format!(
+            "the links {} hang beside the path from base to tip; their weight ({kg} kg) is not counted",
+            crate::nearest::listed(names)
+        );
+        warnings.push(Warning { file: path.into(), line: None, column: None, message });
+    }
+}
+
+/// The place of the element that a message of the URDF library names in brackets or backquotes, if any.
+fn culprit(message: &str, tags: &[super::xml_places::Tag<'_>]) -> usize {
+    message
+        .split(['[', ']', '`', '"', '\''])
+        .skip(1)
+        .step_by(2)
+        .find_map(|word| tags.iter().find(|tag| tag.name == Some(word)))
+        .map_or(0, |tag| tag.at)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{RobotOptions, Warning, read_robot};
+    use std::fmt::Write;
+    use truepose_kinematics::{Chain, JointKind};
+
+    /// A small arm: three moving joints and a fixed tool, with a gripper's finger on the side.
+    fn arm(extra: &str) -> String {
+        let mut text = String::from("<?xml version=\"1.0\"?>\n<robot name=\"arm\">\n");
+        for (link, mass) in [("base", 9.0), ("l1", 4.0), ("l2", 2.0), ("l3", 1.0), ("tool0", 0.0)] {
+            let _ = writeln!(
+                text,
+                "<link name=\"{link}\"><inertial><origin xyz=\"0.1 0 {mass}\" rpy=\"1 0 0\"/><mass value=\"{mass}\"/>\
+                 <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link>"
+            );
+        }
+        text.push_str(
+            r#"<joint name="j1" type="revolute"><origin xyz="0 0 0.3" rpy="0 0 0.5"/><parent link="base"/><child link="l1"/>
+<axis xyz="0 0 2"/><limit lower="-3" upper="2" effort="1" velocity="1"/></joint>
+<joint name="j2" type="continuous"><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/></joint>
+<joint name="j3" type="prismatic"><parent link="l2"/><child link="l3"/><axis xyz="0 0 -1"/>
+<limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>
+<joint name="flange" type="fixed"><origin xyz="0 0 0.1"/><parent link="l3"/><child link="tool0"/></joint>
+"#,
+        );
+        text.push_str(extra);
+        text.push_str("</robot>\n");
+        text
+    }
+
+    const FINGER: &str = r#"<link name="finger"><inertial><mass value="0.2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<joint name="grip" type="prismatic"><parent link="l3"/><child link="finger"/><axis xyz="1 0 0"/><limit lower="0" upper="0.1" effort="1" velocity="1"/></joint>
+"#;
+
+    fn read(urdf: &str, base: Option<&str>, tip: Option<&str>) -> Result<(Chain, Vec<Warning>), String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.urdf");
+        std::fs::write(&path, urdf).unwrap();
+        let options = RobotOptions { base: base.map(String::from), tip: tip.map(String::from) };
+        read_robot(&path, &options)
+            .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+    }
+
+    #[test]
+    fn the_only_leaf_is_the_tip() {
+        let (chain, warnings) = read(&arm(""), None, None).unwrap();
+        assert_eq!(warnings, []);
+        assert_eq!(chain.name(), "arm");
+        let names: Vec<_> = chain.joints().iter().map(|j| (j.name.as_str(), j.kind, j.limits)).collect();
+        assert_eq!(
+            names,
+            [
+                ("j1", JointKind::Revolute, Some((-3.0, 2.0))),
+                ("j2", JointKind::Revolute, None),
+                ("j3", JointKind::Prismatic, Some((0.0, 0.5))),
+                ("flange", JointKind::Fixed, None),
+            ]
+        );
+        let link = chain.joints()[0].link.unwrap();
+        assert_eq!((link.mass, link.com.as_slice()), (4.0, &[0.1, 0.0, 4.0][..]));
+        assert!(chain.joints()[3].link.is_none());
+        let pose = chain.forward(&[0.0, 0.0, 0.2]);
+        assert!((pose.translation.z - (0.3 - 0.2 + 0.1)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_branch_beside_the_path_is_told() {
+        let text = arm(FINGER);
+        assert_eq!(
+            read(&text, None, None).unwrap_err(),
+            "a.urdf:1:1: the robot has 2 leaves: tool0, finger; choose one of them as the tip link"
+        );
+        let (chain, warnings) = read(&text, Some("l1"), Some("tool0")).unwrap();
+        assert_eq!(chain.joints().len(), 3);
+        assert!(warnings[0].message.contains("the links finger hang beside the path"), "{}", warnings[0]);
+        assert_eq!(
+            read(&text, None, Some("tol0")).unwrap_err(),
+            "a.urdf:1:1: there is no tip link `tol0`; did you mean `tool0`? (links: base, l1, l2, l3, tool0, finger)"
+        );
+        assert_eq!(
+            read(&text, Some("finger"), Some("tool0")).unwrap_err(),
+            "a.urdf:1:1: there is no way from the base link `finger` to the tip link `tool0`"
+        );
+    }
+
+    #[test]
+    fn what_is_not_supported_is_said() {
+        let good = arm("");
+        let floating = read(&good.replace("continuous", "floating"), None, None).unwrap_err();
+        assert_eq!(
+            floating,
+            "a.urdf:10:1: joint `j2` is floating, which is not supported between base and tip; choose other links"
+        );
+        let mimic = good.replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"j1\"/>");
+        assert_eq!(
+            read(&mimic, None, None).unwrap_err(),
+            "a.urdf:10:1: joint `j2` mimics another one, which is not supported between base and tip"
+        );
+        let zero = read(&good.replace("0 1 0", "0 0 0"), None, None).unwrap_err();
+        assert!(zero.starts_with("a.urdf:10:1: the axis of joint `j2` has no direction"), "{zero}");
+        let reserved = read(&good.replace("\"j2\"", "\"time\""), None, None).unwrap_err();
+        assert!(reserved.starts_with("a.urdf:10:1: a joint cannot be called `time`"), "{reserved}");
+        let lost =
+            read(&good.replace("<parent link=\"l1\"/>", "<parent link=\"l9\"/>"), None, None).unwrap_err();
+        assert_eq!(lost, "a.urdf:10:1: joint `j2` refers to a link `l9` that is not declared");
+        for broken in
+            ["", "<", "<robot", "<a/>", "<robot name='r'/>", "<robot name='r'><joint/></robot>", "&lol;"]
+        {
+            let message = read(broken, None, None).unwrap_err();
+            assert!(message.starts_with("a.urdf:"), "{message}");
+        }
+        let typo = read(&good.replace("xyz=\"0 0 0.3\"", "xyz=\"0 0 o.3\""), None, None).unwrap_err();
+        assert!(typo.contains("is not a valid URDF: "), "{typo}");
+    }
+
+    #[test]
+    fn a_toml_adds_to_a_urdf() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.urdf"), arm(FINGER)).unwrap();
+        let path = folder.path().join("r.toml");
+        let toml = "urdf = \"a.urdf\"\ntip = \"tool0\"\n[units]\nlength = \"mm\"\n[tool]\nxyz = [0, 0, 100]\n\
+                    [[targets]]\nname = \"T\"\nxyz = [1, 2, 3]\n";
+        std::fs::write(&path, toml).unwrap();
+        let (chain, _) = read_robot(&path, &RobotOptions::default()).unwrap();
+        assert_eq!((chain.joints().len(), chain.targets().len()), (4, 1));
+        assert!((chain.tool().pose.translation.z - 0.1).abs() < 1e-15);
+        assert_eq!(chain.name(), "arm");
+        let options = RobotOptions { tip: Some("finger".into()), ..RobotOptions::default() };
+        assert_eq!(read_robot(&path, &options).unwrap().0.joints().len(), 4);
+        assert_eq!(read_robot(&path, &options).unwrap().0.joints()[3].name, "grip");
+    }
+}

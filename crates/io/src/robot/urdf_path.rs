@@ -1,0 +1,124 @@
+//! The way from a URDF's base link to its tip link.
+
+use super::RobotOptions;
+use crate::nearest::{listed, meant};
+use std::collections::HashMap;
+
+/// Why there is no way, and the element that is to blame.
+#[derive(Debug)]
+pub(super) struct NoPath {
+    pub element: Option<(&'static str, String)>,
+    pub message: String,
+}
+
+impl NoPath {
+    fn new(message: impl Into<String>) -> Self {
+        NoPath { element: None, message: message.into() }
+    }
+}
+
+/// The joints from base to tip, in order.
+pub(super) fn path_between<'a>(
+    robot: &'a urdf_rs::Robot,
+    options: &RobotOptions,
+) -> Result<Vec<&'a urdf_rs::Joint>, NoPath> {
+    let links = || robot.links.iter().map(|link| link.name.as_str());
+    let mut above: HashMap<&str, &urdf_rs::Joint> = HashMap::new();
+    for joint in &robot.joints {
+        for end in [&joint.parent.link, &joint.child.link] {
+            if !links().any(|link| link == end) {
+                return Err(NoPath {
+                    element: Some(("joint", joint.name.clone())),
+                    message: format!("joint `{}` refers to a link `{end}` that is not declared", joint.name),
+                });
+            }
+        }
+        if above.insert(&joint.child.link, joint).is_some() {
+            return Err(NoPath {
+                element: Some(("joint", joint.name.clone())),
+                message: format!("link `{}` is the child of two joints", joint.child.link),
+            });
+        }
+    }
+    let known = |role: &str, name: &str| {
+        if links().any(|link| link == name) {
+            Ok(())
+        } else {
+            let hint = meant(name, links());
+            Err(NoPath::new(format!("there is no {role} link `{name}`{hint} (links: {})", listed(links()))))
+        }
+    };
+    let base = match &options.base {
+        Some(base) => {
+            known("base", base)?;
+            base.as_str()
+        }
+        None => {
+            let roots: Vec<&str> = links().filter(|link| !above.contains_key(link)).collect();
+            match roots[..] {
+                [root] => root,
+                [] => return Err(NoPath::new("the links form a ring; choose a base link")),
+                _ => {
+                    let roots = listed(roots.iter().copied());
+                    return Err(NoPath::new(format!(
+                        "several links have no parent: {roots}; choose a base link"
+                    )));
+                }
+            }
+        }
+    };
+    let tip = match &options.tip {
+        Some(tip) => {
+            known("tip", tip)?;
+            tip.as_str()
+        }
+        None => only_leaf(robot, &above, base)?,
+    };
+    climb(&above, base, tip).ok_or_else(|| {
+        NoPath::new(format!("there is no way from the base link `{base}` to the tip link `{tip}`"))
+    })
+}
+
+fn only_leaf<'a>(
+    robot: &'a urdf_rs::Robot,
+    above: &HashMap<&str, &'a urdf_rs::Joint>,
+    base: &str,
+) -> Result<&'a str, NoPath> {
+    let leaves: Vec<&str> = robot
+        .links
+        .iter()
+        .map(|link| link.name.as_str())
+        .filter(|link| !robot.joints.iter().any(|joint| joint.parent.link == *link))
+        .filter(|link| *link != base && climb(above, base, link).is_some())
+        .collect();
+    match leaves[..] {
+        [leaf] => Ok(leaf),
+        [] => Err(NoPath::new(format!("no joint leads away from the base link `{base}`"))),
+        _ => {
+            let count = leaves.len();
+            let leaves = listed(leaves);
+            Err(NoPath::new(format!(
+                "the robot has {count} leaves: {leaves}; choose one of them as the tip link"
+            )))
+        }
+    }
+}
+
+fn climb<'a>(
+    above: &HashMap<&str, &'a urdf_rs::Joint>,
+    base: &str,
+    tip: &str,
+) -> Option<Vec<&'a urdf_rs::Joint>> {
+    let mut joints = Vec::new();
+    let mut link = tip;
+    while link != base {
+        let joint = *above.get(link)?;
+        joints.push(joint);
+        if joints.len() > above.len() {
+            return None;
+        }
+        link = &joint.parent.link;
+    }
+    joints.reverse();
+    Some(joints)
+}

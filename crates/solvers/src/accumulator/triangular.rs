@@ -1,0 +1,274 @@
+//! The mergeable triangular factor of [A | Y].
+//!
+//! [A | Y] = Q [R Z; 0 E],  with ‖E_k‖ the part of Y_k that no column reaches
+//!
+//! | symbol | name | shape | unit |
+//! | --- | --- | --- | --- |
+//! | A, Y | rows seen so far | m × p, m × k | as given |
+//! | R, Z | triangle and Qᵀ Y | p × p, p × k | as given |
+//!
+//! Source: Demmel, Grigori, Hoemmen and Langou (2012). Rows are kept in a buffer and folded in blocks.
+
+use super::Factor;
+use super::bytes::{Stored, read, write};
+use crate::dense::{Reflectors, fold, norm};
+use crate::problem::check_len;
+use crate::{LeastSquares, SolveError};
+use faer::MatMut;
+use nalgebra::DMatrix;
+
+const MAGIC: [u8; 4] = *b"TPTR";
+
+/// Triangular factor of a stream of rows, in constant memory.
+#[derive(Debug, Clone)]
+pub struct Triangular {
+    columns: usize,
+    rhs: usize,
+    rows: usize,
+    /// p × (p + k), upper triangular.
+    top: DMatrix<f64>,
+    /// ‖E_k‖.
+    below: Vec<f64>,
+    /// Rows not folded yet, capacity × (p + k).
+    buffer: DMatrix<f64>,
+    filled: usize,
+    work: Reflectors,
+}
+
+impl Triangular {
+    /// An empty factor of `columns` unknowns and `rhs` right-hand sides.
+    pub fn new(columns: usize, rhs: usize) -> Self {
+        let width = columns + rhs;
+        Self {
+            columns,
+            rhs,
+            rows: 0,
+            top: DMatrix::zeros(columns, width),
+            below: vec![0.0; rhs],
+            buffer: DMatrix::zeros((8 * width).clamp(256, 4096), width),
+            filled: 0,
+            work: Reflectors::default(),
+        }
+    }
+
+    /// Number of rows seen.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Takes in rows of A and the same rows of Y.
+    pub fn update(&mut self, a: &DMatrix<f64>, y: &DMatrix<f64>) -> Result<(), SolveError> {
+        check_len("columns of the block", self.columns, a.ncols())?;
+        check_len("right-hand sides of the block", self.rhs, y.ncols())?;
+        check_len("rows of the right-hand sides", a.nrows(), y.nrows())?;
+        check_finite("the block", a)?;
+        check_finite("the right-hand side", y)?;
+        self.take(a.nrows(), |i, j| if j < a.ncols() { a[(i, j)] } else { y[(i, j - a.ncols())] });
+        Ok(())
+    }
+
+    /// Takes in rows given one after the other, each [a_1 … a_p, y_1 … y_k]. Allocates nothing.
+    pub fn update_rows(&mut self, rows: &[f64]) -> Result<(), SolveError> {
+        let width = self.columns + self.rhs;
+        if width == 0 || !rows.len().is_multiple_of(width) {
+            let expected = width * rows.len().div_ceil(width.max(1));
+            return Err(SolveError::Shape { what: "the slice of rows", expected, found: rows.len() });
+        }
+        if let Some(at) = rows.iter().position(|v| !v.is_finite()) {
+            return Err(SolveError::NotFinite { what: "the block", row: at / width, column: at % width });
+        }
+        self.take(rows.len() / width, |i, j| rows[i * width + j]);
+        Ok(())
+    }
+
+    /// Takes in what another has seen.
+    pub fn merge(&mut self, other: &Self) -> Result<(), SolveError> {
+        check_len("columns of the other accumulator", self.columns, other.columns)?;
+        check_len("right-hand sides of the other accumulator", self.rhs, other.rhs)?;
+        self.flush();
+        let mut other = other.clone();
+        other.flush();
+        self.fold_in(&mut other.top, self.columns);
+        for (below, theirs) in self.below.iter_mut().zip(other.below) {
+            *below = below.hypot(theirs);
+        }
+        self.rows += other.rows;
+        Ok(())
+    }
+
+    /// The factor of all rows seen; the accumulator can go on.
+    pub fn finish(&self) -> Factor {
+        let mut done = self.clone();
+        done.flush();
+        Factor {
+            r: done.top.columns(0, self.columns).into_owned(),
+            z: done.top.columns(self.columns, self.rhs).into_owned(),
+            rss: done.below.iter().map(|b| b * b).collect(),
+            rows: self.rows,
+            resolution: f64::EPSILON,
+        }
+    }
+
+    /// The stored form, independent of the machine.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut done = self.clone();
+        done.flush();
+        let mut numbers = done.top.as_slice().to_vec();
+        numbers.extend_from_slice(&done.below);
+        write(MAGIC, &Stored { columns: self.columns, rhs: self.rhs, rows: self.rows, numbers })
+    }
+
+    /// Reads the stored form; refuses what is cut off or altered.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SolveError> {
+        let count = |p: usize, k: usize| p.checked_mul(p.checked_add(k)?)?.checked_add(k);
+        let stored = read(MAGIC, bytes, count)?;
+        let mut made = Self::new(stored.columns, stored.rhs);
+        let (top, below) = stored.numbers.split_at(stored.numbers.len() - stored.rhs);
+        made.top.as_mut_slice().copy_from_slice(top);
+        made.below.copy_from_slice(below);
+        made.rows = stored.rows;
+        Ok(made)
+    }
+
+    /// Takes in the weighted rows of a problem that has been validated.
+    pub(crate) fn take_problem(&mut self, problem: &LeastSquares<'_>) {
+        let (a, y) = (problem.a, problem.y);
+        match problem.weights {
+            None => self.take(a.nrows(), |i, j| if j < a.ncols() { a[(i, j)] } else { y[i] }),
+            Some(weights) => {
+                let roots: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
+                self.take(a.nrows(), |i, j| roots[i] * if j < a.ncols() { a[(i, j)] } else { y[i] });
+            }
+        }
+    }
+
+    fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+        let mut from = 0;
+        while from < rows {
+            let many = (self.buffer.nrows() - self.filled).min(rows - from);
+            for j in 0..self.buffer.ncols() {
+                for i in 0..many {
+                    self.buffer[(self.filled + i, j)] = at(from + i, j);
+                }
+            }
+            self.filled += many;
+            from += many;
+            if self.filled == self.buffer.nrows() {
+                self.flush();
+            }
+        }
+        self.rows += rows;
+    }
+
+    fn flush(&mut self) {
+        if self.filled == 0 {
+            return;
+        }
+        let mut buffer = std::mem::replace(&mut self.buffer, DMatrix::zeros(0, 0));
+        self.fold_in(&mut buffer, self.filled);
+        self.buffer = buffer;
+        self.filled = 0;
+    }
+
+    /// Folds the first `rows` rows of `block`, which it overwrites.
+    fn fold_in(&mut self, block: &mut DMatrix<f64>, rows: usize) {
+        let (p, width, stride) = (self.columns, self.columns + self.rhs, block.nrows());
+        if rows == 0 || width == 0 {
+            return;
+        }
+        let top = MatMut::from_column_major_slice_mut(self.top.as_mut_slice(), p, width);
+        let view = MatMut::from_column_major_slice_with_stride_mut(block.as_mut_slice(), rows, width, stride);
+        fold(top, view, &mut self.work);
+        for (k, below) in self.below.iter_mut().enumerate() {
+            let from = (p + k) * stride;
+            *below = below.hypot(norm(&block.as_slice()[from..from + rows]));
+        }
+    }
+}
+
+pub(super) fn check_finite(what: &'static str, m: &DMatrix<f64>) -> Result<(), SolveError> {
+    match m.iter().position(|v| !v.is_finite()) {
+        Some(at) => Err(SolveError::NotFinite { what, row: at % m.nrows(), column: at / m.nrows() }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block(rows: usize, columns: usize, seed: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, columns, |i, j| ((i * 37 + j * 101 + seed * 13 + i * j) as f64 * 0.7).sin())
+    }
+
+    /// AᵀA, AᵀY and YᵀY of the factor are those of the rows.
+    fn check(factor: &Factor, a: &DMatrix<f64>, y: &DMatrix<f64>) {
+        let size = a.nrows() as f64;
+        assert!((factor.r.transpose() * &factor.r - a.transpose() * a).amax() < 1e-13 * size);
+        assert!((factor.r.transpose() * &factor.z - a.transpose() * y).amax() < 1e-13 * size);
+        for k in 0..y.ncols() {
+            let all = factor.z.column(k).norm_squared() + factor.rss[k];
+            assert!((all - y.column(k).norm_squared()).abs() < 1e-13 * size);
+        }
+        assert_eq!(factor.rows, a.nrows());
+    }
+
+    #[test]
+    fn rows_blocks_and_merges_give_the_same_factor() {
+        let (a, y) = (block(1000, 6, 1), block(1000, 2, 2));
+        let mut whole = Triangular::new(6, 2);
+        whole.update(&a, &y).unwrap();
+        check(&whole.finish(), &a, &y);
+
+        let mut rowwise = Triangular::new(6, 2);
+        let mut flat = Vec::new();
+        for i in 0..1000 {
+            flat.extend(a.row(i).iter().chain(y.row(i).iter()));
+        }
+        flat.chunks(8 * 77).for_each(|rows| rowwise.update_rows(rows).unwrap());
+        assert_eq!(rowwise.finish(), whole.finish(), "the buffer makes the split of the stream irrelevant");
+
+        let mut parts: Vec<Triangular> = (0..5)
+            .map(|k| {
+                let mut part = Triangular::new(6, 2);
+                part.update(&a.rows(200 * k, 200).into_owned(), &y.rows(200 * k, 200).into_owned()).unwrap();
+                part
+            })
+            .collect();
+        let mut merged = parts.remove(3);
+        parts.iter().for_each(|p| merged.merge(p).unwrap());
+        check(&merged.finish(), &a, &y);
+        assert!(
+            (merged.finish().r - whole.finish().r).amax() < 1e-12,
+            "the sign of the diagonal is normalised"
+        );
+    }
+
+    #[test]
+    fn empty_and_short_streams() {
+        let none = Triangular::new(3, 1).finish();
+        assert_eq!((none.rows, none.r.shape(), none.rss.len()), (0, (3, 3), 1));
+        let mut short = Triangular::new(5, 1);
+        short.update(&block(2, 5, 3), &block(2, 1, 4)).unwrap();
+        check(&short.finish(), &block(2, 5, 3), &block(2, 1, 4));
+        let mut bare = Triangular::new(0, 1);
+        bare.update(&DMatrix::zeros(4, 0), &DMatrix::from_element(4, 1, 1.0)).unwrap();
+        assert!((bare.finish().rss[0] - 4.0).abs() < 1e-15);
+        assert!(short.merge(&bare).is_err());
+    }
+
+    #[test]
+    fn stored_form_comes_back_bit_for_bit_and_nan_is_refused() {
+        let mut t = Triangular::new(4, 1);
+        t.update(&block(300, 4, 5), &block(300, 1, 6)).unwrap();
+        let back = Triangular::from_bytes(&t.to_bytes()).unwrap();
+        assert_eq!(back.finish(), t.finish());
+        assert!(Triangular::from_bytes(&t.to_bytes()[1..]).is_err());
+        assert!(matches!(
+            t.update_rows(&[0.0, 0.0, f64::NAN, 0.0, 1.0]),
+            Err(SolveError::NotFinite { column: 2, .. })
+        ));
+        assert!(matches!(t.update_rows(&[0.0; 7]), Err(SolveError::Shape { expected: 10, found: 7, .. })));
+        assert_eq!(back.finish(), t.finish(), "a refused update leaves no trace");
+    }
+}

@@ -1,0 +1,37 @@
+//! The dense kernels, all on faer and all sequential, so that results do not depend on the number of threads. Nothing
+//! else in the workspace names faer.
+
+mod cholesky;
+mod householder;
+mod norm;
+mod pivoted;
+mod singular;
+mod triangle;
+
+pub(crate) use cholesky::{cholesky, gram};
+pub(crate) use householder::{Reflectors, fold};
+pub(crate) use norm::norm;
+pub(crate) use pivoted::pivoted_qr;
+pub(crate) use singular::{singular_values, svd};
+pub(crate) use triangle::{solve_upper, solve_upper_transposed};
+
+use faer::{Mat, MatRef};
+use nalgebra::DMatrix;
+
+fn view(m: &DMatrix<f64>) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(m.as_slice(), m.nrows(), m.ncols())
+}
+
+fn copy_out(m: MatRef<'_, f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)])
+}
+
+/// A power of two that brings the largest entry near 1, so that faer neither overflows nor underflows.
+fn tame(m: &DMatrix<f64>) -> f64 {
+    let top = m.amax();
+    if top > 0.0 && top.is_finite() { (-top.log2().floor()).clamp(-1020.0, 1020.0).exp2() } else { 1.0 }
+}
+
+fn tamed(m: &DMatrix<f64>, by: f64) -> Mat<f64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * by)
+}

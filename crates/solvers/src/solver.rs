@@ -1,0 +1,204 @@
+//! The seam: what a solver is given, what it hands back, and how it ended.
+
+use crate::{LeastSquares, RankDecision, SolveError};
+use nalgebra::DVector;
+
+/// A strategy for linear least squares. A stranger's needs these three methods, and passes
+/// [`testkit::check_solver`](crate::testkit::check_solver).
+///
+/// ```
+/// use truepose_solvers::{nalgebra::DVector, LeastSquares, Need, Solution, SolveError, Solver, Status};
+///
+/// /// Cyclic coordinate descent: slow, and complete.
+/// struct CoordinateDescent;
+///
+/// impl Solver for CoordinateDescent {
+///     fn name(&self) -> &str {
+///         "coordinate_descent"
+///     }
+///     fn supports(&self, need: Need) -> bool {
+///         need == Need::Weights
+///     }
+///     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {
+///         problem.admit(self)?;
+///         let mut x = DVector::zeros(problem.columns());
+///         let mut r = -problem.residual(&x);
+///         for _ in 0..1000 {
+///             for j in 0..x.len() {
+///                 let column = DVector::from_fn(problem.rows(), |i, _| problem.root_weight(i) * problem.a[(i, j)]);
+///                 let square = column.norm_squared();
+///                 if square > 0.0 {
+///                     let step = column.dot(&r) / square;
+///                     x[j] += step;
+///                     r -= column * step;
+///                 }
+///             }
+///         }
+///         Ok(Solution::new(problem, x, problem.columns(), Status::Converged))
+///     }
+/// }
+/// ```
+pub trait Solver: Send + Sync {
+    /// The name by which it is chosen and reported.
+    fn name(&self) -> &str;
+    /// Whether it can deal with this; asked before any work.
+    fn supports(&self, need: Need) -> bool;
+    /// Solves. Not converging, or a deficient rank, is a [`Status`], not an error.
+    fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError>;
+}
+
+impl<S: Solver + ?Sized> Solver for Box<S> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn supports(&self, need: Need) -> bool {
+        (**self).supports(need)
+    }
+    fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {
+        (**self).solve(problem)
+    }
+}
+
+/// What a problem may ask of a solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Need {
+    /// Columns that depend on each other.
+    RankDeficient,
+    /// Weights of rows.
+    Weights,
+    /// Box constraints.
+    Bounds,
+    /// Resistance to wrong rows.
+    Outliers,
+    /// Columns that enter or stay out together.
+    ColumnGroups,
+    /// No penalty on the unknowns: the gradient of the squares (as weighted in the end) vanishes.
+    Unpenalised,
+}
+
+impl std::fmt::Display for Need {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Need::RankDeficient => "a deficient rank",
+            Need::Weights => "weights",
+            Need::Bounds => "bounds",
+            Need::Outliers => "outliers",
+            Need::ColumnGroups => "groups of columns",
+            Need::Unpenalised => "the absence of a penalty",
+        })
+    }
+}
+
+/// How a solution was ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// The optimum, to the solver's tolerance.
+    Converged,
+    /// The optimum of a problem whose unknowns are not all determined.
+    RankDeficient {
+        /// Number of directions that the data determine.
+        rank: usize,
+    },
+    /// An optimum at reduced accuracy; the residual of the optimality conditions is in the info.
+    AlmostConverged,
+    /// The allowed iterations were used up; `x` is the last iterate.
+    MaxIterations,
+    /// The allowed time was used up.
+    MaxTime,
+    /// No further progress at this arithmetic, short of the tolerance.
+    Stalled,
+    /// No x satisfies the bounds.
+    Infeasible,
+    /// The objective has no minimum.
+    Unbounded,
+    /// The arithmetic broke down; `x` is NaN.
+    NumericalFailure,
+    /// The caller asked to stop.
+    Interrupted,
+}
+
+impl Status {
+    /// Whether `x` is an optimum (determined or not).
+    pub fn is_success(self) -> bool {
+        matches!(self, Status::Converged | Status::RankDeficient { .. } | Status::AlmostConverged)
+    }
+}
+
+/// The answer of a solver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// The unknowns, p. Zero for columns that were dropped; NaN when there is no answer.
+    pub x: DVector<f64>,
+    /// Number of directions that the data determine.
+    pub rank: usize,
+    /// How it ended.
+    pub status: Status,
+    /// On what the answer rests.
+    pub info: SolverInfo,
+}
+
+/// On what an answer rests. Fields that a solver does not have stay at their default.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SolverInfo {
+    /// ‖W^{1/2} (A x − y)‖.
+    pub residual_norm: f64,
+    /// Singular values (or, from a pivoted QR, pivots) of the scaled matrix, largest first.
+    pub singular_values: Option<Vec<f64>>,
+    /// How the rank was decided.
+    pub rank_decision: Option<RankDecision>,
+    /// Iterations; 0 for a direct method.
+    pub iterations: usize,
+    /// Largest over smallest kept singular value of the scaled matrix.
+    pub condition: Option<f64>,
+    /// Columns that carry the answer, ascending; the others are zero by decision.
+    pub kept: Option<Vec<usize>>,
+    /// Strength of the penalty that was used.
+    pub strength: Option<f64>,
+    /// Effective number of parameters of a shrunken answer: trace of the hat matrix.
+    pub effective_parameters: Option<f64>,
+    /// Residual of the optimality conditions, relative, measured by us and not by the backend.
+    pub optimality: Option<f64>,
+    /// Factors by which a robust fit multiplied the weights of the rows.
+    pub row_weights: Option<Vec<f64>>,
+    /// Robust estimate of the standard deviation of a whitened row.
+    pub noise: Option<f64>,
+    /// Another method took over, and why.
+    pub fallback: Option<Fallback>,
+}
+
+/// Another method took over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Fallback {
+    /// The Gram matrix was too ill conditioned for normal equations; QR answered.
+    IllConditionedGram {
+        /// Condition number of the scaled matrix.
+        condition: f64,
+        /// Highest that the guard lets pass.
+        limit: f64,
+    },
+    /// The Gram matrix was not positive definite in floating point; QR answered.
+    IndefiniteGram,
+    /// A start from a trimmed fit was not possible; the plain fit was the start.
+    PlainStart,
+}
+
+impl Solution {
+    /// An answer with its weighted residual norm filled in.
+    pub fn new(problem: &LeastSquares<'_>, x: DVector<f64>, rank: usize, status: Status) -> Self {
+        let residual_norm = crate::dense::norm(problem.residual(&x).as_slice());
+        Self { x, rank, status, info: SolverInfo { residual_norm, ..SolverInfo::default() } }
+    }
+
+    /// The unknowns if the status is a success, else nothing.
+    pub fn answer(&self) -> Option<&DVector<f64>> {
+        self.status.is_success().then_some(&self.x)
+    }
+}
+
+/// `Converged`, or `RankDeficient` when `rank` is below `columns`.
+pub(crate) fn status_of_rank(rank: usize, columns: usize) -> Status {
+    if rank < columns { Status::RankDeficient { rank } } else { Status::Converged }
+}
