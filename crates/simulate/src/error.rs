@@ -67,6 +67,9 @@ pub enum SimulateError {
         /// Last change, m (angles × 1 m).
         change_m: f64,
     },
+    /// A robot description that does not describe a robot.
+    #[error(transparent)]
+    Chain(#[from] truepose_kinematics::ChainError),
     /// A campaign in which nothing is measured.
     #[error("the campaign has no visits")]
     NoVisits,

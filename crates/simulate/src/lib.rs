@@ -1,17 +1,22 @@
 #![doc = include_str!("../README.md")]
 
 mod campaign;
+pub mod description;
 mod equilibrium;
 mod error;
+pub mod flaws;
 mod instrument;
 mod measure;
 pub mod physics;
 mod plant;
 mod rigid;
+pub mod robots;
 mod truth;
 
 pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
+pub use description::{PlantDescription, PlantOptions};
 pub use error::SimulateError;
+pub use flaws::Flaws;
 pub use instrument::{Blunders, Instrument, Repeatability, Tail};
 pub use measure::Observation;
 pub use plant::Plant;

@@ -98,6 +98,14 @@ impl Campaign {
         }
         campaign
     }
+
+    /// The middle of each joint's range, rad or m.
+    ///
+    /// # Errors
+    /// [`SimulateError::NoLimits`] for a slide without limits.
+    pub fn middle(chain: &Chain) -> Result<Vec<f64>, SimulateError> {
+        Ok(limits(chain)?.into_iter().map(|(lower, upper)| (lower + upper) / 2.0).collect())
+    }
 }
 
 /// Lower and upper limit of each movable joint; a turn without limits has ±π.

@@ -112,10 +112,10 @@ mod tests {
         ];
         let before = Moved::at(&changes, 40.0, 2);
         assert!((before.joints[1] - 2e-5).abs() < 1e-15);
-        assert_eq!(before.tool, [0.0; 6]);
+        assert_eq!(before.tool.to_vec(), [0.0; 6]);
         let after = Moved::at(&changes, 50.0, 2);
         assert!((after.joints[1] - 2.25e-4).abs() < 1e-15);
-        assert_eq!(after.tool, [1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]);
+        assert_eq!(after.tool.to_vec(), [1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]);
         assert!((after.lengths[0] - 3e-5).abs() < 1e-18);
     }
 }

@@ -177,25 +177,39 @@ mod tests {
     }
 
     #[test]
-    fn a_draw_has_its_size_no_trend_and_its_correlation() {
+    fn a_draw_has_its_size_and_its_correlation() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let (mut product, mut square) = (0.0, 0.0);
-        for _ in 0..200 {
-            let curve =
-                SmoothCurve::draw((-1.0, 3.0), 0.5, 2e-5, Centred::MeanAndSlope, &mut rng).expect("a curve");
-            let values: Vec<f64> = (0..=400).map(|k| curve.value(-1.0 + 0.01 * f64::from(k))).collect();
-            let mean = values.iter().sum::<f64>() / 401.0;
-            let rms = (values.iter().map(|v| v * v).sum::<f64>() / 401.0).sqrt();
-            // Centred and scaled on 48 nodes, looked at on 401 points, where the ends weigh half as much.
-            assert!(mean.abs() < 2e-6 && (rms / 2e-5 - 1.0).abs() < 0.1, "{mean} {rms}");
-            for k in 0..300 {
-                product += values[k] * values[k + 50];
+        for _ in 0..60 {
+            let curve = SmoothCurve::draw((-1.0, 3.0), 0.1, 2e-5, Centred::Mean, &mut rng).expect("a curve");
+            let values: Vec<f64> = (0..400).map(|k| curve.value(-1.0 + 0.01 * f64::from(k))).collect();
+            let mean = values.iter().sum::<f64>() / 400.0;
+            let rms = (values.iter().map(|v| v * v).sum::<f64>() / 400.0).sqrt();
+            // Centred and scaled on 241 nodes, looked at on 400 points.
+            assert!(mean.abs() < 1e-6 && (rms / 2e-5 - 1.0).abs() < 0.05, "{mean} {rms}");
+            for k in 0..390 {
+                product += values[k] * values[k + 10];
                 square += values[k] * values[k];
             }
         }
-        // One correlation length apart: (1 + √5 + 5/3) e^{−√5} = 0.524, less what the trend took away.
+        // One correlation length apart: (1 + √5 + 5/3) e^{−√5} = 0.524. The mean that was taken out carried
+        // 2 · 1.19 ℓ of the forty: (0.524 − 0.06) / (1 − 0.06) = 0.494.
         let correlation = product / square;
-        assert!((0.40..0.56).contains(&correlation), "{correlation}");
+        assert!((correlation - 0.494).abs() < 0.03, "{correlation}");
+    }
+
+    #[test]
+    fn what_is_taken_out_is_gone() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut draw = |centred| SmoothCurve::draw((0.0, 2.0), 1.0, 1.0, centred, &mut rng).expect("a curve");
+        let moment = |curve: &SmoothCurve, power: i32| {
+            let (n, values) = (curve.values.len() as f64, curve.values.iter().enumerate());
+            values.map(|(k, v)| v * (k as f64 - (n - 1.0) / 2.0).powi(power)).sum::<f64>()
+        };
+        assert!(moment(&draw(Centred::Mean), 0).abs() < 1e-12);
+        let straightness = draw(Centred::MeanAndSlope);
+        assert!(moment(&straightness, 0).abs() < 1e-12 && moment(&straightness, 1).abs() < 1e-11);
+        assert_eq!(draw(Centred::Start).value(0.0).to_bits(), 0f64.to_bits());
     }
 
     #[test]

@@ -63,7 +63,7 @@ mod tests {
         let rail = Rail::draw((0.0, 2.0), 0.4, [0.0, 2e-5, 0.0, 1e-5, 0.0, 0.0], &mut rng).expect("a rail");
         let at = rail.displacement(0.9);
         assert!(at[1] != 0.0 && at[3] != 0.0);
-        assert_eq!([at[0], at[2], at[4], at[5]], [0.0; 4]);
+        assert_eq!(vec![at[0], at[2], at[4], at[5]], [0.0; 4]);
         let square: f64 = (0..=200).map(|k| rail.displacement(0.01 * f64::from(k))[1].powi(2)).sum();
         assert!(((square / 201.0).sqrt() / 2e-5 - 1.0).abs() < 0.05);
     }
