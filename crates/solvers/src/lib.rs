@@ -2,6 +2,8 @@
 
 pub mod accumulator;
 mod backends;
+#[cfg(feature = "clarabel")]
+pub mod conic;
 mod dense;
 mod error;
 mod folds;
@@ -14,6 +16,8 @@ pub mod testkit;
 
 pub use accumulator::{ColumnScale, Factor, Gram, NullSpace, Triangular};
 pub use backends::{NormalEquations, PivotedQr, Svd};
+#[cfg(feature = "clarabel")]
+pub use conic::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
 pub use nalgebra;
