@@ -12,6 +12,7 @@ mod rank;
 pub mod ridge;
 pub mod robust;
 mod solver;
+mod spec;
 pub mod testkit;
 
 pub use accumulator::{ColumnScale, Factor, Gram, NullSpace, Triangular};
@@ -26,3 +27,4 @@ pub use rank::{RankDecision, RankRule, decide_rank};
 pub use ridge::{Ridge, RidgeStrength};
 pub use robust::{Loss, Robust, Start, Trimming};
 pub use solver::{Fallback, Need, Solution, Solver, SolverInfo, Status};
+pub use spec::SolverSpec;

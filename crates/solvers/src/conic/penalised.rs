@@ -37,7 +37,8 @@ impl Default for Strength {
 }
 
 impl Strength {
-    pub(super) fn validate(&self) -> Result<(), SolveError> {
+    /// Refuses options out of range.
+    pub fn validate(&self) -> Result<(), SolveError> {
         let bad = |option, value, expected| Err(SolveError::BadOption { option, value, expected });
         match *self {
             Strength::Fixed(l) if !(l >= 0.0 && l.is_finite()) => bad("lambda", l, "a finite number ≥ 0"),
