@@ -7,6 +7,7 @@ pub mod conic;
 mod dense;
 mod error;
 mod folds;
+pub mod nonlinear;
 mod problem;
 mod rank;
 pub mod ridge;
@@ -22,6 +23,9 @@ pub use conic::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
 pub use nalgebra;
+#[cfg(feature = "argmin")]
+pub use nonlinear::LevenbergMarquardt;
+pub use nonlinear::{NonlinearLeastSquares, NonlinearSolution};
 pub use problem::{Bounds, LeastSquares};
 pub use rank::{RankDecision, RankRule, decide_rank};
 pub use ridge::{Ridge, RidgeStrength};
