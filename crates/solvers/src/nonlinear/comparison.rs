@@ -24,6 +24,9 @@ use argmin::solver::quasinewton::LBFGS;
 use argmin::solver::trustregion::{Steihaug, TrustRegion as ArgminTrustRegion};
 use nalgebra::{DMatrix, DVector};
 
+/// Where argmin's solvers are: unknowns and gradient are vectors, H is the Hessian.
+type At<H> = IterState<Vec<f64>, Vec<f64>, (), H, (), f64>;
+
 /// argmin's trust region with Steihaug's conjugate gradients on the Gauss-Newton Hessian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrustRegion {
@@ -76,7 +79,7 @@ impl TrustRegion {
         let bridge = Bridge::new(problem, start)?;
         let until = Until::new(inner, self.gradient_tolerance);
         let run = Executor::new(&bridge, until)
-            .configure(|s: IterState<Vec<f64>, Vec<f64>, (), Vec<Vec<f64>>, (), f64>| {
+            .configure(|s: At<Vec<Vec<f64>>>| {
                 s.param(bridge.scaled(start)).max_iters(self.max_iterations as u64)
             })
             .run();
@@ -98,9 +101,7 @@ impl Lbfgs {
         let until =
             Until::new(LBFGS::new(MoreThuenteLineSearch::new(), self.memory.max(1)), self.gradient_tolerance);
         let run = Executor::new(&bridge, until)
-            .configure(|s: IterState<Vec<f64>, Vec<f64>, (), (), (), f64>| {
-                s.param(bridge.scaled(start)).max_iters(self.max_iterations as u64)
-            })
+            .configure(|s: At<()>| s.param(bridge.scaled(start)).max_iters(self.max_iterations as u64))
             .run();
         match run {
             Ok(result) => bridge.solution(result.state.best_param, result.solver.status, result.state.iter),
@@ -245,32 +246,24 @@ impl<S> Until<S> {
     }
 }
 
-impl<O, S, H> Solver<O, IterState<Vec<f64>, Vec<f64>, (), H, (), f64>> for Until<S>
+impl<O, S, H> Solver<O, At<H>> for Until<S>
 where
-    S: Solver<O, IterState<Vec<f64>, Vec<f64>, (), H, (), f64>>,
-    IterState<Vec<f64>, Vec<f64>, (), H, (), f64>: State<Float = f64>,
+    S: Solver<O, At<H>>,
+    At<H>: State<Float = f64>,
 {
     fn name(&self) -> &str {
         self.inner.name()
     }
 
-    fn init(
-        &mut self,
-        problem: &mut Problem<O>,
-        state: IterState<Vec<f64>, Vec<f64>, (), H, (), f64>,
-    ) -> Result<(IterState<Vec<f64>, Vec<f64>, (), H, (), f64>, Option<KV>), Error> {
+    fn init(&mut self, problem: &mut Problem<O>, state: At<H>) -> Result<(At<H>, Option<KV>), Error> {
         self.inner.init(problem, state)
     }
 
-    fn next_iter(
-        &mut self,
-        problem: &mut Problem<O>,
-        state: IterState<Vec<f64>, Vec<f64>, (), H, (), f64>,
-    ) -> Result<(IterState<Vec<f64>, Vec<f64>, (), H, (), f64>, Option<KV>), Error> {
+    fn next_iter(&mut self, problem: &mut Problem<O>, state: At<H>) -> Result<(At<H>, Option<KV>), Error> {
         self.inner.next_iter(problem, state)
     }
 
-    fn terminate(&mut self, state: &IterState<Vec<f64>, Vec<f64>, (), H, (), f64>) -> TerminationStatus {
+    fn terminate(&mut self, state: &At<H>) -> TerminationStatus {
         const PATIENCE: usize = 20;
         let size = (2.0 * state.cost).sqrt();
         let pull =

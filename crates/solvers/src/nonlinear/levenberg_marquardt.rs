@@ -19,9 +19,7 @@ use crate::accumulator::{Factor, Triangular};
 use crate::dense::{Reflectors, fold, norm, solve_upper};
 use crate::problem::check_len;
 use crate::{SolveError, Status};
-use argmin::core::{
-    Error, Executor, IterState, KV, Problem, Solver, State, TerminationReason, TerminationStatus,
-};
+use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
 use faer::MatMut;
 use nalgebra::{DMatrix, DVector};
 
@@ -80,7 +78,7 @@ impl LevenbergMarquardt {
             ("reduction_tolerance", self.reduction_tolerance),
         ];
         for (option, value) in options {
-            if !(value >= 0.0 && value < 1.0) {
+            if !(0.0..1.0).contains(&value) {
                 return Err(SolveError::BadOption { option, value, expected: "between 0 and 1" });
             }
         }
