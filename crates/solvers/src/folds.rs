@@ -68,6 +68,7 @@ impl GroupedFolds {
         if groups.len() < self.folds {
             return Err(SolveError::TooFewGroups { have: groups.len(), need: self.folds });
         }
+        // The shuffle is of groups, so the order of the rows within a group does not matter.
         shuffle(&mut groups, self.seed);
         let mut folds = vec![Vec::new(); self.folds];
         for (k, group) in groups.into_iter().enumerate() {

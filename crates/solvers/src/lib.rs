@@ -2,23 +2,33 @@
 
 pub mod accumulator;
 mod backends;
+#[cfg(feature = "clarabel")]
+pub mod conic;
 mod dense;
 mod error;
 mod folds;
+pub mod nonlinear;
 mod problem;
 mod rank;
 pub mod ridge;
 pub mod robust;
 mod solver;
+mod spec;
 pub mod testkit;
 
 pub use accumulator::{ColumnScale, Factor, Gram, NullSpace, Triangular};
 pub use backends::{NormalEquations, PivotedQr, Svd};
+#[cfg(feature = "clarabel")]
+pub use conic::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
 pub use nalgebra;
+#[cfg(feature = "argmin")]
+pub use nonlinear::LevenbergMarquardt;
+pub use nonlinear::{NonlinearLeastSquares, NonlinearSolution};
 pub use problem::{Bounds, LeastSquares};
 pub use rank::{RankDecision, RankRule, decide_rank};
 pub use ridge::{Ridge, RidgeStrength};
 pub use robust::{Loss, Robust, Start, Trimming};
 pub use solver::{Fallback, Need, Solution, Solver, SolverInfo, Status};
+pub use spec::SolverSpec;

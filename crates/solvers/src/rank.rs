@@ -35,6 +35,11 @@ pub enum RankRule {
 }
 
 impl RankRule {
+    /// The widest gap of at least `least` between 1e-13 and 1e-3 of the largest value.
+    pub fn widest_gap(least: f64) -> Self {
+        RankRule::WidestGap { floor: 1e-13, ceiling: 1e-3, least }
+    }
+
     /// Refuses tolerances that are not numbers in range.
     pub fn validate(&self) -> Result<(), SolveError> {
         let bad = |option, value, expected| Err(SolveError::BadOption { option, value, expected });

@@ -111,8 +111,14 @@ pub enum Status {
     Stalled,
     /// No x satisfies the bounds.
     Infeasible,
+    /// No x satisfies the bounds, at reduced accuracy.
+    AlmostInfeasible,
     /// The objective has no minimum.
     Unbounded,
+    /// The objective has no minimum, at reduced accuracy.
+    AlmostUnbounded,
+    /// Nothing was run.
+    NotStarted,
     /// The arithmetic broke down; `x` is NaN.
     NumericalFailure,
     /// The caller asked to stop.

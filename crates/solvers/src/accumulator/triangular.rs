@@ -130,6 +130,13 @@ impl Triangular {
         Ok(made)
     }
 
+    /// Folds finite rows of [A | Y] in at once; overwrites them.
+    pub(crate) fn take_block(&mut self, block: &mut DMatrix<f64>) {
+        self.flush();
+        self.rows += block.nrows();
+        self.fold_in(block, block.nrows());
+    }
+
     /// Takes in the weighted rows of a problem that has been validated.
     pub(crate) fn take_problem(&mut self, problem: &LeastSquares<'_>) {
         let (a, y) = (problem.a, problem.y);

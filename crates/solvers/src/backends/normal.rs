@@ -34,7 +34,8 @@ impl Default for NormalEquations {
 }
 
 impl NormalEquations {
-    fn validate(&self) -> Result<(), SolveError> {
+    /// Refuses options out of range.
+    pub fn validate(&self) -> Result<(), SolveError> {
         if !(1.0..=1e8).contains(&self.condition_limit) {
             let value = self.condition_limit;
             return Err(SolveError::BadOption {

@@ -28,7 +28,8 @@ impl Default for Trimming {
 }
 
 impl Trimming {
-    pub(super) fn validate(&self) -> Result<(), SolveError> {
+    /// Refuses options out of range.
+    pub fn validate(&self) -> Result<(), SolveError> {
         if !(0.5..=1.0).contains(&self.keep) {
             return Err(SolveError::BadOption {
                 option: "keep",

@@ -1,0 +1,346 @@
+//! Levenberg-Marquardt by QR, as an argmin `Solver`.
+//!
+//! minimise ‖J δ + r‖² + μ ‖D δ‖²:   [R; √μ D] δ = [z; 0] in least squares, with J = Q R, z = −Qᵀ r
+//!
+//! ρ = (½‖r(x)‖² − ½‖r(x+δ)‖²) / (½‖R δ‖² + μ ‖D δ‖²)
+//!
+//! | symbol | name | shape | unit |
+//! | --- | --- | --- | --- |
+//! | D | largest norm seen of each column of J | p, diagonal | that of J_j |
+//! | μ | damping | 1 | 1 |
+//! | ρ | gain: what the step brought over what the model promised | 1 | 1 |
+//!
+//! Source: Moré (1978) for D and the promised reduction; Nielsen (1999) for the damping: a good step multiplies μ by
+//! max(1/3, 1 − (2ρ − 1)³), a bad one by 2, 4, 8 … JᵀJ is never formed, still less inverted, and a deficient J is no
+//! obstacle. The Jacobian is reduced once per accepted step; every trial costs p³.
+
+use super::{NonlinearLeastSquares, NonlinearSolution};
+use crate::accumulator::{Factor, Triangular};
+use crate::dense::{Reflectors, fold, norm, solve_upper};
+use crate::problem::check_len;
+use crate::{SolveError, Status};
+use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
+use faer::MatMut;
+use nalgebra::{DMatrix, DVector};
+
+/// State of argmin's executor for this solver.
+pub type LevenbergMarquardtState = IterState<Vec<f64>, (), (), (), Vec<f64>, f64>;
+
+/// Levenberg-Marquardt with damping by the gain ratio.
+#[derive(Debug, Clone)]
+pub struct LevenbergMarquardt {
+    /// Largest number of accepted steps.
+    pub max_iterations: usize,
+    /// Done when every |J_jᵀ r| / (‖J_j‖ ‖r‖) is below.
+    pub gradient_tolerance: f64,
+    /// Done when ‖D δ‖ is below this times ‖D x‖.
+    pub step_tolerance: f64,
+    /// Done when a step promises less than this times ½ ‖r‖².
+    pub reduction_tolerance: f64,
+    /// First μ.
+    pub damping: f64,
+    run: Run,
+}
+
+/// What lives between iterations.
+#[derive(Debug, Clone, Default)]
+struct Run {
+    mu: f64,
+    growth: f64,
+    scale: Vec<f64>,
+    factor: Option<Factor>,
+    gradient: f64,
+    iterations: usize,
+    evaluations: usize,
+    jacobians: usize,
+    status: Option<Status>,
+}
+
+impl Default for LevenbergMarquardt {
+    fn default() -> Self {
+        Self {
+            max_iterations: 200,
+            gradient_tolerance: 1e-12,
+            step_tolerance: 1e-13,
+            reduction_tolerance: 1e-16,
+            damping: 1e-4,
+            run: Run::default(),
+        }
+    }
+}
+
+impl LevenbergMarquardt {
+    /// Refuses options out of range.
+    pub fn validate(&self) -> Result<(), SolveError> {
+        let options = [
+            ("gradient_tolerance", self.gradient_tolerance),
+            ("step_tolerance", self.step_tolerance),
+            ("reduction_tolerance", self.reduction_tolerance),
+        ];
+        for (option, value) in options {
+            if !(0.0..1.0).contains(&value) {
+                return Err(SolveError::BadOption { option, value, expected: "between 0 and 1" });
+            }
+        }
+        if !(self.damping > 0.0 && self.damping.is_finite()) {
+            let value = self.damping;
+            return Err(SolveError::BadOption { option: "damping", value, expected: "a finite number > 0" });
+        }
+        Ok(())
+    }
+
+    /// Runs from `start` under argmin's executor.
+    pub fn minimise(
+        &self,
+        problem: &dyn NonlinearLeastSquares,
+        start: &[f64],
+    ) -> Result<NonlinearSolution, SolveError> {
+        self.validate()?;
+        let (m, p) = problem.size();
+        check_len("the start", p, start.len())?;
+        let mut r = DVector::zeros(m);
+        problem.residual(start, &mut r);
+        if let Some(row) = r.iter().position(|v| !v.is_finite()) {
+            return Err(SolveError::NotFinite { what: "the residual at the start", row, column: 0 });
+        }
+        let fresh = Self { run: Run::default(), ..self.clone() };
+        let steps = self.max_iterations as u64;
+        let run = Executor::new(problem, fresh).configure(|s| s.param(start.to_vec()).max_iters(steps)).run();
+        let result =
+            run.map_err(|_| SolveError::Breakdown { what: "Levenberg-Marquardt", rows: m, columns: p })?;
+        let run = result.solver.run;
+        let x = DVector::from_vec(result.state.param.unwrap_or_else(|| start.to_vec()));
+        problem.residual(x.as_slice(), &mut r);
+        let factor = run.factor.unwrap_or_else(|| Triangular::new(p, 1).finish());
+        Ok(NonlinearSolution {
+            x,
+            status: run.status.unwrap_or(Status::MaxIterations),
+            residual_norm: norm(r.as_slice()),
+            gradient: run.gradient,
+            iterations: run.iterations,
+            evaluations: run.evaluations,
+            jacobians: run.jacobians,
+            factor,
+        })
+    }
+
+    /// Reduces the Jacobian at `x`; whether it is finite.
+    fn linearise<O: NonlinearLeastSquares>(
+        &mut self,
+        problem: &mut Problem<O>,
+        x: &[f64],
+        r: &[f64],
+    ) -> Result<bool, Error> {
+        let factor = problem.problem("jacobian_count", |p| Ok(reduce(p, x, r)))?;
+        self.run.jacobians += 1;
+        let Some(factor) = factor else { return Ok(false) };
+        let norms = factor.column_norms();
+        self.run.scale.resize(norms.len(), 0.0);
+        self.run.scale.iter_mut().zip(&norms).for_each(|(d, n)| *d = d.max(*n));
+        self.run.gradient = relative_gradient(&factor, norm(r));
+        self.run.factor = Some(factor);
+        Ok(true)
+    }
+
+    /// δ for the present damping, with the promised reduction and ‖D δ‖.
+    fn step(&self, factor: &Factor) -> (DVector<f64>, f64, f64) {
+        let p = factor.columns();
+        let mut top = DMatrix::zeros(p, p + 1);
+        top.view_mut((0, 0), (p, p)).copy_from(&factor.r);
+        top.set_column(p, &factor.z.column(0));
+        let root = self.run.mu.sqrt();
+        // A column that was never more than zero gets its damping too, and stays where it is.
+        let weight = |j: usize| if self.run.scale[j] > 0.0 { self.run.scale[j] } else { 1.0 };
+        let mut damping = DMatrix::from_fn(p, p + 1, |i, j| if i == j { root * weight(j) } else { 0.0 });
+        if p > 0 {
+            fold(
+                MatMut::from_column_major_slice_mut(top.as_mut_slice(), p, p + 1),
+                MatMut::from_column_major_slice_mut(damping.as_mut_slice(), p, p + 1),
+                &mut Reflectors::default(),
+            );
+        }
+        let right: Vec<f64> = top.column(p).iter().copied().collect();
+        let delta = solve_upper(&top, &right);
+        let scaled = norm(&(0..p).map(|j| weight(j) * delta[j]).collect::<Vec<_>>());
+        let promised = 0.5 * norm((&factor.r * &delta).as_slice()).powi(2) + self.run.mu * scaled.powi(2);
+        (delta, promised, scaled)
+    }
+}
+
+/// The triangle of [J | −r], or nothing if J is not finite.
+pub(super) fn reduce<O: NonlinearLeastSquares + ?Sized>(problem: &O, x: &[f64], r: &[f64]) -> Option<Factor> {
+    let (m, p) = problem.size();
+    let mut j = DMatrix::zeros(m, p);
+    problem.jacobian(x, &mut j);
+    let right = DMatrix::from_fn(m, 1, |i, _| -r[i]);
+    let mut t = Triangular::new(p, 1);
+    t.update(&j, &right).ok()?;
+    Some(t.finish())
+}
+
+/// Largest |J_jᵀ r| / (‖J_j‖ ‖r‖).
+pub(super) fn relative_gradient(factor: &Factor, residual: f64) -> f64 {
+    if residual < f64::MIN_POSITIVE {
+        return 0.0;
+    }
+    let pulls = factor.r.tr_mul(&factor.z.column(0));
+    let norms = factor.column_norms();
+    pulls
+        .iter()
+        .zip(norms)
+        .fold(0.0, |top: f64, (g, n)| if n > 0.0 { top.max(g.abs() / n / residual) } else { top })
+}
+
+impl<O: NonlinearLeastSquares> Solver<O, LevenbergMarquardtState> for LevenbergMarquardt {
+    fn name(&self) -> &str {
+        "Levenberg-Marquardt by QR"
+    }
+
+    fn init(
+        &mut self,
+        problem: &mut Problem<O>,
+        mut state: LevenbergMarquardtState,
+    ) -> Result<(LevenbergMarquardtState, Option<KV>), Error> {
+        let x = state.take_param().unwrap_or_default();
+        let r = residual(problem, &x)?;
+        self.run = Run { mu: self.damping, growth: 2.0, evaluations: 1, ..Run::default() };
+        if !self.linearise(problem, &x, &r)? {
+            self.run.status = Some(Status::NumericalFailure);
+        } else if self.run.gradient <= self.gradient_tolerance {
+            self.run.status = Some(Status::Converged);
+        }
+        let cost = 0.5 * norm(&r).powi(2);
+        Ok((state.param(x).residuals(r).cost(cost), None))
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<O>,
+        mut state: LevenbergMarquardtState,
+    ) -> Result<(LevenbergMarquardtState, Option<KV>), Error> {
+        const TRIALS: usize = 60;
+        let x = state.take_param().unwrap_or_default();
+        let r = state.take_residuals().unwrap_or_default();
+        let Some(factor) = self.run.factor.clone() else {
+            self.run.status = Some(Status::NumericalFailure);
+            return Ok((state.param(x).residuals(r), None));
+        };
+        let cost = 0.5 * norm(&r).powi(2);
+        let size = norm(&self.run.scale.iter().zip(&x).map(|(d, x)| d * x).collect::<Vec<_>>());
+        for _ in 0..TRIALS {
+            let (delta, promised, scaled) = self.step(&factor);
+            let moved: Vec<f64> = x.iter().zip(delta.iter()).map(|(x, d)| x + d).collect();
+            let after = residual(problem, &moved)?;
+            self.run.evaluations += 1;
+            // Difference of squares without their cancellation.
+            let brought: f64 = 0.5 * r.iter().zip(&after).map(|(b, a)| (b - a) * (b + a)).sum::<f64>();
+            let gain = brought / promised;
+            let small = promised <= self.reduction_tolerance * cost || scaled <= self.step_tolerance * size;
+            if gain > 1e-4
+                && after.iter().all(|v| v.is_finite())
+                && self.linearise(problem, &moved, &after)?
+            {
+                self.run.mu *= (1.0_f64 / 3.0).max(1.0 - (2.0 * gain - 1.0).powi(3));
+                self.run.mu = self.run.mu.max(1e-24);
+                self.run.growth = 2.0;
+                self.run.iterations += 1;
+                if small || self.run.gradient <= self.gradient_tolerance {
+                    self.run.status = Some(Status::Converged);
+                }
+                let cost = 0.5 * norm(&after).powi(2);
+                return Ok((state.param(moved).residuals(after).cost(cost), None));
+            }
+            if small {
+                // The model promises nothing that this arithmetic could deliver.
+                self.run.status = Some(Status::Converged);
+                return Ok((state.param(x).residuals(r).cost(cost), None));
+            }
+            self.run.mu *= self.run.growth;
+            self.run.growth *= 2.0;
+        }
+        self.run.status = Some(Status::Stalled);
+        Ok((state.param(x).residuals(r).cost(cost), None))
+    }
+
+    fn terminate(&mut self, _state: &LevenbergMarquardtState) -> TerminationStatus {
+        match self.run.status {
+            None => TerminationStatus::NotTerminated,
+            Some(Status::Converged) => TerminationStatus::Terminated(TerminationReason::SolverConverged),
+            Some(other) => TerminationStatus::Terminated(TerminationReason::SolverExit(format!("{other:?}"))),
+        }
+    }
+}
+
+fn residual<O: NonlinearLeastSquares>(problem: &mut Problem<O>, x: &[f64]) -> Result<Vec<f64>, Error> {
+    problem.problem("residual_count", |p| {
+        let mut r = DVector::zeros(p.size().0);
+        p.residual(x, &mut r);
+        Ok(r.as_slice().to_vec())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nonlinear::{FromClosures, check_jacobian};
+
+    #[test]
+    fn rosenbrock_from_the_usual_start() {
+        let problem = FromClosures::new(
+            2,
+            2,
+            |x: &[f64], r: &mut DVector<f64>| {
+                r[0] = 10.0 * (x[1] - x[0] * x[0]);
+                r[1] = 1.0 - x[0];
+            },
+            |x: &[f64], j: &mut DMatrix<f64>| j.copy_from_slice(&[-20.0 * x[0], -1.0, 10.0, 0.0]),
+        );
+        assert!(check_jacobian(&problem, &[-1.2, 1.0], &[1e-3, 1e-3]) < 1e-9);
+        let s = LevenbergMarquardt::default().minimise(&problem, &[-1.2, 1.0]).unwrap();
+        assert_eq!(s.status, Status::Converged);
+        assert!((s.x - DVector::from_element(2, 1.0)).amax() < 1e-12);
+        assert!(s.iterations < 30 && s.evaluations >= s.iterations && s.jacobians == s.iterations + 1);
+    }
+
+    /// Only x₀ + x₁ matters: JᵀJ cannot be inverted.
+    #[test]
+    fn a_deficient_jacobian_is_no_obstacle() {
+        let t: Vec<f64> = (0..30).map(|i| i as f64 / 10.0).collect();
+        let (a, b) = (t.clone(), t.clone());
+        let problem = FromClosures::new(
+            30,
+            3,
+            move |x: &[f64], r: &mut DVector<f64>| {
+                (0..30).for_each(|i| r[i] = x[2] * (-(x[0] + x[1]) * a[i]).exp() - 2.0 * (-0.7 * a[i]).exp());
+            },
+            move |x: &[f64], j: &mut DMatrix<f64>| {
+                for i in 0..30 {
+                    let e = (-(x[0] + x[1]) * b[i]).exp();
+                    (j[(i, 0)], j[(i, 1)], j[(i, 2)]) = (-b[i] * x[2] * e, -b[i] * x[2] * e, e);
+                }
+            },
+        );
+        let s = LevenbergMarquardt::default().minimise(&problem, &[0.1, 0.1, 1.0]).unwrap();
+        assert_eq!(s.status, Status::Converged);
+        assert!((s.x[0] + s.x[1] - 0.7).abs() < 1e-9 && (s.x[2] - 2.0).abs() < 1e-9);
+        let rank = s.factor.rank(crate::ColumnScale::Norms, crate::RankRule::Default).unwrap();
+        assert_eq!(rank.rank, 2);
+    }
+
+    /// log of a negative number on the way: the step is shortened.
+    #[test]
+    fn nan_on_the_way_is_walked_around_and_at_the_start_refused() {
+        let problem = FromClosures::new(
+            1,
+            1,
+            |x: &[f64], r: &mut DVector<f64>| r[0] = x[0].ln(),
+            |x: &[f64], j: &mut DMatrix<f64>| j[(0, 0)] = 1.0 / x[0],
+        );
+        let s = LevenbergMarquardt::default().minimise(&problem, &[20.0]).unwrap();
+        assert!(s.status == Status::Converged && (s.x[0] - 1.0).abs() < 1e-12, "{s:?}");
+        assert!(LevenbergMarquardt::default().minimise(&problem, &[-1.0]).is_err());
+        assert!(LevenbergMarquardt::default().minimise(&problem, &[1.0, 2.0]).is_err());
+        let short = LevenbergMarquardt { max_iterations: 2, ..Default::default() };
+        assert_eq!(short.minimise(&problem, &[20.0]).unwrap().status, Status::MaxIterations);
+    }
+}
