@@ -327,8 +327,11 @@ impl<'a> State<'a> {
 
     /// Whitened squares at the point of linearisation, prior included.
     fn objective(&self, reduction: &Reduction, factor: &Factor, at: &[f64]) -> f64 {
-        let prior =
-            if self.solver.supports(Need::Outliers) { 0.0 } else { self.prior.penalty(&reduction.grouped(at)) };
+        let prior = if self.solver.supports(Need::Outliers) {
+            0.0
+        } else {
+            self.prior.penalty(&reduction.grouped(at))
+        };
         factor.z.column(0).norm_squared() + factor.rss[0] + prior
     }
 
@@ -377,7 +380,13 @@ impl<'a> State<'a> {
 
     /// The problem with rows that hold the unknowns where they are, `√λ W₁ (β − β_now) = 0` (Levenberg, Marquardt),
     /// measured in expected sizes.
-    fn damped(&self, a: DMatrix<f64>, y: DVector<f64>, now: &[f64], damping: f64) -> (DMatrix<f64>, DVector<f64>) {
+    fn damped(
+        &self,
+        a: DMatrix<f64>,
+        y: DVector<f64>,
+        now: &[f64],
+        damping: f64,
+    ) -> (DMatrix<f64>, DVector<f64>) {
         if damping <= 0.0 {
             return (a, y);
         }

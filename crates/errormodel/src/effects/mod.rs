@@ -5,7 +5,7 @@ mod geometric;
 mod joint_compliance;
 
 pub use expansion::{Basis, Expansion, Factor, Input, Place};
-pub use geometric::{Geometric, Where};
+pub use geometric::{AllTargets, Geometric, Where};
 pub use joint_compliance::JointCompliance;
 
 use crate::ModelError;

@@ -29,7 +29,11 @@ impl Factor {
     /// When a column does not exist.
     pub fn restricted(&self, columns: &[usize]) -> Result<Factor, SolveError> {
         if let Some(&found) = columns.iter().find(|&&c| c >= self.columns()) {
-            return Err(SolveError::Shape { what: "a column of the factor", expected: self.columns(), found });
+            return Err(SolveError::Shape {
+                what: "a column of the factor",
+                expected: self.columns(),
+                found,
+            });
         }
         let mut inner = Triangular::new(columns.len(), self.z.ncols());
         inner.update(&self.r.select_columns(columns), &self.z)?;
@@ -46,8 +50,11 @@ impl Factor {
     /// When the decomposition fails.
     pub fn directions(&self, scale: ColumnScale<'_>) -> Result<Directions, SolveError> {
         let parts = svd(&self.scaled(&self.multipliers(scale)?))?;
-        let projections =
-            if self.z.ncols() == 0 { vec![0.0; parts.d.len()] } else { parts.u.tr_mul(&self.z.column(0)).as_slice().to_vec() };
+        let projections = if self.z.ncols() == 0 {
+            vec![0.0; parts.d.len()]
+        } else {
+            parts.u.tr_mul(&self.z.column(0)).as_slice().to_vec()
+        };
         Ok(Directions { values: parts.d, vectors: parts.v, projections })
     }
 }
