@@ -7,6 +7,7 @@
 mod bytes;
 mod factor;
 mod gram;
+mod solve;
 mod triangular;
 
 pub use factor::{ColumnScale, Factor, NullSpace};
