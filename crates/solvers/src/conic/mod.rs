@@ -20,6 +20,7 @@ mod core;
 mod group_lasso;
 mod huber;
 mod lasso;
+mod newton;
 mod penalised;
 mod program;
 mod shifted;
