@@ -7,7 +7,7 @@
 use crate::reduction::joint_ranges;
 use crate::{Fit, IdentifyError, Lineariser};
 use serde::{Deserialize, Serialize};
-use truepose_errormodel::{Dataset, Interval};
+use truepose_errormodel::{Dataset, Interval, Visits};
 use truepose_kinematics::JointId;
 use truepose_solvers::accumulator::{ColumnScale, Triangular};
 
@@ -24,8 +24,8 @@ pub struct Advice {
     pub gains: usize,
 }
 
-/// Rows on which the question is asked.
-const ROWS: usize = 120;
+/// Visits on which the question is asked.
+const VISITS: usize = 200;
 
 /// Directions that are poorly determined by the data of a fit, and which joints would help; most helpful first.
 ///
@@ -33,11 +33,11 @@ const ROWS: usize = 120;
 /// When a factorisation fails.
 pub fn excitation(fit: &Fit, data: &Dataset) -> Result<(usize, Vec<Advice>), IdentifyError> {
     let model = fit.fitted.model();
-    let usable: Vec<usize> = (0..data.len()).filter(|&row| data.seen(row).count() > 0).collect();
-    let step = usable.len().div_ceil(ROWS).max(1);
-    let rows: Vec<usize> = usable.iter().copied().step_by(step).collect();
-    // All rows count: a thinned sample is made as heavy as the whole.
-    let weight = (usable.len() as f64 / rows.len().max(1) as f64).sqrt();
+    // Whole visits, so that every target is there; a thinned sample is made as heavy as all of them.
+    let visits = Visits::of(data);
+    let step = visits.len().div_ceil(VISITS).max(1);
+    let rows: Vec<usize> = visits.rows.iter().step_by(step).flatten().copied().collect();
+    let weight = (data.len() as f64 / rows.len().max(1) as f64).sqrt();
     let sample = data.select(&rows);
     // Columns that no data on this robot can tell apart are no excitation's fault.
     let structural: Vec<usize> = (0..model.columns().len())
@@ -57,11 +57,10 @@ pub fn excitation(fit: &Fit, data: &Dataset) -> Result<(usize, Vec<Advice>), Ide
     for (k, possible) in ranges.iter().enumerate() {
         let Some(seen) = Interval::of(data.joints[k].iter().copied()) else { continue };
         let mut moved = sample.clone();
-        let count = moved.joints[k].len() as f64;
-        for (place, value) in moved.joints[k].iter_mut().enumerate() {
+        for (value, &visit) in moved.joints[k].iter_mut().zip(&sample.visit) {
             // An irrational stride covers the range evenly and in no step with the other joints.
-            let share = (0.5 + place as f64 * 0.618_033_988_749_894_9).fract();
-            *value = possible.lower + (possible.upper - possible.lower) * share.min(1.0 - 0.5 / count);
+            let share = (0.5 + visit as f64 * 0.618_033_988_749_894_9).fract();
+            *value = possible.lower + (possible.upper - possible.lower) * share;
         }
         let then = weak(fit, &moved, &structural, weight)?;
         if then < now {
@@ -79,10 +78,10 @@ fn weak(fit: &Fit, sample: &Dataset, columns: &[usize], weight: f64) -> Result<u
     let zero = vec![0.0; model.columns().len()];
     let mut lineariser = Lineariser::new(model, sample, fit.noise, &zero)?;
     let mut factor = Triangular::new(zero.len(), 1);
-    for row in 0..sample.len() {
-        factor.update_rows(lineariser.visit(&[row]).rows)?;
+    for rows in &Visits::of(sample).rows {
+        factor.update_rows(lineariser.visit(rows).rows)?;
     }
-    let scales: Vec<f64> = columns.iter().map(|&c| model.columns()[c].scale / weight.recip()).collect();
-    let inner = factor.finish().restricted(columns)?;
+    let scales: Vec<f64> = columns.iter().map(|&c| model.columns()[c].scale * weight).collect();
+    let inner = factor.finish().select(columns);
     Ok(inner.singular_values(ColumnScale::Given(&scales))?.iter().filter(|d| **d < 1.0).count())
 }

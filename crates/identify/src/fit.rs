@@ -308,7 +308,7 @@ impl<'a> State<'a> {
                     factor = self.linearise()?;
                 }
                 if self.options.prior == PriorStrength::Evidence {
-                    let inner = self.absolute(&factor, &self.coefficients).restricted(&reduction.kept)?;
+                    let inner = self.absolute(&factor, &self.coefficients).select(&reduction.kept);
                     let prior = self.prior.from_evidence(&inner)?;
                     settled &= (prior.kappa / self.prior.kappa).ln().abs() < 1e-2;
                     self.prior = prior;
@@ -426,7 +426,7 @@ impl<'a> State<'a> {
 
     fn finish(self, reduction: Reduction, outcome: Outcome) -> Result<Fit, IdentifyError> {
         let columns = self.model.columns().len();
-        let absolute = self.absolute(&outcome.factor, &self.coefficients).restricted(&reduction.kept)?;
+        let absolute = self.absolute(&outcome.factor, &self.coefficients).select(&reduction.kept);
         let grouped =
             DVector::from_iterator(reduction.rank(), reduction.kept.iter().map(|&c| self.coefficients[c]));
         let chi_square = absolute.residual_norm(0, &grouped).powi(2);

@@ -60,19 +60,24 @@ impl From<Spread> for RotationSpread {
 impl PositionSpread {
     /// Mean, RMS, 95 % and maximum, as cells of a table.
     pub fn cells(&self) -> Vec<String> {
-        [self.mean_mm, self.rms_mm, self.p95_mm, self.max_mm]
-            .iter()
-            .map(|v| crate::significant(*v, 4))
-            .collect()
+        cells(self.rms_mm, [self.mean_mm, self.rms_mm, self.p95_mm, self.max_mm])
     }
 }
 
 impl RotationSpread {
     /// Mean, RMS, 95 % and maximum, as cells of a table.
     pub fn cells(&self) -> Vec<String> {
-        [self.mean_mrad, self.rms_mrad, self.p95_mrad, self.max_mrad]
-            .iter()
-            .map(|v| crate::significant(*v, 4))
-            .collect()
+        cells(self.rms_mrad, [self.mean_mrad, self.rms_mrad, self.p95_mrad, self.max_mrad])
     }
+}
+
+/// All values with as many decimals as give the RMS four significant digits.
+fn cells(rms: f64, values: [f64; 4]) -> Vec<String> {
+    let magnitude = if rms > 0.0 { rms.log10().floor() } else { 0.0 };
+    if !(-5.0..6.0).contains(&magnitude) {
+        return values.iter().map(|v| crate::significant(*v, 4)).collect();
+    }
+    let decimals = (3.0 - magnitude).max(0.0) as usize;
+    let zero = 0.5 * 10f64.powi(-(decimals as i32));
+    values.iter().map(|v| format!("{:.decimals$}", if v.abs() < zero { 0.0 } else { *v })).collect()
 }

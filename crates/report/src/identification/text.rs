@@ -185,10 +185,14 @@ impl IdentificationSummary {
             .take(MOST_GROUPS)
             .map(|group| {
                 let (value, half, unit) = value_with_interval(group.value, group.half_width, &group.unit);
-                vec![group.words.clone(), value, "±".into(), half, unit]
+                vec![value, "±".into(), half, unit, group.words.clone()]
             })
             .collect();
-        write!(f, "{}", table(&["", "value", "", "", ""], &[Left, Right, Left, Right, Left], &rows))?;
+        write!(
+            f,
+            "{}",
+            table(&["value", "", "", "unit", "group"], &[Right, Left, Right, Left, Left], &rows)
+        )?;
         if self.groups.len() > MOST_GROUPS {
             writeln!(f, " … and {} more (--json has all)", self.groups.len() - MOST_GROUPS)?;
         }
