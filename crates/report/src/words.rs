@@ -74,6 +74,10 @@ pub fn warning_words(warning: &Warning) -> String {
         Warning::NotConverged { rounds } => {
             format!("the fit still moved after {}; its residual is not the smallest possible", count(*rounds, "round"))
         }
+        Warning::NoEffect { column } => format!(
+            "`{column}` has no effect on anything in this data (no load declared, no link weights, or a signal that never \
+             changes): it stays zero"
+        ),
         Warning::NoRedundancy => {
             "there are no more measured numbers than grouped errors: the residual says nothing about the accuracy".into()
         }
