@@ -28,7 +28,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     }
     let options = IdentificationOptions {
         fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
-        split: split(args, &data)?,
+        split: split(args.folds, args.split, args.seed, &data)?,
         holdout: args.holdout,
         seed: args.seed,
     };
@@ -78,11 +78,17 @@ fn met(args: &Identify, summary: &IdentificationSummary) -> Result<(), Failure> 
     )))
 }
 
-fn split(args: &Identify, data: &Dataset) -> Result<Option<Split>, Failure> {
-    if args.folds == 0 {
+/// The split that was asked for, fitted to what the data has.
+pub(super) fn split(
+    folds: usize,
+    kind: SplitKind,
+    seed: u64,
+    data: &Dataset,
+) -> Result<Option<Split>, Failure> {
+    if folds == 0 {
         return Ok(None);
     }
-    if args.folds == 1 {
+    if folds == 1 {
         return Err(Failure::Input(
             "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
         ));
@@ -92,21 +98,22 @@ fn split(args: &Identify, data: &Dataset) -> Result<Option<Split>, Failure> {
         terminal::log("warning: a single configuration cannot be divided: no cross-validation");
         return Ok(None);
     }
-    let folds = args.folds.min(configurations);
-    if folds < args.folds {
+    if configurations < folds {
         terminal::log(&format!(
             "warning: {configurations} configurations make at most {configurations} folds"
         ));
     }
-    Ok(Some(match args.split {
-        SplitKind::Random => Split::Random { folds, seed: args.seed },
+    let folds = folds.min(configurations);
+    Ok(Some(match kind {
+        SplitKind::Random => Split::Random { folds, seed },
         SplitKind::Time => Split::TimeBlocks { folds },
         SplitKind::Joint => Split::JointBlocks { folds, coordinate: None },
         SplitKind::LeaveOneOut => Split::LeaveOneOut,
     }))
 }
 
-fn split_words(split: &Split) -> String {
+/// A split in words.
+pub(super) fn split_words(split: &Split) -> String {
     match split {
         Split::Random { folds, seed } => format!("{folds} random folds over configurations, seed {seed}"),
         Split::LeaveOneOut => "one configuration at a time".into(),
