@@ -70,6 +70,12 @@ pub struct Identify {
     /// How configurations are divided into folds
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
     pub split: SplitKind,
+    /// Draw the random folds this often, and report mean and spread
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub repeat: u16,
+    /// Folds of your own: a channel of the data whose values number them, one value a visit
+    #[arg(long, value_name = "CHANNEL", conflicts_with_all = ["split", "repeat"])]
+    pub fold_by: Option<String>,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
