@@ -1,0 +1,35 @@
+//! Benchmark studies: `cargo xtask study NAME`. Each prints its table and writes it, with its figures, to `target/studies`.
+
+mod pps;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Where studies leave their tables and figures.
+fn folder(study: &str) -> std::io::Result<PathBuf> {
+    let root = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+    let folder = root.join("studies").join(study);
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+/// Text to the terminal.
+fn say(text: &str) {
+    let _ = writeln!(std::io::stdout().lock(), "{text}");
+}
+
+fn main() -> ExitCode {
+    let name = std::env::args().nth(1).unwrap_or_default();
+    let done = match name.as_str() {
+        "pps" => pps::run(),
+        _ => Err(format!("unknown study `{name}`; there is: pps").into()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr().lock(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! The paper's experiment (patient positioning system) against plants with real physics.
+//!
+//! Identification from set b) and half of set a), 394 configurations; the check on the other half of set a). Three radii a
+//! plant, each the largest error of the treatment point over the 56 check configurations:
+//!
+//! | radius | compares | with |
+//! | --- | --- | --- |
+//! | measured | the treatment point computed from the three measured targets | the model |
+//! | noise only | the same measurement | the true plant |
+//! | noise-free | the true plant | the model |
+
+mod figures;
+mod models;
+mod trial;
+
+use crate::{folder, say};
+use models::{Strategy, strategies};
+use rayon::prelude::*;
+use std::error::Error;
+use std::fmt::Write;
+use trial::{Experiment, Radii};
+
+/// How many plants.
+const PLANTS: u64 = 20;
+
+/// Runs the study.
+pub fn run() -> Result<(), Box<dyn Error>> {
+    let folder = folder("pps")?;
+    let mut text = String::new();
+    let experiments: Vec<Experiment> = (0..PLANTS)
+        .into_par_iter()
+        .map(|seed| Experiment::new(100 + seed).map_err(|e| e.to_string()))
+        .collect::<Result<_, _>>()?;
+    let before: Vec<f64> = experiments.iter().map(Experiment::before).collect();
+    let noise: Vec<f64> = experiments.iter().map(Experiment::noise_only).collect();
+    let linearity: Vec<f64> = experiments.iter().map(|e| e.linearity).collect();
+    writeln!(text, "The paper's experiment, {PLANTS} plants; radii in mm, median [worst]")?;
+    writeln!(text, "{:44} {:>16}   paper", "", "here")?;
+    writeln!(text, "{:44} {:>16}   order of 10", "error before", show(&before))?;
+    writeln!(text, "{:44} {:>16}   within 0.1", "payload linearity at home", show(&linearity))?;
+    writeln!(text, "{:44} {:>16}   –", "radius of noise only", show(&noise))?;
+    let configurations = experiments.first().map_or(0, |e| e.configurations);
+    writeln!(text, "{:44} {configurations:>16}   < 400", "configurations used")?;
+    writeln!(text)?;
+    writeln!(
+        text,
+        "{:44} {:>6} {:>16} {:>12} {:>16} {:>8}",
+        "model and solver", "rank", "measured", "/ noise only", "noise-free", "ms"
+    )?;
+    let mut best: Option<(f64, Vec<Radii>, String)> = None;
+    for strategy in strategies() {
+        let radii: Vec<Radii> =
+            experiments.iter().map(|e| e.identify(&strategy)).collect::<Result<_, _>>()?;
+        line(&mut text, &strategy, &radii)?;
+        let median = quantile(&radii.iter().map(|r| r.noise_free).collect::<Vec<_>>(), 0.5);
+        if best.as_ref().is_none_or(|b| median < b.0) {
+            best = Some((median, radii, strategy.name.clone()));
+        }
+    }
+    writeln!(text, "paper (measured, one machine): {:>35}", "0.38")?;
+    say(&text);
+    std::fs::write(folder.join("table.txt"), &text)?;
+    if let (Some((_, radii, name)), Some(first)) = (best, experiments.first()) {
+        figures::space(&folder.join("figure_6.svg"), first, &radii[0], &name)?;
+        figures::repeatability(&folder.join("figure_7.svg"), first)?;
+        figures::axes(&folder.join("figure_8.svg"), &radii)?;
+        figures::linearity(&folder.join("linearity.svg"), first)?;
+        say(&format!("figures and table in {}", folder.display()));
+    }
+    Ok(())
+}
+
+fn line(text: &mut String, strategy: &Strategy, radii: &[Radii]) -> Result<(), std::fmt::Error> {
+    let of = |f: &dyn Fn(&Radii) -> f64| radii.iter().map(f).collect::<Vec<f64>>();
+    writeln!(
+        text,
+        "{:44} {:>6} {:>16} {:>12.2} {:>16} {:>8.0}",
+        strategy.name,
+        radii.first().map_or(0, |r| r.rank),
+        show(&of(&|r| r.measured)),
+        quantile(&of(&|r| r.measured / r.noise_only), 0.5),
+        show(&of(&|r| r.noise_free)),
+        quantile(&of(&|r| r.seconds * 1e3), 0.5),
+    )
+}
+
+/// Median and worst, from metres, in mm.
+fn show(values: &[f64]) -> String {
+    format!("{:.3} [{:.3}]", 1e3 * quantile(values, 0.5), 1e3 * quantile(values, 1.0))
+}
+
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    if sorted.is_empty() {
+        return f64::NAN;
+    }
+    let at = share * (sorted.len() - 1) as f64;
+    let below = sorted[at.floor() as usize];
+    below + (at - at.floor()) * (sorted[at.ceil() as usize] - below)
+}

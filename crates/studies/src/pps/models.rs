@@ -1,0 +1,83 @@
+//! What is declared for the paper's robot: constant errors, the paper's polynomial, and physics.
+
+use truepose_errormodel::effects::{
+    BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, LinkCompliance, Place,
+};
+use truepose_errormodel::{AnyEffect, EffectRegistry, ModelError};
+use truepose_identify::PriorStrength;
+use truepose_kinematics::{Axis, Chain, FrameId, JointId};
+use truepose_solvers::SolverSpec;
+
+/// A declared model, and how it is fitted.
+pub struct Strategy {
+    /// For the table.
+    pub name: String,
+    /// The declared effects.
+    pub effects: fn(&Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError>,
+    /// How coefficients are held to their expected sizes.
+    pub prior: PriorStrength,
+    /// The solver.
+    pub solver: SolverSpec,
+}
+
+/// All of them.
+pub fn strategies() -> Vec<Strategy> {
+    let strategy = |name: &str, effects, prior, solver: &str| Strategy {
+        name: name.into(),
+        effects,
+        prior,
+        solver: solver.parse().unwrap_or_default(),
+    };
+    use PriorStrength::{Evidence, None};
+    vec![
+        strategy("constant errors, qr", constant, None, "qr"),
+        strategy("Eq. (17) polynomial, qr", polynomial, None, "qr"),
+        strategy("Eq. (17) polynomial, svd", polynomial, None, "svd"),
+        strategy("Eq. (17) polynomial, normal equations", polynomial, None, "normal"),
+        strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
+        strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
+        strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
+        strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
+        strategy("physics, evidence prior, huber(qr)", physics, Evidence, "huber(qr)"),
+    ]
+}
+
+fn constant(_: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+    Ok(vec![Box::new(Geometric::default())])
+}
+
+/// The paper's declared model: degree 3 in each slide and in theta, 1 in the small turns, one wrench component.
+fn polynomial(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+    let json = r#"{"degree": 3, "small": [5, 6], "wrench": ["fy"]}"#;
+    let value = serde_json::from_str(json).unwrap_or_default();
+    let targets: Geometric = serde_json::from_str(r#"{"frames": [0, 7, "targets"]}"#).unwrap_or_default();
+    Ok(vec![Box::new(targets), EffectRegistry::builtin().build("polynomial", value, chain)?])
+}
+
+/// Every frame gives in proportion to each component of the wrench that it carries: six springs a frame.
+fn elastic(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+    let mut effects = constant(chain)?;
+    for frame in (0..=chain.joints().len()).map(FrameId) {
+        for (component, axis) in Axis::ALL.into_iter().enumerate() {
+            let of = Input::Wrench { frame, component };
+            effects.push(Box::new(Expansion {
+                at: Place::Frame { frame, components: vec![axis] },
+                factors: vec![Factor { of, basis: Basis::Powers(vec![1]) }],
+            }));
+        }
+    }
+    effects.push(Box::new(LinkCompliance::of(JointId(6))));
+    effects.push(Box::new(BaseCompliance::default()));
+    Ok(effects)
+}
+
+/// The same, with rails that are not straight.
+fn physics(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+    let mut effects = elastic(chain)?;
+    for joint in 1..=3 {
+        let rail: Guideway = serde_json::from_value(serde_json::json!({ "joint": joint }))
+            .map_err(|error| ModelError::Parameters { kind: "guideway".into(), reason: error.to_string() })?;
+        effects.push(Box::new(rail));
+    }
+    Ok(effects)
+}

@@ -1,0 +1,193 @@
+//! One plant: its measurements, and what a model identified from them leaves.
+
+use super::models::Strategy;
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use std::error::Error;
+use std::time::Instant;
+use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_identify::{FitOptions, fit};
+use truepose_kinematics::{Chain, Conditions, TargetId, nalgebra};
+use truepose_simulate::{Campaign, Plant, robots};
+
+/// A plant and everything that the paper measured on it.
+pub struct Experiment {
+    plant: Plant,
+    /// Set b) and half of set a).
+    identification: Dataset,
+    /// The other half of set a).
+    pub check: Vec<Check>,
+    /// Configurations used for the identification.
+    pub configurations: usize,
+    /// Largest deviation from a straight line of the treatment point's displacement against the payload at home, m.
+    pub linearity: f64,
+    /// (payload in lb, displacement in m) of that test.
+    pub loads: Vec<(f64, f64)>,
+    /// Measured treatment points of 270 returns to home, m.
+    pub returns: Vec<Vector3<f64>>,
+}
+
+/// One check configuration.
+pub struct Check {
+    conditions: Conditions,
+    measured: Vector3<f64>,
+    truth: Vector3<f64>,
+    nominal: Vector3<f64>,
+}
+
+/// What a model leaves at the check configurations.
+pub struct Radii {
+    pub measured: f64,
+    pub noise_only: f64,
+    pub noise_free: f64,
+    pub rank: usize,
+    pub seconds: f64,
+    /// Measured less predicted treatment points, m.
+    pub errors: Vec<Vector3<f64>>,
+}
+
+impl Experiment {
+    /// Measures a plant of this seed.
+    pub fn new(seed: u64) -> Result<Self, Box<dyn Error>> {
+        let plant = robots::pps_plant(seed)?;
+        let chain = plant.chain().clone();
+        let a = plant.measure(&Campaign::paper_set_a(&chain)?, seed)?;
+        let b = plant.measure(&Campaign::paper_set_b(&chain)?, seed + 1)?;
+        let visits = Visits::of(&a);
+        let mut order: Vec<usize> = (0..visits.len()).collect();
+        order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+        let (used, checked) = order.split_at(visits.len() / 2);
+        let rows: Vec<usize> = used.iter().flat_map(|&v| visits.rows[v].iter().copied()).collect();
+        let identification = joined(&b, &a.select(&rows));
+        let check = checked
+            .iter()
+            .map(|&v| check(&plant, &chain, &a, &visits.rows[v]))
+            .collect::<Result<_, Box<dyn Error>>>()?;
+        let configurations = Visits::of(&identification).len();
+        let loads = load_test(&plant, &chain, seed)?;
+        let returns = points(&chain, &plant.measure(&Campaign::paper_returns(seed), seed + 3)?)?;
+        Ok(Experiment {
+            identification,
+            check,
+            configurations,
+            linearity: off_the_line(&loads),
+            loads,
+            returns,
+            plant,
+        })
+    }
+
+    /// Largest distance between the measured and the nominal treatment point, m.
+    pub fn before(&self) -> f64 {
+        self.check.iter().map(|c| (c.measured - c.nominal).norm()).fold(0.0, f64::max)
+    }
+
+    /// Errors before, for the figure.
+    pub fn errors_before(&self) -> Vec<Vector3<f64>> {
+        self.check.iter().map(|c| c.measured - c.nominal).collect()
+    }
+
+    /// Largest distance between the measured and the true treatment point, m.
+    pub fn noise_only(&self) -> f64 {
+        self.check.iter().map(|c| (c.measured - c.truth).norm()).fold(0.0, f64::max)
+    }
+
+    /// Identifies, and judges at the check configurations.
+    pub fn identify(&self, strategy: &Strategy) -> Result<Radii, Box<dyn Error>> {
+        let chain = self.plant.chain();
+        let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
+        let options = FitOptions { prior: strategy.prior, ..FitOptions::default() };
+        let begun = Instant::now();
+        let fit = fit(&model, &self.identification, &*strategy.solver.build(), &options)?;
+        let seconds = begun.elapsed().as_secs_f64();
+        let mut predictor = fit.fitted.bind(&self.identification.schema)?;
+        let mut radii = Radii {
+            measured: 0.0,
+            noise_only: self.noise_only(),
+            noise_free: 0.0,
+            rank: fit.reduction.rank(),
+            seconds,
+            errors: Vec::new(),
+        };
+        for check in &self.check {
+            let seen: Vec<Vector3<f64>> = (0..chain.targets().len())
+                .map(|t| predictor.predict(&check.conditions, Some(TargetId(t))).translation)
+                .collect();
+            let predicted = robots::treatment_point(chain, &seen)?;
+            radii.errors.push(check.measured - predicted);
+            radii.measured = radii.measured.max((check.measured - predicted).norm());
+            radii.noise_free = radii.noise_free.max((check.truth - predicted).norm());
+        }
+        Ok(radii)
+    }
+}
+
+fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Result<Check, Box<dyn Error>> {
+    let conditions = data.conditions(rows[0]);
+    let seen: Vec<Vector3<f64>> = rows.iter().map(|&row| data.measured_position(row)).collect();
+    let truth = (0..rows.len())
+        .map(|t| plant.true_position(&conditions, Some(TargetId(t))))
+        .collect::<Result<Vec<_>, _>>()?;
+    let tool = chain.forward(&conditions.joints);
+    let nominal: Vec<Vector3<f64>> = chain.targets().iter().map(|t| tool.apply(&t.position)).collect();
+    Ok(Check {
+        measured: robots::treatment_point(chain, &seen)?,
+        truth: robots::treatment_point(chain, &truth)?,
+        nominal: robots::treatment_point(chain, &nominal)?,
+        conditions,
+    })
+}
+
+/// Measured treatment points of each visit.
+fn points(chain: &Chain, data: &Dataset) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
+    Visits::of(data)
+        .rows
+        .iter()
+        .map(|rows| {
+            let seen: Vec<Vector3<f64>> = rows.iter().map(|&row| data.measured_position(row)).collect();
+            Ok(robots::treatment_point(chain, &seen)?)
+        })
+        .collect()
+}
+
+/// Displacement of the treatment point from the empty one, by payload.
+fn load_test(plant: &Plant, chain: &Chain, seed: u64) -> Result<Vec<(f64, f64)>, Box<dyn Error>> {
+    let measured = points(chain, &plant.measure(&Campaign::paper_linearity(), seed + 2)?)?;
+    Ok(measured.iter().enumerate().map(|(k, p)| (25.0 * k as f64, (p - measured[0]).norm())).collect())
+}
+
+/// Largest distance from the least-squares line.
+fn off_the_line(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
+        / points.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>();
+    points.iter().map(|p| (p.1 - my - slope * (p.0 - mx)).abs()).fold(0.0, f64::max)
+}
+
+/// Two data sets of one robot, one after the other; visits of the second follow those of the first.
+fn joined(first: &Dataset, second: &Dataset) -> Dataset {
+    let mut all = first.clone();
+    let offset = Visits::of(first).len();
+    all.visit.extend(second.visit.iter().map(|v| v + offset));
+    for (column, more) in all.joints.iter_mut().zip(&second.joints) {
+        column.extend(more);
+    }
+    for (column, more) in all.approach.iter_mut().zip(&second.approach) {
+        column.extend(more);
+    }
+    for (column, more) in all.channels.iter_mut().zip(&second.channels) {
+        column.extend(more);
+    }
+    all.position.extend(&second.position);
+    all.orientation.extend(&second.orientation);
+    all.position_sd.extend(&second.position_sd);
+    all.orientation_sd.extend(&second.orientation_sd);
+    all.target.extend(&second.target);
+    all.load.extend(&second.load);
+    all.time.extend(&second.time);
+    all.line.clear();
+    all
+}
