@@ -23,6 +23,8 @@ pub enum Verb {
     Identify(Identify),
     /// Predict where the real robot is, from a fit
     Predict(Predict),
+    /// Fit one model with several solver strategies, on the same folds, and test the differences
+    Compare(Compare),
     /// Read files and say what was understood: every unit, range and count
     Check(Check),
     /// List the effects and solvers that can be declared
@@ -68,6 +70,12 @@ pub struct Identify {
     /// How configurations are divided into folds
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
     pub split: SplitKind,
+    /// Draw the random folds this often, and report mean and spread
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub repeat: u16,
+    /// Folds of your own: a channel of the data whose values number them, one value a visit
+    #[arg(long, value_name = "CHANNEL", conflicts_with_all = ["split", "repeat"])]
+    pub fold_by: Option<String>,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
@@ -102,6 +110,41 @@ pub enum SplitKind {
     Joint,
     /// One configuration at a time
     LeaveOneOut,
+}
+
+/// `truepose compare`
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    #[command(flatten)]
+    pub robot: Robot,
+    /// Measurements (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    /// Declared model (TOML) [default: constant errors of every frame and target]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// A strategy; give the option once for each
+    #[arg(long = "solver", value_name = "SOLVER",
+          default_values = ["qr", "svd", "normal", "ridge(gcv)", "ridge(map)", "lasso(cv)", "huber(qr)", "tukey(qr)"])]
+    pub solvers: Vec<SolverSpec>,
+    /// Folds of the cross-validation
+    #[arg(long, default_value_t = 5)]
+    pub folds: usize,
+    /// How configurations are divided into folds
+    #[arg(long, value_enum, default_value_t = SplitKind::Random)]
+    pub split: SplitKind,
+    /// Seed of every random choice
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Use measured positions alone, even where orientations were measured
+    #[arg(long)]
+    pub positions_only: bool,
+    /// A prior on top of every strategy: evidence, none, or a number of expected sizes
+    #[arg(long, default_value = "none", value_parser = parse_prior)]
+    pub prior: truepose_identify::PriorStrength,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `truepose predict`

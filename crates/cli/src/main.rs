@@ -24,6 +24,7 @@ fn main() -> ExitCode {
     let done = match &args.verb {
         Verb::Identify(verb) => verbs::identify::run(verb),
         Verb::Predict(verb) => verbs::predict::run(verb),
+        Verb::Compare(verb) => verbs::compare::run(verb),
         Verb::Check(verb) => verbs::check::run(verb),
         Verb::Effects(verb) => verbs::effects::run(verb),
         Verb::Simulate(verb) => verbs::simulate::run(verb),

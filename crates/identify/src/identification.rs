@@ -17,6 +17,8 @@ pub struct IdentificationOptions {
     pub fit: FitOptions,
     /// How to cross-validate; not at all when absent.
     pub split: Option<Split>,
+    /// How often a random split is drawn again (with the following seeds); at least 1.
+    pub repeats: usize,
     /// A share of the configurations that is drawn first, takes part in nothing and judges the result; the model is
     /// then fitted again on all rows with its structure frozen.
     pub holdout: Option<f64>,
@@ -29,6 +31,7 @@ impl Default for IdentificationOptions {
         IdentificationOptions {
             fit: FitOptions::default(),
             split: Some(Split::Random { folds: 5, seed: 0 }),
+            repeats: 1,
             holdout: None,
             seed: 0,
         }
@@ -55,6 +58,8 @@ pub struct Identification {
     pub frames_only: Stage,
     /// With the declared model.
     pub declared: Stage,
+    /// Held-out RMS of the declared model for each repetition of a random split, m; the first is that of `declared`.
+    pub repeated: Vec<f64>,
     /// The fit of the declared model.
     pub fit: Fit,
     /// Residuals on the configurations that were drawn out first: (frames only, declared model).
@@ -134,8 +139,16 @@ pub fn identify(
     };
     let frames_only = Stage { held_out: validated(&frames_fit)?, train: frames_fit.residuals.clone() };
     let declared = Stage { held_out: validated(&declared_fit)?, train: declared_fit.residuals.clone() };
+    let mut repeated: Vec<f64> = declared.held_out.iter().map(|cv| cv.residuals.positions().rms).collect();
+    if let Some(Split::Random { folds, seed }) = options.split {
+        for more in 1..options.repeats as u64 {
+            let folds = Folds::new(train, &Split::Random { folds, seed: seed + more })?;
+            let again = cross_validate(&declared_fit, train, &folds, solver, Method::Auto)?;
+            repeated.push(again.residuals.positions().rms);
+        }
+    }
     progress(Step::Judging);
-    let repeated = repeats(&declared_fit, train);
+    let pure = repeats(&declared_fit, train);
     let weak = excitation(&declared_fit, train)?;
     let observability = observability(&declared_fit, Visits::of(train).len())?;
     let mut locked = None;
@@ -153,9 +166,10 @@ pub fn identify(
         nominal,
         frames_only,
         declared,
+        repeated,
         fit: declared_fit,
         locked,
-        repeats: repeated,
+        repeats: pure,
         observability,
         weak,
     })

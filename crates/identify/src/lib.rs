@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod comparison;
 mod cross_validation;
 mod error;
 mod excitation;
@@ -16,6 +17,7 @@ mod repeats;
 mod residuals;
 mod variance;
 
+pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, excitation};

@@ -27,6 +27,8 @@ pub struct IdentificationSummary {
     pub stages: Vec<StageSummary>,
     /// How the held-out columns were made.
     pub held_out_by: Option<String>,
+    /// Held-out RMS of the declared model for each repetition of a random split, mm.
+    pub repeated_rms_mm: Vec<f64>,
     /// Residuals of the declared model by axis x, y, z: mean is signed.
     pub axes: Vec<PositionSpread>,
     /// Residuals of the declared model by target.
@@ -182,6 +184,7 @@ impl IdentificationSummary {
             placement: placement(found),
             stages: stages(found),
             held_out_by,
+            repeated_rms_mm: found.repeated.iter().map(|r| r * 1e3).collect(),
             axes: (0..3).map(|axis| residuals.axis(axis).into()).collect(),
             targets,
             noise: NoiseSummary {

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Visits};
 use truepose_identify::{FitOptions, IdentificationOptions, Split, Step, identify};
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
 use truepose_report::{IdentificationSummary, millimetres};
@@ -28,7 +28,11 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     }
     let options = IdentificationOptions {
         fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
-        split: split(args, &data)?,
+        split: match &args.fold_by {
+            Some(channel) => Some(own_folds(&data, channel)?),
+            None => split(args.folds, args.split, args.seed, &data)?,
+        },
+        repeats: usize::from(args.repeat),
         holdout: args.holdout,
         seed: args.seed,
     };
@@ -78,11 +82,49 @@ fn met(args: &Identify, summary: &IdentificationSummary) -> Result<(), Failure> 
     )))
 }
 
-fn split(args: &Identify, data: &Dataset) -> Result<Option<Split>, Failure> {
-    if args.folds == 0 {
+/// Folds numbered by a channel.
+fn own_folds(data: &Dataset, channel: &str) -> Result<Split, Failure> {
+    let Some(k) = data.schema.channel(channel) else {
+        let known: Vec<&str> = data.schema.channels.iter().map(|c| c.name.as_str()).collect();
+        return Err(Failure::Input(format!(
+            "--fold-by: the data has no channel `{channel}` (its channels: {})",
+            known.join(", ")
+        )));
+    };
+    let mut numbers: Vec<f64> = Vec::new();
+    let mut of_visit = Vec::new();
+    for rows in &Visits::of(data).rows {
+        let value = data.channels[k][rows[0]];
+        if rows.iter().any(|&row| data.channels[k][row].to_bits() != value.to_bits()) {
+            return Err(Failure::Input(format!(
+                "--fold-by: `{channel}` changes within a visit; a fold takes whole visits"
+            )));
+        }
+        let place = numbers.iter().position(|n| n.to_bits() == value.to_bits()).unwrap_or_else(|| {
+            numbers.push(value);
+            numbers.len() - 1
+        });
+        of_visit.push(place);
+    }
+    if numbers.len() < 2 {
+        return Err(Failure::Input(format!(
+            "--fold-by: `{channel}` has a single value; at least two folds are needed"
+        )));
+    }
+    Ok(Split::Given(of_visit))
+}
+
+/// The split that was asked for, fitted to what the data has.
+pub(super) fn split(
+    folds: usize,
+    kind: SplitKind,
+    seed: u64,
+    data: &Dataset,
+) -> Result<Option<Split>, Failure> {
+    if folds == 0 {
         return Ok(None);
     }
-    if args.folds == 1 {
+    if folds == 1 {
         return Err(Failure::Input(
             "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
         ));
@@ -92,27 +134,31 @@ fn split(args: &Identify, data: &Dataset) -> Result<Option<Split>, Failure> {
         terminal::log("warning: a single configuration cannot be divided: no cross-validation");
         return Ok(None);
     }
-    let folds = args.folds.min(configurations);
-    if folds < args.folds {
+    if configurations < folds {
         terminal::log(&format!(
             "warning: {configurations} configurations make at most {configurations} folds"
         ));
     }
-    Ok(Some(match args.split {
-        SplitKind::Random => Split::Random { folds, seed: args.seed },
+    let folds = folds.min(configurations);
+    Ok(Some(match kind {
+        SplitKind::Random => Split::Random { folds, seed },
         SplitKind::Time => Split::TimeBlocks { folds },
         SplitKind::Joint => Split::JointBlocks { folds, coordinate: None },
         SplitKind::LeaveOneOut => Split::LeaveOneOut,
     }))
 }
 
-fn split_words(split: &Split) -> String {
+/// A split in words.
+pub(super) fn split_words(split: &Split) -> String {
     match split {
         Split::Random { folds, seed } => format!("{folds} random folds over configurations, seed {seed}"),
         Split::LeaveOneOut => "one configuration at a time".into(),
         Split::TimeBlocks { folds } => format!("{folds} contiguous blocks in time"),
         Split::JointBlocks { folds, .. } => format!("{folds} slabs along the joint that moves most"),
-        Split::Given(_) => "given folds".into(),
+        Split::Given(of_visit) => {
+            let folds = of_visit.iter().max().map_or(0, |last| last + 1);
+            format!("{folds} folds of the caller's own")
+        }
     }
 }
 

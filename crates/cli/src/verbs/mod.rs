@@ -1,6 +1,7 @@
 //! The verbs: each is parse, one library call, print.
 
 pub mod check;
+pub mod compare;
 pub mod effects;
 pub mod identify;
 pub mod predict;

@@ -76,12 +76,17 @@ impl<'a> State<'a> {
         const MOST_LOOKS: usize = 15;
         const FIRST_DAMPING: f64 = 1e-4;
         const FLAT: f64 = 1e-6;
+        const MOST_UNGUARDED: usize = 20;
         // A penalty that only the solver knows, or weights that it changes, make no objective to hold steps against.
         let guarded = self.options.refine
             && self.solver.supports(Need::Unpenalised)
             && !self.solver.supports(Need::Outliers);
         let scales: Vec<f64> = reduction.kept.iter().map(|&c| self.model.columns()[c].scale).collect();
-        let limit = if self.options.refine { self.options.max_rounds } else { 1 };
+        let limit = match (self.options.refine, guarded) {
+            (false, _) => 1,
+            (true, true) => self.options.max_rounds,
+            (true, false) => self.options.max_rounds.min(MOST_UNGUARDED),
+        };
         // Noise and prior are looked at when steps have become short, the more often the less they still change.
         let mut near = FIRST_LOOK;
         let mut factor = first;
@@ -157,7 +162,9 @@ impl<'a> State<'a> {
         damping: f64,
     ) -> Result<(Solution, Vec<f64>), IdentifyError> {
         let columns = self.model.columns().len();
-        let solution = if self.solver.supports(Need::Outliers) {
+        // Plain least squares is the same on the triangle; whoever weighs rows or validates on them has to see them.
+        let plain = self.solver.supports(Need::Unpenalised) && !self.solver.supports(Need::Outliers);
+        let solution = if !plain {
             let rows = collect(self.model, self.data, self.visits, self.noise, &self.coefficients)?;
             let y = &rows.residual + &rows.a * DVector::from_column_slice(&self.coefficients);
             let (a, y) = self.with_prior(reduction.select(&rows.a), y);

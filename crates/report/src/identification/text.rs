@@ -72,6 +72,19 @@ impl IdentificationSummary {
         write!(f, "{}", table(&header, &[Left, Left, Right, Right, Right, Right], &rows))?;
         if held && let Some(how) = &self.held_out_by {
             writeln!(f, " held out: {how}")?;
+            if self.repeated_rms_mm.len() > 1 {
+                let n = self.repeated_rms_mm.len() as f64;
+                let mean = self.repeated_rms_mm.iter().sum::<f64>() / n;
+                let variance =
+                    self.repeated_rms_mm.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+                writeln!(
+                    f,
+                    " declared model over {} such splits: RMS {} ± {} mm (standard deviation between splits)",
+                    self.repeated_rms_mm.len(),
+                    significant(mean, 4),
+                    significant(variance.sqrt(), 2)
+                )?;
+            }
         }
         if locked {
             writeln!(
