@@ -9,7 +9,7 @@ use truepose_solvers::SolverSpec;
 #[command(name = "truepose", version, max_term_width = 100)]
 pub struct Args {
     /// Threads to use; results do not depend on it [default: all cores]
-    #[arg(long, global = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// What to do
     #[command(subcommand)]

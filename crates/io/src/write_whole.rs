@@ -70,6 +70,12 @@ impl WholeFile {
         let existing = match fs::metadata(path) {
             Ok(metadata) => Some(metadata),
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) if error.kind() == io::ErrorKind::NotADirectory => {
+                return Err(IoError::Write {
+                    file: path.into(),
+                    message: "a file stands where a folder is needed; name another folder".into(),
+                });
+            }
             Err(error) => return Err(refused(path, &error)),
         };
         if existing.as_ref().is_some_and(fs::Metadata::is_dir) {

@@ -117,8 +117,9 @@ fn data_text(info: &CsvInfo) -> String {
         .columns
         .iter()
         .map(|column| {
-            let unit =
-                if column.unit_given { column.unit.clone() } else { format!("{} (assumed)", column.unit) };
+            // Names, numbers and directions have no unit that could have been left out.
+            let said = column.unit_given || column.unit == "1";
+            let unit = if said { column.unit.clone() } else { format!("{} (assumed)", column.unit) };
             let (lower, upper) = column
                 .range
                 .map_or((String::new(), String::new()), |(a, b)| (significant(a, 6), significant(b, 6)));

@@ -6,8 +6,13 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::effects::Geometric;
+<<<<<<< HEAD
 use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Visits};
 use truepose_identify::{FitOptions, IdentificationOptions, Split, Step, identify};
+=======
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
+use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, identify};
+>>>>>>> tests
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
 use truepose_report::{IdentificationSummary, millimetres};
 
@@ -37,9 +42,9 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         seed: args.seed,
     };
     let progress = Progress::steps(Step::ALL.len());
-    let mut found = identify(&chain, &effects, &data, &*args.solver.build(), &options, &|step| {
-        progress.begin(word(step))
-    })?;
+    let solver = args.solver.build();
+    let mut found = identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(word(step)))
+        .map_err(|error| refused(args, error))?;
     drop(progress);
 
     let summary = IdentificationSummary::new(
@@ -66,6 +71,16 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         terminal::log(&format!("wrote {}", out.display()));
     }
     met(args, &summary)
+}
+
+/// An error with the file that it is about, where it is about the data.
+fn refused(args: &Identify, error: IdentifyError) -> Failure {
+    match error {
+        IdentifyError::NothingMeasured { .. } | IdentifyError::Placement { .. } => {
+            Failure::Input(format!("{}: {error}", args.data.display()))
+        }
+        _ => error.into(),
+    }
 }
 
 /// The criterion that was asked for.

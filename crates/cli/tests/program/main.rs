@@ -1,0 +1,13 @@
+//! The program as a user runs it: one process a run, files in a folder of its own.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test says what it saw, and fails by panicking"
+)]
+
+mod bad_input;
+mod example;
+mod folder;
+mod output;
+mod round_trip;

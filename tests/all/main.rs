@@ -1,0 +1,15 @@
+//! Tests that cross crates: one topic a module, one binary.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test says what it saw, and fails by panicking"
+)]
+
+mod cross_validation;
+mod exact;
+mod placement;
+mod plants;
+mod reduction;
+mod shared_data;
+mod solvers_agree;
