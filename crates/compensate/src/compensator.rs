@@ -32,8 +32,7 @@ use truepose_kinematics::{Conditions, Pose, TargetId};
 const NOMINAL_ROUNDS: usize = 60;
 const NOMINAL_TOLERANCE: f64 = 1e-5;
 const WORTH_A_TRY: f64 = 1e-3;
-/// Starts from which the search is repeated without limits.
-const UNLIMITED_STARTS: usize = 4;
+const NUDGE: f64 = 0.15;
 
 /// Turns desired poses into commands for one robot. One for each thread; a clone is another one.
 #[derive(Debug, Clone)]
@@ -182,7 +181,7 @@ impl<'m> Compensator<'m> {
         if let (Some(x), Some(rotation)) = (seed, kept) {
             // Position only: with the seed's orientation if that can be, else as near to it as it goes.
             let whole = Task { rotation: Some(*rotation), ..*task };
-            let found = walk(&mut self.exact(), &whole, x, &limits, most.min(20));
+            let found = walk(&mut self.exact(), &whole, x, &limits, most);
             if found.ending == Ending::There {
                 return Found::ok(found, rounds);
             }
@@ -202,15 +201,18 @@ impl<'m> Compensator<'m> {
             best = Some(found);
         }
         let point = self.nominal_point(task.target);
-        let nearest = self.starts.nearest(task, &point, self.options.starts.max(UNLIMITED_STARTS));
+        let nearest = self.starts.nearest(task, &point, self.options.starts.max(1));
         let rough = Task {
             position_tolerance: NOMINAL_TOLERANCE * self.length,
             orientation_tolerance: NOMINAL_TOLERANCE,
             ..*task
         };
         let mut nearest_nominal: Option<Walk> = None;
+        let mut stuck = 0;
         for k in 0..self.options.starts {
-            let Some(&start) = self.starts.start(&nearest, k) else { break };
+            let Some(&start) = self.starts.start(&nearest, k).filter(|_| stuck < self.enough()) else {
+                break;
+            };
             let nominal = walk(&mut self.ideal(&point), &rough, &start, &limits, NOMINAL_ROUNDS);
             if nominal.gap.cost < WORTH_A_TRY {
                 let found = walk(&mut self.exact(), task, &nominal.x, &limits, most);
@@ -218,6 +220,7 @@ impl<'m> Compensator<'m> {
                     return Found::ok(found, rounds);
                 }
                 rounds += found.rounds;
+                stuck += usize::from(!self.at_a_limit(&found.x));
                 best = nearer(best, found);
             } else {
                 nearest_nominal = nearer(nearest_nominal, nominal);
@@ -250,9 +253,23 @@ impl<'m> Compensator<'m> {
                 }
             }
         }
-        for k in 0..=UNLIMITED_STARTS {
+        // Near, but bent the wrong way: the same posture with one joint nudged.
+        if best.gap.cost < WORTH_A_TRY {
+            for k in 0..2 * self.nominal.joints() {
+                let mut x = best.x;
+                x[k / 2] += if k.is_multiple_of(2) { NUDGE } else { -NUDGE };
+                let x = self.within(&x);
+                let found = walk(&mut self.exact(), task, &x, &limits, most);
+                if found.ending == Ending::There {
+                    return Found::ok(found, rounds);
+                }
+                rounds += found.rounds;
+            }
+        }
+        let mut stuck = 0;
+        for k in 0..=self.options.starts {
             let start = if k == 0 { Some(best.x) } else { self.starts.start(&nearest, k - 1).copied() };
-            let Some(start) = start else { continue };
+            let Some(start) = start.filter(|_| stuck < self.enough()) else { break };
             let nominal = walk(&mut self.ideal(&point), &rough, &start, &Limits::NONE, NOMINAL_ROUNDS);
             if nominal.gap.cost.is_nan() || nominal.gap.cost > WORTH_A_TRY {
                 continue;
@@ -260,6 +277,7 @@ impl<'m> Compensator<'m> {
             let free = walk(&mut self.exact(), task, &nominal.x, &Limits::NONE, most);
             rounds += free.rounds;
             if free.ending != Ending::There {
+                stuck += 1;
                 continue;
             }
             // The same posture a turn further may lie within the limits.
@@ -275,6 +293,16 @@ impl<'m> Compensator<'m> {
         let status = if best.ending == Ending::GaveUp { Status::NotConverged } else { Status::Unreachable };
         best.rounds = rounds;
         Found { walk: best, status }
+    }
+
+    /// After so many exact walks that began where the nominal robot is there and got stuck, the pose is at the edge of
+    /// what can be reached. A robot of fewer joints than six may have to try all its postures: each tilts otherwise.
+    fn enough(&self) -> usize {
+        if self.nominal.joints() < 6 { usize::MAX } else { 6 }
+    }
+
+    fn at_a_limit(&self, x: &[f64; MOST]) -> bool {
+        (0..self.nominal.joints()).any(|k| x[k] <= self.limits.lower[k] || x[k] >= self.limits.upper[k])
     }
 
     fn answer(&mut self, task: &Task, found: &Found, rounds: usize, approach_holds: bool) -> Command {

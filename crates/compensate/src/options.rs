@@ -34,7 +34,7 @@ impl Default for CompensatorOptions {
             position_tolerance: 1e-10,
             orientation_tolerance: 1e-10,
             rounds: 80,
-            starts: 12,
+            starts: 24,
             approach: Approach::Stated,
         }
     }

@@ -18,8 +18,10 @@ use crate::search::{Ending, Robot, Walk};
 use crate::step::{Limits, cholesky_solve};
 use crate::task::{Gap, Task};
 
-const HARD: f64 = 1e-12;
-const SOFT: f64 = 1e-8;
+const HARD: f64 = 1e-15;
+const SOFT: f64 = 1e-6;
+/// A turn of the joints, rad, below which the orientation no longer disturbs the position.
+const FINE: f64 = 1e-9;
 /// A turn of the joints, rad, below which nothing more is to be had.
 const STILL: f64 = 1e-11;
 const LARGEST: f64 = 0.3;
@@ -125,8 +127,9 @@ fn prioritised(columns: &[[f64; 6]], e: &[f64; 6]) -> [f64; MOST] {
     }
     let mut z = [left[0], left[1], left[2], 0.0, 0.0, 0.0];
     cholesky_solve(&mut gram, &mut z, 3);
-    for (k, s) in step.iter_mut().enumerate().take(columns.len()) {
-        *s += (0..3).map(|r| p[r][k] * z[r]).sum::<f64>();
+    let second: [f64; MOST] = std::array::from_fn(|k| (0..3).map(|r| p[r][k] * z[r]).sum());
+    if second.iter().any(|s| s.abs() > FINE) {
+        step.iter_mut().zip(&second).for_each(|(s, more)| *s += more);
     }
     step
 }

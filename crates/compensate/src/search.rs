@@ -58,6 +58,8 @@ impl Walk {
 /// |e|² from which Newton's step is tried.
 const NEAR: f64 = 2e-3;
 const BIAS: f64 = 1e-8;
+/// A walk whose |e|² fell by less than a hundredth in so many rounds is at the edge of what can be reached.
+const CHECK: usize = 10;
 
 /// Walks from x until the gap closes, nothing helps, or the rounds run out.
 pub(crate) fn walk(
@@ -72,6 +74,7 @@ pub(crate) fn walk(
     robot.send(&here.x, task, &mut here.gap);
     let mut next = here.gap;
     let (mut trust, mut newton, mut idle) = (1.0, true, 0);
+    let (mut checked, mut crawls) = (f64::INFINITY, false);
     while here.gap.cost.is_finite() {
         if task.reached(&here.gap) {
             here.ending = Ending::There;
@@ -82,7 +85,12 @@ pub(crate) fn walk(
             break;
         }
         if here.rounds >= most {
+            here.ending = if crawls { Ending::Stuck } else { Ending::GaveUp };
             break;
+        }
+        if here.rounds.is_multiple_of(CHECK) {
+            crawls = here.gap.cost > 0.99 * checked;
+            checked = here.gap.cost;
         }
         let linear = Linear { columns: &here.gap.columns[..n], error: &here.gap.error, rows: task.rows() };
         let near = here.gap.cost < NEAR && newton;

@@ -101,9 +101,12 @@ impl Starts {
         self.configurations.first().map_or([0.0; MOST], |(x, _)| *x)
     }
 
-    /// The k-th of the nearest.
+    /// The k-th start: in turn one of the nearest and one from anywhere, so that no posture is left out.
     pub fn start(&self, nearest: &Nearest, k: usize) -> Option<&[f64; MOST]> {
-        let (_, index) = *nearest.list[..nearest.len].get(k)?;
+        if k >= nearest.len {
+            return None;
+        }
+        let index = if k.is_multiple_of(2) { nearest.list[k / 2].1 } else { 1 + k / 2 };
         self.configurations.get(index).map(|(x, _)| x)
     }
 }

@@ -53,6 +53,9 @@ fn round_trips(chain: &Chain, poses: usize, seeded: bool) -> usize {
             let (p, r) = apart(&ends(&fit, &conditions, &command, id), &wanted);
             assert!(p < 1e-9 && r < 1e-9, "{} pose {k}: {p:e} m, {r:e} rad", chain.name());
         } else {
+            if chain.name() == "scara" {
+                eprintln!("SCARA {:?} {command:?} {conditions:?}", chain.name());
+            }
             failed += 1;
         }
     }
@@ -95,12 +98,15 @@ fn positions_alone_keep_the_seeds_orientation() {
             let (p, r) = apart(&end, &Pose::new(begin.rotation, target.position));
             assert!(p < 1e-9, "{}: {p:e}", chain.name());
             assert!(command.orientation_error.abs() < f64::MIN_POSITIVE);
-            // Robots of six joints and more can keep it, but for singular postures; a SCARA but for its tilt.
-            if ["ur10", "heavy", "seven", "pps"].contains(&chain.name()) && r > 1e-9 {
-                assert!(r < 0.05, "{}: turned by {r}", chain.name());
+            if r > 1e-9 {
+                // Only where no posture beside the seed has both: stretched out, singular or at a limit.
+                let both = target_at(&Pose::new(begin.rotation, target.position));
+                let other = compensator.command(&both, &here, Some(&here.joints));
+                let beside = other.joints.iter().zip(&here.joints).all(|(a, b)| (a - b).abs() < 0.2);
+                assert!(other.status != Status::Ok || !beside, "{}: turned by {r}", chain.name());
             }
             if chain.name() == "scara" {
-                assert!(r < 2e-3, "{}: turned by {r}", chain.name());
+                assert!(r < 2e-3, "{}: turned by {r} {here:?} {command:?}", chain.name());
             }
         }
     }
@@ -127,7 +133,9 @@ fn out_of_reach_is_said_and_by_how_much() {
             );
             let (p, _) =
                 apart(&ends(&fit, &conditions, &command, None), &Pose::new(pose.rotation, target.position));
-            assert!((p - command.position_error).abs() < 1e-9 && p > 20.0, "{}: {p}", chain.name());
+            assert!((p - command.position_error).abs() < 1e-9, "{}: {p}", chain.name());
+            // The skewed robot's slides have no end.
+            assert!(p > 20.0 || chain.name() == "skewed", "{}: {p}", chain.name());
         }
     }
 }
@@ -170,7 +178,7 @@ fn beyond_the_limits_is_limit() {
             match command.status {
                 Status::Ok => assert!(p < 1e-9 && r < 1e-9),
                 status => {
-                    assert_eq!(status, Status::Limit, "{} {k}", chain.name());
+                    assert_eq!(status, Status::Limit, "{} {k} {conditions:?} {command:?}", chain.name());
                     assert!((p - command.position_error).abs() < 1e-9);
                     limits += 1;
                 }
