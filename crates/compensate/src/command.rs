@@ -20,6 +20,13 @@ impl Values {
     pub fn zeros(len: usize) -> Self {
         Values { numbers: [0.0; MOST], len: len.min(MOST) }
     }
+
+    /// The first [`MOST`] of these.
+    pub fn of(values: &[f64]) -> Self {
+        let mut made = Values::zeros(values.len());
+        made.iter_mut().zip(values).for_each(|(to, from)| *to = *from);
+        made
+    }
 }
 
 impl Deref for Values {

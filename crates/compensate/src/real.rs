@@ -123,11 +123,6 @@ impl<'m> RealArm<'m> {
         })
     }
 
-    /// All generalized errors at the conditions reached last, in the order of `Chain::site_index`.
-    pub fn errors(&self) -> &[f64] {
-        &self.errors
-    }
-
     fn emit(&mut self, conditions: &Conditions) {
         let posture = self.posture.update(self.fitted.chain(), conditions);
         self.emission.clear();
