@@ -2,6 +2,8 @@
 //! on the wall, and on a busy machine the slowest of them are the scheduler's.
 //! An elastic 6R arm, random poses, from the nominal solution.
 
+#![allow(clippy::print_stdout)] // it is what a benchmark is for
+
 use std::hint::black_box;
 use std::time::Instant;
 use truepose_compensate::{Compensator, CompensatorOptions, Status};

@@ -13,6 +13,9 @@
 //!
 //! Source: Nakamura, Hanafusa and Yoshikawa 1987 (task priority). A joint at its limit that would leave it stands still.
 
+// Indices name rows and columns of the equations above.
+#![allow(clippy::needless_range_loop)]
+
 use crate::command::MOST;
 use crate::search::{Ending, Robot, Walk};
 use crate::step::{Limits, cholesky_solve};

@@ -53,9 +53,6 @@ fn round_trips(chain: &Chain, poses: usize, seeded: bool) -> usize {
             let (p, r) = apart(&ends(&fit, &conditions, &command, id), &wanted);
             assert!(p < 1e-9 && r < 1e-9, "{} pose {k}: {p:e} m, {r:e} rad", chain.name());
         } else {
-            if chain.name() == "scara" {
-                eprintln!("SCARA {:?} {command:?} {conditions:?}", chain.name());
-            }
             failed += 1;
         }
     }
@@ -106,7 +103,7 @@ fn positions_alone_keep_the_seeds_orientation() {
                 assert!(other.status != Status::Ok || !beside, "{}: turned by {r}", chain.name());
             }
             if chain.name() == "scara" {
-                assert!(r < 2e-3, "{}: turned by {r} {here:?} {command:?}", chain.name());
+                assert!(r < 2e-3, "{}: turned by {r}", chain.name());
             }
         }
     }
@@ -178,7 +175,7 @@ fn beyond_the_limits_is_limit() {
             match command.status {
                 Status::Ok => assert!(p < 1e-9 && r < 1e-9),
                 status => {
-                    assert_eq!(status, Status::Limit, "{} {k} {conditions:?} {command:?}", chain.name());
+                    assert_eq!(status, Status::Limit, "{} {k}", chain.name());
                     assert!((p - command.position_error).abs() < 1e-9);
                     limits += 1;
                 }

@@ -216,7 +216,7 @@ fn link_to(
         AxisLink::Hayati { a, .. } => [("a", a), ("a", a)],
     };
     for (what, value_m) in lengths {
-        if !(value_m.abs() <= allow.absurd * size) {
+        if value_m.is_nan() || value_m.abs() > allow.absurd * size {
             return Err(CompensateError::AbsurdLength {
                 joint: first.to_owned(),
                 what,

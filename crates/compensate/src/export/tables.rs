@@ -127,10 +127,9 @@ pub fn error_tables(
     if let Some(error) = broken {
         return Err(error);
     }
-    let reads_signals = |effect: &&Box<dyn truepose_errormodel::AnyEffect>| !effect.needs().is_empty();
     let mut left_out: Vec<&'static str> = Vec::new();
-    for effect in fitted.model().effects().iter().filter(reads_signals) {
-        if !left_out.contains(&effect.kind()) {
+    for effect in fitted.model().effects() {
+        if !effect.needs().is_empty() && !left_out.contains(&effect.kind()) {
             left_out.push(effect.kind());
         }
     }

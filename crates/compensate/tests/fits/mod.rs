@@ -1,5 +1,8 @@
 //! Fitted models to compensate: the sample robots with errors as large as real ones.
 
+// Every test binary takes what it needs.
+#![allow(dead_code)]
+
 use truepose_compensate::Target;
 use truepose_errormodel::effects::{Basis, Expansion, Factor, Geometric, Input, JointCompliance, Place};
 use truepose_errormodel::{AnyEffect, Column, ErrorModel, FittedModel};
@@ -47,13 +50,11 @@ pub fn fitted(chain: &Chain, seed: u64) -> FittedModel {
 }
 
 /// Constant errors and joints that yield: what the benchmark has.
-#[allow(dead_code)]
 pub fn elastic(chain: &Chain, seed: u64) -> FittedModel {
     of(chain, vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())], seed)
 }
 
 /// The first joint that turns has play: half of it to either side of its approach.
-#[allow(dead_code)]
 pub fn with_play(chain: &Chain, joint: JointId, half: f64) -> FittedModel {
     let factors = vec![Factor { of: Input::Approach(joint), basis: Basis::Powers(vec![1]) }];
     let effect = Expansion { at: Place::Motion { joint }, factors };
@@ -81,7 +82,6 @@ pub fn of(chain: &Chain, effects: Vec<Box<dyn AnyEffect>>, seed: u64) -> FittedM
 }
 
 /// The paper's heavier load, for arms that can carry it.
-#[allow(dead_code)]
 pub fn load(chain: &Chain) -> Load {
     let mass = match chain.name() {
         "heavy" => 90.0,
@@ -92,13 +92,11 @@ pub fn load(chain: &Chain) -> Load {
 }
 
 /// The pose where the real robot is under these conditions, as a target.
-#[allow(dead_code)]
 pub fn target_at(pose: &Pose) -> Target {
     Target::at(pose.translation).turned(pose.rotation)
 }
 
 /// The nominal joints, each up to so much (rad or m) away.
-#[allow(dead_code)]
 pub fn beside(conditions: &Conditions, away: f64, draw: &mut Draw) -> Vec<f64> {
     conditions.joints.iter().map(|q| q + away * draw.next()).collect()
 }
