@@ -1,2 +1,42 @@
-//! The program `truepose`.
-fn main() {}
+//! The program `truepose`: parse, one library call, print. Results go to stdout, the log to stderr.
+//!
+//! Exit codes: 0 done, 1 a criterion that was asked for is not met, 2 the input or the usage is wrong.
+
+mod args;
+mod failure;
+mod progress;
+mod terminal;
+mod verbs;
+
+use args::{Args, Verb};
+use clap::Parser;
+use failure::Failure;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let threads =
+        rayon::ThreadPoolBuilder::new().num_threads(args.threads.map_or(0, usize::from)).build_global();
+    if let Err(error) = threads {
+        terminal::log(&format!("error: {error}"));
+        return ExitCode::from(2);
+    }
+    let done = match &args.verb {
+        Verb::Identify(verb) => verbs::identify::run(verb),
+        Verb::Predict(verb) => verbs::predict::run(verb),
+        Verb::Compare(verb) => verbs::compare::run(verb),
+        Verb::Check(verb) => verbs::check::run(verb),
+        Verb::Effects(verb) => verbs::effects::run(verb),
+        Verb::Simulate(verb) => verbs::simulate::run(verb),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            terminal::log(&failure.to_string());
+            ExitCode::from(match failure {
+                Failure::Criterion(_) => 1,
+                Failure::Input(_) => 2,
+            })
+        }
+    }
+}

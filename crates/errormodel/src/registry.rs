@@ -1,6 +1,9 @@
 //! From the word in a file to the effect that it names.
 
-use crate::effects::{Expansion, Geometric, JointCompliance};
+use crate::effects::{
+    Backlash, BaseCompliance, Coupling, Drift, Expansion, Geometric, Guideway, JointCompliance,
+    LinkCompliance, LoadNonlinearity, Polynomial, Shift, Thermal, Transmission,
+};
 use crate::{AnyEffect, Effect, ModelError};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -22,7 +25,21 @@ impl EffectRegistry {
 
     /// The effects of this crate.
     pub fn builtin() -> Self {
-        EffectRegistry::empty().with::<Geometric>().with::<JointCompliance>().with::<Expansion>()
+        EffectRegistry::empty()
+            .with::<Geometric>()
+            .with::<JointCompliance>()
+            .with::<LinkCompliance>()
+            .with::<BaseCompliance>()
+            .with::<LoadNonlinearity>()
+            .with::<Transmission>()
+            .with::<Backlash>()
+            .with::<Coupling>()
+            .with::<Guideway>()
+            .with::<Thermal>()
+            .with::<Drift>()
+            .with::<Shift>()
+            .with::<Expansion>()
+            .with::<Polynomial>()
     }
 
     /// With one more kind; one of the same tag is replaced.

@@ -49,15 +49,37 @@ pub fn check_effect<E: Effect>(effect: &E, chain: &Chain) {
     }
 }
 
-/// Emissions at three postures: unloaded, loaded, and with every signal that it asks for.
-fn emissions<E: Effect>(effect: &E, chain: &Chain) -> Vec<Vec<Entry>> {
+/// What an effect emits under these conditions; channels stand in the order in which it asks for them.
+///
+/// # Panics
+/// When it makes no model on this robot.
+#[track_caller]
+pub fn emitted<E: Effect>(effect: &E, chain: &Chain, conditions: &Conditions) -> Vec<Entry> {
+    let model = model(effect, chain);
+    let schema = everything(effect);
+    let bound = model.bind(&schema).unwrap_or_else(|error| panic!("cannot be bound: {error}"));
+    let mut out = Emission::new();
+    bound.emit(&PostureBuffer::new(chain).update(chain, conditions), &mut out);
+    out.entries().to_vec()
+}
+
+fn model<E: Effect>(effect: &E, chain: &Chain) -> ErrorModel {
+    ErrorModel::new(chain.clone(), vec![Box::new(effect.clone())])
+        .unwrap_or_else(|error| panic!("makes no model: {error}"))
+}
+
+/// A schema with every signal that the effect asks for.
+fn everything<E: Effect>(effect: &E) -> Schema {
     let needed = Effect::needs(effect).into_iter().filter_map(|signal| match signal {
         crate::Signal::Channel(name) => Some(Channel { name, unit: "1".into(), temperature: false }),
         _ => None,
     });
-    let schema = Schema { channels: needed.collect(), time: true, load: true, approach: true };
-    let model = ErrorModel::new(chain.clone(), vec![Box::new(effect.clone())])
-        .unwrap_or_else(|error| panic!("makes no model: {error}"));
+    Schema { channels: needed.collect(), time: true, load: true, approach: true }
+}
+
+/// Emissions at three postures: unloaded, loaded, and with every signal that it asks for.
+fn emissions<E: Effect>(effect: &E, chain: &Chain) -> Vec<Vec<Entry>> {
+    let (model, schema) = (model(effect, chain), everything(effect));
     let bound = model.bind(&schema).unwrap_or_else(|error| panic!("cannot be bound: {error}"));
     let mut buffer = PostureBuffer::new(chain);
     let mut out = Emission::new();

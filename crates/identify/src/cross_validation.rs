@@ -73,7 +73,7 @@ pub fn cross_validate(
         Method::Refit => members.par_iter().map(|out| work.again(out)).collect::<Result<_, _>>()?,
         _ => members.par_iter().map(|out| work.block(out)).collect::<Result<_, _>>()?,
     };
-    let parts: Vec<Vec<(usize, Vector3<f64>, Option<Vector3<f64>>)>> = members
+    let parts: Vec<Vec<HeldOutRow>> = members
         .par_iter()
         .zip(&steps)
         .map(|(out, step)| work.held_out(out, &step.change))
@@ -102,6 +102,9 @@ fn by_fold(folds: &Folds) -> Vec<Vec<usize>> {
     }
     members
 }
+
+/// A row with the residuals of its position and orientation.
+type HeldOutRow = (usize, Vector3<f64>, Option<Vector3<f64>>);
 
 /// What leaving a fold out does to the coefficients of the model.
 struct Step {
@@ -140,7 +143,7 @@ impl Work<'_> {
             let mut others = before.clone();
             others.merge(&after[parts.len() - 1 - fold])?;
             before.merge(part)?;
-            let factor = self.with_prior(&others.finish().restricted(&self.fit.reduction.kept)?)?;
+            let factor = self.with_prior(&others.finish().select(&self.fit.reduction.kept))?;
             match triangle_solve(&factor) {
                 Some(change) => steps.push(Step { change: self.expand(&change), refitted: false }),
                 None => steps.push(self.again(&members[fold])?),
@@ -201,12 +204,7 @@ impl Work<'_> {
     }
 
     /// Residuals of these visits when the coefficients change: r − A δ, in metres and radians.
-    #[expect(clippy::type_complexity, reason = "a row, its position and its orientation")]
-    fn held_out(
-        &self,
-        visits: &[usize],
-        change: &[f64],
-    ) -> Result<Vec<(usize, Vector3<f64>, Option<Vector3<f64>>)>, IdentifyError> {
+    fn held_out(&self, visits: &[usize], change: &[f64]) -> Result<Vec<HeldOutRow>, IdentifyError> {
         let mut lineariser = self.lineariser()?;
         let width = lineariser.width();
         let mut residuals = Vec::new();

@@ -1,25 +1,35 @@
-//! Identification.
+#![doc = include_str!("../README.md")]
 
+mod comparison;
 mod cross_validation;
 mod error;
+mod excitation;
 mod fit;
 mod folds;
+mod identification;
 mod linearise;
 mod noise;
+mod observability;
 mod placement;
 mod prior;
 pub mod reduction;
+mod repeats;
 mod residuals;
 mod variance;
 
+pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
+pub use excitation::{Advice, excitation};
 pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
+pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
 pub use linearise::{Block, Lineariser, Rows, accumulate, collect, factorise};
 pub use noise::NoiseModel;
+pub use observability::{Observability, observability};
 pub use placement::{Placement, Undetermined, place};
 pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
+pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
 pub use variance::estimate_noise;

@@ -23,5 +23,6 @@ pub use model::read_model;
 pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
 pub use predictions::write_predictions;
 pub use robot::{RobotOptions, read_robot, robot_toml};
+pub use text::read_text;
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, check_writable, make_folder, write_whole};

@@ -15,6 +15,14 @@ pub(crate) struct Text {
     pub text: String,
 }
 
+/// Reads a UTF-8 text file of moderate size, without a byte order mark.
+///
+/// # Errors
+/// When the file cannot be read, is very large, or is not UTF-8.
+pub fn read_text(path: impl AsRef<Path>) -> Result<String, IoError> {
+    Ok(Text::read(path.as_ref())?.text)
+}
+
 impl Text {
     /// Reads a UTF-8 file; a byte order mark at its front is dropped.
     pub fn read(path: &Path) -> Result<Text, IoError> {

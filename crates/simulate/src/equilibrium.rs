@@ -106,24 +106,21 @@ impl Assembly {
             play: vec![0.0; n],
             beams: vec![[0.0; 6]; n],
         };
-        let mut change = f64::INFINITY;
-        for _ in 0..MOST_ITERATIONS {
+        let mut iterations = 0;
+        loop {
             let shape = self.outward(truth, conditions, &moved, &now);
             let (next, loads) = self.inward(truth, conditions, &shape);
-            change = now.farthest(&next);
-            if change <= STILL {
+            let change_m = now.farthest(&next);
+            if change_m <= STILL {
                 return Ok(AtRest { tool: shape.tool, loads });
             }
             now = next;
-            if !change.is_finite() || change > 1e3 {
-                break;
+            iterations += 1;
+            // A change of a thousand metres, or one that is no number, comes to no rest.
+            if iterations == MOST_ITERATIONS || change_m.is_nan() || change_m > 1e3 {
+                return Err(SimulateError::NoEquilibrium { robot: self.name.clone(), iterations, change_m });
             }
         }
-        Err(SimulateError::NoEquilibrium {
-            robot: self.name.clone(),
-            iterations: MOST_ITERATIONS,
-            change_m: change,
-        })
     }
 
     fn value(&self, conditions: &Conditions, place: usize) -> f64 {

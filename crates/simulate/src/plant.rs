@@ -128,6 +128,9 @@ mod tests {
     fn a_truth_of_another_robot_is_refused() {
         let truth = Truth::of(&samples::scara());
         assert!(matches!(Plant::new(&samples::ur10(), truth), Err(SimulateError::Shape { .. })));
+        let mut truth = Truth::of(&samples::scara());
+        truth.frames[2][4] = f64::NAN;
+        assert!(matches!(Plant::new(&samples::scara(), truth), Err(SimulateError::Size { .. })));
     }
 
     #[test]

@@ -63,10 +63,10 @@ impl Truth {
         }
     }
 
-    /// The same truth, if it has the size of this robot.
+    /// Checks that it has the size of this robot, and that constant errors and weights are finite.
     ///
     /// # Errors
-    /// [`SimulateError::Shape`] names the list that has not.
+    /// [`SimulateError::Shape`] names the list that has not, [`SimulateError::Size`] the number that is not.
     pub fn fits(&self, chain: &Chain) -> Result<(), SimulateError> {
         let n = chain.joints().len();
         let lists = [
@@ -74,8 +74,17 @@ impl Truth {
             ("displaced targets", self.targets.len(), chain.targets().len()),
             ("joints with errors", self.joints.len(), n),
         ];
-        match lists.into_iter().find(|(_, have, need)| have != need) {
-            Some((what, have, need)) => Err(SimulateError::Shape { what, have, need }),
+        if let Some((what, have, need)) = lists.into_iter().find(|(_, have, need)| have != need) {
+            return Err(SimulateError::Shape { what, have, need });
+        }
+        let links = self.joints.iter().filter_map(|joint| joint.link.as_ref());
+        let numbers = (self.frames.iter().flatten().copied())
+            .chain(self.targets.iter().flat_map(|off| off.iter().copied()))
+            .chain(links.flat_map(|link| [link.mass, link.com.x, link.com.y, link.com.z]));
+        match numbers.into_iter().find(|number| !number.is_finite()) {
+            Some(value) => {
+                Err(SimulateError::Size { what: "a constant error or a weight", value, need: "finite" })
+            }
             None => Ok(()),
         }
     }

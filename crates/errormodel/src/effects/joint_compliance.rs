@@ -3,7 +3,7 @@
 //! `δq_j = c_j τ_j`, τ_j the load that the weights exert about joint j's axis, N·m (along it, N, for a slide);
 //! c_j > 0 in rad/(N·m) or m/N.
 
-use super::joint_moves;
+use super::{joint_moves, listed_once};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -55,14 +55,10 @@ impl Effect for JointCompliance {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        for (k, &joint) in self.joints.iter().flatten().enumerate() {
+        for &joint in self.joints.iter().flatten() {
             joint_moves(Self::KIND, joint, chain)?;
-            if self.joints.iter().flatten().take(k).any(|&other| other == joint) {
-                let reason = format!("joint `{}` stands twice in `joints`", chain.joint(joint).name);
-                return Err(ModelError::Parameters { kind: Self::KIND.into(), reason });
-            }
         }
-        Ok(())
+        listed_once(Self::KIND, self.joints.as_deref().unwrap_or_default(), chain)
     }
 }
 

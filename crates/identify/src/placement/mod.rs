@@ -169,8 +169,8 @@ mod tests {
             let tool = chain.forward(&joints);
             let p = target.map_or(tool.translation, |t| tool.apply(&chain.targets()[t.0].position));
             let jitter = Vector3::from_fn(|_, _| sd * rng.random_range(-1.7..1.7));
-            for k in 0..n {
-                data.joints[k].push(joints[k]);
+            for (k, &q) in joints.iter().enumerate() {
+                data.joints[k].push(q);
                 data.approach[k].push(0.0);
             }
             data.position.push((p + jitter).into());

@@ -140,7 +140,7 @@ pub fn reduce(
     let mut dropped = relations(&structural.basis, &order, &scales, Cause::Structural);
 
     let left: Vec<usize> = (0..scales.len()).filter(|c| dropped.iter().all(|d| d.column != *c)).collect();
-    let inner = factor.restricted(&left)?;
+    let inner = factor.select(&left);
     let inner_scales: Vec<f64> = left.iter().map(|&c| scales[c]).collect();
     let unexcited = inner.null_space(ColumnScale::Given(&inner_scales), rule)?;
     let mut reduction = Reduction {

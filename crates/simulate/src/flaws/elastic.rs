@@ -62,7 +62,7 @@ pub struct BaseCompliance {
 
 impl Install for JointCompliance {
     fn install(&self, draft: &mut Draft<'_>, rng: &mut ChaCha8Rng) -> Result<(), SimulateError> {
-        let joint = draft.joint(&self.joint)?;
+        let joint = draft.moving(&self.joint, "a joint's compliance")?;
         let mut spring = |given: Option<f64>| match given {
             Some(value) => draft.stiffness(value, rng),
             None => Ok(f64::INFINITY),

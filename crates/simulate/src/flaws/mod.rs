@@ -155,6 +155,15 @@ impl Draft<'_> {
         })
     }
 
+    /// The joint of this name, which has to move.
+    pub fn moving(&self, name: &str, what: &'static str) -> Result<JointId, SimulateError> {
+        let id = self.joint(name)?;
+        if self.chain.joint(id).moves() {
+            return Ok(id);
+        }
+        Err(SimulateError::JointKind { what, joint: name.into(), have: "fixed", need: "moving" })
+    }
+
     /// The joint of this name, which has to be a turn or a slide.
     pub fn joint_of(
         &self,
@@ -268,5 +277,9 @@ mod tests {
             let error = wrong.on(&chain, &shop, 1).expect_err("a refusal").to_string();
             assert!(error.contains('`'), "{error}");
         }
+        let flange = JointCompliance { joint: "flange".into(), stiffness: Some(1e5), ..Default::default() };
+        let on_a_fixed_joint = Flaws { joint_compliance: vec![flange], ..Flaws::default() };
+        let refused = on_a_fixed_joint.on(&samples::skewed(), &shop, 1);
+        assert!(matches!(refused, Err(SimulateError::JointKind { have: "fixed", .. })));
     }
 }

@@ -174,7 +174,8 @@ impl Install for Backlash {
 
 impl Install for Dragging {
     fn install(&self, draft: &mut Draft<'_>, rng: &mut ChaCha8Rng) -> Result<(), SimulateError> {
-        let (joint, driver) = (draft.joint(&self.joint)?, draft.joint(&self.driver)?);
+        let joint = draft.moving(&self.joint, "a coupling")?;
+        let driver = draft.moving(&self.driver, "a coupling")?;
         draft.truth.joints[joint.index()].couplings.push(Coupling {
             driver: driver.index(),
             ratio: 1e-3 * self.ratio_milli,

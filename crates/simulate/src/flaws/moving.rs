@@ -76,7 +76,9 @@ impl Install for Thermal {
                 let slide = draft.joint_of(&self.at, JointKind::Prismatic, "growth of a scale")?;
                 Mover::Scale(slide.index(), micro)
             }
-            Growing::Motion => Mover::Joint(draft.joint(&self.at)?.index(), micro),
+            Growing::Motion => {
+                Mover::Joint(draft.moving(&self.at, "growth of a joint's motion")?.index(), micro)
+            }
             Growing::Frame => place(draft, &self.at, (micro, micro), rng)?,
         };
         let amount = Amount::Curve(draft.shop.body(self.lag_s)?);
@@ -118,7 +120,7 @@ fn place(
         "base" => Ok(Mover::Base(six)),
         "tool" => Ok(Mover::Tool(six)),
         name => {
-            let id = draft.joint(name)?;
+            let id = draft.moving(name, "a change of a joint's motion")?;
             let turn = draft.chain.joint(id).kind == JointKind::Revolute;
             Ok(Mover::Joint(id.index(), if turn { angle } else { length }))
         }

@@ -8,6 +8,7 @@ mod bytes;
 mod directions;
 mod factor;
 mod gram;
+mod solve;
 mod triangular;
 
 pub use directions::Directions;

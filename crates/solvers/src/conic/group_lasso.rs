@@ -13,6 +13,7 @@
 //! (λ√|G| / ‖v_G‖)(I − v̂ v̂ᵀ) of a norm is a square, so each step is a least-squares problem and is solved by QR.
 
 use super::core::{Core, Inner};
+use super::newton::newton;
 use super::penalised::{Penalty, Strength, path, solve};
 use super::program::Program;
 use super::shifted::shifted;
@@ -104,9 +105,10 @@ impl Penalty for Norms {
             }
         }
         let measure = |u: &DVector<f64>| violation(core, omega, &groups, lambda, u);
-        let polished = newton(core, omega, &groups, lambda, &interior, &measure);
-        let v = measure(&interior);
-        Inner::best((interior, v), polished, ended.status, ended.iterations)
+        let polished = Active { core, omega, groups: &groups, lambda }.polish(interior.clone());
+        let after = measure(&polished);
+        let before = measure(&interior);
+        Inner::best((interior, before), Some((polished, after)), ended.status, ended.iterations)
     }
 }
 
@@ -127,52 +129,149 @@ fn violation(core: &Core, omega: &[f64], groups: &[(Vec<usize>, f64)], lambda: f
     })
 }
 
-/// Newton's method on the groups that are not zero; the best iterate with its violation.
-fn newton(
-    core: &Core,
-    omega: &[f64],
-    groups: &[(Vec<usize>, f64)],
+/// The groups that are not zero, and what moves in and out of them.
+struct Active<'a> {
+    core: &'a Core,
+    omega: &'a [f64],
+    groups: &'a [(Vec<usize>, f64)],
     lambda: f64,
-    start: &DVector<f64>,
-    measure: &dyn Fn(&DVector<f64>) -> f64,
-) -> Option<(DVector<f64>, f64)> {
-    let mut best = (start.clone(), measure(start));
-    for _ in 0..25 {
-        let u = &best.0;
+}
+
+impl Active<'_> {
+    fn size(&self, group: &[usize], u: &DVector<f64>) -> f64 {
+        length(group, |k| u[k] * self.omega[k])
+    }
+
+    /// Newton's method on what is in; then the group that wants in most comes in, and one that may go goes.
+    fn polish(&self, start: DVector<f64>) -> DVector<f64> {
+        let mut u = start;
+        for _ in 0..3 * self.groups.len() + 10 {
+            u = newton(u, |u| self.pull(u), |u| self.direction(u));
+            if !self.release(&mut u) && !self.cross(&mut u) && !self.admit(&mut u) {
+                break;
+            }
+        }
+        u
+    }
+
+    /// Size of the gradient over the groups that are in.
+    fn pull(&self, u: &DVector<f64>) -> f64 {
+        let g = self.core.gradient(u);
+        let of = |(group, root): &(Vec<usize>, f64)| {
+            let size = self.size(group, u);
+            let along = |k: usize| g[k] / self.omega[k] + self.lambda * root * u[k] * self.omega[k] / size;
+            if size > 0.0 { length(group, along) } else { 0.0 }
+        };
+        crate::dense::norm(&self.groups.iter().map(of).collect::<Vec<_>>())
+    }
+
+    /// Sets to zero a group that is small and optimal at zero.
+    fn release(&self, u: &mut DVector<f64>) -> bool {
+        const SMALL: f64 = 1e-5;
+        for (group, root) in self.groups {
+            let size = self.size(group, u);
+            if size == 0.0 || size > SMALL {
+                continue;
+            }
+            let mut without = u.clone();
+            group.iter().for_each(|k| without[*k] = 0.0);
+            let g = self.core.gradient(&without);
+            if length(group, |k| g[k] / self.omega[k]) <= self.lambda * root {
+                *u = without;
+                return true;
+            }
+        }
+        false
+    }
+
+    /// ½ ‖M u − z‖² + λ Σ √|G| ‖v_G‖.
+    fn objective(&self, u: &DVector<f64>) -> f64 {
+        let penalty: f64 = self.groups.iter().map(|(group, root)| root * self.size(group, u)).sum();
+        0.5 * (&self.core.m * u - &self.core.z).norm_squared() + self.lambda * penalty
+    }
+
+    /// Where Newton would carry a group through zero, which it does when columns of two groups are nearly the same: goes
+    /// that far, and sets the group to zero.
+    fn cross(&self, u: &mut DVector<f64>) -> bool {
+        const SETTLED: f64 = 1e-13;
+        if self.pull(u) <= SETTLED {
+            return false;
+        }
+        let Some(d) = self.direction(u) else { return false };
+        let reach = |(group, _): &(Vec<usize>, f64)| {
+            let (mut against, mut square) = (0.0, 0.0);
+            for &k in group {
+                against -= u[k] * d[k] * self.omega[k].powi(2);
+                square += (d[k] * self.omega[k]).powi(2);
+            }
+            (self.size(group, u) > 0.0 && against > 0.0).then(|| against / square).filter(|t| *t <= 1.0)
+        };
+        let first =
+            self.groups.iter().filter_map(|g| reach(g).map(|t| (t, g))).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((t, (group, _))) = first else { return false };
+        let mut moved = &*u + d * t;
+        group.iter().for_each(|k| moved[*k] = 0.0);
+        let better = self.objective(&moved) <= self.objective(u) * (1.0 + 1e-14);
+        if better {
+            *u = moved;
+        }
+        better
+    }
+
+    /// Lets the group in that is furthest from being optimal at zero, at the best length along its gradient.
+    fn admit(&self, u: &mut DVector<f64>) -> bool {
+        const SETTLED: f64 = 1e-13;
+        let g = self.core.gradient(u);
+        let over = |(group, root): &(Vec<usize>, f64)| {
+            if self.size(group, u) > 0.0 {
+                return 0.0;
+            }
+            length(group, |k| g[k] / self.omega[k]) - self.lambda * root
+        };
+        let worst = self.groups.iter().max_by(|a, b| over(a).total_cmp(&over(b)));
+        let Some((group, root)) = worst.filter(|w| over(w) > SETTLED) else { return false };
+        let mut d = DVector::zeros(u.len());
+        group.iter().for_each(|k| d[*k] = -g[*k] / self.omega[*k].powi(2));
+        let slope = length(group, |k| g[k] / self.omega[k]);
+        let curvature = (&self.core.m * &d).norm_squared();
+        let step = slope * (slope - self.lambda * root) / curvature;
+        if step.is_finite() {
+            *u += d * step;
+        }
+        step.is_finite()
+    }
+
+    /// −H⁻¹ ∇f over the groups that are in, by QR of [M; √stiff (I − v̂ v̂ᵀ) ω].
+    fn direction(&self, u: &DVector<f64>) -> Option<DVector<f64>> {
         let kept: Vec<usize> = (0..u.len()).filter(|k| u[*k] != 0.0).collect();
         let place = |k: usize| kept.iter().position(|j| *j == k);
-        let rows = core.m.nrows();
+        let rows = self.core.m.nrows();
         let mut m = DMatrix::zeros(rows + kept.len(), kept.len());
-        m.view_mut((0, 0), (rows, kept.len())).copy_from(&core.m.select_columns(&kept));
+        m.view_mut((0, 0), (rows, kept.len())).copy_from(&self.core.m.select_columns(&kept));
         let mut h = DVector::zeros(kept.len());
-        for (group, root) in groups {
-            let size = length(group, |k| u[k] * omega[k]);
+        for (group, root) in self.groups {
+            let size = self.size(group, u);
             if size == 0.0 {
                 continue;
             }
-            let stiff = (lambda * root / size).sqrt();
+            let v = |k: usize| u[k] * self.omega[k] / size;
+            let stiff = (self.lambda * root / size).sqrt();
             for &k in group {
                 let Some(row) = place(k) else { continue };
-                h[row] = lambda * root * omega[k] * u[k] * omega[k] / size;
+                h[row] = self.lambda * root * self.omega[k] * v(k);
                 for &l in group {
                     let Some(column) = place(l) else { continue };
                     let same = if k == l { 1.0 } else { 0.0 };
-                    let across = same - u[k] * omega[k] * u[l] * omega[l] / size.powi(2);
-                    m[(rows + row, column)] = stiff * across * omega[l];
+                    m[(rows + row, column)] = stiff * (same - v(k) * v(l)) * self.omega[l];
                 }
             }
         }
-        let z = (&core.z - &core.m * u).resize_vertically(rows + kept.len(), 0.0);
+        let z = (&self.core.z - &self.core.m * u).resize_vertically(rows + kept.len(), 0.0);
         let step = shifted(&m, &z, &h)?;
-        let mut next = u.clone();
-        kept.iter().zip(step.iter()).for_each(|(k, d)| next[*k] += d);
-        let reached = measure(&next);
-        if reached >= best.1 {
-            break;
-        }
-        best = (next, reached);
+        let mut d = DVector::zeros(u.len());
+        kept.iter().zip(step.iter()).for_each(|(k, s)| d[*k] = *s);
+        Some(d)
     }
-    Some(best)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 //! than [`Robust::huber`](crate::Robust); it has no start and no rounds, and the two check each other.
 
 use super::core::{Core, Inner};
+use super::newton::newton;
 use super::program::Program;
 use super::shifted::shifted;
 use crate::accumulator::Factor;
@@ -110,15 +111,19 @@ impl Visits {
         if size <= self.limit[k] { 1.0 } else { self.limit[k] / size }
     }
 
-    /// ‖Σ w A ᵀ r‖∞, columns of norm 1 and y of size 1.
-    fn violation(&self, u: &DVector<f64>) -> f64 {
+    /// Σ w Aᵀ r, columns of norm 1 and y of size 1.
+    fn gradient(&self, u: &DVector<f64>) -> DVector<f64> {
         let r = &self.m * u - &self.z;
         let mut pulled = r.clone();
         for (k, group) in self.groups.iter().enumerate() {
             let w = self.weight(k, &r);
             group.iter().for_each(|i| pulled[*i] = w * r[*i]);
         }
-        self.m.tr_mul(&pulled).iter().fold(0.0, |worst: f64, g| worst.max(g.abs()))
+        self.m.tr_mul(&pulled)
+    }
+
+    fn violation(&self, u: &DVector<f64>) -> f64 {
+        self.gradient(u).iter().fold(0.0, |worst: f64, g| worst.max(g.abs()))
     }
 
     fn solve(&self) -> Inner {
@@ -143,43 +148,34 @@ impl Visits {
         // Where no visit is outside, the plain fit is the answer; the interior point need not land on it.
         let plain = shifted(&self.m, &self.z, &DVector::zeros(p)).map(|u| (self.violation(&u), u));
         let start = match plain {
-            Some((violation, u)) if violation < before => (u, violation),
-            _ => (interior.clone(), before),
+            Some((violation, u)) if violation < before => u,
+            _ => interior.clone(),
         };
-        let polished = self.newton(start.0, start.1);
-        Inner::best((interior, before), polished, ended.status, ended.iterations)
+        let polished = newton(start, |u| self.gradient(u).norm(), |u| self.direction(u));
+        let after = self.violation(&polished);
+        Inner::best((interior, before), Some((polished, after)), ended.status, ended.iterations)
     }
 
-    /// Newton's method: rows inside as they are, rows outside with what curvature their norm has.
-    fn newton(&self, start: DVector<f64>, violation: f64) -> Option<(DVector<f64>, f64)> {
-        let mut best = (start, violation);
-        for _ in 0..25 {
-            let r = &self.m * &best.0 - &self.z;
-            let mut m = self.m.clone();
-            let mut z = -&r;
-            let mut h = DVector::zeros(self.m.ncols());
-            for (k, group) in self.groups.iter().enumerate() {
-                let size = self.length(k, &r);
-                if size <= self.limit[k] {
-                    continue;
-                }
-                let stiff = (self.limit[k] / size).sqrt();
-                for j in 0..self.m.ncols() {
-                    let along: f64 = group.iter().map(|i| self.m[(*i, j)] * r[*i] / size).sum();
-                    h[j] += self.limit[k] * along;
-                    group.iter().for_each(|i| m[(*i, j)] = stiff * (self.m[(*i, j)] - along * r[*i] / size));
-                }
-                group.iter().for_each(|i| z[*i] = 0.0);
+    /// −H⁻¹ ∇f: rows inside as they are, rows outside with what curvature their norm has.
+    fn direction(&self, u: &DVector<f64>) -> Option<DVector<f64>> {
+        let r = &self.m * u - &self.z;
+        let mut m = self.m.clone();
+        let mut z = -&r;
+        let mut h = DVector::zeros(self.m.ncols());
+        for (k, group) in self.groups.iter().enumerate() {
+            let size = self.length(k, &r);
+            if size <= self.limit[k] {
+                continue;
             }
-            let step = shifted(&m, &z, &h)?;
-            let next = &best.0 + step;
-            let reached = self.violation(&next);
-            if reached >= best.1 {
-                break;
+            let stiff = (self.limit[k] / size).sqrt();
+            for j in 0..self.m.ncols() {
+                let along: f64 = group.iter().map(|i| self.m[(*i, j)] * r[*i] / size).sum();
+                h[j] += self.limit[k] * along;
+                group.iter().for_each(|i| m[(*i, j)] = stiff * (self.m[(*i, j)] - along * r[*i] / size));
             }
-            best = (next, reached);
+            group.iter().for_each(|i| z[*i] = 0.0);
         }
-        Some(best)
+        shifted(&m, &z, &h)
     }
 }
 

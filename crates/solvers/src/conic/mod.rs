@@ -14,11 +14,13 @@
 //! solved by QR until the optimality conditions hold to round-off, and these are measured here, not by clarabel. Source:
 //! Goulart and Chen, *Clarabel* (2024).
 
+mod absolute;
 mod bounded;
 mod core;
 mod group_lasso;
 mod huber;
 mod lasso;
+mod newton;
 mod penalised;
 mod program;
 mod shifted;

@@ -14,14 +14,14 @@
 //! max(1/3, 1 − (2ρ − 1)³), a bad one by 2, 4, 8 … JᵀJ is never formed, still less inverted, and a deficient J is no
 //! obstacle. The Jacobian is reduced once per accepted step; every trial costs p³.
 
+use super::linearised::{Step, damped_step, reduce, relative_gradient};
 use super::{NonlinearLeastSquares, NonlinearSolution};
 use crate::accumulator::{Factor, Triangular};
-use crate::dense::{Reflectors, fold, norm, solve_upper};
+use crate::dense::norm;
 use crate::problem::check_len;
 use crate::{SolveError, Status};
 use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
-use faer::MatMut;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// State of argmin's executor for this solver.
 pub type LevenbergMarquardtState = IterState<Vec<f64>, (), (), (), Vec<f64>, f64>;
@@ -141,54 +141,6 @@ impl LevenbergMarquardt {
         self.run.factor = Some(factor);
         Ok(true)
     }
-
-    /// δ for the present damping, with the promised reduction and ‖D δ‖.
-    fn step(&self, factor: &Factor) -> (DVector<f64>, f64, f64) {
-        let p = factor.columns();
-        let mut top = DMatrix::zeros(p, p + 1);
-        top.view_mut((0, 0), (p, p)).copy_from(&factor.r);
-        top.set_column(p, &factor.z.column(0));
-        let root = self.run.mu.sqrt();
-        // A column that was never more than zero gets its damping too, and stays where it is.
-        let weight = |j: usize| if self.run.scale[j] > 0.0 { self.run.scale[j] } else { 1.0 };
-        let mut damping = DMatrix::from_fn(p, p + 1, |i, j| if i == j { root * weight(j) } else { 0.0 });
-        if p > 0 {
-            fold(
-                MatMut::from_column_major_slice_mut(top.as_mut_slice(), p, p + 1),
-                MatMut::from_column_major_slice_mut(damping.as_mut_slice(), p, p + 1),
-                &mut Reflectors::default(),
-            );
-        }
-        let right: Vec<f64> = top.column(p).iter().copied().collect();
-        let delta = solve_upper(&top, &right);
-        let scaled = norm(&(0..p).map(|j| weight(j) * delta[j]).collect::<Vec<_>>());
-        let promised = 0.5 * norm((&factor.r * &delta).as_slice()).powi(2) + self.run.mu * scaled.powi(2);
-        (delta, promised, scaled)
-    }
-}
-
-/// The triangle of [J | −r], or nothing if J is not finite.
-pub(super) fn reduce<O: NonlinearLeastSquares + ?Sized>(problem: &O, x: &[f64], r: &[f64]) -> Option<Factor> {
-    let (m, p) = problem.size();
-    let mut j = DMatrix::zeros(m, p);
-    problem.jacobian(x, &mut j);
-    let right = DMatrix::from_fn(m, 1, |i, _| -r[i]);
-    let mut t = Triangular::new(p, 1);
-    t.update(&j, &right).ok()?;
-    Some(t.finish())
-}
-
-/// Largest |J_jᵀ r| / (‖J_j‖ ‖r‖).
-pub(super) fn relative_gradient(factor: &Factor, residual: f64) -> f64 {
-    if residual < f64::MIN_POSITIVE {
-        return 0.0;
-    }
-    let pulls = factor.r.tr_mul(&factor.z.column(0));
-    let norms = factor.column_norms();
-    pulls
-        .iter()
-        .zip(norms)
-        .fold(0.0, |top: f64, (g, n)| if n > 0.0 { top.max(g.abs() / n / residual) } else { top })
 }
 
 impl<O: NonlinearLeastSquares> Solver<O, LevenbergMarquardtState> for LevenbergMarquardt {
@@ -228,14 +180,14 @@ impl<O: NonlinearLeastSquares> Solver<O, LevenbergMarquardtState> for LevenbergM
         let cost = 0.5 * norm(&r).powi(2);
         let size = norm(&self.run.scale.iter().zip(&x).map(|(d, x)| d * x).collect::<Vec<_>>());
         for _ in 0..TRIALS {
-            let (delta, promised, scaled) = self.step(&factor);
+            let Step { delta, promised, length } = damped_step(&factor, &self.run.scale, self.run.mu);
             let moved: Vec<f64> = x.iter().zip(delta.iter()).map(|(x, d)| x + d).collect();
             let after = residual(problem, &moved)?;
             self.run.evaluations += 1;
             // Difference of squares without their cancellation.
             let brought: f64 = 0.5 * r.iter().zip(&after).map(|(b, a)| (b - a) * (b + a)).sum::<f64>();
             let gain = brought / promised;
-            let small = promised <= self.reduction_tolerance * cost || scaled <= self.step_tolerance * size;
+            let small = promised <= self.reduction_tolerance * cost || length <= self.step_tolerance * size;
             if gain > 1e-4
                 && after.iter().all(|v| v.is_finite())
                 && self.linearise(problem, &moved, &after)?
@@ -283,6 +235,7 @@ fn residual<O: NonlinearLeastSquares>(problem: &mut Problem<O>, x: &[f64]) -> Re
 mod tests {
     use super::*;
     use crate::nonlinear::{FromClosures, check_jacobian};
+    use nalgebra::DMatrix;
 
     #[test]
     fn rosenbrock_from_the_usual_start() {

@@ -8,9 +8,13 @@
 mod problem;
 
 #[cfg(feature = "argmin")]
+mod bridge;
+#[cfg(feature = "argmin")]
 mod comparison;
 #[cfg(feature = "argmin")]
 mod levenberg_marquardt;
+#[cfg(feature = "argmin")]
+mod linearised;
 #[cfg(feature = "argmin")]
 mod profile;
 
@@ -19,6 +23,6 @@ pub use problem::{FromClosures, NonlinearLeastSquares, NonlinearSolution, check_
 #[cfg(feature = "argmin")]
 pub use comparison::{Lbfgs, TrustRegion};
 #[cfg(feature = "argmin")]
-pub use levenberg_marquardt::LevenbergMarquardt;
+pub use levenberg_marquardt::{LevenbergMarquardt, LevenbergMarquardtState};
 #[cfg(feature = "argmin")]
 pub use profile::{Profiled, ProfiledSolution, Separable, profile};

@@ -10,6 +10,7 @@
 //! reads back the same.
 
 mod grammar;
+mod names;
 mod read;
 mod write;
 
@@ -97,7 +98,7 @@ impl SolverSpec {
 
     /// Names that [`FromStr`](std::str::FromStr) knows in this build, with what each does.
     pub fn known() -> Vec<(&'static str, &'static str)> {
-        read::NAMES.iter().filter(|n| n.available).map(|n| (n.name, n.about)).collect()
+        names::NAMES.iter().filter(|n| n.available).map(|n| (n.name, n.about)).collect()
     }
 }
 

@@ -78,10 +78,8 @@ impl Basis {
                 }
             }
             Basis::Chebyshev { lower, upper, degrees } => {
-                let x = (2.0 * (u - lower) / (upper - lower) - 1.0).clamp(-1.0, 1.0);
-                let angle = x.acos();
                 for (k, &degree) in degrees.iter().enumerate() {
-                    each(k, (f64::from(degree) * angle).cos());
+                    each(k, Basis::chebyshev(degree, u, [*lower, *upper]));
                 }
             }
             Basis::Spline { lower, upper, pieces, degree } => {
@@ -95,7 +93,25 @@ impl Basis {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), String> {
+    /// Calls `each(index − 1, f(u) − f(reference))` for all functions but the first, in parts that have to be summed: of
+    /// splines, which sum to one, this is everything but the constant, and it is zero at the reference.
+    pub(in crate::effects) fn for_each_from(&self, reference: f64, u: f64, mut each: impl FnMut(usize, f64)) {
+        for (at, sign) in [(u, 1.0), (reference, -1.0)] {
+            self.for_each(at, |index, value| {
+                if index > 0 && value != 0.0 {
+                    each(index - 1, sign * value);
+                }
+            });
+        }
+    }
+
+    /// `T_d(x)`, x = u mapped from a range to [−1, 1], clamped.
+    pub(in crate::effects) fn chebyshev(degree: u32, u: f64, [lower, upper]: [f64; 2]) -> f64 {
+        let x = (2.0 * (u - lower) / (upper - lower) - 1.0).clamp(-1.0, 1.0);
+        (f64::from(degree) * x.acos()).cos()
+    }
+
+    pub(in crate::effects) fn check(&self) -> Result<(), String> {
         let range = |lower: f64, upper: f64| {
             if lower.is_finite() && upper.is_finite() && lower < upper {
                 Ok(())

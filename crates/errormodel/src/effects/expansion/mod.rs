@@ -181,7 +181,8 @@ impl Effect for Expansion {
         let length = chain.characteristic_length();
         let mut columns = Vec::with_capacity(self.places() * words.len());
         let mut place = |word: &str, rotation: bool, site: Option<Site>| {
-            let (unit, expected) = if rotation { ("rad", EXPECTED_ANGLE) } else { ("m", EXPECTED_ANGLE * length) };
+            let (unit, expected) =
+                if rotation { ("rad", EXPECTED_ANGLE) } else { ("m", EXPECTED_ANGLE * length) };
             for ((product, per), size) in words.iter().zip(&units).zip(&sizes) {
                 columns.push(Column {
                     name: if product.is_empty() { word.into() } else { format!("{word} · {product}") },

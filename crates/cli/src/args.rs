@@ -1,0 +1,233 @@
+//! What can be typed.
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use truepose_solvers::SolverSpec;
+
+/// Finds out why a robot arm does not go where it is told, and makes it go there.
+#[derive(Debug, Parser)]
+#[command(name = "truepose", version, max_term_width = 100)]
+pub struct Args {
+    /// Threads to use; results do not depend on it [default: all cores]
+    #[arg(long, global = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// What to do
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Fit a declared error model to measured poses, and say what it is worth
+    Identify(Identify),
+    /// Predict where the real robot is, from a fit
+    Predict(Predict),
+    /// Fit one model with several solver strategies, on the same folds, and test the differences
+    Compare(Compare),
+    /// Read files and say what was understood: every unit, range and count
+    Check(Check),
+    /// List the effects and solvers that can be declared
+    Effects(Effects),
+    /// Measure a simulated robot with real physics, and write what a laser tracker would have written
+    Simulate(Simulate),
+}
+
+/// Which robot.
+#[derive(Debug, clap::Args)]
+pub struct Robot {
+    /// Robot description (.toml or .urdf)
+    #[arg(long, value_name = "FILE")]
+    pub robot: PathBuf,
+    /// Base link of a URDF [default: its root]
+    #[arg(long, value_name = "LINK")]
+    pub base: Option<String>,
+    /// Tip link of a URDF [default: its only leaf]
+    #[arg(long, value_name = "LINK")]
+    pub tip: Option<String>,
+}
+
+/// `truepose identify`
+#[derive(Debug, clap::Args)]
+pub struct Identify {
+    #[command(flatten)]
+    pub robot: Robot,
+    /// Measurements (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    /// Declared model (TOML) [default: constant errors of every frame and target]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Where to write the fit
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), ridge(gcv), huber(qr, k=1.345), …
+    #[arg(long, default_value = "qr")]
+    pub solver: SolverSpec,
+    /// Folds of the cross-validation; 0 for none
+    #[arg(long, default_value_t = 5)]
+    pub folds: usize,
+    /// How configurations are divided into folds
+    #[arg(long, value_enum, default_value_t = SplitKind::Random)]
+    pub split: SplitKind,
+    /// Draw the random folds this often, and report mean and spread
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub repeat: u16,
+    /// Folds of your own: a channel of the data whose values number them, one value a visit
+    #[arg(long, value_name = "CHANNEL", conflicts_with_all = ["split", "repeat"])]
+    pub fold_by: Option<String>,
+    /// Seed of every random choice
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Share of the configurations to lock away first and judge by
+    #[arg(long, value_name = "SHARE")]
+    pub holdout: Option<f64>,
+    /// Use measured positions alone, even where orientations were measured
+    #[arg(long)]
+    pub positions_only: bool,
+    /// How coefficients are held to their expected sizes: evidence, none, or a number of expected sizes
+    #[arg(long, default_value = "evidence", value_parser = parse_prior)]
+    pub prior: truepose_identify::PriorStrength,
+    /// The paper's single linear step, without refinement at the exact model
+    #[arg(long)]
+    pub linear: bool,
+    /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    pub require: Option<f64>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How configurations are divided into folds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum SplitKind {
+    /// At random
+    Random,
+    /// Contiguous blocks in time
+    Time,
+    /// Slabs along the joint that moves most
+    Joint,
+    /// One configuration at a time
+    LeaveOneOut,
+}
+
+/// `truepose compare`
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    #[command(flatten)]
+    pub robot: Robot,
+    /// Measurements (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    /// Declared model (TOML) [default: constant errors of every frame and target]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// A strategy; give the option once for each
+    #[arg(long = "solver", value_name = "SOLVER",
+          default_values = ["qr", "svd", "normal", "ridge(gcv)", "ridge(map)", "lasso(cv)", "huber(qr)", "tukey(qr)"])]
+    pub solvers: Vec<SolverSpec>,
+    /// Folds of the cross-validation
+    #[arg(long, default_value_t = 5)]
+    pub folds: usize,
+    /// How configurations are divided into folds
+    #[arg(long, value_enum, default_value_t = SplitKind::Random)]
+    pub split: SplitKind,
+    /// Seed of every random choice
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Use measured positions alone, even where orientations were measured
+    #[arg(long)]
+    pub positions_only: bool,
+    /// A prior on top of every strategy: evidence, none, or a number of expected sizes
+    #[arg(long, default_value = "none", value_parser = parse_prior)]
+    pub prior: truepose_identify::PriorStrength,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose predict`
+#[derive(Debug, clap::Args)]
+pub struct Predict {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Joints, loads and channels (CSV); measured columns may be empty or absent
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    /// Where to write the predictions
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose check`
+#[derive(Debug, clap::Args)]
+pub struct Check {
+    #[command(flatten)]
+    pub robot: Robot,
+    /// Measurements (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<PathBuf>,
+    /// Declared model (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose effects`
+#[derive(Debug, clap::Args)]
+pub struct Effects {
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose simulate`
+#[derive(Debug, clap::Args)]
+pub struct Simulate {
+    /// The robot's file, what is wrong with it, and what is measured (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub plant: PathBuf,
+    /// Where to write the measurements (CSV, mm and degrees)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Another seed than the plant's own
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Visit other configurations than the plant's own, drawn from this seed; the robot stays the same
+    #[arg(long, value_name = "SEED")]
+    pub campaign_seed: Option<u64>,
+}
+
+fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
+    use truepose_identify::PriorStrength;
+    match text {
+        "evidence" => Ok(PriorStrength::Evidence),
+        "none" => Ok(PriorStrength::None),
+        _ => match text.parse::<f64>() {
+            Ok(kappa) if kappa.is_finite() && kappa > 0.0 => Ok(PriorStrength::Fixed(kappa)),
+            _ => Err("expected `evidence`, `none` or a number above 0".into()),
+        },
+    }
+}
+
+/// `0.15mm`, `150um`, `0.006in`; metres.
+fn parse_length(text: &str) -> Result<f64, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
+    let unit = truepose_io::Unit::named(unit.trim())
+        .filter(|unit| unit.quantity == truepose_io::Quantity::Length)
+        .ok_or("a length needs a unit: m, mm, um or in, as in 0.15mm")?;
+    if value > 0.0 && value.is_finite() {
+        Ok(unit.to_si(value))
+    } else {
+        Err("a length above 0 is needed".into())
+    }
+}

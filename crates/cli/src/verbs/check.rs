@@ -1,0 +1,164 @@
+//! `truepose check`: read files and say what was understood.
+
+use super::{print_json, robot};
+use crate::args::Check;
+use crate::failure::Failure;
+use crate::terminal;
+use truepose_errormodel::{EffectRegistry, ErrorModel};
+use truepose_io::{CsvInfo, MeasurementsOptions, read_measurements, read_model};
+use truepose_kinematics::{Chain, GravityFrame, JointKind};
+use truepose_report::Alignment::{Left, Right};
+use truepose_report::{count, significant, table};
+
+/// Runs the verb.
+pub fn run(args: &Check) -> Result<(), Failure> {
+    let chain = robot(&args.robot)?;
+    let model = match &args.model {
+        Some(path) => {
+            let effects = read_model(path, &chain, &EffectRegistry::builtin())?;
+            Some(ErrorModel::new(chain.clone(), effects)?)
+        }
+        None => None,
+    };
+    let data = match &args.data {
+        Some(path) => {
+            let options = MeasurementsOptions { measured_required: false };
+            let (data, info, warnings) = read_measurements(path, &chain, &options)?;
+            terminal::warn(&warnings);
+            if let Some(model) = &model {
+                model.bind(&data.schema)?;
+            }
+            Some(info)
+        }
+        None => None,
+    };
+    if args.json {
+        return print_json(&json(&chain, model.as_ref(), data.as_ref()));
+    }
+    terminal::print(&robot_text(&chain));
+    if let Some(model) = &model {
+        terminal::print(&model_text(model));
+    }
+    if let Some(info) = &data {
+        terminal::print(&data_text(info));
+    }
+    Ok(())
+}
+
+fn robot_text(chain: &Chain) -> String {
+    let rows: Vec<Vec<String>> = chain
+        .joints()
+        .iter()
+        .map(|joint| {
+            let limits = joint.limits.map_or_else(String::new, |(lower, upper)| match joint.kind {
+                JointKind::Prismatic => {
+                    format!("{} … {} mm", significant(lower * 1e3, 4), significant(upper * 1e3, 4))
+                }
+                _ => format!(
+                    "{} … {} °",
+                    significant(lower.to_degrees(), 4),
+                    significant(upper.to_degrees(), 4)
+                ),
+            });
+            let mass =
+                joint.link.map_or_else(String::new, |link| format!("{} kg", significant(link.mass, 4)));
+            vec![joint.name.clone(), format!("{:?}", joint.kind).to_lowercase(), limits, mass]
+        })
+        .collect();
+    let gravity = chain.gravity();
+    let known = |known: bool| if known { "" } else { " (unknown, to be found from data)" };
+    let place = |pose: &truepose_kinematics::Pose| {
+        let (t, r) = (pose.translation * 1e3, pose.rpy().map(f64::to_degrees));
+        format!(
+            "xyz {} {} {} mm, rpy {} {} {} °",
+            significant(t.x, 5),
+            significant(t.y, 5),
+            significant(t.z, 5),
+            significant(r[0], 4),
+            significant(r[1], 4),
+            significant(r[2], 4)
+        )
+    };
+    let mut text = format!("robot {}: {}\n", chain.name(), count(chain.movable().len(), "moving joint"));
+    text += &table(&["joint", "type", "limits", "link"], &[Left, Left, Left, Right], &rows);
+    text += &format!(" base {}{}\n", place(&chain.base().pose), known(chain.base().known));
+    text += &format!(" tool {}{}\n", place(&chain.tool().pose), known(chain.tool().known));
+    for target in chain.targets() {
+        let p = target.position * 1e3;
+        text += &format!(
+            " target {} {} {} {} mm{}\n",
+            target.name,
+            significant(p.x, 5),
+            significant(p.y, 5),
+            significant(p.z, 5),
+            known(target.known)
+        );
+    }
+    let g = gravity.vector;
+    let frame = if gravity.frame == GravityFrame::Base { "base" } else { "measurement" };
+    text + &format!(
+        " gravity {} {} {} m/s² in the {frame} frame\n",
+        significant(g.x, 4),
+        significant(g.y, 4),
+        significant(g.z, 4)
+    )
+}
+
+fn model_text(model: &ErrorModel) -> String {
+    let mut text = format!("\nmodel: {}\n", count(model.columns().len(), "unknown"));
+    for (k, effect) in model.effects().iter().enumerate() {
+        text += &format!(" {} ({})\n", effect.kind(), count(model.columns_of(k).len(), "unknown"));
+    }
+    text
+}
+
+fn data_text(info: &CsvInfo) -> String {
+    let rows: Vec<Vec<String>> = info
+        .columns
+        .iter()
+        .map(|column| {
+            let unit =
+                if column.unit_given { column.unit.clone() } else { format!("{} (assumed)", column.unit) };
+            let (lower, upper) = column
+                .range
+                .map_or((String::new(), String::new()), |(a, b)| (significant(a, 6), significant(b, 6)));
+            vec![column.name.clone(), unit, column.filled.to_string(), lower, upper, column.meaning.clone()]
+        })
+        .collect();
+    let mut text = format!(
+        "\ndata {}: {}, {}, {}\n",
+        info.file.display(),
+        count(info.rows, "row"),
+        count(info.visits, "visit"),
+        count(info.configurations, "configuration")
+    );
+    text += &table(
+        &["column", "unit", "filled", "smallest", "largest", "meaning"],
+        &[Left, Left, Right, Right, Right, Left],
+        &rows,
+    );
+    text
+}
+
+fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> serde_json::Value {
+    let joints: Vec<_> = chain
+        .joints()
+        .iter()
+        .map(|j| serde_json::json!({"name": j.name, "type": j.kind, "limits": j.limits, "mass_kg": j.link.map(|l| l.mass)}))
+        .collect();
+    let columns = data.map(|info| {
+        info.columns
+            .iter()
+            .map(|c| {
+                serde_json::json!({"name": c.name, "unit": c.unit, "unit_given": c.unit_given, "meaning": c.meaning,
+                    "filled": c.filled, "range": c.range})
+            })
+            .collect::<Vec<_>>()
+    });
+    let unknowns = model.map(|m| m.columns().iter().map(|c| c.name.clone()).collect::<Vec<_>>());
+    serde_json::json!({
+        "robot": {"name": chain.name(), "joints": joints, "targets": chain.targets(), "base": chain.base(), "tool": chain.tool()},
+        "model": unknowns,
+        "data": data.map(|i| serde_json::json!({"rows": i.rows, "visits": i.visits, "configurations": i.configurations, "columns": columns})),
+    })
+}

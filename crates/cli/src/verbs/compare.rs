@@ -1,0 +1,44 @@
+//! `truepose compare`: solver strategies side by side on one data set.
+
+use super::identify::{split, split_words};
+use super::{print_json, robot};
+use crate::args::Compare;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::terminal;
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{AnyEffect, EffectRegistry, ErrorModel};
+use truepose_identify::{FitOptions, Folds, compare, place};
+use truepose_io::{MeasurementsOptions, read_measurements, read_model};
+use truepose_report::ComparisonSummary;
+
+/// Runs the verb.
+pub fn run(args: &Compare) -> Result<(), Failure> {
+    let chain = robot(&args.robot)?;
+    let effects: Vec<Box<dyn AnyEffect>> = match &args.model {
+        Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
+        None => vec![Box::new(Geometric::default())],
+    };
+    let (mut data, _, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    terminal::warn(&warnings);
+    if args.positions_only {
+        data.orientation.fill(None);
+    }
+    let Some(split) = split(args.folds, args.split, args.seed, &data)? else {
+        return Err(Failure::Input("--folds: a comparison needs at least 2 folds".into()));
+    };
+    let placed = place(&chain, &data)?.chain;
+    let model = ErrorModel::new(placed, effects)?;
+    let folds = Folds::new(&data, &split)?;
+    let solvers: Vec<_> = args.solvers.iter().map(|spec| (spec.to_string(), spec.build())).collect();
+    let options = FitOptions { prior: args.prior, ..FitOptions::default() };
+    let progress = Progress::steps(solvers.len());
+    let compared = compare(&model, &data, &solvers, &options, &folds, &|name| progress.begin(name));
+    drop(progress);
+    let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &compared);
+    if args.json {
+        return print_json(&summary);
+    }
+    terminal::print(&summary.to_string());
+    Ok(())
+}

@@ -1,0 +1,173 @@
+//! `truepose identify`: fit a declared error model, and say what it is worth.
+
+use super::{print_json, robot};
+use crate::args::{Identify, SplitKind};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::terminal;
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Visits};
+use truepose_identify::{FitOptions, IdentificationOptions, Split, Step, identify};
+use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
+use truepose_report::{IdentificationSummary, millimetres};
+
+/// Runs the verb.
+pub fn run(args: &Identify) -> Result<(), Failure> {
+    if let Some(out) = &args.out {
+        check_writable(out)?;
+    }
+    let chain = robot(&args.robot)?;
+    let effects: Vec<Box<dyn AnyEffect>> = match &args.model {
+        Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
+        None => vec![Box::new(Geometric::default())],
+    };
+    let (mut data, info, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    terminal::warn(&warnings);
+    if args.positions_only {
+        data.orientation.fill(None);
+    }
+    let options = IdentificationOptions {
+        fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
+        split: match &args.fold_by {
+            Some(channel) => Some(own_folds(&data, channel)?),
+            None => split(args.folds, args.split, args.seed, &data)?,
+        },
+        repeats: usize::from(args.repeat),
+        holdout: args.holdout,
+        seed: args.seed,
+    };
+    let progress = Progress::steps(Step::ALL.len());
+    let mut found = identify(&chain, &effects, &data, &*args.solver.build(), &options, &|step| {
+        progress.begin(word(step))
+    })?;
+    drop(progress);
+
+    let summary = IdentificationSummary::new(
+        &found,
+        &data,
+        &info.visit_labels,
+        &args.solver.to_string(),
+        options.split.as_ref().map(split_words),
+    );
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    if let Some(out) = &args.out {
+        let provenance = &mut found.fit.fitted.provenance;
+        provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
+        provenance.insert("verb".into(), "identify".into());
+        provenance.insert("solver".into(), summary.solver.clone().into());
+        provenance.insert("rows".into(), summary.rows.into());
+        provenance.insert("seed".into(), args.seed.into());
+        provenance.insert("structure_frozen_then_all_rows".into(), args.holdout.is_some().into());
+        write_fit(out, &found.fit.fitted)?;
+        terminal::log(&format!("wrote {}", out.display()));
+    }
+    met(args, &summary)
+}
+
+/// The criterion that was asked for.
+fn met(args: &Identify, summary: &IdentificationSummary) -> Result<(), Failure> {
+    let (Some(required), Some(last)) = (args.require, summary.stages.last()) else { return Ok(()) };
+    let judged = last.locked.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3;
+    if judged <= required {
+        return Ok(());
+    }
+    Err(Failure::Criterion(format!(
+        "RMS {} is above the required {}",
+        millimetres(judged),
+        millimetres(required)
+    )))
+}
+
+/// Folds numbered by a channel.
+fn own_folds(data: &Dataset, channel: &str) -> Result<Split, Failure> {
+    let Some(k) = data.schema.channel(channel) else {
+        let known: Vec<&str> = data.schema.channels.iter().map(|c| c.name.as_str()).collect();
+        return Err(Failure::Input(format!(
+            "--fold-by: the data has no channel `{channel}` (its channels: {})",
+            known.join(", ")
+        )));
+    };
+    let mut numbers: Vec<f64> = Vec::new();
+    let mut of_visit = Vec::new();
+    for rows in &Visits::of(data).rows {
+        let value = data.channels[k][rows[0]];
+        if rows.iter().any(|&row| data.channels[k][row].to_bits() != value.to_bits()) {
+            return Err(Failure::Input(format!(
+                "--fold-by: `{channel}` changes within a visit; a fold takes whole visits"
+            )));
+        }
+        let place = numbers.iter().position(|n| n.to_bits() == value.to_bits()).unwrap_or_else(|| {
+            numbers.push(value);
+            numbers.len() - 1
+        });
+        of_visit.push(place);
+    }
+    if numbers.len() < 2 {
+        return Err(Failure::Input(format!(
+            "--fold-by: `{channel}` has a single value; at least two folds are needed"
+        )));
+    }
+    Ok(Split::Given(of_visit))
+}
+
+/// The split that was asked for, fitted to what the data has.
+pub(super) fn split(
+    folds: usize,
+    kind: SplitKind,
+    seed: u64,
+    data: &Dataset,
+) -> Result<Option<Split>, Failure> {
+    if folds == 0 {
+        return Ok(None);
+    }
+    if folds == 1 {
+        return Err(Failure::Input(
+            "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
+        ));
+    }
+    let configurations = truepose_errormodel::configurations(data).iter().max().map_or(0, |last| last + 1);
+    if configurations < 2 {
+        terminal::log("warning: a single configuration cannot be divided: no cross-validation");
+        return Ok(None);
+    }
+    if configurations < folds {
+        terminal::log(&format!(
+            "warning: {configurations} configurations make at most {configurations} folds"
+        ));
+    }
+    let folds = folds.min(configurations);
+    Ok(Some(match kind {
+        SplitKind::Random => Split::Random { folds, seed },
+        SplitKind::Time => Split::TimeBlocks { folds },
+        SplitKind::Joint => Split::JointBlocks { folds, coordinate: None },
+        SplitKind::LeaveOneOut => Split::LeaveOneOut,
+    }))
+}
+
+/// A split in words.
+pub(super) fn split_words(split: &Split) -> String {
+    match split {
+        Split::Random { folds, seed } => format!("{folds} random folds over configurations, seed {seed}"),
+        Split::LeaveOneOut => "one configuration at a time".into(),
+        Split::TimeBlocks { folds } => format!("{folds} contiguous blocks in time"),
+        Split::JointBlocks { folds, .. } => format!("{folds} slabs along the joint that moves most"),
+        Split::Given(of_visit) => {
+            let folds = of_visit.iter().max().map_or(0, |last| last + 1);
+            format!("{folds} folds of the caller's own")
+        }
+    }
+}
+
+fn word(step: Step) -> &'static str {
+    match step {
+        Step::Placing => "finding base, tool and targets",
+        Step::FramesOnly => "fitting base and tool",
+        Step::Fitting => "fitting the declared model",
+        Step::Validating => "cross-validating",
+        Step::Judging => "judging repeats and observability",
+    }
+}

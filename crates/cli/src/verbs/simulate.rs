@@ -1,0 +1,35 @@
+//! `truepose simulate`: measure a robot with real physics.
+
+use crate::args::Simulate;
+use crate::failure::Failure;
+use crate::terminal;
+use std::path::Path;
+use truepose_io::{
+    ExportUnits, RobotOptions, Unit, check_writable, read_robot, read_text, write_measurements,
+};
+use truepose_report::count;
+use truepose_simulate::{PlantDescription, SimulateError};
+
+/// Runs the verb.
+pub fn run(args: &Simulate) -> Result<(), Failure> {
+    check_writable(&args.out)?;
+    let text = read_text(&args.plant)?;
+    let located = |error: SimulateError| Failure::Input(format!("{}:{error}", args.plant.display()));
+    let mut description = PlantDescription::from_toml(&text).map_err(located)?;
+    if let Some(seed) = args.seed {
+        description.seed = seed;
+    }
+    let folder = args.plant.parent().unwrap_or_else(|| Path::new(""));
+    let (chain, warnings) = read_robot(folder.join(&description.robot), &RobotOptions::default())?;
+    terminal::warn(&warnings);
+    let measured = description.plant(&chain).and_then(|plant| {
+        let seed = args.campaign_seed.unwrap_or(description.seed);
+        plant.measure(&description.campaign.on(&chain, seed)?, seed)
+    });
+    let data = measured.map_err(|error| located(error.located(&text)))?;
+    let unit = |word| Unit::named(word).copied().ok_or_else(|| Failure::Input(format!("no unit `{word}`")));
+    let units = ExportUnits { length: unit("mm")?, angle: unit("deg")? };
+    write_measurements(&args.out, &chain, &data, &units)?;
+    terminal::print(&format!("{} measured, written to {}\n", count(data.len(), "row"), args.out.display()));
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! Play in a joint: an error that switches with the direction of the last move, or with the load.
+//!
+//! ```text
+//! δq_j = w/2 · side        approach              side = −a_j            the link lags behind its motor
+//!                          load                  side = sat(τ_j / τ_f)  the load lays the joint on one flank
+//!                          load_then_approach    side = s − (1 − |s|) a_j,  s = sat(τ_j / τ_f)
+//! ```
+//!
+//! | symbol | here | unit |
+//! | --- | --- | --- |
+//! | w | the unknown: the whole gap | rad or m |
+//! | a_j | the direction in which the joint last moved, −1, 0, +1 | 1 |
+//! | τ_j | the load about or along the axis | N·m or N |
+//! | τ_f | `flank_load`: from this load on the joint lies on its flank; zero switches at once | N·m or N |
+//!
+//! τ_f is its shape where `flank_range` is given. Source: Nordin and Gutman, *Controlling mechanical systems with
+//! backlash – a survey* (2002), section 2.
+
+use super::travel::{free, positive};
+use super::{joint_moves, refused};
+use crate::{Column, Effect, Emission, ModelError, Shape, Signal};
+use serde::{Deserialize, Serialize};
+use truepose_kinematics::{Chain, JointId, JointKind, Posture};
+
+/// What decides on which side a joint with play lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The direction of the last move.
+    #[default]
+    Approach,
+    /// The load about or along the axis.
+    Load,
+    /// The load where it is heavy enough, else the last move.
+    LoadThenApproach,
+}
+
+/// The gap of one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backlash {
+    /// The joint.
+    pub joint: JointId,
+    /// What decides the side.
+    #[serde(default)]
+    pub side: Side,
+    /// Load that presses the joint against its flank, N·m or N; zero when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flank_load: Option<f64>,
+    /// Between which loads `flank_load` is to be found, N·m or N; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flank_range: Option<[f64; 2]>,
+}
+
+impl Backlash {
+    /// Of one joint, by what decides the side.
+    pub fn of(joint: JointId, side: Side) -> Self {
+        Backlash { joint, side, flank_load: None, flank_range: None }
+    }
+
+    fn pressed(&self, load: f64) -> f64 {
+        match self.flank_load {
+            Some(flank) => (load / flank).clamp(-1.0, 1.0),
+            None if load == 0.0 => 0.0,
+            None => load.signum(),
+        }
+    }
+}
+
+impl Effect for Backlash {
+    const KIND: &'static str = "backlash";
+    const ABOUT: &'static str =
+        "play: joint error that switches with the direction of approach or of the load";
+
+    fn columns(&self, chain: &Chain) -> Vec<Column> {
+        let joint = chain.joint(self.joint);
+        let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };
+        vec![Column::new(format!("gap {}", joint.name), joint.unit(), scale)]
+    }
+
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        let Some(motion) = at.chain().joint_motion(self.joint) else { return };
+        let side = match self.side {
+            Side::Approach => -at.signal(0),
+            Side::Load => self.pressed(at.joint_load(self.joint)),
+            Side::LoadThenApproach => {
+                let pressed = self.pressed(at.joint_load(self.joint));
+                pressed - (1.0 - pressed.abs()) * at.signal(0)
+            }
+        };
+        if side != 0.0 {
+            out.along(0, &motion, 0.5 * side);
+        }
+    }
+
+    fn needs(&self) -> Vec<Signal> {
+        if self.side == Side::Load { Vec::new() } else { vec![Signal::Approach(self.joint)] }
+    }
+
+    fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
+        joint_moves(Self::KIND, self.joint, chain)?;
+        match self.flank_load {
+            Some(_) if self.side == Side::Approach => {
+                Err(refused(Self::KIND, "`flank_load` belongs to the sides `load` and `load_then_approach`"))
+            }
+            Some(load) => positive(Self::KIND, "flank_load", load, self.flank_range),
+            None if self.flank_range.is_some() => {
+                Err(refused(Self::KIND, "`flank_range` stands without `flank_load`"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn shape(&self) -> Vec<Shape> {
+        self.flank_load.map_or_else(Vec::new, |load| free("flank_load", "N*m or N", load, self.flank_range))
+    }
+
+    fn with_shape(&self, values: &[f64]) -> Self {
+        Backlash { flank_load: values.first().copied().or(self.flank_load), ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testkit::{check_effect, emitted};
+    use truepose_kinematics::nalgebra::Vector3;
+    use truepose_kinematics::{Conditions, Load, Payload, samples};
+
+    #[test]
+    fn conforms() {
+        for chain in samples::all() {
+            for &joint in chain.movable() {
+                for side in [Side::Approach, Side::Load, Side::LoadThenApproach] {
+                    check_effect(&Backlash::of(joint, side), &chain);
+                }
+                let (flank_load, flank_range) = (Some(30.0), Some([5.0, 200.0]));
+                let effect = Backlash { flank_load, flank_range, ..Backlash::of(joint, Side::Load) };
+                check_effect(&effect, &chain);
+            }
+        }
+    }
+
+    #[test]
+    fn it_lags_behind_the_move_and_hangs_with_the_load() {
+        let chain = samples::ur10();
+        let value = |side, approach, mass: f64| {
+            let load = Load::Payload(Payload { mass, com: Vector3::zeros() });
+            let mut conditions = Conditions::at(&chain, &[0.3; 6]).with_load(load);
+            conditions.approach[1] = approach;
+            let effect = Backlash { flank_load: None, ..Backlash::of(JointId(2), side) };
+            emitted(&effect, &chain, &conditions).iter().map(|e| e.value).sum::<f64>()
+        };
+        let check = |got: f64, expected: f64| assert!((got - expected).abs() < 1e-15, "{got} {expected}");
+        check(value(Side::Approach, 1.0, 0.0), -0.5);
+        check(value(Side::Approach, 0.0, 0.0), 0.0);
+        // A stretched UR10 at positive q2 points along −x: its weight turns j2 in the positive sense.
+        check(value(Side::Load, 1.0, 10.0), 0.5);
+        check(value(Side::LoadThenApproach, 1.0, 0.0), -0.5);
+        check(value(Side::LoadThenApproach, 1.0, 10.0), 0.5);
+    }
+}

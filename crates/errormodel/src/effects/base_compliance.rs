@@ -1,0 +1,159 @@
+//! The base tilts and sinks under what it carries.
+//!
+//! ```text
+//! φ_0 = c_t (M − u (u·M))            t_0 = c_s u (u·F)             E_0, in the axes of frame 0
+//! ```
+//!
+//! | symbol | here | unit | frame |
+//! | --- | --- | --- | --- |
+//! | F, M | the wrench that frame 0 carries, about its origin | N, N·m | 0 |
+//! | u | up, against gravity | 1 | 0 |
+//! | c_t, c_s | the unknowns | rad/(N·m), m/N | |
+//!
+//! Weights have no moment about the vertical and no horizontal force: tilt about two horizontal axes (alike, or each with
+//! its own unknown) and sinking are all that they can show, whichever way the base leans. `separate` axes are the two of
+//! the base that are nearest to the horizontal, made level.
+
+use crate::{Column, Effect, Emission};
+use serde::{Deserialize, Serialize};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Axis, Chain, FrameId, Posture, Site};
+
+/// Which tilts of a base are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tilt {
+    /// One unknown for every horizontal axis.
+    #[default]
+    Isotropic,
+    /// One unknown for each of two.
+    Separate,
+}
+
+/// Compliance of what the robot stands on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaseCompliance {
+    /// Which tilts are told apart.
+    #[serde(default)]
+    pub tilt: Tilt,
+    /// Whether the base sinks along gravity as well.
+    #[serde(default = "yes")]
+    pub sink: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Default for BaseCompliance {
+    fn default() -> Self {
+        BaseCompliance { tilt: Tilt::Isotropic, sink: true }
+    }
+}
+
+/// Up, in the axes of frame 0; z where there is no gravity.
+fn up(chain: &Chain) -> Vector3<f64> {
+    let gravity = chain.base().pose.rotation.tr_mul(&chain.gravity_in_measurement_frame());
+    gravity.try_normalize(1e-12).map_or_else(Vector3::z, |down| -down)
+}
+
+/// The axis of the base that is nearest to the vertical, 0…2.
+fn vertical(up: &Vector3<f64>) -> usize {
+    up.iamax()
+}
+
+impl Effect for BaseCompliance {
+    const KIND: &'static str = "base_compliance";
+    const ABOUT: &'static str = "the base tilts and sinks under the load that it carries";
+
+    fn columns(&self, chain: &Chain) -> Vec<Column> {
+        let tilt = |name: String| Column::new(name, "rad/(N*m)", 1e-7);
+        let mut columns = match self.tilt {
+            Tilt::Isotropic => vec![tilt("tilt base".into())],
+            Tilt::Separate => {
+                let v = vertical(&up(chain));
+                [1, 2].map(|k| tilt(format!("tilt base about {}", ["x", "y", "z"][(v + k) % 3]))).into()
+            }
+        };
+        if self.sink {
+            columns.push(Column::new("sink base", "m/N", 1e-8));
+        }
+        columns
+    }
+
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        let up = up(at.chain());
+        let carried = at.wrench(FrameId::BASE);
+        let mut put = |column: usize, axes: [Axis; 3], value: Vector3<f64>| {
+            for axis in axes {
+                out.push(column, Site::Frame(FrameId::BASE, axis), value[axis.direction()]);
+            }
+        };
+        let rotations = [Axis::Rx, Axis::Ry, Axis::Rz];
+        let level = carried.moment - up * up.dot(&carried.moment);
+        let sink = match self.tilt {
+            Tilt::Isotropic => {
+                put(0, rotations, level);
+                1
+            }
+            Tilt::Separate => {
+                let mut first = Vector3::zeros();
+                first[(vertical(&up) + 1) % 3] = 1.0;
+                let first = (first - up * up.dot(&first)).normalize();
+                put(0, rotations, first * first.dot(&level));
+                put(1, rotations, level - first * first.dot(&level));
+                2
+            }
+        };
+        if self.sink {
+            put(sink, Axis::TRANSLATIONS, up * up.dot(&carried.force));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testkit::{check_effect, emitted};
+    use truepose_kinematics::{Conditions, Load, Payload, Placed, Pose, samples};
+
+    #[test]
+    fn conforms() {
+        for chain in samples::all() {
+            for tilt in [Tilt::Isotropic, Tilt::Separate] {
+                for sink in [true, false] {
+                    check_effect(&BaseCompliance { tilt, sink }, &chain);
+                }
+            }
+        }
+    }
+
+    /// Displacement `[tx ty tz rx ry rz]` of the base per unit of every unknown, in the measurement frame's axes.
+    fn settled(tilt: Tilt, base: Pose) -> [Vector3<f64>; 2] {
+        let chain = samples::ur10().with_base(Placed { pose: base, known: true }).unwrap();
+        let load = Load::Payload(Payload { mass: 10.0, com: Vector3::zeros() });
+        let conditions = Conditions::at(&chain, &[0.4, 0.2, -0.6, 0.3, 0.8, 0.1]).with_load(load);
+        let mut e = [0.0; 6];
+        for entry in emitted(&BaseCompliance { tilt, sink: true }, &chain, &conditions) {
+            e[entry.site.axis().index()] += entry.value;
+        }
+        [base.rotation * Vector3::new(e[0], e[1], e[2]), base.rotation * Vector3::new(e[3], e[4], e[5])]
+    }
+
+    #[test]
+    fn it_sinks_down_and_tips_towards_the_load_however_the_base_leans() {
+        for rpy in [[0.0; 3], [0.5, 0.2, 0.9], [1.5, 0.0, 0.0], [3.1, 0.3, 0.0]] {
+            for tilt in [Tilt::Isotropic, Tilt::Separate] {
+                let base = Pose::from_xyz_rpy([0.3, 0.2, 0.5], rpy);
+                let [shift, turn] = settled(tilt, base);
+                assert!((shift + Vector3::z() * 98.1).norm() < 1e-9, "{shift}");
+                // Moment of the weight about the base: horizontal, and square to the arm.
+                let chain = samples::ur10().with_base(Placed { pose: base, known: true }).unwrap();
+                let arm = chain.forward(&[0.4, 0.2, -0.6, 0.3, 0.8, 0.1]).translation - base.translation;
+                let moment = arm.cross(&(-Vector3::z() * 98.1));
+                assert!((turn - moment).norm() < 1e-9, "{turn} {moment}");
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! An error that moves smoothly with time.
+//!
+//! `ε(t) = Σ_k c_k (B_k(t) − B_k(t_0))`, k = 2 … N: cubic B-splines on [t_0, t_1] without their constant, so that the
+//! drift is zero at t_0 and a constant error stays with the frame's geometry. Before t_0 it is zero, after t_1 it
+//! holds its last value.
+
+use super::travel::ascending;
+use super::{Basis, Spot};
+use crate::{Column, Effect, Emission, ModelError, Signal};
+use serde::{Deserialize, Serialize};
+use truepose_kinematics::{Axis, Chain, Posture};
+
+/// A smooth function of time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drift {
+    /// Where.
+    #[serde(flatten)]
+    pub spot: Spot,
+    /// Which components of a frame; all six when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub components: Option<Vec<Axis>>,
+    /// First and last moment of the drift, s.
+    pub range: [f64; 2],
+    /// Equal pieces into which the range is cut.
+    #[serde(default = "four")]
+    pub pieces: usize,
+}
+
+fn four() -> usize {
+    4
+}
+
+impl Drift {
+    fn basis(&self) -> Basis {
+        let [lower, upper] = self.range;
+        Basis::Spline { lower, upper, pieces: self.pieces, degree: 3 }
+    }
+}
+
+impl Effect for Drift {
+    const KIND: &'static str = "drift";
+    const ABOUT: &'static str = "base, tool or a joint moves smoothly with time";
+
+    fn columns(&self, chain: &Chain) -> Vec<Column> {
+        let mut columns = Vec::new();
+        for part in self.spot.parts(self.components.as_deref(), chain) {
+            for k in 2..=self.basis().len() {
+                let name = format!("drift {} B{k}", part.word);
+                columns.push(Column::new(name, part.unit(), part.expected(chain)));
+            }
+        }
+        columns
+    }
+
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        let (basis, components) = (self.basis(), self.components.as_deref());
+        let stride = basis.len() - 1;
+        basis.for_each_from(self.range[0], at.signal(0), |column, value| {
+            self.spot.put(components, (column, stride), value, at, out);
+        });
+    }
+
+    fn needs(&self) -> Vec<Signal> {
+        vec![Signal::Time]
+    }
+
+    fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
+        self.spot.check(Self::KIND, self.components.as_deref(), chain)?;
+        ascending(Self::KIND, "range", Some(self.range))?;
+        self.basis().check().map_err(|reason| super::refused(Self::KIND, reason))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testkit::{check_effect, emitted};
+    use truepose_kinematics::{Conditions, FrameId, JointId, samples};
+
+    fn drift(spot: Spot) -> Drift {
+        Drift { spot, components: None, range: [20.0, 180.0], pieces: 4 }
+    }
+
+    #[test]
+    fn conforms() {
+        for chain in samples::all() {
+            for spot in [Spot::Frame(FrameId::BASE), Spot::Frame(chain.tool_frame()), Spot::Joint(JointId(1))]
+            {
+                check_effect(&drift(spot), &chain);
+            }
+        }
+    }
+
+    #[test]
+    fn begins_at_zero_follows_a_line_and_holds_its_last_value() {
+        let chain = samples::ur10();
+        let effect = drift(Spot::Joint(JointId(3)));
+        // Greville abscissae: Σ_k (k − 2)/pieces B_k, k from 1, is the straight line from 0 to 1; the constant drops out.
+        let line = |time: f64| {
+            let conditions = Conditions { time, ..Conditions::at(&chain, &[0.0; 6]) };
+            emitted(&effect, &chain, &conditions)
+                .iter()
+                .map(|e| (e.column + 1) as f64 / 4.0 * e.value)
+                .sum::<f64>()
+        };
+        for (time, expected) in [(-5.0, 0.0), (20.0, 0.0), (60.0, 0.25), (180.0, 1.0), (1e5, 1.0)] {
+            assert!((line(time) - expected).abs() < 1e-13, "{time} s: {}", line(time));
+        }
+    }
+}

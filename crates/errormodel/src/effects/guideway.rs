@@ -1,0 +1,172 @@
+//! A linear axis whose rail is not straight: the carriage is displaced and turned as it travels.
+//!
+//! `ε_j(q) = Σ_k c_k (B_k(q) − B_k(q̄))`, k = 2 … N: cubic B-splines over the travel without their constant, zero in the
+//! middle q̄ of it. It acts on the frame after the slide, which is fixed to the carriage in every convention: `x y z` are
+//! in the axes of that frame (straightness; along the axis, positioning), `rx ry rz` turn about its origin (pitch, yaw,
+//! roll).
+//!
+//! A screw of lead P adds `c_s sin(2πq/P) + c_c cos(2πq/P)` along the axis; the lead is its shape where `screw_range` is
+//! given. Source: Slocum, *Precision Machine Design*, section 2.3.
+
+use super::spot::distinct;
+use super::travel::{ascending, free, positive, travel};
+use super::{Basis, joint_moves, refused};
+use crate::{Column, Effect, Emission, ModelError, Shape};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
+
+/// Smooth errors of a slide over its travel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Guideway {
+    /// The slide.
+    pub joint: JointId,
+    /// Which components of the frame after it; all six when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub components: Option<Vec<Axis>>,
+    /// The travel, m; the joint's limits when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Equal pieces into which the travel is cut.
+    #[serde(default = "six")]
+    pub pieces: usize,
+    /// Lead of the screw, m; no screw when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub screw: Option<f64>,
+    /// Between which leads `screw` is to be found, m; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub screw_range: Option<[f64; 2]>,
+}
+
+fn six() -> usize {
+    6
+}
+
+impl Guideway {
+    /// Of one slide, all six components over its limits.
+    pub fn of(joint: JointId) -> Self {
+        Guideway { joint, components: None, range: None, pieces: six(), screw: None, screw_range: None }
+    }
+
+    fn basis(&self, chain: &Chain) -> Basis {
+        let [lower, upper] = travel(self.range, self.joint, chain);
+        Basis::Spline { lower, upper, pieces: self.pieces, degree: 3 }
+    }
+
+    fn components(&self) -> &[Axis] {
+        self.components.as_deref().unwrap_or(&Axis::ALL)
+    }
+}
+
+impl Effect for Guideway {
+    const KIND: &'static str = "guideway";
+    const ABOUT: &'static str = "straightness, positioning, pitch, yaw and roll of a slide over its travel";
+
+    fn columns(&self, chain: &Chain) -> Vec<Column> {
+        let frame = chain.frame_after(self.joint);
+        let mut columns = Vec::new();
+        for &axis in self.components() {
+            for k in 2..=self.basis(chain).len() {
+                let name = format!("guideway {} B{k}", chain.site_word(Site::Frame(frame, axis)));
+                // A good rail: 0.05 mm and 0.05 mrad over its travel.
+                columns.push(Column::new(name, axis.unit(), 5e-5));
+            }
+        }
+        if self.screw.is_some() {
+            let name = &chain.joint(self.joint).name;
+            columns.push(Column::new(format!("screw {name} sin"), "m", 2e-5));
+            columns.push(Column::new(format!("screw {name} cos"), "m", 2e-5));
+        }
+        columns
+    }
+
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        let (q, frame) = (at.joint(self.joint), at.chain().frame_after(self.joint));
+        let [lower, upper] = travel(self.range, self.joint, at.chain());
+        let basis = self.basis(at.chain());
+        let width = basis.len() - 1;
+        basis.for_each_from(0.5 * (lower + upper), q, |column, value| {
+            for (k, &axis) in self.components().iter().enumerate() {
+                out.push(k * width + column, Site::Frame(frame, axis), value);
+            }
+        });
+        if let (Some(lead), Some(motion)) = (self.screw, at.chain().joint_motion(self.joint)) {
+            let first = self.components().len() * width;
+            let (s, c) = (TAU * q / lead).sin_cos();
+            out.along(first, &motion, s);
+            out.along(first + 1, &motion, c);
+        }
+    }
+
+    fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
+        joint_moves(Self::KIND, self.joint, chain)?;
+        if chain.joint(self.joint).kind != JointKind::Prismatic {
+            let name = &chain.joint(self.joint).name;
+            return Err(refused(Self::KIND, format!("joint `{name}` turns; a guideway belongs to a slide")));
+        }
+        if let Some(list) = &self.components {
+            distinct(Self::KIND, list)?;
+        }
+        ascending(Self::KIND, "range", self.range)?;
+        match self.screw {
+            Some(lead) => positive(Self::KIND, "screw", lead, self.screw_range)?,
+            None if self.screw_range.is_some() => {
+                return Err(refused(Self::KIND, "`screw_range` stands without `screw`"));
+            }
+            None => {}
+        }
+        self.basis(chain).check().map_err(|reason| refused(Self::KIND, reason))
+    }
+
+    fn shape(&self) -> Vec<Shape> {
+        self.screw.map_or_else(Vec::new, |lead| free("screw", "m", lead, self.screw_range))
+    }
+
+    fn with_shape(&self, values: &[f64]) -> Self {
+        Guideway { screw: values.first().copied().or(self.screw), ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testkit::{check_effect, emitted};
+    use truepose_kinematics::{Conditions, samples};
+
+    #[test]
+    fn conforms_on_every_slide() {
+        for chain in samples::all() {
+            for &joint in chain.movable().iter().filter(|&&j| chain.joint(j).kind == JointKind::Prismatic) {
+                check_effect(&Guideway::of(joint), &chain);
+                let components = Some(vec![Axis::Ty, Axis::Rz]);
+                let (screw, screw_range) = (Some(0.01), Some([0.005, 0.02]));
+                let effect = Guideway { components, screw, screw_range, ..Guideway::of(joint) };
+                check_effect(&effect, &chain);
+            }
+        }
+    }
+
+    #[test]
+    fn it_is_zero_in_the_middle_of_the_travel() {
+        let chain = samples::pps();
+        let effect = Guideway { components: Some(vec![Axis::Rz]), ..Guideway::of(JointId(3)) };
+        let at = |d3: f64| {
+            let conditions = Conditions::at(&chain, &[0.0, 0.0, d3, 0.0, 0.0, 0.0]);
+            let entries = emitted(&effect, &chain, &conditions);
+            (0..8).map(|k| entries.iter().filter(|e| e.column == k).map(|e| e.value).sum::<f64>()).collect()
+        };
+        let (middle, end): (Vec<f64>, Vec<f64>) = (at(-0.435), at(0.3));
+        assert!(middle.iter().all(|v| v.abs() < 1e-15), "{middle:?}");
+        assert!(end.iter().any(|v| v.abs() > 0.1), "{end:?}");
+    }
+
+    #[test]
+    fn a_turn_has_no_guideway() {
+        let error = Effect::validate(&Guideway::of(JointId(4)), &samples::pps()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "effect `guideway`: joint `theta` turns; a guideway belongs to a slide"
+        );
+    }
+}

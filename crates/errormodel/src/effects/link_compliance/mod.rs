@@ -1,0 +1,241 @@
+//! A link that bends and twists under the wrench at its tip and under its own weight, as a beam.
+//!
+//! ```text
+//!      joint j                      joint j+1          undeformed: dashes
+//!         ●┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄┄●
+//!          ━━━━━━━━━━━━━━━━━━━━━━━━━┓  │ δ = I_1 × x̂ / EI
+//!                                   ┗━━● θ = I_0 / EI,  φ = x̂ · I_0 / GJ
+//!      o_j (MDH, origin)            o_j (DH)
+//!
+//! E_j:  φ_j = θ,   t_j = δ − θ × (tip − o_j)              in the axes of frame j
+//! ```
+//!
+//! | symbol | here | unit |
+//! | --- | --- | --- |
+//! | I_0, I_1 | `beam::Beam`: bending moment summed over the length | N·m², N·m³ |
+//! | 1/EI, 1/GJ | the unknowns | 1/(N·m²) |
+//! | root, tip | [`truepose_kinematics::Span`] | m |
+//!
+//! Frame j is fixed to link j in every convention, at the link's tip with DH and at its root with MDH and origin + axis:
+//! so `E_j` carries the deflection, with the lever from o_j to the tip, and one robot described in three ways bends alike.
+//!
+//! Which unknowns: few are robust. Gravity bends most links in one plane and hardly twists them, so that the default
+//! is one bending stiffness for both planes and one torsion; a `tube` ties those two (GJ = EI / 1.3, Poisson's ratio 0.3),
+//! a `general` section has a stiffness for each plane.
+//!
+//! Links of declared mass bend under it (spread evenly about its centre). With `own_weight = "free"` the declared mass
+//! is left aside and two more unknowns a plane stand for it: a mass spread evenly over the link, and a mass beyond its tip
+//! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times the nominal gravity.
+
+mod beam;
+
+use super::{joint_moves, listed_once};
+use crate::{Column, Effect, Emission, ModelError};
+use beam::Beam;
+use serde::{Deserialize, Serialize};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Axis, Chain, JointId, Posture, Site, Wrench};
+
+/// Which stiffnesses of a link are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Section {
+    /// One unknown: a round tube, whose torsion follows from its bending.
+    Tube,
+    /// Two: bending alike in both planes, and twist.
+    #[default]
+    Symmetric,
+    /// Three: bending about the joint's axis, bending sideways, and twist.
+    General,
+}
+
+/// Where the links' own weight comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OwnWeight {
+    /// From the masses in the robot's description.
+    #[default]
+    Declared,
+    /// Unknown: found from the data.
+    Free,
+}
+
+/// Compliance of links as beams.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkCompliance {
+    /// The joints in front of the links; all with a link of some length when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<JointId>>,
+    /// Which stiffnesses are told apart.
+    #[serde(default)]
+    pub section: Section,
+    /// Where the links' own weight comes from.
+    #[serde(default)]
+    pub own_weight: OwnWeight,
+}
+
+/// Links shorter than this share of the arm are rigid unless they are asked for.
+const SHORT: f64 = 0.03;
+/// EI / GJ of a round tube: 1 + ν.
+const TUBE: f64 = 1.3;
+
+impl LinkCompliance {
+    /// Of the link behind one joint.
+    pub fn of(joint: JointId) -> Self {
+        LinkCompliance { joints: Some(vec![joint]), ..LinkCompliance::default() }
+    }
+
+    fn for_each_joint(&self, chain: &Chain, mut each: impl FnMut(JointId)) {
+        match &self.joints {
+            Some(joints) => joints.iter().for_each(|&joint| each(joint)),
+            None => {
+                let short = SHORT * chain.characteristic_length();
+                chain.movable().iter().filter(|&&j| chain.link_length(j) > short).for_each(|&j| each(j));
+            }
+        }
+    }
+
+    fn planes(&self) -> usize {
+        if self.section == Section::General { 2 } else { 1 }
+    }
+
+    fn width(&self) -> usize {
+        let stiffnesses = self.planes() + usize::from(self.section != Section::Tube);
+        stiffnesses + if self.own_weight == OwnWeight::Free { 2 * self.planes() } else { 0 }
+    }
+
+    /// Displacement and rotation of the tip by each plane in turn.
+    fn bend(
+        &self,
+        beam: &Beam,
+        axis: &Vector3<f64>,
+        mut each: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
+    ) {
+        if self.section == Section::General {
+            let (sag, slope) = beam.bent_about(axis);
+            each(0, sag, slope);
+            let (sag, slope) = beam.bent_about(&beam.along().cross(axis));
+            each(1, sag, slope);
+        } else {
+            let (sag, slope) = beam.bent();
+            each(0, sag, slope);
+        }
+    }
+}
+
+impl Effect for LinkCompliance {
+    const KIND: &'static str = "link_compliance";
+    const ABOUT: &'static str =
+        "a link bends and twists under the wrench at its tip and under its own weight";
+
+    fn columns(&self, chain: &Chain) -> Vec<Column> {
+        let mut columns = Vec::new();
+        self.for_each_joint(chain, |joint| {
+            let name = &chain.joint(joint).name;
+            // A tip force of 500 N makes it sag by a thousandth of its length.
+            let expected = 6e-6 / chain.link_length(joint).max(0.01).powi(2);
+            let planes: &[&str] =
+                if self.section == Section::General { &[" about its axis", " sideways"] } else { &[""] };
+            let mut add = |name: String, unit: &str, scale: f64| columns.push(Column::new(name, unit, scale));
+            for plane in planes {
+                add(format!("bending {name}{plane}"), "1/(N*m^2)", expected);
+            }
+            if self.section != Section::Tube {
+                add(format!("twist {name}"), "1/(N*m^2)", TUBE * expected);
+            }
+            if self.own_weight == OwnWeight::Free {
+                for what in ["own weight", "weight beyond"] {
+                    for plane in planes {
+                        add(format!("{what} {name}{plane}"), "kg/(N*m^2)", 50.0 * expected);
+                    }
+                }
+            }
+        });
+        columns
+    }
+
+    fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        let chain = at.chain();
+        let gravity = chain.gravity_in_measurement_frame();
+        let (planes, width) = (self.planes(), self.width());
+        let mut first = 0;
+        self.for_each_joint(chain, |joint| {
+            let column = first;
+            first += width;
+            let span = at.span(joint);
+            let way = span.tip - span.root;
+            let Some(bare) = Beam::new(&way) else { return };
+            let frame = chain.frame_after(joint);
+            let home = at.frame(frame);
+            let lever = span.tip - home.translation;
+            let mut put = |column: usize, sag: Vector3<f64>, turn: Vector3<f64>| {
+                let shift = home.rotation.tr_mul(&(sag - turn.cross(&lever)));
+                let turn = home.rotation.tr_mul(&turn);
+                for axis in Axis::ALL {
+                    let part = if axis.is_rotation() { turn } else { shift };
+                    out.push(column, Site::Frame(frame, axis), part[axis.direction()]);
+                }
+            };
+
+            let mut loaded = bare.with_tip(&at.tip_wrench(&span));
+            if self.own_weight == OwnWeight::Declared {
+                let last = span.next.map_or(chain.joints().len(), |next| next.0 - 1);
+                for part in joint.0..=last {
+                    if let Some(link) = &chain.joint(JointId(part)).link {
+                        let centre = at.frame(chain.frame_after(JointId(part))).apply(&link.com) - span.root;
+                        loaded = loaded.with_mass(link.mass, &centre, &gravity);
+                    }
+                }
+            }
+            let axis = across(&way, joint, span.next, at);
+            let twist = loaded.twisted();
+            self.bend(&loaded, &axis, |plane, sag, slope| {
+                let tied = if self.section == Section::Tube { twist * TUBE } else { Vector3::zeros() };
+                put(column + plane, sag, slope + tied);
+            });
+            let mut column = column + planes;
+            if self.section != Section::Tube {
+                put(column, Vector3::zeros(), twist);
+                column += 1;
+            }
+            if self.own_weight == OwnWeight::Free {
+                let own = bare.with_mass(1.0, &(way / 2.0), &gravity);
+                let beyond = bare.with_tip(&Wrench { force: gravity, moment: Vector3::zeros() });
+                self.bend(&own, &axis, |plane, sag, slope| put(column + plane, sag, slope));
+                self.bend(&beyond, &axis, |plane, sag, slope| put(column + planes + plane, sag, slope));
+            }
+        });
+    }
+
+    fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
+        for &joint in self.joints.iter().flatten() {
+            joint_moves(Self::KIND, joint, chain)?;
+            if chain.link_length(joint) < 1e-6 {
+                let name = &chain.joint(joint).name;
+                let reason = format!("the link behind joint `{name}` has no length, so that it cannot bend");
+                return Err(ModelError::Parameters { kind: Self::KIND.into(), reason });
+            }
+        }
+        listed_once(Self::KIND, self.joints.as_deref().unwrap_or_default(), chain)
+    }
+}
+
+/// A unit vector across the link about which it bends first: its joint's axis, or the next one's where the link lies
+/// along its own axis, made square to the link.
+fn across(way: &Vector3<f64>, joint: JointId, next: Option<JointId>, at: &Posture<'_>) -> Vector3<f64> {
+    let along = way.normalize();
+    let axes = [Some(joint), next].into_iter().flatten().filter_map(|j| {
+        at.chain().joint_motion(j).map(|motion| at.frame(motion.frame).rotation * motion.axis)
+    });
+    let own = at.frame(at.chain().frame_after(joint)).rotation;
+    let any = (0..3).map(|k| own.column(k).into_owned());
+    // One of three perpendicular axes is always far from the link's.
+    axes.chain(any)
+        .map(|axis| axis - along * along.dot(&axis))
+        .find(|square| square.norm() > 0.3)
+        .map_or(along, |square| square.normalize())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,206 @@
+//! The fit: reduce, solve, re-linearise at the exact robot, until nothing moves (Eq. 18–19, and beyond).
+//!
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | c | coefficients of the model | p | each its own |
+//! | β | grouped errors, c = B β | r | as the kept column |
+//! | A | whitened design matrix at c | m × p | 1 per unit |
+//! | r | whitened y − y(c) | m | 1 |
+//!
+//! | W | prior, see [`crate::Prior`] | r × r | 1 per unit |
+//!
+//! Each round solves `min ‖A B β − (r + A c)‖² + ‖W β‖²` for the grouped errors themselves, not for their change: so a
+//! solver with bounds means the errors. The second term leaves alone what the data determines, and keeps directions
+//! that it hardly excites from running away: the posterior standard deviation of a direction is never above its
+//! prior one (statistics 6.1). A step that makes things worse is halved. The first round alone, without a
+//! prior, is the paper's linear fit.
+
+mod rounds;
+
+use crate::reduction::{Reduction, reduce};
+use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
+use rounds::State;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits};
+use truepose_solvers::accumulator::Factor;
+use truepose_solvers::{RankRule, Solution, Solver};
+
+/// How to fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitOptions {
+    /// Re-linearise until nothing moves; otherwise the paper's single linear step.
+    pub refine: bool,
+    /// Rounds at most.
+    pub max_rounds: usize,
+    /// How ranks are decided.
+    pub rank: RankRule,
+    /// How strongly coefficients are held to their expected sizes.
+    pub prior: PriorStrength,
+    /// Where standard deviations come from.
+    pub noise: NoiseSource,
+}
+
+/// Where the standard deviations of the rows come from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NoiseSource {
+    /// From the residuals, on top of what the instrument states.
+    Estimate,
+    /// Given.
+    Fixed(NoiseModel),
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        FitOptions {
+            refine: true,
+            max_rounds: 500,
+            rank: RankRule::Default,
+            prior: PriorStrength::Evidence,
+            noise: NoiseSource::Estimate,
+        }
+    }
+}
+
+impl FitOptions {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// Names the option that is out of its range.
+    pub fn validate(&self) -> Result<(), IdentifyError> {
+        self.rank.validate()?;
+        if let PriorStrength::Fixed(kappa) = self.prior
+            && !(kappa.is_finite() && kappa > 0.0)
+        {
+            return Err(IdentifyError::Option { option: "prior", value: kappa, expected: "above 0" });
+        }
+        if self.max_rounds == 0 {
+            return Err(IdentifyError::Option { option: "max_rounds", value: 0.0, expected: "at least 1" });
+        }
+        Ok(())
+    }
+}
+
+/// A fitted model and everything that is known about the fit.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model with its coefficients and their covariance.
+    pub fitted: FittedModel,
+    /// What was reduced away, and what each kept coefficient stands for.
+    pub reduction: Reduction,
+    /// Standard deviations, given or estimated.
+    pub noise: NoiseModel,
+    /// Residuals on the data of the fit.
+    pub residuals: Residuals,
+    /// Whitened triangular factor of `[A B | r + A c]` at the solution: the small problem that says it all.
+    pub factor: Factor,
+    /// The prior on the grouped errors, with the κ that was used.
+    pub prior: Prior,
+    /// Rounds that were taken.
+    pub rounds: usize,
+    /// Whether the last round moved nothing any more.
+    pub converged: bool,
+    /// Measured numbers m.
+    pub observations: usize,
+    /// Sum of whitened squares at the solution.
+    pub chi_square: f64,
+    /// What the solver said last.
+    pub solution: Solution,
+    /// Things that a user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Something that a user should know about a fit.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The singular values show no clear gap where the rank was cut.
+    UnclearRank {
+        /// Of all postures within the limits, or of this data.
+        structural: bool,
+        /// Smallest value kept over largest value dropped.
+        gap: f64,
+    },
+    /// Fewer measured numbers than unknowns: some were set to zero.
+    FewerRowsThanUnknowns {
+        /// Measured numbers.
+        observations: usize,
+        /// Unknowns before the reduction.
+        unknowns: usize,
+    },
+    /// The rounds ended before nothing moved any more.
+    NotConverged {
+        /// How many were taken.
+        rounds: usize,
+    },
+    /// An unknown that is no constant error has no effect on anything in this data (no load, a channel that never moves).
+    NoEffect {
+        /// The column's name.
+        column: String,
+    },
+    /// As many unknowns as numbers: the residual says nothing about the accuracy.
+    NoRedundancy,
+}
+
+impl Fit {
+    /// Degrees of freedom m − r, at least one.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.observations.saturating_sub(self.reduction.rank()).max(1)
+    }
+
+    /// Half width of the 95 % interval of each coefficient of the model, in its unit; zero for dropped ones.
+    pub fn half_widths(&self) -> Vec<f64> {
+        let quantile = student_quantile(0.975, self.degrees_of_freedom());
+        let covariance = self.fitted.covariance();
+        (0..covariance.nrows()).map(|k| quantile * covariance[(k, k)].max(0.0).sqrt()).collect()
+    }
+
+    /// Statistics of the 3-D position error on the data of the fit, m.
+    pub fn positions(&self) -> Spread {
+        self.residuals.positions()
+    }
+}
+
+/// Quantile of Student's t.
+pub fn student_quantile(probability: f64, freedom: usize) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom as f64).map_or(1.96, |t| t.inverse_cdf(probability))
+}
+
+/// Fits a model to data.
+///
+/// # Errors
+/// When the data does not fit the model, nothing was measured, or the solver refuses.
+pub fn fit(
+    model: &ErrorModel,
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &FitOptions,
+) -> Result<Fit, IdentifyError> {
+    let visits = Visits::of(data);
+    let mut state = State::new(model, data, &visits, solver, options)?;
+    let factor = state.linearise()?;
+    let reduction = reduce(model, data, &factor, options.rank)?;
+    state.prior = Prior::new(model, &reduction, options.prior);
+    let outcome = state.rounds(&reduction, factor)?;
+    state.finish(reduction, outcome)
+}
+
+/// Fits with a reduction and a prior that are already known; nothing about the structure is decided again.
+///
+/// # Errors
+/// As [`fit`].
+pub fn refit(
+    model: &ErrorModel,
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &FitOptions,
+    reduction: &Reduction,
+    prior: &Prior,
+) -> Result<Fit, IdentifyError> {
+    let visits = Visits::of(data);
+    let mut state = State::new(model, data, &visits, solver, options)?;
+    state.prior = prior.clone();
+    state.options.prior = PriorStrength::Fixed(prior.kappa);
+    let factor = state.linearise()?;
+    let outcome = state.rounds(reduction, factor)?;
+    state.finish(reduction.clone(), outcome)
+}

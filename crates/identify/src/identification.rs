@@ -1,0 +1,190 @@
+//! The whole of an identification: placement, what the frames alone explain, the declared model, and how far to trust it.
+
+use crate::{
+    Advice, CrossValidation, Fit, FitOptions, Folds, IdentifyError, Method, Observability, Placement,
+    Repeats, Residuals, Split, cross_validate, excitation, fit, hold_out, observability, place, repeats,
+};
+use nalgebra::DMatrix;
+use truepose_errormodel::effects::{Geometric, Where};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Visits};
+use truepose_kinematics::{Chain, FrameId};
+use truepose_solvers::Solver;
+
+/// What to do besides fitting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentificationOptions {
+    /// How to fit.
+    pub fit: FitOptions,
+    /// How to cross-validate; not at all when absent.
+    pub split: Option<Split>,
+    /// How often a random split is drawn again (with the following seeds); at least 1.
+    pub repeats: usize,
+    /// A share of the configurations that is drawn first, takes part in nothing and judges the result; the model is
+    /// then fitted again on all rows with its structure frozen.
+    pub holdout: Option<f64>,
+    /// Seed of that draw.
+    pub seed: u64,
+}
+
+impl Default for IdentificationOptions {
+    fn default() -> Self {
+        IdentificationOptions {
+            fit: FitOptions::default(),
+            split: Some(Split::Random { folds: 5, seed: 0 }),
+            repeats: 1,
+            holdout: None,
+            seed: 0,
+        }
+    }
+}
+
+/// A model and its errors, on the data it was made from and on data that it did not see.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Residuals on the data of the fit.
+    pub train: Residuals,
+    /// Cross-validated residuals.
+    pub held_out: Option<CrossValidation>,
+}
+
+/// Everything that an identification found.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// Where base, tool and targets were found, if they were looked for.
+    pub placement: Placement,
+    /// Residuals of the robot as described; none when its placement had to be found.
+    pub nominal: Option<Residuals>,
+    /// With errors of base and tool alone: what a good set-up of the instrument explains.
+    pub frames_only: Stage,
+    /// With the declared model.
+    pub declared: Stage,
+    /// Held-out RMS of the declared model for each repetition of a random split, m; the first is that of `declared`.
+    pub repeated: Vec<f64>,
+    /// The fit of the declared model.
+    pub fit: Fit,
+    /// Residuals on the configurations that were drawn out first: (frames only, declared model).
+    pub locked: Option<(Residuals, Residuals)>,
+    /// Pure error from repeated visits.
+    pub repeats: Option<Repeats>,
+    /// Observability indices of the data.
+    pub observability: Observability,
+    /// Directions that the data leaves weak, and which joints would help.
+    pub weak: (usize, Vec<Advice>),
+}
+
+/// Where an identification is, for a progress bar.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// Looking for base, tool and targets.
+    Placing,
+    /// Fitting the frames alone.
+    FramesOnly,
+    /// Fitting the declared model.
+    Fitting,
+    /// Cross-validating.
+    Validating,
+    /// Judging repeats, observability and excitation.
+    Judging,
+}
+
+impl Step {
+    /// All of them, in order.
+    pub const ALL: [Step; 5] =
+        [Step::Placing, Step::FramesOnly, Step::Fitting, Step::Validating, Step::Judging];
+}
+
+/// Identifies a robot from data: places it, fits what is declared, and judges the result.
+///
+/// `effects` are made for `chain`; they do not depend on where base, tool and targets are.
+///
+/// # Errors
+/// When the model does not fit the data, nothing was measured, or a solver refuses.
+pub fn identify(
+    chain: &Chain,
+    effects: &[Box<dyn AnyEffect>],
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &IdentificationOptions,
+    progress: &dyn Fn(Step),
+) -> Result<Identification, IdentifyError> {
+    let (train_rows, held_rows) = match options.holdout {
+        Some(share) => hold_out(data, share, options.seed)?,
+        None => ((0..data.len()).collect(), Vec::new()),
+    };
+    let selected;
+    let train = if held_rows.is_empty() {
+        data
+    } else {
+        selected = data.select(&train_rows);
+        &selected
+    };
+    progress(Step::Placing);
+    let placement = place(chain, train)?;
+    let placed = &placement.chain;
+    progress(Step::FramesOnly);
+    let nominal = if placement.found.is_empty() { Some(nominal_residuals(placed, train)?) } else { None };
+    let frames_model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
+    let frames_fit = fit(&frames_model, train, solver, &options.fit)?;
+    progress(Step::Fitting);
+    let model = ErrorModel::new(placed.clone(), effects.to_vec())?;
+    let mut declared_fit = fit(&model, train, solver, &options.fit)?;
+    progress(Step::Validating);
+    let folds = match &options.split {
+        Some(split) => Some(Folds::new(train, split)?),
+        None => None,
+    };
+    let validated = |fit: &Fit| match &folds {
+        Some(folds) => cross_validate(fit, train, folds, solver, Method::Auto).map(Some),
+        None => Ok(None),
+    };
+    let frames_only = Stage { held_out: validated(&frames_fit)?, train: frames_fit.residuals.clone() };
+    let declared = Stage { held_out: validated(&declared_fit)?, train: declared_fit.residuals.clone() };
+    let mut repeated: Vec<f64> = declared.held_out.iter().map(|cv| cv.residuals.positions().rms).collect();
+    if let Some(Split::Random { folds, seed }) = options.split {
+        for more in 1..options.repeats as u64 {
+            let folds = Folds::new(train, &Split::Random { folds, seed: seed + more })?;
+            let again = cross_validate(&declared_fit, train, &folds, solver, Method::Auto)?;
+            repeated.push(again.residuals.positions().rms);
+        }
+    }
+    progress(Step::Judging);
+    let pure = repeats(&declared_fit, train);
+    let weak = excitation(&declared_fit, train)?;
+    let observability = observability(&declared_fit, Visits::of(train).len())?;
+    let mut locked = None;
+    if !held_rows.is_empty() {
+        let held = data.select(&held_rows);
+        locked =
+            Some((Residuals::of(&frames_fit.fitted, &held)?, Residuals::of(&declared_fit.fitted, &held)?));
+        let frozen =
+            crate::FitOptions { noise: crate::NoiseSource::Fixed(declared_fit.noise), ..options.fit.clone() };
+        declared_fit =
+            crate::refit(&model, data, solver, &frozen, &declared_fit.reduction, &declared_fit.prior)?;
+    }
+    Ok(Identification {
+        placement,
+        nominal,
+        frames_only,
+        declared,
+        repeated,
+        fit: declared_fit,
+        locked,
+        repeats: pure,
+        observability,
+        weak,
+    })
+}
+
+/// Errors of the base, the tool and the targets: what says where instrument and targets are, and nothing about the arm.
+fn frames_only(chain: &Chain) -> Geometric {
+    let mut frames = vec![Where::Frame(FrameId::BASE), Where::Frame(chain.tool_frame())];
+    if !chain.targets().is_empty() {
+        frames.push(Where::Targets(truepose_errormodel::effects::AllTargets::All));
+    }
+    Geometric { frames: Some(frames), components: None }
+}
+
+fn nominal_residuals(chain: &Chain, data: &Dataset) -> Result<Residuals, IdentifyError> {
+    let bare = ErrorModel::new(chain.clone(), Vec::new())?;
+    Residuals::of(&FittedModel::new(bare, Vec::new(), DMatrix::zeros(0, 0))?, data)
+}

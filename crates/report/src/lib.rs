@@ -1,0 +1,15 @@
+#![doc = include_str!("../README.md")]
+
+mod comparison;
+mod identification;
+mod layout;
+mod spread;
+mod words;
+
+pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
+pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
+pub use layout::{Alignment, table};
+pub use spread::{PositionSpread, RotationSpread};
+pub use words::{
+    advice_words, count, millimetres, milliradians, significant, value_with_interval, warning_words,
+};
