@@ -27,6 +27,11 @@ impl Emission {
         Emission::default()
     }
 
+    /// With memory for so many entries, so that pushing them does not allocate.
+    pub fn with_capacity(entries: usize) -> Self {
+        Emission { entries: Vec::with_capacity(entries), first_column: 0 }
+    }
+
     /// Forgets all entries and keeps the memory.
     pub fn clear(&mut self) {
         self.entries.clear();

@@ -121,9 +121,15 @@ impl<'m> BoundModel<'m> {
     /// Φ at a nominal posture: replaces what `out` holds.
     pub fn emit(&self, at: &Posture<'_>, out: &mut Emission) {
         out.clear();
-        for (k, effect) in self.model.effects.iter().enumerate() {
-            out.start_at(self.model.first[k]);
-            effect.eval(&at.with_slots(&self.slots[self.first[k]..self.first[k + 1]]), out);
+        for k in 0..self.model.effects.len() {
+            self.emit_effect(k, at, out);
         }
+    }
+
+    /// What the k-th effect alone says at a nominal posture: adds to what `out` holds.
+    pub fn emit_effect(&self, k: usize, at: &Posture<'_>, out: &mut Emission) {
+        out.start_at(self.model.first[k]);
+        let slots = &self.slots[self.first[k]..self.first[k + 1]];
+        self.model.effects[k].eval(&at.with_slots(slots), out);
     }
 }

@@ -1,0 +1,113 @@
+//! Speed of commands: `cargo bench -p truepose-compensate --bench commands`. Totals are the thread's own time; single calls are
+//! on the wall, and on a busy machine the slowest of them are the scheduler's.
+//! An elastic 6R arm, random poses, from the nominal solution.
+
+#![allow(clippy::print_stdout)] // it is what a benchmark is for
+
+use std::hint::black_box;
+use std::time::Instant;
+use truepose_compensate::{Compensator, CompensatorOptions, Status};
+use truepose_errormodel::Schema;
+use truepose_kinematics::{Chain, Conditions, PostureBuffer, joint_jacobian, samples};
+
+#[path = "../tests/fits/mod.rs"]
+mod fits;
+
+const COUNT: usize = 100_000;
+
+fn main() {
+    for chain in [samples::heavy(), samples::ur10(), samples::seven()] {
+        for (words, tolerance) in [("0.1 µm", 1e-7), ("0.1 nm", 1e-10)] {
+            run(&chain, words, tolerance, true);
+        }
+        run(&chain, "0.1 µm", 1e-7, false);
+    }
+}
+
+/// Time that this thread ran, where the system tells it; else time on the wall.
+enum Clock {
+    Running(f64),
+    Wall(Instant),
+}
+
+impl Clock {
+    fn now() -> Self {
+        running().map_or_else(|| Clock::Wall(Instant::now()), Clock::Running)
+    }
+
+    fn seconds(&self) -> f64 {
+        match self {
+            Clock::Running(then) => running().map_or(f64::NAN, |now| now - then),
+            Clock::Wall(then) => then.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+fn running() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
+/// The smallest singular value of the joint Jacobian is above 0.05.
+fn regular(chain: &Chain, conditions: &Conditions) -> bool {
+    let mut buffer = PostureBuffer::new(chain);
+    let posture = buffer.update(chain, conditions);
+    let jacobian = joint_jacobian(&posture, &posture.tool().translation.clone());
+    let gram = &jacobian * jacobian.transpose();
+    gram.symmetric_eigenvalues().min() > 0.05 * 0.05
+}
+
+fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
+    let fit = fits::elastic(chain, 5);
+    let schema = Schema { load: true, ..Schema::default() };
+    let options = CompensatorOptions {
+        position_tolerance: tolerance,
+        orientation_tolerance: tolerance,
+        ..CompensatorOptions::default()
+    };
+    let mut compensator = Compensator::bind(&fit, &schema, options).expect("bound");
+    let mut draw = fits::Draw(1);
+    let count = if seeded { COUNT } else { COUNT / 10 };
+    let mut jobs = Vec::with_capacity(count);
+    while jobs.len() < count {
+        // Nominal poses, well away from singularities, as the peers' workload has them.
+        let conditions = Conditions::at(chain, &draw.joints(chain, 0.9));
+        if !regular(chain, &conditions) {
+            continue;
+        }
+        let loaded = jobs.len() % 2 == 1;
+        let conditions = if loaded { conditions.with_load(fits::load(chain)) } else { conditions };
+        jobs.push((fits::target_at(&chain.forward(&conditions.joints)), conditions));
+    }
+    let mut best = f64::INFINITY;
+    let mut singles = vec![0.0; count];
+    let (mut ok, mut rounds) = (0, 0);
+    for _ in 0..5 {
+        (ok, rounds) = (0, 0);
+        let begun = Clock::now();
+        for (wanted, conditions) in &jobs {
+            let seed = seeded.then_some(&conditions.joints[..]);
+            let command = black_box(compensator.command(wanted, conditions, seed));
+            ok += usize::from(command.status == Status::Ok);
+            rounds += command.rounds;
+        }
+        best = best.min(begun.seconds());
+    }
+    for ((wanted, conditions), single) in jobs.iter().zip(&mut singles) {
+        let seed = seeded.then_some(&conditions.joints[..]);
+        let begun = Instant::now();
+        black_box(compensator.command(wanted, conditions, seed));
+        *single = begun.elapsed().as_secs_f64();
+    }
+    singles.sort_by(f64::total_cmp);
+    println!(
+        "{:6} {words} {}: {:.3} s per 100 000, {ok} of {count} ok, {:.2} rounds; single calls: median {:.2} µs, 99.9 % {:.1} µs",
+        chain.name(),
+        if seeded { "from a seed " } else { "without seed" },
+        best * COUNT as f64 / count as f64,
+        rounds as f64 / count as f64,
+        1e6 * singles[count / 2],
+        1e6 * singles[count * 999 / 1000],
+    );
+}

@@ -1,0 +1,248 @@
+//! Accuracy over the workspace, before and after compensation.
+//!
+//! ```text
+//! before   |f_real(q_nominal) − x|        the robot commanded by its nominal description
+//! after    r_95 at the compensated command
+//! ```
+//!
+//! On a grid of positions q_nominal is the nominal inverse kinematics; on a grid of joints x is where the nominal
+//! robot is, and the band is taken there.
+
+use super::band::predicted_error;
+use crate::command::{Extrapolation, Status, Target, Values};
+use crate::{CompensateError, Compensator, CompensatorOptions};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use truepose_errormodel::{ErrorModel, FittedModel, Schema};
+use truepose_kinematics::{Conditions, TargetId};
+
+/// Where the map has its nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MapGrid {
+    /// So many values of every joint over its limits (a turn and a metre either way where it has none).
+    Joints {
+        /// Values of each joint.
+        points: usize,
+    },
+    /// Positions in a box of the measurement frame.
+    Positions {
+        /// Lower corner, m.
+        lower: Vector3<f64>,
+        /// Upper corner, m.
+        upper: Vector3<f64>,
+        /// Values of x, y and z.
+        points: [usize; 3],
+        /// Orientation of the tool; none leaves it to the search.
+        orientation: Option<Matrix3<f64>>,
+    },
+}
+
+/// What is mapped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapOptions {
+    /// The nodes.
+    pub grid: MapGrid,
+    /// Load, time, approach and channels (in the order of the fit's); joints are not read.
+    pub conditions: Conditions,
+    /// Which point; none is the tool's origin.
+    pub target: Option<TargetId>,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        MapOptions { grid: MapGrid::Joints { points: 5 }, conditions: Conditions::default(), target: None }
+    }
+}
+
+/// Most nodes of a map.
+const MOST_NODES: usize = 2_000_000;
+
+impl MapOptions {
+    /// Checks that the grid makes sense for a robot of so many joints.
+    ///
+    /// # Errors
+    /// [`CompensateError::Option`] for a grid without nodes, or with too many.
+    pub fn validate(&self, joints: usize) -> Result<(), CompensateError> {
+        let nodes = match &self.grid {
+            MapGrid::Joints { points } => (*points as f64).powi(joints as i32),
+            MapGrid::Positions { points, lower, upper, .. } => {
+                if !lower.iter().chain(upper).all(|v| v.is_finite()) {
+                    let need = "a box of finite numbers";
+                    return Err(CompensateError::Option { option: "grid", value: f64::NAN, need });
+                }
+                points.iter().map(|&p| p as f64).product()
+            }
+        };
+        if nodes < 1.0 || nodes > MOST_NODES as f64 {
+            return Err(CompensateError::Option {
+                option: "grid",
+                value: nodes,
+                need: "1 to 2 000 000 nodes",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// One node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapNode {
+    /// Where the point is to be, m, measurement frame.
+    pub position: Vector3<f64>,
+    /// The command there; for a grid of joints the nominal one.
+    pub joints: Values,
+    /// Whether it can be reached; nodes that are not `ok` have no figures (NaN).
+    pub status: Status,
+    /// Distance by which the uncompensated robot misses, m.
+    pub before: f64,
+    /// With 95 % the compensated robot misses by no more, m.
+    pub after_95: f64,
+    /// Whether the model was asked beyond what it was fitted on.
+    pub extrapolates: bool,
+}
+
+/// The map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AccuracyMap {
+    /// In the order of the grid, the last coordinate fastest.
+    pub nodes: Vec<MapNode>,
+}
+
+impl AccuracyMap {
+    /// Root of the mean square of the error before, m.
+    pub fn before_rms(&self) -> f64 {
+        let (sum, count) = self.reached().fold((0.0, 0.0), |(s, n), node| (s + node.before.powi(2), n + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
+    /// Largest error before, m.
+    pub fn before_max(&self) -> f64 {
+        self.reached().map(|node| node.before).fold(0.0, f64::max)
+    }
+
+    /// Largest band after, m.
+    pub fn after_95_max(&self) -> f64 {
+        self.reached().map(|node| node.after_95).fold(0.0, f64::max)
+    }
+
+    /// Share of the nodes that can be reached.
+    pub fn reachable(&self) -> f64 {
+        self.reached().count() as f64 / f64::max(self.nodes.len() as f64, 1.0)
+    }
+
+    fn reached(&self) -> impl Iterator<Item = &MapNode> {
+        self.nodes.iter().filter(|node| node.status == Status::Ok)
+    }
+}
+
+/// Maps a fitted model's accuracy.
+///
+/// # Errors
+/// When the options make no sense, or the conditions do not fit the model.
+pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<AccuracyMap, CompensateError> {
+    let chain = fitted.chain();
+    let n = chain.movable().len();
+    options.validate(n)?;
+    if options.target.is_some_and(|t| t.0 >= chain.targets().len()) {
+        let what = "target";
+        return Err(CompensateError::Conditions { what, have: chain.targets().len(), need: 1 });
+    }
+    let (schema, mut conditions) = everything(fitted, &options.conditions)?;
+    let mut predictor = fitted.bind(&schema)?;
+    let mut nodes = Vec::new();
+    match &options.grid {
+        MapGrid::Joints { points } => {
+            let ranges: Vec<(f64, f64)> = chain
+                .movable()
+                .iter()
+                .map(|&joint| {
+                    let widest = if chain.joint(joint).unit() == "m" { 1.0 } else { std::f64::consts::PI };
+                    let (lower, upper) = chain.joint(joint).limits.unwrap_or((-widest, widest));
+                    (lower.max(-1e3), upper.min(1e3))
+                })
+                .collect();
+            for index in 0..points.pow(n as u32) {
+                let mut rest = index;
+                for (k, &(lower, upper)) in ranges.iter().enumerate().rev() {
+                    conditions.joints[k] = lower + (upper - lower) * share(rest % points, *points);
+                    rest /= points;
+                }
+                let found = predicted_error(fitted, &mut predictor, &conditions, options.target);
+                let beyond = Extrapolation::of(&fitted.domain, &conditions.joints, &conditions, &[]);
+                nodes.push(MapNode {
+                    position: predictor.nominal(&conditions, options.target).translation,
+                    joints: Values::of(&conditions.joints),
+                    status: Status::Ok,
+                    before: found.displacement.norm(),
+                    after_95: found.measured_95,
+                    extrapolates: beyond.any(),
+                });
+            }
+        }
+        MapGrid::Positions { lower, upper, points, orientation } => {
+            let ideal_model = ErrorModel::new(chain.clone(), Vec::new())?;
+            let ideal = FittedModel::new(ideal_model, Vec::new(), DMatrix::zeros(0, 0))?;
+            let search = CompensatorOptions { position_tolerance: 1e-8, ..CompensatorOptions::default() };
+            let mut nominal = Compensator::bind(&ideal, &schema, search.clone())?;
+            let mut exact = Compensator::bind(fitted, &schema, search)?;
+            let mut seed: Option<Values> = None;
+            for index in 0..points.iter().product() {
+                let [_, ny, nz] = *points;
+                let at = [index / (ny * nz), index / nz % ny, index % nz];
+                let position =
+                    Vector3::from_fn(|k, _| lower[k] + (upper[k] - lower[k]) * share(at[k], points[k]));
+                let wanted = Target { position, orientation: *orientation, target: options.target };
+                let first = nominal.command(&wanted, &conditions, seed.as_deref());
+                let command = exact.command(&wanted, &conditions, Some(&first.joints));
+                let mut node = MapNode {
+                    position,
+                    joints: command.joints,
+                    status: command.status,
+                    before: f64::NAN,
+                    after_95: f64::NAN,
+                    extrapolates: command.extrapolation.any(),
+                };
+                if command.status == Status::Ok {
+                    conditions.joints.copy_from_slice(&first.joints);
+                    node.before =
+                        (predictor.predict(&conditions, options.target).translation - position).norm();
+                    conditions.joints.copy_from_slice(&command.joints);
+                    let found = predicted_error(fitted, &mut predictor, &conditions, options.target);
+                    node.after_95 = found.measured_95;
+                    seed = Some(command.joints);
+                }
+                nodes.push(node);
+            }
+        }
+    }
+    Ok(AccuracyMap { nodes })
+}
+
+/// A schema with every signal, and conditions that fit it and the robot.
+pub(crate) fn everything(
+    fitted: &FittedModel,
+    given: &Conditions,
+) -> Result<(Schema, Conditions), CompensateError> {
+    let n = fitted.chain().movable().len();
+    let schema = Schema { channels: fitted.channels.clone(), time: true, load: true, approach: true };
+    let mut conditions = given.clone();
+    conditions.joints.clear();
+    conditions.joints.resize(n, 0.0);
+    if conditions.approach.is_empty() {
+        conditions.approach = vec![0.0; n];
+    }
+    let lists = [
+        ("directions of approach", conditions.approach.len(), n),
+        ("channels", conditions.channels.len(), schema.channels.len()),
+    ];
+    for (what, have, need) in lists {
+        if have != need {
+            return Err(CompensateError::Conditions { what, have, need });
+        }
+    }
+    Ok((schema, conditions))
+}
+
+/// The k-th of so many places from 0 to 1; the middle when there is one.
+fn share(k: usize, of: usize) -> f64 {
+    if of < 2 { 0.5 } else { k as f64 / (of - 1) as f64 }
+}

@@ -1,0 +1,304 @@
+//! The robot boiled down to what moves: constants between motions are multiplied out once.
+//!
+//! ```text
+//! A_i(q) = pre_i · M(q) · post_i              M: a turn about, or a slide along, z
+//! T = C_0 M(q_1) C_1 M(q_2) … M(q_n) C_n      C_k = post E pre, with exact error matrices E
+//! J column k = [z_k × (p − o_k); z_k]  for a turn,  [z_k; 0]  for a slide
+//! ```
+//!
+//! | symbol | here | shape | unit | frame |
+//! | --- | --- | --- | --- | --- |
+//! | z_k, o_k | [`Reached::axes`], [`Reached::origins`] | 3 | 1, m | measurement: the *real* axis of joint k |
+//! | T | [`Reached::tool`] | pose | m | measurement |
+//! | ε | `errors` | 6 a frame | m, rad | frame i |
+//!
+//! An axis that is not z is turned to z by a constant rotation on either side. An `E_i` that never changes is part of
+//! the constants; only those that some effect moves are computed at run time.
+
+use crate::command::MOST;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use truepose_errormodel::error_matrix;
+use truepose_kinematics::{Chain, JointId, JointKind, Placement, Pose};
+
+/// One factor of T.
+#[derive(Debug, Clone)]
+enum Factor {
+    /// A constant, all neighbouring ones multiplied out.
+    Constant(Pose),
+    /// A constant translation.
+    Shift(Vector3<f64>),
+    /// The exact error matrix of a frame.
+    Errors(usize),
+    /// The next joint turns.
+    Turn,
+    /// The next joint slides.
+    Slide,
+}
+
+/// The factors of T in order.
+#[derive(Debug, Clone)]
+pub(crate) struct Arm {
+    factors: Vec<Factor>,
+    slides: [bool; MOST],
+    joints: usize,
+}
+
+/// Where the arm is at one configuration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reached {
+    pub tool: Pose,
+    pub axes: [Vector3<f64>; MOST],
+    pub origins: [Vector3<f64>; MOST],
+}
+
+impl Reached {
+    pub fn nowhere() -> Self {
+        Reached { tool: Pose::IDENTITY, axes: [Vector3::zeros(); MOST], origins: [Vector3::zeros(); MOST] }
+    }
+}
+
+impl Arm {
+    /// Of a robot with these generalized errors, six a frame, constant except at the frames that `moves` marks.
+    pub fn new(chain: &Chain, errors: &[f64], moves: &[bool]) -> Self {
+        let mut made = Factors { factors: Vec::new(), pending: chain.base().pose };
+        let mut slides = [false; MOST];
+        let mut joints = 0;
+        made.errors(0, errors, moves);
+        for (index, joint) in chain.joints().iter().enumerate() {
+            let (pre, post) = around_motion(chain, JointId(index + 1));
+            made.constant(&pre);
+            match joint.kind {
+                JointKind::Fixed => {}
+                JointKind::Revolute => {
+                    made.push(Factor::Turn);
+                    joints += 1;
+                }
+                JointKind::Prismatic => {
+                    made.push(Factor::Slide);
+                    if let Some(slot) = slides.get_mut(joints) {
+                        *slot = true;
+                    }
+                    joints += 1;
+                }
+            }
+            made.constant(&post);
+            made.errors(index + 1, errors, moves);
+        }
+        made.constant(&chain.tool().pose);
+        made.errors(chain.joints().len() + 1, errors, moves);
+        made.flush();
+        Arm { factors: made.factors, slides, joints: joints.min(MOST) }
+    }
+
+    /// Whether joint k slides.
+    pub fn slides(&self, k: usize) -> bool {
+        self.slides[k]
+    }
+
+    /// How many joints move.
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Moves there. `errors` are six a frame; those of frames that do not move are not read.
+    pub fn reach(&self, q: &[f64], errors: &[f64], out: &mut Reached) {
+        let mut rotation = Matrix3::identity();
+        let mut at = Vector3::zeros();
+        let mut k = 0;
+        for factor in &self.factors {
+            match factor {
+                Factor::Constant(pose) => {
+                    at += rotation * pose.translation;
+                    rotation *= pose.rotation;
+                }
+                Factor::Shift(by) => at += rotation * by,
+                Factor::Errors(frame) => {
+                    let e = &errors[6 * frame..6 * frame + 6];
+                    at += rotation * Vector3::new(e[0], e[1], e[2]);
+                    rotation *= error_rotation(e[3], e[4], e[5]);
+                }
+                Factor::Turn => {
+                    let (s, c) = q[k].sin_cos();
+                    let (x, y): (Vector3<f64>, Vector3<f64>) =
+                        (rotation.column(0).into(), rotation.column(1).into());
+                    out.axes[k] = rotation.column(2).into();
+                    out.origins[k] = at;
+                    rotation.set_column(0, &(x * c + y * s));
+                    rotation.set_column(1, &(y * c - x * s));
+                    k += 1;
+                }
+                Factor::Slide => {
+                    let z: Vector3<f64> = rotation.column(2).into();
+                    out.axes[k] = z;
+                    out.origins[k] = at;
+                    at += z * q[k];
+                    k += 1;
+                }
+            }
+        }
+        out.tool = Pose::new(rotation, at);
+    }
+}
+
+/// `pre` and `post` of a joint, so that its motion between them is about or along z.
+pub(crate) fn around_motion(chain: &Chain, id: JointId) -> (Pose, Pose) {
+    let joint = chain.joint(id);
+    let at_zero = joint.transform(0.0);
+    let along = |axis: Vector3<f64>| {
+        // Any rotation that takes z to the axis; the identity, exactly, when it is z.
+        let z = Vector3::z();
+        if axis == z {
+            Matrix3::identity()
+        } else {
+            Rotation3::rotation_between(&z, &axis)
+                .map_or(Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)), |r| r.into_inner())
+        }
+    };
+    match joint.placement {
+        _ if joint.kind == JointKind::Fixed => (at_zero, Pose::IDENTITY),
+        Placement::Dh { .. } => (Pose::IDENTITY, at_zero),
+        Placement::Mdh { .. } => (at_zero, Pose::IDENTITY),
+        Placement::Origin { axis, .. } => {
+            let turned = Pose::new(along(axis.into_inner()), Vector3::zeros());
+            (at_zero * turned, turned.inverse())
+        }
+    }
+}
+
+/// Factors while they are collected.
+struct Factors {
+    factors: Vec<Factor>,
+    pending: Pose,
+}
+
+impl Factors {
+    fn constant(&mut self, pose: &Pose) {
+        self.pending = self.pending * *pose;
+    }
+
+    fn errors(&mut self, frame: usize, errors: &[f64], moves: &[bool]) {
+        if moves.get(frame).copied().unwrap_or(false) {
+            self.push(Factor::Errors(frame));
+        } else if let Some(e) = errors.get(6 * frame..6 * frame + 6)
+            && e.iter().any(|&v| v != 0.0)
+        {
+            self.constant(&error_matrix(&std::array::from_fn(|k| e[k])));
+        }
+    }
+
+    fn push(&mut self, factor: Factor) {
+        self.flush();
+        self.factors.push(factor);
+    }
+
+    fn flush(&mut self) {
+        let pose = std::mem::take(&mut self.pending);
+        if pose.rotation != Matrix3::identity() {
+            self.factors.push(Factor::Constant(pose));
+        } else if pose.translation != Vector3::zeros() {
+            self.factors.push(Factor::Shift(pose.translation));
+        }
+    }
+}
+
+/// The rotation of `error_matrix`, with short series for the sines and cosines of small angles.
+fn error_rotation(rx: f64, ry: f64, rz: f64) -> Matrix3<f64> {
+    let (sx, cx) = sin_cos_small(rx);
+    let (sy, cy) = sin_cos_small(ry);
+    let (sz, cz) = sin_cos_small(rz);
+    Matrix3::new(
+        cy * cz,
+        sy * sx - cy * sz * cx,
+        sy * cx + cy * sz * sx,
+        sz,
+        cz * cx,
+        -cz * sx,
+        -sy * cz,
+        cy * sx + sy * sz * cx,
+        cy * cx - sy * sz * sx,
+    )
+}
+
+/// Sine and cosine; to the last digit below 0.03 rad by their series.
+fn sin_cos_small(x: f64) -> (f64, f64) {
+    if x.abs() < 0.03 {
+        let t = x * x;
+        let s = x * (1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0)));
+        let c = 1.0 - t / 2.0 * (1.0 - t / 12.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0)));
+        (s, c)
+    } else {
+        x.sin_cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_errormodel::{GeneralizedErrors, RealPosture};
+    use truepose_kinematics::{Conditions, PostureBuffer, joint_jacobian, samples};
+
+    fn draw(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    #[test]
+    fn stands_where_the_models_own_frames_say() {
+        let mut state = 7;
+        for chain in samples::all() {
+            for round in 0..12 {
+                let frames = chain.frames().len();
+                let moves: Vec<bool> = (0..frames).map(|_| round > 3 && draw(&mut state) > 0.0).collect();
+                let size = [0.0, 1e-4, 2e-2, 0.5][round % 4];
+                let errors: Vec<f64> = (0..6 * frames).map(|_| size * draw(&mut state)).collect();
+                let q: Vec<f64> = chain.movable().iter().map(|_| 2.0 * draw(&mut state)).collect();
+
+                let conditions = Conditions::at(&chain, &q);
+                let mut buffer = PostureBuffer::new(&chain);
+                let nominal = buffer.update(&chain, &conditions);
+                let mut generalized = GeneralizedErrors::zero(&chain);
+                for (index, &value) in errors.iter().enumerate() {
+                    generalized.add(chain.site_at(index), value);
+                }
+                let mut real = RealPosture::new(&chain);
+                real.update(&nominal, &generalized);
+
+                let mut at = Reached::nowhere();
+                Arm::new(&chain, &errors, &moves).reach(&q, &errors, &mut at);
+                assert!((at.tool.rotation - real.tool().rotation).amax() < 1e-14, "{}", chain.name());
+                assert!((at.tool.translation - real.tool().translation).amax() < 1e-14, "{}", chain.name());
+                if round == 0 {
+                    let jacobian = joint_jacobian(&nominal, &at.tool.translation);
+                    for k in 0..q.len() {
+                        let turn = jacobian.fixed_view::<3, 1>(3, k);
+                        let lever = if turn.norm() > 0.0 {
+                            at.axes[k].cross(&(at.tool.translation - at.origins[k]))
+                        } else {
+                            at.axes[k]
+                        };
+                        assert!((lever - jacobian.fixed_view::<3, 1>(0, k)).norm() < 1e-13);
+                        assert!(turn.norm() < 0.5 || (turn - at.axes[k]).norm() < 1e-14);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn constants_are_multiplied_out() {
+        let chain = samples::ur10();
+        let frames = chain.frames().len();
+        let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &vec![false; frames]);
+        assert_eq!(arm.factors.len(), 6 + 7);
+    }
+
+    #[test]
+    fn short_series_are_exact() {
+        for k in -300..=300 {
+            let x = f64::from(k) * 1e-4;
+            let (s, c) = sin_cos_small(x);
+            assert!((s - x.sin()).abs() <= f64::EPSILON * x.abs(), "{x}");
+            assert!((c - x.cos()).abs() <= f64::EPSILON, "{x}");
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What comes in is looked at once: everything behind this may rely on numbers and lengths.
+
+use super::Compensator;
+use crate::command::{Command, Extrapolation, MOST, Status, Target, Values};
+use crate::task::Task;
+use nalgebra::Matrix3;
+use truepose_kinematics::{Conditions, Load, Pose};
+
+impl Compensator<'_> {
+    /// Takes over load, time, channels and approach, and makes the task; none when something is no number or has
+    /// the wrong length. Directions of approach may be left out; channels too, if the model reads none.
+    pub(super) fn enter(
+        &mut self,
+        target: &Target,
+        conditions: &Conditions,
+        seed: Option<&[f64]>,
+    ) -> Option<Task> {
+        let chain = self.fitted.chain();
+        let n = chain.movable().len();
+        let finite = |list: &[f64]| list.iter().all(|v| v.is_finite());
+        if seed.is_some_and(|joints| joints.len() != n || !finite(joints)) {
+            return None;
+        }
+        if !finite(target.position.as_slice())
+            || target.target.is_some_and(|t| t.0 >= chain.targets().len())
+            || !load_is_finite(&conditions.load)
+            || !conditions.time.is_finite()
+        {
+            return None;
+        }
+        let rotation = match target.orientation {
+            None => None,
+            Some(r) => Some(orthonormal(&r)?),
+        };
+        self.conditions.load = conditions.load;
+        self.conditions.time = conditions.time;
+        match conditions.approach.len() {
+            0 => self.conditions.approach.fill(0.0),
+            given if given == n && finite(&conditions.approach) => {
+                self.conditions.approach.copy_from_slice(&conditions.approach);
+            }
+            _ => return None,
+        }
+        if conditions.channels.len() == self.conditions.channels.len() {
+            self.conditions.channels.copy_from_slice(&conditions.channels);
+        } else if !self.read.is_empty() {
+            return None;
+        }
+        if self.read.iter().any(|&(_, given)| !self.conditions.channels[given].is_finite()) {
+            return None;
+        }
+        Some(Task {
+            position: target.position,
+            rotation,
+            target: target.target,
+            length: self.length,
+            position_tolerance: self.options.position_tolerance,
+            orientation_tolerance: self.options.orientation_tolerance,
+        })
+    }
+
+    /// The answer to what cannot be asked: the seed, if it is one, within the limits; else the middle of the ranges.
+    pub(super) fn refused(&self, seed: Option<&[f64]>) -> Command {
+        let n = self.nominal.joints();
+        let sound = seed.filter(|joints| joints.len() == n && joints.iter().all(|q| q.is_finite()));
+        let x = match sound {
+            Some(joints) => self.seed(joints),
+            None => self.starts.middle(),
+        };
+        let mut joints = Values::zeros(n);
+        (0..n).for_each(|k| joints[k] = self.joint(k, x[k]));
+        Command {
+            joints,
+            status: Status::NotConverged,
+            position_error: f64::INFINITY,
+            orientation_error: f64::INFINITY,
+            rounds: 0,
+            extrapolation: Extrapolation::none(n, self.read.len()),
+            approach: Values::zeros(n),
+            approach_holds: false,
+        }
+    }
+
+    /// True when a straight move from the seed arrives from another side than the one computed for.
+    pub(super) fn sides_differ(&self, seed: &[f64; MOST], x: &[f64; MOST]) -> bool {
+        self.conditions.approach.iter().enumerate().any(|(k, &side)| {
+            let coming = side_of(x[k] - seed[k]);
+            coming != 0 && coming != side_of(side)
+        })
+    }
+
+    /// Arrives as a straight move from the seed does; a joint that stays keeps its side.
+    pub(super) fn take_sides(&mut self, seed: &[f64; MOST], x: &[f64; MOST]) {
+        for (k, side) in self.conditions.approach.iter_mut().enumerate() {
+            let coming = side_of(x[k] - seed[k]);
+            if coming != 0 {
+                *side = f64::from(coming);
+            }
+        }
+    }
+}
+
+/// −1, 0 or +1; below a nanoradian a joint stays.
+fn side_of(way: f64) -> i8 {
+    if way > 1e-9 {
+        1
+    } else if way < -1e-9 {
+        -1
+    } else {
+        0
+    }
+}
+
+fn load_is_finite(load: &Load) -> bool {
+    match load {
+        Load::None => true,
+        Load::Payload(p) => p.mass.is_finite() && p.com.iter().all(|v| v.is_finite()),
+        Load::Wrench(w) => w.force.iter().chain(&w.moment).all(|v| v.is_finite()),
+    }
+}
+
+/// A rotation, made exact; none when it is none to six digits.
+fn orthonormal(r: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let off = (r.transpose() * r - Matrix3::identity()).amax();
+    let proper = off < 1e-6 && r.determinant() > 0.0;
+    proper.then(|| Pose::new(*r, nalgebra::Vector3::zeros()).renormalised().rotation)
+}

@@ -1,0 +1,88 @@
+//! What can be wrong before the first command.
+
+use thiserror::Error;
+use truepose_errormodel::ModelError;
+use truepose_kinematics::ChainError;
+
+/// A model that cannot be compensated, mapped or exported as asked.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CompensateError {
+    /// The model does not fit the signals that the controller has.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A robot with more joints than a command has room for.
+    #[error("the robot has {have} movable joints; commands have room for {most}")]
+    TooManyJoints {
+        /// Movable joints of the robot.
+        have: usize,
+        /// Room in a command.
+        most: usize,
+    },
+    /// A model that reads more channels than a command can report on.
+    #[error("the model reads {have} channels; commands have room for {most}")]
+    TooManyChannels {
+        /// Channels that the model reads.
+        have: usize,
+        /// Room in a command.
+        most: usize,
+    },
+    /// An option that makes no sense.
+    #[error("the option `{option}` is {value}; it has to be {need}")]
+    Option {
+        /// Which option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it has to be.
+        need: &'static str,
+    },
+    /// A coefficient that is not a number.
+    #[error("coefficient `{name}` of the fit is not a finite number")]
+    NotFinite {
+        /// The column's name.
+        name: String,
+    },
+    /// Conditions that do not fit the model's channels or the robot's joints.
+    #[error("the conditions have {have} {what}; {need} are needed")]
+    Conditions {
+        /// Which list.
+        what: &'static str,
+        /// Its length.
+        have: usize,
+        /// The length it should have.
+        need: usize,
+    },
+    /// Two axes so near to parallel that the common normal between them lies nowhere sensible.
+    #[error(
+        "joints `{first}` and `{second}` are parallel to {angle_rad:.1e} rad, where a table of Denavit and Hartenberg \
+         would need an offset of {offset_m:.1} m; allow Hayati's parameter, or export joint origins"
+    )]
+    ParallelAxes {
+        /// The joint in front.
+        first: String,
+        /// The joint behind it.
+        second: String,
+        /// Angle between their axes, rad.
+        angle_rad: f64,
+        /// The offset that would stand in the table, m.
+        offset_m: f64,
+    },
+    /// A length in a table that no robot of this size has.
+    #[error(
+        "joint `{joint}` would get {what} = {value_m:.1} m on a robot of {size_m:.1} m; export joint origins instead"
+    )]
+    AbsurdLength {
+        /// The joint.
+        joint: String,
+        /// `a` or `d`.
+        what: &'static str,
+        /// The value, m.
+        value_m: f64,
+        /// The robot's characteristic length, m.
+        size_m: f64,
+    },
+    /// Corrected geometry that describes no robot.
+    #[error("the corrected geometry is no robot: {0}")]
+    Geometry(#[from] ChainError),
+}

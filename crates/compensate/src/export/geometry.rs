@@ -1,0 +1,108 @@
+//! The robot with its constant errors worked into its geometry.
+//!
+//! ```text
+//! A_i = pre_i M(q_i) post_i
+//! origin of joint i+1 = post_i E_i pre_{i+1},    base' = B E_0,    tool' = post_n E_n tool E_tool,    target' = p + ε_p
+//! ```
+//!
+//! | symbol | here | shape | unit | frame |
+//! | --- | --- | --- | --- | --- |
+//! | pre, post | constants around a joint's motion | pose | m | frame i−1, frame i |
+//! | origin | `Placement::Origin` | pose | m | of the joint in the frame of the one before |
+//!
+//! Joints that were described by origin and axis keep their axis and the frame behind them, as a URDF has them; joints
+//! of a DH or MDH row become origin and axis z.
+
+use super::left::{ExportOptions, Exported, error_left, not_constant};
+use crate::CompensateError;
+use nalgebra::{Unit, Vector3};
+use truepose_errormodel::{Emission, FittedModel, GeneralizedErrors, error_matrix};
+use truepose_kinematics::{
+    Chain, Conditions, FrameId, Joint, JointId, JointKind, Placed, Placement, Pose, PostureBuffer, Target,
+    TargetId,
+};
+
+/// The nominal robot with corrected joint origins, base, tool and targets. Names, limits, masses and gravity stay.
+///
+/// # Errors
+/// When the conditions do not fit the model.
+pub fn corrected_chain(
+    fitted: &FittedModel,
+    options: &ExportOptions,
+) -> Result<Exported<Chain>, CompensateError> {
+    let chain = with_errors(fitted.chain(), &constant_errors(fitted)?)?;
+    let error_left = error_left(fitted, options, |joints| point(&chain, joints, options.target))?;
+    Ok(Exported { value: chain, left_out: not_constant(fitted), error_left })
+}
+
+pub(super) fn point(chain: &Chain, joints: &[f64], target: Option<TargetId>) -> Vector3<f64> {
+    let tool = chain.forward(joints);
+    let at = target.and_then(|t| chain.targets().get(t.0));
+    at.map_or(tool.translation, |target| tool.apply(&target.position))
+}
+
+/// The sum of all effects that are constant generalized errors and nothing else.
+pub(super) fn constant_errors(fitted: &FittedModel) -> Result<GeneralizedErrors, CompensateError> {
+    let model = fitted.model();
+    let chain = fitted.chain();
+    let conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
+    let mut buffer = PostureBuffer::new(chain);
+    let posture = buffer.update(chain, &conditions);
+    let mut errors = GeneralizedErrors::zero(chain);
+    let mut emission = Emission::new();
+    for (k, effect) in model.effects().iter().enumerate() {
+        let columns = model.columns_of(k);
+        if model.columns()[columns.clone()].iter().all(|c| c.site.is_some()) {
+            emission.clear();
+            effect.eval(&posture, &mut emission);
+            for entry in emission.entries() {
+                errors.add(entry.site, entry.value * fitted.coefficients()[columns.start + entry.column]);
+            }
+        }
+    }
+    Ok(errors)
+}
+
+/// A robot whose geometry has these errors in it.
+pub(super) fn with_errors(chain: &Chain, errors: &GeneralizedErrors) -> Result<Chain, CompensateError> {
+    let e = |frame: usize| error_matrix(&errors.frame(FrameId(frame)));
+    let mut joints: Vec<Joint> = Vec::new();
+    let mut before = Pose::IDENTITY;
+    for (index, joint) in chain.joints().iter().enumerate() {
+        let (pre, post, axis) = split(chain, JointId(index + 1));
+        let pose = before * pre;
+        let mut corrected = joint.clone();
+        corrected.placement = Placement::Origin { pose, axis };
+        if let Some(link) = &mut corrected.link {
+            // Its centre stays where it was in the frame behind the joint, which for a DH row has moved to its front.
+            link.com = post.apply(&link.com);
+        }
+        joints.push(corrected);
+        before = post * e(index + 1);
+    }
+    let n = chain.joints().len();
+    let base = Placed { pose: chain.base().pose * e(0), known: chain.base().known };
+    let tool = Placed { pose: before * chain.tool().pose * e(n + 1), known: chain.tool().known };
+    let targets = chain.targets().iter().enumerate().map(|(k, target)| Target {
+        position: target.position + errors.target(TargetId(k)),
+        ..target.clone()
+    });
+    Ok(Chain::new(chain.name(), joints)?
+        .with_base(base)?
+        .with_tool(tool)?
+        .with_gravity(*chain.gravity())?
+        .with_targets(targets.collect())?)
+}
+
+/// `pre`, `post` and axis of a joint, so that A(q) = pre · M(axis, q) · post.
+pub(super) fn split(chain: &Chain, id: JointId) -> (Pose, Pose, Unit<Vector3<f64>>) {
+    let joint = chain.joint(id);
+    let at_zero = joint.transform(0.0);
+    match joint.placement {
+        Placement::Origin { pose, axis } => (pose, Pose::IDENTITY, axis),
+        Placement::Dh { .. } if joint.kind != JointKind::Fixed => {
+            (Pose::IDENTITY, at_zero, Vector3::z_axis())
+        }
+        _ => (at_zero, Pose::IDENTITY, Vector3::z_axis()),
+    }
+}

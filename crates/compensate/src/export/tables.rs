@@ -1,0 +1,137 @@
+//! What depends on the joints as tables of component errors, one a joint, in the way of ISO 230-1.
+//!
+//! ```text
+//! ε(q) ≈ ε(q_0) + Σ_j [ ε(q_0 with q_j) − ε(q_0) ]
+//! ```
+//!
+//! | symbol | here | shape | unit | frame |
+//! | --- | --- | --- | --- | --- |
+//! | q_0 | `reference` | joints | rad, m | the middle of the ranges |
+//! | ε(q_0) | `constant` | sites | m, rad | each in its frame |
+//! | the bracket | [`ErrorTable`] | values × sites | m, rad | each in its frame |
+//!
+//! ISO 230-1 has six errors an axis (EXX, EYX, …, ECX for X), all of its own carriage; here a joint has a column for
+//! every component that moves with it, wherever it sits. What two joints do together is not in the sum: the error left
+//! says how much that is. Between the entries one interpolates linearly.
+
+use super::geometry::{point, with_errors};
+use super::left::{ExportOptions, Exported, error_left, ranges};
+use crate::CompensateError;
+use crate::accuracy::everything;
+use truepose_errormodel::{FittedModel, GeneralizedErrors};
+use truepose_kinematics::{Chain, JointId, Site};
+
+/// Errors that come with one joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorTable {
+    /// The joint.
+    pub joint: JointId,
+    /// Its values, ascending, rad or m.
+    pub at: Vec<f64>,
+    /// Which components move with it.
+    pub sites: Vec<Site>,
+    /// Change from the reference, one column a site, m or rad.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// The tables of all joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorTables {
+    /// The joints at which the constants hold, rad or m.
+    pub reference: Vec<f64>,
+    /// All errors at the reference, constant ones included; sites without an error are left out.
+    pub constant: Vec<(Site, f64)>,
+    /// One a joint with which anything moves.
+    pub tables: Vec<ErrorTable>,
+}
+
+impl ErrorTables {
+    /// The generalized errors at these joints, as the tables have them.
+    pub fn errors(&self, chain: &Chain, joints: &[f64]) -> GeneralizedErrors {
+        let mut errors = GeneralizedErrors::zero(chain);
+        for &(site, value) in &self.constant {
+            errors.add(site, value);
+        }
+        for table in &self.tables {
+            let q = chain.coordinate(table.joint).and_then(|k| joints.get(k)).copied().unwrap_or(0.0);
+            let above = table.at.partition_point(|&v| v <= q).clamp(1, table.at.len().max(2) - 1);
+            let (Some(&low), Some(&high)) = (table.at.get(above - 1), table.at.get(above)) else { continue };
+            let share = ((q - low) / (high - low)).clamp(0.0, 1.0);
+            for (&site, column) in table.sites.iter().zip(&table.columns) {
+                errors.add(site, column[above - 1] + share * (column[above] - column[above - 1]));
+            }
+        }
+        errors
+    }
+}
+
+/// A component that changes by less than this, m or rad, over a joint's whole range has no column.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// Tables with so many entries a joint.
+///
+/// # Errors
+/// When the conditions do not fit the model, or fewer than two or more than 100 000 entries are asked for.
+pub fn error_tables(
+    fitted: &FittedModel,
+    options: &ExportOptions,
+    entries: usize,
+) -> Result<Exported<ErrorTables>, CompensateError> {
+    if !(2..=100_000).contains(&entries) {
+        let value = entries as f64;
+        return Err(CompensateError::Option { option: "entries", value, need: "2 to 100 000" });
+    }
+    let chain = fitted.chain();
+    let (schema, mut conditions) = everything(fitted, &options.conditions)?;
+    let mut predictor = fitted.bind(&schema)?;
+    let ranges = ranges(fitted);
+    let reference: Vec<f64> = ranges.iter().map(|(lower, upper)| 0.5 * (lower + upper)).collect();
+    let all: Vec<Site> = (0..chain.site_count()).map(|k| chain.site_at(k)).collect();
+    conditions.joints.copy_from_slice(&reference);
+    let still = predictor.errors(&conditions).clone();
+    let constant =
+        all.iter().map(|&site| (site, still.get(site))).filter(|(_, value)| *value != 0.0).collect();
+    let mut tables = Vec::new();
+    for ((k, &joint), &(lower, upper)) in chain.movable().iter().enumerate().zip(&ranges) {
+        let at: Vec<f64> =
+            (0..entries).map(|i| lower + (upper - lower) * i as f64 / (entries - 1) as f64).collect();
+        let mut columns = vec![Vec::with_capacity(entries); all.len()];
+        for &q in &at {
+            conditions.joints[k] = q;
+            let moved = predictor.errors(&conditions);
+            for (column, &site) in columns.iter_mut().zip(&all) {
+                column.push(moved.get(site) - still.get(site));
+            }
+        }
+        conditions.joints[k] = reference[k];
+        let (sites, columns): (Vec<Site>, Vec<Vec<f64>>) = all
+            .iter()
+            .copied()
+            .zip(columns)
+            .filter(|(_, column)| column.iter().any(|v| v.abs() > NEGLIGIBLE))
+            .unzip();
+        if !sites.is_empty() {
+            tables.push(ErrorTable { joint, at, sites, columns });
+        }
+    }
+    let value = ErrorTables { reference, constant, tables };
+    let mut broken = None;
+    let left =
+        error_left(fitted, options, |joints| match with_errors(chain, &value.errors(chain, joints)) {
+            Ok(real) => point(&real, joints, options.target),
+            Err(error) => {
+                broken = Some(error);
+                nalgebra::Vector3::zeros()
+            }
+        })?;
+    if let Some(error) = broken {
+        return Err(error);
+    }
+    let mut left_out: Vec<&'static str> = Vec::new();
+    for effect in fitted.model().effects() {
+        if !effect.needs().is_empty() && !left_out.contains(&effect.kind()) {
+            left_out.push(effect.kind());
+        }
+    }
+    Ok(Exported { value, left_out, error_left: left })
+}

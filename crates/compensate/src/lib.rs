@@ -1,0 +1,28 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod accuracy;
+mod arm;
+mod command;
+mod compensator;
+mod error;
+mod export;
+mod options;
+mod position_first;
+mod real;
+mod search;
+mod starts;
+mod step;
+mod task;
+
+pub use accuracy::{
+    AccuracyMap, MapGrid, MapNode, MapOptions, PredictedError, accuracy_map, predicted_error, radius_95,
+};
+pub use command::{Command, Extrapolation, MOST, Status, Target, Values};
+pub use compensator::Compensator;
+pub use error::CompensateError;
+pub use export::{
+    AxisLink, AxisRow, AxisTable, AxisTableOptions, ErrorLeft, ErrorTable, ErrorTables, ExportOptions,
+    Exported, axis_table, corrected_chain, error_tables,
+};
+pub use options::{Approach, CompensatorOptions};

@@ -1,0 +1,133 @@
+//! The exact fitted model, evaluated as leanly as it goes.
+//!
+//! ```text
+//! ε(s) = ε_0 + Φ(s) c        ε_0: effects that are constant generalized errors and nothing else, summed once
+//! T(s) = C_0 M(q_1) C_1 …    see `arm`: only frames whose ε some effect moves are computed anew
+//! ```
+//!
+//! Φ is evaluated at the nominal posture of the command, as at fit time. The result is that of
+//! `Predictor::predict`, to round-off.
+
+use crate::arm::{Arm, Reached};
+use nalgebra::Vector3;
+use truepose_errormodel::{BoundModel, Emission, FittedModel, ModelError, Schema};
+use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId};
+
+/// The real robot of a fitted model.
+#[derive(Debug, Clone)]
+pub(crate) struct RealArm<'m> {
+    fitted: &'m FittedModel,
+    bound: BoundModel<'m>,
+    /// Effects that have to be asked at every posture.
+    moving: Vec<usize>,
+    /// ε_0, in the order of `Chain::site_index`.
+    constant: Vec<f64>,
+    errors: Vec<f64>,
+    moves: Vec<bool>,
+    /// Constants multiplied out at the frames that no effect moved when it was bound.
+    lean: Arm,
+    /// Every frame computed: for the posture at which an effect speaks of a frame that it had not spoken of before.
+    full: Arm,
+    posture: PostureBuffer,
+    emission: Emission,
+}
+
+impl<'m> RealArm<'m> {
+    pub fn bind(fitted: &'m FittedModel, schema: &Schema) -> Result<Self, ModelError> {
+        // For its check of the channels' units.
+        fitted.bind(schema)?;
+        let model = fitted.model();
+        let chain = fitted.chain();
+        let is_constant = |k: &usize| model.columns()[model.columns_of(*k)].iter().all(|c| c.site.is_some());
+        let (still, moving): (Vec<usize>, Vec<usize>) = (0..model.effects().len()).partition(is_constant);
+        let frames = chain.frames().len();
+        let moving_columns: usize = moving.iter().map(|&k| model.columns_of(k).len()).sum();
+        let mut arm = RealArm {
+            fitted,
+            bound: model.bind(schema)?,
+            moving,
+            constant: vec![0.0; chain.site_count()],
+            errors: vec![0.0; chain.site_count()],
+            moves: vec![false; frames],
+            lean: Arm::new(chain, &[], &[]),
+            full: Arm::new(chain, &[], &vec![true; frames]),
+            posture: PostureBuffer::new(chain),
+            // An effect speaks of a column at most once a component of two frames or so.
+            emission: Emission::with_capacity(12 * moving_columns.max(still.len())),
+        };
+        let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
+        conditions.channels = vec![0.0; schema.channels.len()];
+        let coefficients = fitted.coefficients();
+        {
+            let posture = arm.posture.update(chain, &conditions);
+            for &k in &still {
+                arm.bound.emit_effect(k, &posture, &mut arm.emission);
+            }
+            for entry in arm.emission.entries() {
+                arm.constant[chain.site_index(entry.site)] += entry.value * coefficients[entry.column];
+            }
+        }
+        // Which frames move: those of which the moving effects speak at a few postures, under load.
+        for round in 0..4_u32 {
+            for (k, q) in conditions.joints.iter_mut().enumerate() {
+                *q = 0.1 + 0.37 * f64::from(round) - 0.21 * k as f64;
+            }
+            let side = if round % 2 == 0 { 1.0 } else { -1.0 };
+            conditions.approach.iter_mut().for_each(|a| *a = side);
+            conditions.channels.iter_mut().for_each(|c| *c = 20.0 + side);
+            conditions.time = 1e4 * f64::from(round);
+            arm.emit(&conditions);
+            for entry in arm.emission.entries() {
+                if let Site::Frame(frame, _) = entry.site
+                    && coefficients[entry.column] != 0.0
+                {
+                    arm.moves[frame.0] = true;
+                }
+            }
+        }
+        arm.errors.copy_from_slice(&arm.constant);
+        arm.lean = Arm::new(chain, &arm.constant, &arm.moves);
+        Ok(arm)
+    }
+
+    /// Moves to these conditions.
+    pub fn reach(&mut self, conditions: &Conditions, out: &mut Reached) {
+        let mut surprised = false;
+        if !self.moving.is_empty() {
+            self.emit(conditions);
+            let chain = self.fitted.chain();
+            let coefficients = self.fitted.coefficients();
+            self.errors.copy_from_slice(&self.constant);
+            for entry in self.emission.entries() {
+                let coefficient = coefficients[entry.column];
+                if coefficient == 0.0 {
+                    continue;
+                }
+                if let Site::Frame(frame, _) = entry.site {
+                    surprised |= !self.moves[frame.0];
+                }
+                self.errors[chain.site_index(entry.site)] += entry.value * coefficient;
+            }
+        }
+        let arm = if surprised { &self.full } else { &self.lean };
+        arm.reach(&conditions.joints, &self.errors, out);
+    }
+
+    /// The real place of a target in the tool's axes at the conditions reached last, m.
+    pub fn point(&self, target: Option<TargetId>) -> Vector3<f64> {
+        let chain = self.fitted.chain();
+        target.map_or(Vector3::zeros(), |t| {
+            let at = 6 * chain.frames().len() + 3 * t.0;
+            let error = Vector3::new(self.errors[at], self.errors[at + 1], self.errors[at + 2]);
+            chain.targets()[t.0].position + error
+        })
+    }
+
+    fn emit(&mut self, conditions: &Conditions) {
+        let posture = self.posture.update(self.fitted.chain(), conditions);
+        self.emission.clear();
+        for &k in &self.moving {
+            self.bound.emit_effect(k, &posture, &mut self.emission);
+        }
+    }
+}
