@@ -1,6 +1,4 @@
-//! The program `truepose`: parse, one library call, print. Results go to stdout, the log to stderr.
-//!
-//! Exit codes: 0 done, 1 a criterion that was asked for is not met, 2 the input or the usage is wrong.
+#![doc = include_str!("../README.md")]
 
 mod args;
 mod failure;

@@ -1,4 +1,4 @@
-//! Benchmark studies: `cargo xtask study NAME`. Each prints its table and writes it, with its figures, to `target/studies`.
+#![doc = include_str!("../README.md")]
 
 mod pps;
 

@@ -6,13 +6,8 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::effects::Geometric;
-<<<<<<< HEAD
 use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Visits};
-use truepose_identify::{FitOptions, IdentificationOptions, Split, Step, identify};
-=======
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
 use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, identify};
->>>>>>> tests
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
 use truepose_report::{IdentificationSummary, millimetres};
 

@@ -8,12 +8,15 @@ use truepose_identify::PriorStrength;
 use truepose_kinematics::{Axis, Chain, FrameId, JointId};
 use truepose_solvers::SolverSpec;
 
+/// Effects, unless one of them does not fit the robot.
+type Declared = Result<Vec<Box<dyn AnyEffect>>, ModelError>;
+
 /// A declared model, and how it is fitted.
 pub struct Strategy {
     /// For the table.
     pub name: String,
     /// The declared effects.
-    pub effects: fn(&Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError>,
+    pub effects: fn(&Chain) -> Declared,
     /// How coefficients are held to their expected sizes.
     pub prior: PriorStrength,
     /// The solver.
@@ -38,16 +41,15 @@ pub fn strategies() -> Vec<Strategy> {
         strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
         strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
         strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
-        strategy("physics, evidence prior, huber(qr)", physics, Evidence, "huber(qr)"),
     ]
 }
 
-fn constant(_: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+fn constant(_: &Chain) -> Declared {
     Ok(vec![Box::new(Geometric::default())])
 }
 
 /// The paper's declared model: degree 3 in each slide and in theta, 1 in the small turns, one wrench component.
-fn polynomial(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+fn polynomial(chain: &Chain) -> Declared {
     let json = r#"{"degree": 3, "small": [5, 6], "wrench": ["fy"]}"#;
     let value = serde_json::from_str(json).unwrap_or_default();
     let targets: Geometric = serde_json::from_str(r#"{"frames": [0, 7, "targets"]}"#).unwrap_or_default();
@@ -55,7 +57,7 @@ fn polynomial(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
 }
 
 /// Every frame gives in proportion to each component of the wrench that it carries: six springs a frame.
-fn elastic(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+fn elastic(chain: &Chain) -> Declared {
     let mut effects = constant(chain)?;
     for frame in (0..=chain.joints().len()).map(FrameId) {
         for (component, axis) in Axis::ALL.into_iter().enumerate() {
@@ -72,7 +74,7 @@ fn elastic(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
 }
 
 /// The same, with rails that are not straight.
-fn physics(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
+fn physics(chain: &Chain) -> Declared {
     let mut effects = elastic(chain)?;
     for joint in 1..=3 {
         let rail: Guideway = serde_json::from_value(serde_json::json!({ "joint": joint }))
