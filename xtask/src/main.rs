@@ -24,6 +24,11 @@ enum Verb {
     Ci,
     /// Layers, file lengths, names, licences, READMEs: what neither rustc nor clippy looks at.
     Tidy,
+    /// A benchmark study, in release; leaves its table and figures in target/studies.
+    Study {
+        /// Which: pps.
+        name: String,
+    },
     /// All benchmarks.
     Bench {
         /// Passed on to the benchmarks, e.g. a filter.
@@ -47,6 +52,12 @@ fn run(verb: Verb) -> Result<()> {
     match verb {
         Verb::Ci => ci::run(&root),
         Verb::Tidy => tidy::run(&root),
+        Verb::Study { name } => finished(
+            Command::new("cargo")
+                .args(["run", "--release", "--package", "truepose-studies", "--bin", "study", "--"])
+                .arg(name)
+                .current_dir(&root),
+        ),
         Verb::Bench { rest } => {
             finished(Command::new("cargo").args(["bench", "--workspace", "--"]).args(rest).current_dir(&root))
         }

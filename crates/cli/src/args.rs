@@ -23,6 +23,8 @@ pub enum Verb {
     Identify(Identify),
     /// Predict where the real robot is, from a fit
     Predict(Predict),
+    /// Compute the joint commands that bring the real robot to desired poses
+    Compensate(Compensate),
     /// Fit one model with several solver strategies, on the same folds, and test the differences
     Compare(Compare),
     /// Read files and say what was understood: every unit, range and count
@@ -110,6 +112,23 @@ pub enum SplitKind {
     Joint,
     /// One configuration at a time
     LeaveOneOut,
+}
+
+/// `truepose compensate`
+#[derive(Debug, clap::Args)]
+pub struct Compensate {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joints as the seed
+    #[arg(long, value_name = "FILE")]
+    pub poses: PathBuf,
+    /// Where to write the commands
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// `truepose compare`

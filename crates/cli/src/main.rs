@@ -22,6 +22,7 @@ fn main() -> ExitCode {
     let done = match &args.verb {
         Verb::Identify(verb) => verbs::identify::run(verb),
         Verb::Predict(verb) => verbs::predict::run(verb),
+        Verb::Compensate(verb) => verbs::compensate::run(verb),
         Verb::Compare(verb) => verbs::compare::run(verb),
         Verb::Check(verb) => verbs::check::run(verb),
         Verb::Effects(verb) => verbs::effects::run(verb),

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod compare;
+pub mod compensate;
 pub mod effects;
 pub mod identify;
 pub mod predict;

@@ -52,6 +52,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
         let radii: Vec<Radii> =
             experiments.iter().map(|e| e.identify(&strategy)).collect::<Result<_, _>>()?;
         line(&mut text, &strategy, &radii)?;
+        say(text.lines().last().unwrap_or_default());
         let median = quantile(&radii.iter().map(|r| r.noise_free).collect::<Vec<_>>(), 0.5);
         if best.as_ref().is_none_or(|b| median < b.0) {
             best = Some((median, radii, strategy.name.clone()));

@@ -1,0 +1,96 @@
+//! `truepose compensate`: the joint commands that bring the real robot to desired poses.
+
+use super::print_json;
+use crate::args::Compensate;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::terminal;
+use rayon::prelude::*;
+use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Target};
+use truepose_errormodel::{EffectRegistry, FittedModel};
+use truepose_io::{CommandRow, CommandStatus, Poses, check_writable, read_fit, read_poses, write_commands};
+use truepose_kinematics::Conditions;
+use truepose_report::{count, millimetres};
+
+/// Poses that one thread takes at a time.
+const CHUNK: usize = 2048;
+
+/// Runs the verb.
+pub fn run(args: &Compensate) -> Result<(), Failure> {
+    check_writable(&args.out)?;
+    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let (poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
+    terminal::warn(&warnings);
+    let commands = commands(&fitted, &poses)?;
+    let rows: Vec<CommandRow> =
+        commands.iter().map(|c| CommandRow { joints: c.joints.to_vec(), status: status(c.status) }).collect();
+    write_commands(&args.out, fitted.chain(), &poses, &rows)?;
+
+    let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
+    let words = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
+    let beyond = commands.iter().filter(|c| c.status == Status::Ok && c.extrapolation.any()).count();
+    if args.json {
+        let counts: serde_json::Map<_, _> = words.iter().map(|s| (s.word().into(), of(*s).into())).collect();
+        return print_json(
+            &serde_json::json!({"poses": rows.len(), "status": counts, "extrapolating": beyond}),
+        );
+    }
+    let parts: Vec<String> =
+        words.iter().filter(|s| of(**s) > 0).map(|s| format!("{} {}", of(*s), s.word())).collect();
+    terminal::print(&format!(
+        "{}: {}; written to {}\n",
+        count(rows.len(), "pose"),
+        parts.join(", "),
+        args.out.display()
+    ));
+    let worst =
+        commands.iter().filter(|c| c.status != Status::Ok).map(|c| c.position_error).fold(0.0, f64::max);
+    if worst > 0.0 {
+        terminal::print(&format!(
+            "the nearest that was found for the others is up to {} off\n",
+            millimetres(worst)
+        ));
+    }
+    if beyond > 0 {
+        terminal::print(&format!(
+            "{} outside the range that the model was fitted on: it extrapolates there\n",
+            count(beyond, "command")
+        ));
+    }
+    Ok(())
+}
+
+/// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
+fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure> {
+    let rows: Vec<usize> = (0..poses.rows.len()).collect();
+    let compensator = Compensator::bind(fitted, &poses.rows.schema, CompensatorOptions::default())?;
+    let progress = Progress::steps(rows.len().div_ceil(CHUNK));
+    let parts: Vec<Vec<Command>> = rows
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            progress.begin("commands");
+            let mut compensator = compensator.clone();
+            let mut conditions = Conditions::default();
+            chunk
+                .iter()
+                .map(|&row| {
+                    poses.rows.conditions_into(row, &mut conditions);
+                    let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
+                    target.orientation = poses.rows.measured_rotation(row);
+                    let seed = poses.seeded.then_some(conditions.joints.as_slice());
+                    compensator.command(&target, &conditions, seed)
+                })
+                .collect()
+        })
+        .collect();
+    Ok(parts.concat())
+}
+
+fn status(status: Status) -> CommandStatus {
+    match status {
+        Status::Ok => CommandStatus::Ok,
+        Status::Unreachable => CommandStatus::Unreachable,
+        Status::Limit => CommandStatus::Limit,
+        Status::NotConverged => CommandStatus::NotConverged,
+    }
+}
