@@ -11,7 +11,7 @@ use truepose_kinematics::Chain;
 
 /// Reads a declared model: its effects, in the order of the file.
 ///
-/// Under the keys `joint`, `joints`, `driver`, `load`, `approach`, `frame`, `frames`, `target` and `targets`, at any
+/// Under the keys `joint`, `joints`, `small`, `driver`, `load`, `approach`, `frame`, `frames`, `target` and `targets`, at any
 /// depth, names of the robot's joints, frames (`base`, a joint's name, `tool`) and targets stand for their numbers.
 ///
 /// # Errors
@@ -74,7 +74,7 @@ fn resolved(value: &Value<'_>, key: &str, chain: &Chain) -> Result<Json, IoError
         let mut object = serde_json::Map::new();
         for key in table.keys() {
             if let Some(value) = table.get(key) {
-                let value = if value.is_string() && matches!(key, "joints" | "frames" | "targets") {
+                let value = if value.is_string() && matches!(key, "joints" | "small" | "frames" | "targets") {
                     return Err(list_wanted(&value));
                 } else {
                     resolved(&value, key, chain)?
@@ -93,7 +93,7 @@ fn resolved(value: &Value<'_>, key: &str, chain: &Chain) -> Result<Json, IoError
         value.error(format!("the robot has no {what} `{word}`{hint} (known: {})", listed(known)))
     };
     match key {
-        "joint" | "joints" | "driver" | "load" | "approach" => match chain.joint_named(word) {
+        "joint" | "joints" | "small" | "driver" | "load" | "approach" => match chain.joint_named(word) {
             Some(joint) => Ok(joint.0.into()),
             None => Err(unknown("joint", chain.joints().iter().map(|joint| joint.name.as_str()).collect())),
         },
@@ -214,13 +214,62 @@ factors = [{ of = { wrench = { frame = "tool", component = 2 } }, basis = { powe
     }
 
     #[test]
+    fn every_family_can_be_declared() {
+        let effects = read(
+            r#"
+[[effects]]
+family = "polynomial"
+degree = 3
+small = ["roll", "pitch"]
+wrench = ["fy"]
+
+[[effects]]
+family = "link_compliance"
+joints = ["d3"]
+own_weight = "free"
+
+[[effects]]
+family = "thermal"
+joint = "d1"
+channel = "temperature"
+lag = 600
+
+[[effects]]
+family = "drift"
+frame = "tool"
+components = ["x", "rz"]
+range = [0, 3600]
+
+[[effects]]
+family = "shift"
+frame = "base"
+at = 1200.5
+at_range = [600, 1800]
+
+[[effects]]
+family = "coupling"
+joint = "theta"
+driver = "d2"
+"#,
+        )
+        .unwrap();
+        let kinds: Vec<&str> = effects.iter().map(|(kind, _)| kind.as_str()).collect();
+        assert_eq!(kinds, ["polynomial", "link_compliance", "thermal", "drift", "shift", "coupling"]);
+        assert_eq!(effects[0].1["small"], json!([5, 6]));
+        assert_eq!(effects[3].1["frame"], json!(7));
+        assert_eq!(effects[4].1, json!({ "frame": 0, "at": 1200.5, "at_range": [600.0, 1800.0] }));
+        assert_eq!((&effects[5].1["joint"], &effects[5].1["driver"]), (&json!(4), &json!(2)));
+    }
+
+    #[test]
     fn what_is_wrong_is_said() {
         let error = |rest: &str| read(&format!("[[effects]]\n{rest}\n")).unwrap_err();
         let cases = [
             (
                 error("family = \"geometrc\""),
                 "m.toml:2:10: unknown effect family `geometrc`; did you mean `geometric`? \
-                 (known: expansion, geometric, joint_compliance)",
+                 (known: backlash, base_compliance, coupling, drift, expansion, geometric, guideway, joint_compliance, \
+                 link_compliance, load_nonlinearity, polynomial, shift, thermal, transmission)",
             ),
             (error("frames = [\"base\"]"), "m.toml:1:1: [[effects]] 1 lacks `family`; add it"),
             (
@@ -235,7 +284,7 @@ factors = [{ of = { wrench = { frame = "tool", component = 2 } }, basis = { powe
             ),
             (
                 error("family = \"joint_compliance\"\njonts = [\"roll\"]"),
-                "m.toml:3:1: effect `joint_compliance`: unknown field `jonts`, expected `joints`; did you mean `joints`?",
+                "m.toml:3:1: effect `joint_compliance`: unknown field `jonts`, expected one of `joints`, `own_weight`, `links`; did you mean `joints`?",
             ),
             (
                 error("family = \"geometric\"\ncomponents = [\"x\", \"rq\"]"),

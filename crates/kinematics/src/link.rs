@@ -44,6 +44,16 @@ impl Joint {
         }
     }
 
+    /// Unit direction of the axis in the frame behind the joint, which is fixed to its link.
+    pub fn axis_behind(&self) -> Vector3<f64> {
+        match self.placement {
+            // Rx(−α) takes z of the axis' frame there.
+            Placement::Dh { alpha, .. } => Pose::rot(0, -alpha).rotation * Vector3::z(),
+            Placement::Mdh { .. } => Vector3::z(),
+            Placement::Origin { axis, .. } => axis.into_inner(),
+        }
+    }
+
     /// The middle of its limits, rad or m; zero where there are none.
     pub fn middle(&self) -> f64 {
         match self.limits {
@@ -133,6 +143,22 @@ mod tests {
         let skewed = samples::skewed();
         assert_eq!(span(&skewed, 1, &[0.0; 5]).1.next, Some(JointId(3)));
         assert_eq!(span(&skewed, 6, &[0.0; 5]).1.next, None);
+    }
+
+    #[test]
+    fn an_axis_is_the_same_seen_from_its_link() {
+        for chain in samples::all() {
+            let conditions = Conditions::at(&chain, &vec![0.4; chain.movable().len()]);
+            let mut buffer = PostureBuffer::new(&chain);
+            let posture = buffer.update(&chain, &conditions);
+            for &joint in chain.movable() {
+                let motion = chain.joint_motion(joint).unwrap();
+                let axis = posture.frame(motion.frame).rotation * motion.axis;
+                let behind =
+                    posture.frame(chain.frame_after(joint)).rotation * chain.joint(joint).axis_behind();
+                assert!((axis - behind).norm() < 1e-14, "{} {}", chain.name(), joint.0);
+            }
+        }
     }
 
     #[test]

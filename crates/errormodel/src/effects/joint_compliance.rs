@@ -2,30 +2,87 @@
 //!
 //! `δq_j = c_j τ_j`, τ_j the load that the weights exert about joint j's axis, N·m (along it, N, for a slide);
 //! c_j > 0 in rad/(N·m) or m/N.
+//!
+//! Weights of links that nobody declared are left out of τ_j. With `own_weight = "free"` they are unknowns beside c_j:
+//!
+//! ```text
+//! δq_j = c_j τ_j + Σ_k (c_j h_k) · (g × a_j)_k        links k = j and the next `links − 1` ones
+//! ```
+//!
+//! | symbol | here | unit | frame |
+//! | --- | --- | --- | --- |
+//! | a_j, g | axis of joint j, gravity | 1, m/s² | turned into link k |
+//! | c_j h_k | the unknowns: compliance × first moment of link k | rad·kg·m/(N·m) | link k, across its axis |
+//!
+//! The part of h_k along axis k does not turn with joint k: it belongs to the link in front, so that two numbers a turning
+//! link are all there is. A slide k has `q_k (a_k × g)` with its mass, and a slide j that yields, `a_j · g`.
 
-use super::{joint_moves, listed_once};
+use super::geometric::EXPECTED_ANGLE;
+use super::{OwnWeight, joint_moves, listed_once, refused};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
-use truepose_kinematics::{Chain, JointId, JointKind, Posture};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, Joint, JointId, JointKind, Posture};
 
 /// Compliance of joints, one unknown each.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointCompliance {
     /// Which joints; all that move when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<JointId>>,
+    /// Where the weight of the links comes from.
+    #[serde(default, skip_serializing_if = "OwnWeight::is_declared")]
+    pub own_weight: OwnWeight,
+    /// How many links, the joint's own first, have a free weight.
+    #[serde(default = "two", skip_serializing_if = "is_two")]
+    pub links: usize,
+}
+
+fn two() -> usize {
+    2
+}
+
+fn is_two(links: &usize) -> bool {
+    *links == two()
+}
+
+impl Default for JointCompliance {
+    fn default() -> Self {
+        JointCompliance { joints: None, own_weight: OwnWeight::Declared, links: two() }
+    }
 }
 
 impl JointCompliance {
     /// Of one joint.
     pub fn of(joint: JointId) -> Self {
-        JointCompliance { joints: Some(vec![joint]) }
+        JointCompliance { joints: Some(vec![joint]), ..JointCompliance::default() }
     }
 
     fn joints<'a>(&'a self, chain: &'a Chain) -> &'a [JointId] {
         self.joints.as_deref().unwrap_or_else(|| chain.movable())
     }
+
+    /// The moving joints whose links have a free weight that bends this joint, and how many numbers each has.
+    fn free<'a>(&self, joint: JointId, chain: &'a Chain) -> impl Iterator<Item = (JointId, usize)> + use<'a> {
+        let slides = chain.joint(joint).kind == JointKind::Prismatic;
+        let count = match self.own_weight {
+            OwnWeight::Declared => 0,
+            OwnWeight::Free if slides => 1,
+            OwnWeight::Free => self.links,
+        };
+        let from = chain.movable().iter().copied().filter(move |&k| k >= joint).take(count);
+        from.map(|k| (k, if chain.joint(k).kind == JointKind::Prismatic { 1 } else { 2 }))
+    }
+}
+
+/// Two unit vectors across a joint's axis, in the axes of its link.
+fn across(joint: &Joint) -> [Vector3<f64>; 2] {
+    let axis = joint.axis_behind();
+    let mut other = Vector3::zeros();
+    other[axis.iamin()] = 1.0;
+    let first = axis.cross(&other).normalize();
+    [first, axis.cross(&first)]
 }
 
 impl Effect for JointCompliance {
@@ -33,23 +90,51 @@ impl Effect for JointCompliance {
     const ABOUT: &'static str = "a joint yields in proportion to the load about (along) its axis";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
-        self.joints(chain)
-            .iter()
-            .map(|&id| {
-                let joint = chain.joint(id);
-                let (unit, scale) = match joint.kind {
-                    JointKind::Prismatic => ("m/N", 1e-7),
-                    _ => ("rad/(N*m)", 1e-5),
+        let mut columns = Vec::new();
+        for &id in self.joints(chain) {
+            let joint = chain.joint(id);
+            let (unit, scale) = match joint.kind {
+                JointKind::Prismatic => ("m/N", 1e-7),
+                _ => ("rad/(N*m)", 1e-5),
+            };
+            columns.push(Column::new(format!("compliance {}", joint.name), unit, scale));
+            for (k, numbers) in self.free(id, chain) {
+                let (unit, scale) = match (joint.kind, numbers) {
+                    (JointKind::Prismatic, _) => ("kg*m/N", 1e-5),
+                    (_, 1) => ("rad*kg/(N*m)", EXPECTED_ANGLE / 9.81),
+                    _ => ("rad*kg*m/(N*m)", EXPECTED_ANGLE / 9.81),
                 };
-                Column::new(format!("compliance {}", joint.name), unit, scale)
-            })
-            .collect()
+                for number in 1..=numbers {
+                    let name = format!("weight of {} on {} {number}", chain.joint(k).name, joint.name);
+                    columns.push(Column::new(name, unit, scale));
+                }
+            }
+        }
+        columns
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
-        for (column, &joint) in self.joints(at.chain()).iter().enumerate() {
-            if let Some(motion) = at.chain().joint_motion(joint) {
-                out.along(column, &motion, at.joint_load(joint));
+        let (chain, mut column) = (at.chain(), 0);
+        let gravity = chain.gravity_in_measurement_frame();
+        for &joint in self.joints(chain) {
+            let Some(motion) = chain.joint_motion(joint) else { continue };
+            out.along(column, &motion, at.joint_load(joint));
+            column += 1;
+            let axis = at.frame(motion.frame).rotation * motion.axis;
+            for (k, numbers) in self.free(joint, chain) {
+                let (link, rotation) = (chain.joint(k), &at.frame(chain.frame_after(k)).rotation);
+                let loads = match (motion.kind, link.kind) {
+                    (JointKind::Prismatic, _) => [axis.dot(&gravity), 0.0],
+                    (_, JointKind::Prismatic) => {
+                        let moved = rotation * link.axis_behind() * at.joint(k);
+                        [axis.dot(&moved.cross(&gravity)), 0.0]
+                    }
+                    _ => across(link).map(|arm| axis.dot(&(rotation * arm).cross(&gravity))),
+                };
+                for &load in &loads[..numbers] {
+                    out.along(column, &motion, load);
+                    column += 1;
+                }
             }
         }
     }
@@ -58,6 +143,9 @@ impl Effect for JointCompliance {
         for &joint in self.joints.iter().flatten() {
             joint_moves(Self::KIND, joint, chain)?;
         }
+        if self.links == 0 {
+            return Err(refused(Self::KIND, "`links` counts the joint's own: it is 1 or more"));
+        }
         listed_once(Self::KIND, self.joints.as_deref().unwrap_or_default(), chain)
     }
 }
@@ -65,13 +153,51 @@ impl Effect for JointCompliance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testkit::check_effect;
-    use truepose_kinematics::samples;
+    use crate::testkit::{check_effect, emitted};
+    use truepose_kinematics::nalgebra::{DMatrix, DVector};
+    use truepose_kinematics::{Conditions, samples};
 
     #[test]
     fn conforms() {
         for chain in samples::all() {
             check_effect(&JointCompliance::default(), &chain);
+            for links in [1, 2, 9] {
+                let own_weight = OwnWeight::Free;
+                check_effect(&JointCompliance { own_weight, links, ..JointCompliance::default() }, &chain);
+            }
+        }
+    }
+
+    /// All that a joint of a robot without payload carries lies in the span of the free weights.
+    #[test]
+    fn free_weights_span_what_declared_ones_do() {
+        let postures = 60;
+        for (chain, joints) in
+            [(samples::heavy(), 2..=6), (samples::seven(), 1..=7), (samples::skewed(), 1..=6)]
+        {
+            for joint in joints.map(JointId).filter(|&j| chain.joint(j).moves()) {
+                let own_weight = OwnWeight::Free;
+                let effect = JointCompliance { own_weight, links: 9, ..JointCompliance::of(joint) };
+                let columns = Effect::columns(&effect, &chain).len();
+                let mut table = DMatrix::zeros(postures, columns);
+                for row in 0..postures {
+                    let angle = |k: usize| ((row * (7 + 4 * k)) as f64 * 0.37 + k as f64).sin();
+                    let q: Vec<f64> = (0..chain.movable().len()).map(angle).collect();
+                    // The longest entry of an axis carries the whole of it.
+                    for entry in emitted(&effect, &chain, &Conditions::at(&chain, &q)) {
+                        let axis = chain.joint_motion(joint).map_or_else(Vector3::zeros, |m| m.axis);
+                        let seen = &mut table[(row, entry.column)];
+                        if entry.site.axis().direction() == axis.iamax() {
+                            *seen += entry.value / axis.amax();
+                        }
+                    }
+                }
+                let (load, free) = (table.column(0).into_owned(), table.columns(1, columns - 1).into_owned());
+                let fitted: DVector<f64> = &free * free.clone().svd(true, true).solve(&load, 1e-9).unwrap();
+                let left = (&load - fitted).norm() / (1.0 + load.norm());
+                // N·m: nothing of it is left.
+                assert!(left < 1e-9, "{} {}: {left}", chain.name(), chain.joint(joint).name);
+            }
         }
     }
 

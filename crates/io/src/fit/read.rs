@@ -168,7 +168,9 @@ mod tests {
         assert_eq!(error("hello"), "fit.json:1:1: is not JSON: expected value");
         assert_eq!(
             with("geometric", "geometrics"),
-            "fit.json: unknown effect family `geometrics`; known families: expansion, geometric, joint_compliance"
+            "fit.json: unknown effect family `geometrics`; known families: backlash, base_compliance, coupling, \
+             drift, expansion, geometric, guideway, joint_compliance, link_compliance, load_nonlinearity, polynomial, \
+             shift, thermal, transmission"
         );
         assert_eq!(
             with("x@base", "y@base"),

@@ -60,6 +60,12 @@ pub enum OwnWeight {
     Free,
 }
 
+impl OwnWeight {
+    pub(super) fn is_declared(&self) -> bool {
+        *self == OwnWeight::Declared
+    }
+}
+
 /// Compliance of links as beams.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
