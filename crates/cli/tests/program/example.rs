@@ -83,10 +83,16 @@ fn commands_of_the_documents_run() {
     documents.sort();
     for document in documents.iter().filter(|path| path.exists()) {
         let text = std::fs::read_to_string(document).unwrap();
-        for command in commands(&text) {
+        // `D/` stands for any folder of the reader's own.
+        let shown = commands(&text);
+        let of_examples = shown.iter().filter(|command| !command.iter().any(|word| word.starts_with("D/")));
+        let mut ran = 0;
+        for command in of_examples {
+            ran += 1;
             println!("{}: truepose {}", document.display(), command.join(" "));
-            run(&folder, &command).ended(0);
+            run(&folder, command).ended(0);
         }
+        assert!(ran > 0, "{} shows no command that can be run", document.display());
     }
 }
 
