@@ -7,7 +7,8 @@
 //! | H_FF = A_F G⁻¹ A_Fᵀ | leverage of the fold | m_F × m_F |
 //!
 //! For a linear fit, leaving out fold F changes the coefficients by `δ_F = −G⁻¹ A_Fᵀ (I − H_FF)⁻¹ r_F`, so that the
-//! held-out residual is `e_F = (I − H_FF)⁻¹ r_F`: one factorisation serves all folds. Folds with more rows than
+//! held-out residual is `e_F = (I − H_FF)⁻¹ r_F`: one factorisation serves all folds. Where the gradient does not vanish
+//! to the last digit (the noise was looked at after the last step), r_F is taken after the step δ_0 that makes it vanish. Folds with more rows than
 //! unknowns are taken out of the triangular factor instead (the factors of all other folds are merged), which gives
 //! the same numbers. Folds without which the rest loses rank, and solvers that are not plain least squares, are
 //! fitted again.
@@ -176,7 +177,13 @@ impl Work<'_> {
         let residual: DVector<f64> = whole.column(kept.len()).into_owned();
         let a = whole.columns(0, kept.len());
         // V = R⁻ᵀ A_Fᵀ, so that H = Vᵀ V and G⁻¹ A_Fᵀ = R⁻¹ V.
-        let r = &self.with_prior(&self.fit.factor)?.r;
+        // `factor` has absolute coefficients on its right-hand side: the prior pulls at them as a whole.
+        let zero = vec![0.0; kept.len()];
+        let all = self.fit.prior.joined(&self.fit.factor, &zero)?;
+        let r = &all.r;
+        let at = DVector::from_vec(self.fit.reduction.grouped(self.fit.fitted.coefficients()));
+        let Some(best) = r.solve_upper_triangular(&all.z.column(0).into_owned()) else { return self.again(out) };
+        let first = best - at;
         let Some(v) = r.tr_solve_upper_triangular(&a.transpose()) else { return self.again(out) };
         let rest = DMatrix::identity(rows, rows) - v.tr_mul(&v);
         let Some(cholesky) = rest.cholesky() else { return self.again(out) };
@@ -184,9 +191,9 @@ impl Work<'_> {
         if smallest < 1e-10 {
             return self.again(out);
         }
-        let held_out = cholesky.solve(&residual);
+        let held_out = cholesky.solve(&(residual - a * &first));
         let Some(change) = r.solve_upper_triangular(&(v * held_out)) else { return self.again(out) };
-        Ok(Step { change: self.expand(&-change), refitted: false })
+        Ok(Step { change: self.expand(&(first - change)), refitted: false })
     }
 
     /// A fit of its own, with the reduction and the noise as they are.

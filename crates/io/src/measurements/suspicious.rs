@@ -3,7 +3,7 @@
 use super::header::Needs;
 use super::plausible::rounded;
 use super::reader::MeasurementsReader;
-use crate::Warning;
+use crate::{Quantity, Unit, Warning};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::Chain;
 
@@ -57,6 +57,18 @@ pub(super) fn look(
                 );
                 header.warn(warnings, Some(k), message);
             }
+        }
+    }
+    // A channel may have any unit; one in the unit of a joint's value is rather a joint under another name.
+    for &k in &header.slots.channels {
+        let unit = Unit::named(&header.columns[k].unit);
+        if unit.is_some_and(|unit| matches!(unit.quantity, Quantity::Angle | Quantity::Length)) {
+            let joints: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();
+            let message = format!(
+                "is no joint of the robot (its joints: {}) and counts as a channel",
+                joints.join(", ")
+            );
+            header.warn(warnings, Some(k), message);
         }
     }
     if let Some(slots) = header.slots.position {

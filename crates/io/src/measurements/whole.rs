@@ -323,6 +323,16 @@ mod tests {
                 "d.csv:2: nothing was measured in this row; it takes no part in a fit",
             ]
         );
+        let (_, info, warnings) =
+            read(&format!("{HEAD},yaw[deg],humidity[%]\n1,2,3,4,1,2,1,2,3,5,6\n")).unwrap();
+        assert_eq!(info.columns.len(), 11);
+        assert_eq!(
+            warnings,
+            [
+                "d.csv:1: column `yaw[deg]` (10): is no joint of the robot (its joints: d1, d2, d3, theta, roll, pitch) and \
+              counts as a channel"
+            ]
+        );
     }
 
     #[test]
