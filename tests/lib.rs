@@ -1,1 +1,4 @@
 //! Tests that cross crates.
+
+#[cfg(test)]
+mod compensation;
