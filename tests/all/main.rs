@@ -9,6 +9,7 @@
 mod compensation;
 mod cross_validation;
 mod exact;
+mod excitation;
 mod placement;
 mod plants;
 mod reduction;

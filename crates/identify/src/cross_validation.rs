@@ -182,7 +182,9 @@ impl Work<'_> {
         let all = self.fit.prior.joined(&self.fit.factor, &zero)?;
         let r = &all.r;
         let at = DVector::from_vec(self.fit.reduction.grouped(self.fit.fitted.coefficients()));
-        let Some(best) = r.solve_upper_triangular(&all.z.column(0).into_owned()) else { return self.again(out) };
+        let Some(best) = r.solve_upper_triangular(&all.z.column(0).into_owned()) else {
+            return self.again(out);
+        };
         let first = best - at;
         let Some(v) = r.tr_solve_upper_triangular(&a.transpose()) else { return self.again(out) };
         let rest = DMatrix::identity(rows, rows) - v.tr_mul(&v);
