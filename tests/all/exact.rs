@@ -20,11 +20,11 @@ fn visits(plant: &Plant, count: usize, seed: u64, tool_only: bool) -> Campaign {
     campaign
 }
 
-fn check(chain: &Chain, oriented: bool) {
+fn check(chain: &Chain, oriented: bool, tool_only: bool) {
     let mut plant = geometric_plant(chain, 11);
     plant.instrument = Instrument { orientation_sd: oriented.then_some(0.0), ..Instrument::default() };
-    let train: Dataset = plant.measure(&visits(&plant, 70, 1, oriented), 1).unwrap();
-    let held_out = plant.observe(&visits(&plant, 60, 2, oriented), 2).unwrap();
+    let train: Dataset = plant.measure(&visits(&plant, 70, 1, tool_only), 1).unwrap();
+    let held_out = plant.observe(&visits(&plant, 60, 2, tool_only), 2).unwrap();
     assert_eq!(train.orientation.iter().all(Option::is_some), oriented);
 
     let model = geometric(chain);
@@ -53,14 +53,23 @@ fn check(chain: &Chain, oriented: bool) {
 fn three_targets_of_every_robot_are_predicted_to_a_nanometre() {
     for chain in samples::all() {
         let chain = if chain.targets().is_empty() { with_three_targets(&chain) } else { chain };
-        check(&chain, false);
+        check(&chain, false, false);
     }
 }
 
 #[test]
 fn full_poses_of_every_robot_are_predicted_to_a_nanometre() {
     for chain in samples::all() {
-        check(&bounded(&chain), true);
+        check(&bounded(&chain), true, true);
+    }
+}
+
+#[test]
+fn positions_of_the_tools_origin_are_predicted_to_a_nanometre() {
+    // On most of these robots the last axis goes through the tool's origin: a turn about it acts only because other errors
+    // have moved the origin off the axis.
+    for chain in samples::all() {
+        check(&bounded(&chain), false, true);
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! For each movable joint the data is taken as it is, except that this one joint is spread over its limits. If the rank
 //! over what the structure allows grows, or directions that the data leaves weak (posterior standard deviation above
-//! the prior one, statistics 6.1) become strong, moving this joint is what is missing.
+//! the prior one) become strong, moving this joint is what is missing.
 
 use crate::reduction::joint_ranges;
 use crate::{Fit, IdentifyError, Lineariser};

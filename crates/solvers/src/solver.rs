@@ -34,7 +34,7 @@ use nalgebra::DVector;
 ///                 }
 ///             }
 ///         }
-///         Ok(Solution::new(problem, x, problem.columns(), Status::Converged))
+///         Ok(Solution::new(problem, x, problem.rows().min(problem.columns()), Status::Converged))
 ///     }
 /// }
 /// ```

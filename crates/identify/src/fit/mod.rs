@@ -6,14 +6,17 @@
 //! | β | grouped errors, c = B β | r | as the kept column |
 //! | A | whitened design matrix at c | m × p | 1 per unit |
 //! | r | whitened y − y(c) | m | 1 |
-//!
 //! | W | prior, see [`crate::Prior`] | r × r | 1 per unit |
 //!
 //! Each round solves `min ‖A B β − (r + A c)‖² + ‖W β‖²` for the grouped errors themselves, not for their change: so a
 //! solver with bounds means the errors. The second term leaves alone what the data determines, and keeps directions
 //! that it hardly excites from running away: the posterior standard deviation of a direction is never above its
-//! prior one (statistics 6.1). A step that makes things worse is halved. The first round alone, without a
-//! prior, is the paper's linear fit.
+//! prior one. A step that makes things worse is taken back and damped (Levenberg, Marquardt). The first round
+//! alone, without a prior, is the paper's linear fit.
+//!
+//! An error may act only where others have moved the robot: a turn about an axis that nominally goes through the target. What
+//! the reduction at the nominal robot leaves out is looked at again at the solution, and taken in where the data determines
+//! it better than its expected size.
 
 mod rounds;
 
@@ -178,9 +181,17 @@ pub fn fit(
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
     let factor = state.linearise()?;
-    let reduction = reduce(model, data, &factor, options.rank)?;
+    let mut reduction = reduce(model, data, &factor, options.rank, &state.coefficients)?;
     state.prior = Prior::new(model, &reduction, options.prior);
-    let outcome = state.rounds(&reduction, factor)?;
+    let mut outcome = state.rounds(&reduction, factor)?;
+    if options.refine
+        && let Some(more) = state.looked_at_again(&reduction, &outcome)?
+    {
+        reduction = more;
+        state.prior = Prior::new(model, &reduction, options.prior);
+        let factor = state.linearise()?;
+        outcome = state.rounds(&reduction, factor)?;
+    }
     state.finish(reduction, outcome)
 }
 

@@ -2,12 +2,12 @@
 
 use super::{Fit, FitOptions, NoiseSource, Warning};
 use crate::linearise::{collect, factorise};
-use crate::reduction::Reduction;
+use crate::reduction::{Reduction, reduce_further};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Dataset, Domain, ErrorModel, FittedModel, Noise, Visits};
 use truepose_solvers::accumulator::Factor;
-use truepose_solvers::{LeastSquares, Need, Solution, Solver};
+use truepose_solvers::{ColumnScale, LeastSquares, Need, Solution, Solver};
 
 /// Everything that a fit has while it runs.
 pub(super) struct State<'a> {
@@ -19,7 +19,7 @@ pub(super) struct State<'a> {
     observations: usize,
     noise: NoiseModel,
     pub(super) prior: Prior,
-    coefficients: Vec<f64>,
+    pub(super) coefficients: Vec<f64>,
 }
 
 /// How the rounds ended.
@@ -141,6 +141,29 @@ impl<'a> State<'a> {
                 }
             }
         }
+    }
+
+    /// The reduction at the solution, when the data determines more there than at the nominal robot.
+    pub(super) fn looked_at_again(
+        &self,
+        reduction: &Reduction,
+        outcome: &Outcome,
+    ) -> Result<Option<Reduction>, IdentifyError> {
+        let (at, rule) = (&self.coefficients, self.options.rank);
+        let more = reduce_further(self.model, self.data, &outcome.factor, rule, at, reduction)?;
+        if more.rank() <= reduction.rank() || !reduction.kept.iter().all(|c| more.kept.contains(c)) {
+            return Ok(None);
+        }
+        // Directions that the data determines better than by their expected sizes.
+        let determined = |kept: &[usize]| -> Result<usize, IdentifyError> {
+            let scales: Vec<f64> = kept.iter().map(|&c| self.model.columns()[c].scale).collect();
+            let values = outcome.factor.select(kept).singular_values(ColumnScale::Given(&scales))?;
+            Ok(values.iter().filter(|d| **d >= 1.0).count())
+        };
+        if determined(&more.kept)? <= determined(&reduction.kept)? {
+            return Ok(None);
+        }
+        Ok(Some(more))
     }
 
     /// Whitened squares at the point of linearisation, prior included.

@@ -123,7 +123,8 @@ fn postures(columns: usize) -> usize {
     columns.max(40)
 }
 
-/// Reduces by the structural null space and then by what the data, given as its triangular factor, leaves unexcited.
+/// Reduces by the structural null space and then by what the data, given as its triangular factor, leaves unexcited; both
+/// linearised at these coefficients.
 ///
 /// # Errors
 /// When the model does not fit the data or a factorisation fails.
@@ -132,12 +133,42 @@ pub fn reduce(
     data: &Dataset,
     factor: &Factor,
     rule: RankRule,
+    coefficients: &[f64],
+) -> Result<Reduction, IdentifyError> {
+    reduce_in_order(model, data, factor, rule, coefficients, &preference(model))
+}
+
+/// As [`reduce`], at a robot on which a reduction is known already: its kept columns are preferred to all others, so that
+/// they stay.
+///
+/// # Errors
+/// As [`reduce`].
+pub fn reduce_further(
+    model: &ErrorModel,
+    data: &Dataset,
+    factor: &Factor,
+    rule: RankRule,
+    coefficients: &[f64],
+    known: &Reduction,
+) -> Result<Reduction, IdentifyError> {
+    let (mut order, others): (Vec<usize>, Vec<usize>) =
+        preference(model).into_iter().partition(|column| known.kept.contains(column));
+    order.extend(others);
+    reduce_in_order(model, data, factor, rule, coefficients, &order)
+}
+
+fn reduce_in_order(
+    model: &ErrorModel,
+    data: &Dataset,
+    factor: &Factor,
+    rule: RankRule,
+    coefficients: &[f64],
+    order: &[usize],
 ) -> Result<Reduction, IdentifyError> {
     let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-    let order = preference(model);
-    let spread = spread_factor(model, data, postures(scales.len()))?;
+    let spread = spread_factor(model, data, postures(scales.len()), coefficients)?;
     let structural = spread.null_space(ColumnScale::Given(&scales), rule)?;
-    let mut dropped = relations(&structural.basis, &order, &scales, Cause::Structural);
+    let mut dropped = relations(&structural.basis, order, &scales, Cause::Structural);
 
     let left: Vec<usize> = (0..scales.len()).filter(|c| dropped.iter().all(|d| d.column != *c)).collect();
     let inner = factor.select(&left);
@@ -151,7 +182,7 @@ pub fn reduce(
         practical: unexcited.decision,
     };
     std::mem::swap(&mut reduction.dropped, &mut dropped);
-    drop_more(&mut reduction, &unexcited.basis, &order, &scales, Cause::Unexcited);
+    drop_more(&mut reduction, &unexcited.basis, order, &scales, Cause::Unexcited);
     regroup(&mut reduction);
     Ok(reduction)
 }
@@ -273,7 +304,7 @@ mod tests {
         let zero = vec![0.0; model.columns().len()];
         let factor =
             crate::factorise(model, data, &Visits::of(data), crate::NoiseModel::default(), &zero).unwrap();
-        reduce(model, data, &factor, RankRule::Default).unwrap()
+        reduce(model, data, &factor, RankRule::Default, &zero).unwrap()
     }
 
     #[test]

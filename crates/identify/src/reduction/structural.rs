@@ -32,8 +32,17 @@ pub fn joint_ranges(chain: &Chain, data: Option<&Dataset>) -> Vec<Interval> {
         .collect()
 }
 
-/// Triangular factor of the model over `count` postures spread within the limits, seen as `data` was.
-pub fn spread_factor(model: &ErrorModel, data: &Dataset, count: usize) -> Result<Factor, IdentifyError> {
+/// Triangular factor of the model, linearised at these coefficients, over `count` postures spread within the limits and
+/// seen as `data` was.
+///
+/// # Errors
+/// When nothing was measured, or the model does not fit the data.
+pub fn spread_factor(
+    model: &ErrorModel,
+    data: &Dataset,
+    count: usize,
+    coefficients: &[f64],
+) -> Result<Factor, IdentifyError> {
     let ranges = joint_ranges(model.chain(), Some(data));
     let rows: Vec<usize> = (0..data.len()).filter(|&row| data.seen(row).count() > 0).collect();
     if rows.is_empty() {
@@ -64,10 +73,9 @@ pub fn spread_factor(model: &ErrorModel, data: &Dataset, count: usize) -> Result
                 range.lower + (range.upper - range.lower) * halton(posture + 1, PRIMES[k % PRIMES.len()]);
         }
     }
-    let zero = vec![0.0; model.columns().len()];
     let length = model.chain().characteristic_length();
     let noise = NoiseModel { position_sd: 1e-3, visit_sd: 0.0, orientation_sd: 1e-3 / length };
-    let mut lineariser = Lineariser::new(model, &sample, noise, &zero)?;
+    let mut lineariser = Lineariser::new(model, &sample, noise, coefficients)?;
     let mut factor = Triangular::new(model.columns().len(), 1);
     for row in 0..sample.len() {
         factor.update_rows(lineariser.visit(&[row]).rows)?;
