@@ -49,8 +49,10 @@ pub fn run() -> Result<(), Box<dyn Error>> {
     )?;
     let mut best: Option<(f64, Vec<Radii>, String)> = None;
     for strategy in strategies() {
-        let radii: Vec<Radii> =
-            experiments.iter().map(|e| e.identify(&strategy)).collect::<Result<_, _>>()?;
+        let radii: Vec<Radii> = experiments
+            .par_iter()
+            .map(|e| e.identify(&strategy).map_err(|error| error.to_string()))
+            .collect::<Result<_, _>>()?;
         line(&mut text, &strategy, &radii)?;
         say(text.lines().last().unwrap_or_default());
         let median = quantile(&radii.iter().map(|r| r.noise_free).collect::<Vec<_>>(), 0.5);
