@@ -104,7 +104,7 @@ pub struct Extrapolation {
     pub joints: Values,
     /// Mass carried, kg. A measured wrench is not judged.
     pub payload: f64,
-    /// Time, s; judged where the fit had one.
+    /// Time, s; judged where the model reads it and the fit had one.
     pub time: f64,
     /// Each channel that the model reads, in its unit, in the order of `Compensator::channels`.
     pub channels: Values,
@@ -127,12 +127,13 @@ impl Extrapolation {
     }
 
     /// Of these conditions. `read` are the positions, in the domain and in the conditions, of the channels that the
-    /// model reads. A domain that knows no joints was never recorded and judges nothing.
+    /// model reads, `timed` says whether it reads the time. A domain that knows no joints was never recorded and judges nothing.
     pub(crate) fn of(
         domain: &Domain,
         joints: &[f64],
         conditions: &Conditions,
         read: &[(Option<usize>, usize)],
+        timed: bool,
     ) -> Self {
         let mut beyond = Extrapolation::none(joints.len(), read.len());
         if domain.joints.is_empty() {
@@ -151,7 +152,9 @@ impl Extrapolation {
             (Some(mass), None) => mass.abs(),
             (None, _) => 0.0,
         };
-        beyond.time = domain.time.as_ref().map_or(0.0, |range| range.beyond(conditions.time));
+        if timed {
+            beyond.time = domain.time.as_ref().map_or(0.0, |range| range.beyond(conditions.time));
+        }
         for (out, &(fitted, given)) in beyond.channels.iter_mut().zip(read) {
             let range = fitted.and_then(|k| domain.channels.get(k));
             *out = range.map_or(0.0, |r| conditions.channels.get(given).map_or(0.0, |&v| r.beyond(v)));
@@ -201,11 +204,11 @@ mod tests {
         let mut conditions = Conditions::at(&chain, &[0.0; 4]).with_load(load);
         conditions.time = 5.0;
         conditions.channels = vec![0.5, 25.0];
-        let beyond = Extrapolation::of(&domain, &[0.0, -1.5, 1.0, 3.0], &conditions, &[(Some(0), 1)]);
+        let beyond = Extrapolation::of(&domain, &[0.0, -1.5, 1.0, 3.0], &conditions, &[(Some(0), 1)], true);
         assert_eq!(&beyond.joints[..], &[0.0, 0.5, 0.0, 2.0]);
         assert_eq!((beyond.payload, beyond.time, beyond.channels[0]), (2.5, 5.0, 3.0));
         assert!(beyond.any());
-        let inside = Extrapolation::of(&Domain::default(), &[9.0; 4], &conditions, &[]);
+        let inside = Extrapolation::of(&Domain::default(), &[9.0; 4], &conditions, &[], true);
         assert!(!inside.any());
     }
 }

@@ -50,6 +50,8 @@ pub struct Compensator<'m> {
     at: Reached,
     channels: Vec<String>,
     read: Vec<(Option<usize>, usize)>,
+    /// Whether some effect reads the time.
+    timed: bool,
 }
 
 impl<'m> Compensator<'m> {
@@ -74,6 +76,7 @@ impl<'m> Compensator<'m> {
         }
         let real = RealArm::bind(fitted, schema)?;
         let (channels, read) = channels_read(fitted, schema);
+        let timed = fitted.model().effects().iter().any(|effect| effect.needs().contains(&Signal::Time));
         if channels.len() > MOST {
             return Err(CompensateError::TooManyChannels { have: channels.len(), most: MOST });
         }
@@ -110,6 +113,7 @@ impl<'m> Compensator<'m> {
             at,
             channels,
             read,
+            timed,
         })
     }
 
@@ -319,7 +323,13 @@ impl<'m> Compensator<'m> {
             position_error: found.walk.gap.position(self.length),
             orientation_error: if task.rotation.is_some() { found.walk.gap.orientation() } else { 0.0 },
             rounds,
-            extrapolation: Extrapolation::of(&self.fitted.domain, &joints, &self.conditions, &self.read),
+            extrapolation: Extrapolation::of(
+                &self.fitted.domain,
+                &joints,
+                &self.conditions,
+                &self.read,
+                self.timed,
+            ),
             approach,
             approach_holds,
         }

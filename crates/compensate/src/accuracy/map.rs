@@ -167,7 +167,7 @@ pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<Accura
                     rest /= points;
                 }
                 let found = predicted_error(fitted, &mut predictor, &conditions, options.target);
-                let beyond = Extrapolation::of(&fitted.domain, &conditions.joints, &conditions, &[]);
+                let beyond = Extrapolation::of(&fitted.domain, &conditions.joints, &conditions, &[], false);
                 nodes.push(MapNode {
                     position: predictor.nominal(&conditions, options.target).translation,
                     joints: Values::of(&conditions.joints),
