@@ -34,13 +34,13 @@ pub fn strategies() -> Vec<Strategy> {
     use PriorStrength::{Evidence, None};
     vec![
         strategy("constant errors, qr", constant, None, "qr"),
+        strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
+        strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
+        strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
+        strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
         strategy("Eq. (17) polynomial, qr", polynomial, None, "qr"),
         strategy("Eq. (17) polynomial, svd", polynomial, None, "svd"),
         strategy("Eq. (17) polynomial, normal equations", polynomial, None, "normal"),
-        strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
-        strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
-        strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
-        strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
     ]
 }
 
