@@ -21,6 +21,8 @@ pub struct Args {
 pub enum Verb {
     /// Fit a declared error model to measured poses, and say what it is worth
     Identify(Identify),
+    /// Find what a declared model lacks: name it, add it, and prove the gain on held-out data
+    Discover(Discover),
     /// Predict where the real robot is, from a fit
     Predict(Predict),
     /// Compute the joint commands that bring the real robot to desired poses
@@ -96,6 +98,49 @@ pub struct Identify {
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
     #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
     pub require: Option<f64>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose discover`
+#[derive(Debug, clap::Args)]
+pub struct Discover {
+    #[command(flatten)]
+    pub robot: Robot,
+    /// Measurements (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    /// Declared model (TOML) [default: constant errors of every frame and target]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Where to write the enlarged fit
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Folder for the ledger `discovery.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
+    #[arg(long, default_value = "qr")]
+    pub solver: SolverSpec,
+    /// Share of the configurations that is drawn first and takes part in nothing
+    #[arg(long, value_name = "SHARE", default_value_t = 0.2)]
+    pub holdout: f64,
+    /// Seed of every random choice
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Family-wise probability above which a find is taken for chance
+    #[arg(long, default_value_t = 0.005)]
+    pub alpha: f64,
+    /// Sign flips behind each p-value
+    #[arg(long, default_value_t = 999)]
+    pub flips: usize,
+    /// Effects to find at most
+    #[arg(long, default_value_t = 24)]
+    pub most: usize,
+    /// Use measured positions alone, even where orientations were measured
+    #[arg(long)]
+    pub positions_only: bool,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,

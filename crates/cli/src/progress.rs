@@ -18,6 +18,21 @@ impl Progress {
         Progress(bar)
     }
 
+    /// Of which nobody knows how many steps there are.
+    pub fn spinner() -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(120));
+        Progress(bar)
+    }
+
+    /// What is going on.
+    pub fn say(&self, word: &str) {
+        self.0.set_message(word.to_string());
+    }
+
     /// The next step begins.
     pub fn begin(&self, word: &str) {
         self.0.set_message(word.to_string());

@@ -9,7 +9,7 @@ use crate::{
     Schema,
 };
 use nalgebra::{DMatrix, Matrix6};
-use truepose_kinematics::{Chain, Conditions, Pose, PostureBuffer, TargetId};
+use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
 
 /// An error model with coefficients, how well they are known, and where they were seen.
 #[derive(Debug, Clone)]
@@ -23,8 +23,37 @@ pub struct FittedModel {
     pub domain: Domain,
     /// Standard deviations that a single new measurement has around the model.
     pub noise: Noise,
+    /// Payloads that are declared wrongly: what is declared, and what is carried.
+    pub loads: Vec<LoadCorrection>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
     pub provenance: serde_json::Map<String, serde_json::Value>,
+}
+
+/// A payload whose declared mass is wrong, wherever it is declared.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadCorrection {
+    /// As declared, kg.
+    pub declared: f64,
+    /// As it is, kg.
+    pub carried: f64,
+}
+
+impl LoadCorrection {
+    /// Declared masses closer than this share are one level.
+    const SAME: f64 = 1e-9;
+
+    /// The load that is carried, when this is the level that it declares.
+    pub fn apply(&self, load: Load) -> Option<Load> {
+        match load {
+            Load::Payload(payload)
+                if (payload.mass - self.declared).abs() <= Self::SAME * self.declared.abs().max(1.0) =>
+            {
+                Some(Load::Payload(Payload { mass: self.carried, ..payload }))
+            }
+            _ => None,
+        }
+    }
 }
 
 /// Standard deviations of one component of a new measurement around the true model.
@@ -60,6 +89,7 @@ impl FittedModel {
             channels: Vec::new(),
             domain: Domain::default(),
             noise: Noise::default(),
+            loads: Vec::new(),
             provenance: serde_json::Map::new(),
         })
     }
@@ -82,6 +112,11 @@ impl FittedModel {
     /// Covariance of the coefficients; rows and columns of those that the reduction left out are zero.
     pub fn covariance(&self) -> &DMatrix<f64> {
         &self.covariance
+    }
+
+    /// The load that is carried where this one is declared.
+    pub fn carried(&self, declared: Load) -> Load {
+        self.loads.iter().find_map(|correction| correction.apply(declared)).unwrap_or(declared)
     }
 
     /// Ready to predict under conditions of this schema.
@@ -112,6 +147,7 @@ impl FittedModel {
             real: RealPosture::new(self.chain()),
             emission: Emission::new(),
             errors: GeneralizedErrors::zero(self.chain()),
+            conditions: Conditions::default(),
         })
     }
 }
@@ -125,6 +161,8 @@ pub struct Predictor<'m> {
     real: RealPosture,
     emission: Emission,
     errors: GeneralizedErrors,
+    /// Used where a declared load is wrong.
+    conditions: Conditions,
 }
 
 impl Predictor<'_> {
@@ -171,6 +209,13 @@ impl Predictor<'_> {
     }
 
     fn settle(&mut self, conditions: &Conditions) {
+        let conditions = if self.fitted.loads.is_empty() {
+            conditions
+        } else {
+            self.conditions.clone_from(conditions);
+            self.conditions.load = self.fitted.carried(conditions.load);
+            &self.conditions
+        };
         let posture = self.nominal.update(self.fitted.chain(), conditions);
         self.bound.emit(&posture, &mut self.emission);
         self.errors.clear();

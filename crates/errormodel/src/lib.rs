@@ -19,7 +19,7 @@ pub use dataset::{
 pub use effect::{AnyEffect, Column, Effect, Shape, Signal};
 pub use emission::{Emission, Entry};
 pub use error::ModelError;
-pub use fitted::{Domain, FittedModel, Interval, Noise, Predictor};
+pub use fitted::{Domain, FittedModel, Interval, LoadCorrection, Noise, Predictor};
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;
 pub use model::{BoundModel, ErrorModel};

@@ -1,12 +1,17 @@
 #![doc = include_str!("../README.md")]
 
 mod comparison;
+mod discovery;
 mod identification;
 mod layout;
 mod spread;
 mod words;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
+pub use discovery::{
+    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary, Reference,
+    RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
+};
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};
 pub use spread::{PositionSpread, RotationSpread};

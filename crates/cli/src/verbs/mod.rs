@@ -3,6 +3,7 @@
 pub mod check;
 pub mod compare;
 pub mod compensate;
+pub mod discover;
 pub mod effects;
 pub mod identify;
 pub mod predict;

@@ -3,7 +3,9 @@
 use super::robot_v1::RobotV1;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use truepose_errormodel::{Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, Noise};
+use truepose_errormodel::{
+    Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, Noise,
+};
 use truepose_kinematics::Chain;
 use truepose_kinematics::nalgebra::DMatrix;
 
@@ -19,6 +21,9 @@ pub(super) struct FitV1 {
     pub channels: Vec<ChannelV1>,
     pub domain: DomainV1,
     pub noise: NoiseV1,
+    /// Payloads that are declared wrongly.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<LoadCorrection>,
     #[serde(default)]
     pub provenance: Map<String, Value>,
 }
@@ -99,6 +104,7 @@ impl From<&FittedModel> for FitV1 {
                 channels: fit.domain.channels.iter().map(ends).collect(),
             },
             noise: NoiseV1 { position_sd: fit.noise.position_sd, orientation_sd: fit.noise.orientation_sd },
+            loads: fit.loads.clone(),
             provenance: fit.provenance.clone(),
         }
     }
@@ -152,6 +158,7 @@ impl FitV1 {
             channels: self.domain.channels.into_iter().map(interval).collect(),
         };
         fit.noise = Noise { position_sd: self.noise.position_sd, orientation_sd: self.noise.orientation_sd };
+        fit.loads = self.loads;
         fit.provenance = self.provenance;
         Ok(fit)
     }

@@ -68,6 +68,9 @@ fn check_finite(fit: &FittedModel) -> Result<(), String> {
     if let Some(value) = others.find(|v| !v.is_finite()) {
         return Err(format!("the domain or the noise holds {value}; a fit file holds finite numbers only"));
     }
+    if let Some(load) = fit.loads.iter().find(|l| !(l.declared.is_finite() && l.carried.is_finite())) {
+        return Err(format!("the payload {} kg is corrected to {} kg", load.declared, load.carried));
+    }
     match fit.model().effects().iter().find(|effect| effect.parameters().is_null()) {
         Some(effect) => Err(format!("effect `{}` has parameters that cannot stand in a file", effect.kind())),
         None => Ok(()),

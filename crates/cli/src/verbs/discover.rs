@@ -1,0 +1,88 @@
+//! `truepose discover`: find what a declared model lacks, add it, and prove the gain.
+
+use super::{print_json, robot};
+use crate::args::Discover;
+use crate::failure::Failure;
+use crate::progress::Progress as Bar;
+use crate::terminal;
+use truepose_discover::{DiscoverOptions, Progress, diagnose};
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{AnyEffect, EffectRegistry};
+use truepose_io::{
+    MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit, write_whole,
+};
+use truepose_report::{DiscoverySummary, Settings};
+
+/// Runs the verb.
+pub fn run(args: &Discover) -> Result<(), Failure> {
+    if let Some(out) = &args.out {
+        check_writable(out)?;
+    }
+    let ledger = match &args.report {
+        Some(folder) => {
+            make_folder(folder)?;
+            let ledger = folder.join("discovery.json");
+            check_writable(&ledger)?;
+            Some(ledger)
+        }
+        None => None,
+    };
+    let chain = robot(&args.robot)?;
+    let declared: Vec<Box<dyn AnyEffect>> = match &args.model {
+        Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
+        None => vec![Box::new(Geometric::default())],
+    };
+    let (mut data, _, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    terminal::warn(&warnings);
+    if args.positions_only {
+        data.orientation.fill(None);
+    }
+    let options = DiscoverOptions {
+        holdout: args.holdout,
+        seed: args.seed,
+        flips: args.flips,
+        alpha: args.alpha,
+        most: args.most,
+        ..DiscoverOptions::default()
+    };
+    let bar = Bar::spinner();
+    let solver = args.solver.build();
+    let mut found =
+        diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
+    drop(bar);
+    let settings =
+        Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let summary = DiscoverySummary::new(&found, settings);
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    if let Some(ledger) = &ledger {
+        write_whole(ledger, (serde_json::to_string_pretty(&summary)? + "\n").as_bytes())?;
+        terminal::log(&format!("wrote {}", ledger.display()));
+    }
+    if let Some(out) = &args.out {
+        let provenance = &mut found.fit.fitted.provenance;
+        provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
+        provenance.insert("verb".into(), "discover".into());
+        provenance.insert("solver".into(), args.solver.to_string().into());
+        provenance.insert("rows".into(), data.len().into());
+        provenance.insert("seed".into(), args.seed.into());
+        provenance.insert("structure_frozen_then_all_rows".into(), true.into());
+        write_fit(out, &found.fit.fitted)?;
+        terminal::log(&format!("wrote {}", out.display()));
+    }
+    Ok(())
+}
+
+fn word(step: &Progress) -> String {
+    match step {
+        Progress::Fitting => "fitting the declared model".into(),
+        Progress::Screening(0) => "screening all candidates".into(),
+        Progress::Screening(found) => format!("screening again, {found} found"),
+        Progress::Found(words) => format!("found {words}; fitting"),
+        Progress::Reconsidering => "looking at earlier finds again".into(),
+        Progress::Judging => "judging on the rows that were held out".into(),
+    }
+}

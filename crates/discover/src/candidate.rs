@@ -1,0 +1,74 @@
+//! A candidate: a change of the model that might explain what is left.
+
+use crate::{DiscoverError, Family, Place};
+use nalgebra::DMatrix;
+use truepose_errormodel::AnyEffect;
+
+/// What would be done to the model.
+#[derive(Debug, Clone)]
+pub enum Change {
+    /// Effects are added; several are one cause (periods of one gear).
+    Add(Vec<Box<dyn AnyEffect>>),
+    /// Rows that declare this payload (kg) carried another mass (kg).
+    CorrectLoad {
+        /// As declared.
+        level: f64,
+        /// As it is.
+        mass: f64,
+    },
+}
+
+/// A change with its name and place.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// What kind of cause.
+    pub family: Family,
+    /// Where.
+    pub place: Place,
+    /// What would be done.
+    pub change: Change,
+}
+
+impl Candidate {
+    /// One effect at one place.
+    pub fn new(family: Family, place: Place, effect: impl AnyEffect + 'static) -> Self {
+        Candidate { family, place, change: Change::Add(vec![Box::new(effect)]) }
+    }
+
+    /// Whether both are the same cause at the same place, in whatever shape.
+    pub fn same_cause(&self, other: &Candidate) -> bool {
+        self.family == other.family && self.place == other.place
+    }
+
+    /// Its effects; none of a corrected load.
+    pub fn effects(&self) -> &[Box<dyn AnyEffect>] {
+        match &self.change {
+            Change::Add(effects) => effects,
+            Change::CorrectLoad { .. } => &[],
+        }
+    }
+
+    /// What it would do to every measured number, m or rad per expected size (per kg for a load).
+    pub(crate) fn columns(&self, scene: &crate::scene::Scene<'_>) -> Result<DMatrix<f64>, DiscoverError> {
+        match &self.change {
+            Change::CorrectLoad { level, .. } => scene.heavier(*level),
+            Change::Add(effects) => {
+                let parts: Vec<DMatrix<f64>> =
+                    effects.iter().map(|effect| scene.columns(&**effect)).collect::<Result<_, _>>()?;
+                let width = parts.iter().map(DMatrix::ncols).sum();
+                let mut all = DMatrix::zeros(scene.len(), width);
+                let mut first = 0;
+                for part in &parts {
+                    all.columns_mut(first, part.ncols()).copy_from(part);
+                    first += part.ncols();
+                }
+                Ok(all)
+            }
+        }
+    }
+
+    /// In a few words: `backlash a1`.
+    pub fn words(&self) -> String {
+        format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
+    }
+}

@@ -1,0 +1,293 @@
+//! The end of the loop: the ledger, on rows that took part in nothing, and the fit on all rows.
+
+use crate::DiscoverError;
+use crate::candidate::{Candidate, Change};
+use crate::diagnose::{LastWord, Search};
+use crate::diagnosis::{
+    Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable,
+};
+use crate::evidence::{Evidence, Gain};
+use crate::outliers::outliers;
+use crate::projection::Projection;
+use crate::scene::Scene;
+use crate::working::{Working, with_loads};
+use crate::{Family, Place, contest::TIE, library, payload};
+use rayon::prelude::*;
+use truepose_errormodel::{Dataset, Domain, LoadCorrection};
+use truepose_identify::{Fit, FitOptions, NoiseSource, Placement, Residuals, refit, repeats, student_quantile};
+
+/// The data as a whole, and what was known before the loop.
+pub(crate) struct Whole<'a> {
+    pub data: &'a Dataset,
+    pub holdout_rows: Vec<usize>,
+    pub placement: Placement,
+    pub untestable: Vec<Untestable>,
+}
+
+/// Forms the ledger.
+pub(crate) fn conclude(
+    search: Search<'_>,
+    whole: Whole<'_>,
+    declared: Fit,
+    stopped: Stop,
+    last: LastWord,
+) -> Result<Diagnosis, DiscoverError> {
+    let held = whole.data.select(&whole.holdout_rows);
+    let candidates: Vec<Candidate> = search.accepted.iter().map(|a| a.candidate.clone()).collect();
+    // The same model step by step, on the same training rows.
+    let mut steps: Vec<(f64, f64)> = Vec::new();
+    let mut first_errors = None;
+    for count in 0..=candidates.len() {
+        let found = &candidates[..count];
+        let errors = if count == candidates.len() {
+            errors(&search.now.fit, &with_loads(search.ground.data, found), &with_loads(&held, found))?
+        } else {
+            let data = search.ground.prepared(found, &search.now.outliers.suspects);
+            let fit = search.ground.fitted(found, &data)?;
+            errors(&fit, &with_loads(search.ground.data, found), &with_loads(&held, found))?
+        };
+        let (train, holdout) = errors.spreads();
+        steps.push((train.rms, holdout.rms));
+        if count == 0 {
+            first_errors = Some(errors.clone());
+        }
+        if count == candidates.len() {
+            return finish(search, whole, declared, stopped, last, steps, first_errors, errors, &held);
+        }
+    }
+    unreachable!("the last step returns")
+}
+
+fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
+    Ok(Errors { train: Residuals::of(&fit.fitted, train)?, holdout: Residuals::of(&fit.fitted, held)? })
+}
+
+#[allow(clippy::too_many_arguments)]
+fn finish(
+    search: Search<'_>,
+    whole: Whole<'_>,
+    declared: Fit,
+    stopped: Stop,
+    (p_value, detectable_gain): LastWord,
+    steps: Vec<(f64, f64)>,
+    before: Option<Errors>,
+    after: Errors,
+    held: &Dataset,
+) -> Result<Diagnosis, DiscoverError> {
+    let Search { ground, accepted, refused, now, .. } = search;
+    let before = match before {
+        Some(before) => before,
+        None => after.clone(),
+    };
+    // The structure is frozen; coefficients come from all rows but the outliers.
+    let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
+    let all = with_loads(whole.data, &found);
+    let judged = Scene::new(&now.fit, &all)?;
+    let residual = &judged.y - &judged.base * judged.coefficients();
+    let outside = outliers(&judged, residual.as_slice(), now.fit.noise);
+    let mut data = all.clone();
+    for &row in &outside.suspects {
+        data.position[row] = [f64::NAN; 3];
+        data.orientation[row] = None;
+    }
+    let frozen = FitOptions { noise: NoiseSource::Fixed(now.fit.noise), ..ground.fit.clone() };
+    let mut fit = refit(
+        now.fit.fitted.model(),
+        &data,
+        ground.solver,
+        &frozen,
+        &now.fit.reduction,
+        &now.fit.prior,
+    )?;
+
+    fit.fitted.loads = found
+        .iter()
+        .filter_map(|candidate| match candidate.change {
+            Change::CorrectLoad { level, mass } => Some(LoadCorrection { declared: level, carried: mass }),
+            Change::Add(_) => None,
+        })
+        .collect();
+    // What is declared at run time is what was declared here.
+    fit.fitted.domain = Domain::of(whole.data);
+
+    let mut findings = Vec::new();
+    for (k, accepted) in accepted.iter().enumerate() {
+        let alternatives = alternatives(&ground, &now, &found, k, &accepted.rivals, held)?;
+        findings.push(Finding {
+            parameters: parameters(&fit, &found, ground.declared.len(), k),
+            rows: match accepted.candidate.change {
+                Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
+                Change::Add(_) => Vec::new(),
+            },
+            candidate: accepted.candidate.clone(),
+            evidence: accepted.evidence.clone(),
+            train: (steps[k].0, steps[k + 1].0),
+            holdout: (steps[k].1, steps[k + 1].1),
+            alternatives,
+        });
+    }
+    let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
+    if !outside.certain.is_empty() {
+        findings.push(outlier_finding(&outside.certain, &after, noise_floor));
+    }
+    let variance = |errors: &Errors| errors.train.positions().rms.powi(2);
+    let floor = noise_floor * noise_floor;
+    let significant = stopped != Stop::NothingLeft;
+    let share = if significant && variance(&before) > 0.0 {
+        ((variance(&after) - floor) / variance(&before)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    Ok(Diagnosis {
+        placement: whole.placement,
+        findings,
+        refused,
+        untestable: whole.untestable,
+        repeats_before: repeats(&declared, ground.data),
+        repeats_after: repeats(&now.fit, &now.data),
+        before,
+        after,
+        noise_floor,
+        unexplained: Unexplained { significant, share_of_variance: share, p_value, detectable_gain },
+        stopped,
+        fit,
+        declared,
+        holdout_rows: whole.holdout_rows,
+        data,
+    })
+}
+
+fn typical_sd(data: &Dataset) -> f64 {
+    let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
+    stated.sort_by(f64::total_cmp);
+    stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// Coefficients of a find with their intervals.
+fn parameters(fit: &Fit, found: &[Candidate], declared: usize, which: usize) -> Vec<Parameter> {
+    let first = declared + found[..which].iter().map(|c| c.effects().len()).sum::<usize>();
+    let half = fit.half_widths();
+    let model = fit.fitted.model();
+    let mut list = Vec::new();
+    for effect in first..first + found[which].effects().len() {
+        for column in model.columns_of(effect) {
+            if fit.reduction.kept.contains(&column) {
+                let value = fit.fitted.coefficients()[column];
+                list.push(Parameter {
+                    name: model.columns()[column].name.clone(),
+                    value,
+                    unit: model.columns()[column].unit.clone(),
+                    ci95: [value - half[column], value + half[column]],
+                });
+            }
+        }
+        for shape in model.effects()[effect].shape() {
+            list.push(Parameter {
+                name: shape.name,
+                value: shape.value,
+                unit: shape.unit,
+                ci95: [shape.value, shape.value],
+            });
+        }
+    }
+    if let Change::CorrectLoad { level, mass } = found[which].change {
+        let dof = fit.degrees_of_freedom();
+        let _ = (level, student_quantile(0.975, dof));
+        list.push(Parameter { name: "mass".into(), value: mass, unit: "kg".into(), ci95: [mass, mass] });
+    }
+    list
+}
+
+/// Rivals in place of a find, judged on the held-out rows.
+fn alternatives(
+    ground: &crate::working::Ground<'_>,
+    now: &Working,
+    found: &[Candidate],
+    which: usize,
+    rivals: &[(Candidate, f64)],
+    held: &Dataset,
+) -> Result<Vec<Alternative>, DiscoverError> {
+    /// Rivals that are listed.
+    const LISTED: usize = 4;
+    rivals
+        .par_iter()
+        .take(LISTED)
+        .map(|(candidate, behind)| {
+            let mut others = found.to_vec();
+            others[which] = candidate.clone();
+            let data = ground.prepared(&others, &now.outliers.suspects);
+            let fit = ground.fitted(&others, &data)?;
+            let rms = Residuals::of(&fit.fitted, &with_loads(held, &others))?.positions().rms;
+            Ok(Alternative {
+                family: candidate.family,
+                place: candidate.place.clone(),
+                holdout: rms,
+                behind: *behind,
+                equivalent: *behind < TIE,
+            })
+        })
+        .collect()
+}
+
+fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
+    let rms = (after.train.positions().rms, after.holdout.positions().rms);
+    let nothing = Gain { before: rms.0, after: rms.0, t: 0.0 };
+    Finding {
+        candidate: Candidate {
+            family: Family::Outlier,
+            place: Place::default(),
+            change: Change::Add(Vec::new()),
+        },
+        evidence: Evidence {
+            p_value: 0.002,
+            p_parametric: 0.002,
+            unknowns: rows.len(),
+            gain: 0.0,
+            random: nothing,
+            blocks: None,
+            stability: 1.0,
+            agreement: 1.0,
+            share: 1.0,
+        },
+        holdout: (rms.1, rms.1),
+        train: (rms.0, floor),
+        parameters: Vec::new(),
+        alternatives: Vec::new(),
+        rows: rows.to_vec(),
+    }
+}
+
+/// Causes that this data cannot test, with the size that could have been seen.
+pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError> {
+    /// Less of a cause than this is left by the declared model.
+    const LEFT: f64 = 0.05;
+    /// Noncentrality at which the screen finds one unknown four times in five.
+    const POWER: f64 = 30.0;
+    let scene = Scene::new(&now.fit, &now.data)?;
+    let projection = Projection::new(&scene);
+    let all = library::candidates(scene.chain(), scene.data);
+    let judged: Vec<(Candidate, f64, Option<f64>)> = all
+        .into_par_iter()
+        .filter(|candidate| candidate.family != Family::Unmodelled)
+        .filter_map(|candidate| {
+            let columns = candidate.columns(&scene).ok();
+            let share = columns.as_ref().and_then(|c| projection.score(c)).map_or(0.0, |s| s.share);
+            // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
+            let rms = (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
+            let does = columns.is_some_and(|c| c.norm() > 0.0);
+            Some((candidate, share, does.then_some(rms)))
+        })
+        .collect();
+    let mut list: Vec<Untestable> = Vec::new();
+    for (candidate, share, detectable) in judged {
+        let place = candidate.place.clone();
+        match list.iter_mut().find(|u| u.family == candidate.family && u.place == place) {
+            Some(known) if known.share < share => (known.share, known.detectable) = (share, detectable),
+            Some(_) => {}
+            None => list.push(Untestable { family: candidate.family, place, share, detectable }),
+        }
+    }
+    list.retain(|u| u.share < LEFT);
+    Ok(list)
+}
+

@@ -1,0 +1,168 @@
+//! The second look: the best causes of the screen against each other, each in its best shape and with its own noise.
+//!
+//! ```text
+//! score = −2 ln L + k ln m + 2 ln(questions asked of the family) [+ what a structure without a name costs]
+//! ```
+//!
+//! The smallest score wins; among those that the data cannot tell from it, the simplest one.
+
+use crate::candidate::{Candidate, Change};
+use crate::likelihood::Likelihood;
+use crate::periodogram;
+use crate::projection::Projection;
+use crate::scene::Scene;
+use crate::screen::{Cause, Screen, price};
+use crate::shape::{refined, seen_as};
+use crate::{DiscoverError, Family};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use truepose_errormodel::Visits;
+use truepose_errormodel::effects::Transmission;
+
+/// Scores that differ by less cannot be told apart.
+pub(crate) const TIE: f64 = 6.0;
+/// What a structure without a name has to be better by than any named cause.
+const NAMELESS: f64 = 25.0;
+/// Causes that get a second look, and variants of each.
+const CAUSES: usize = 10;
+const VARIANTS: usize = 3;
+/// Frequencies that one gear may have.
+const MOST_PERIODS: usize = 12;
+
+/// A cause in its best shape.
+pub(crate) struct Rival {
+    pub candidate: Candidate,
+    /// Raw columns, m × k.
+    pub columns: DMatrix<f64>,
+    /// Directions that the data can judge.
+    pub freedom: usize,
+    /// The screen's gain of this shape.
+    pub gain: f64,
+    pub score: f64,
+    pub likelihood: Likelihood,
+}
+
+/// The rivals, best first, and the present model's own likelihood.
+pub(crate) struct Contest {
+    pub present: Likelihood,
+    pub rivals: Vec<Rival>,
+}
+
+/// Holds the contest between the best causes of a screen, leaving out those that are barred.
+pub(crate) fn contest(
+    scene: &Scene<'_>,
+    screen: &Screen,
+    barred: &[Candidate],
+) -> Result<Contest, DiscoverError> {
+    let visits = Visits::of(scene.data);
+    let present = Likelihood::new(scene, &DMatrix::zeros(scene.len(), 0), &visits)?;
+    let price = price(scene.len());
+    let causes: Vec<Cause> = screen
+        .causes(scene)
+        .into_iter()
+        .filter(|cause| !barred.iter().any(|b| b.family == cause.family && b.place == cause.place))
+        .collect();
+    let mut taken: Vec<usize> = (0..causes.len().min(CAUSES)).collect();
+    // The best of every named family gets its chance.
+    for (k, cause) in causes.iter().enumerate().skip(CAUSES) {
+        let (_, gain, freedom) = &cause.variants[0];
+        let known = taken.iter().any(|&t| causes[t].family == cause.family);
+        if cause.family != Family::Unmodelled && !known && gain - price * *freedom as f64 > 0.0 {
+            taken.push(k);
+        }
+    }
+    let found: Vec<Result<Vec<Rival>, DiscoverError>> = taken
+        .par_iter()
+        .map(|&k| {
+            let mut rivals = Vec::new();
+            let mut freedoms = Vec::new();
+            for (candidate, _, freedom) in &causes[k].variants {
+                // One shape of each richness.
+                if freedoms.contains(freedom) || freedoms.len() >= VARIANTS {
+                    continue;
+                }
+                freedoms.push(*freedom);
+                let shaped = refined(scene, &screen.projection, candidate);
+                rivals.extend(rival(scene, screen, &visits, shaped)?);
+            }
+            let more: Vec<Candidate> = rivals.iter().filter_map(|r| more_periods(scene, &r.candidate)).collect();
+            for candidate in more {
+                rivals.extend(rival(scene, screen, &visits, candidate)?);
+            }
+            Ok(rivals)
+        })
+        .collect();
+    let mut rivals = Vec::new();
+    for part in found {
+        let mut part = part?;
+        // The best shape of each cause.
+        part.retain(|r| plausible(r) && r.score.is_finite());
+        part.sort_by(|a, b| a.score.total_cmp(&b.score));
+        let best = part.first().map(|r| r.score);
+        // The simplest of the shapes that cannot be told apart.
+        part.retain(|r| best.is_some_and(|best| r.score < best + 0.5 * TIE));
+        part.sort_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)));
+        rivals.extend(part.into_iter().next());
+    }
+    rivals.sort_by(|a, b| a.score.total_cmp(&b.score));
+    if let Some(best) = rivals.first().map(|r| r.score) {
+        let tied = rivals.iter().take_while(|r| r.score < best + TIE).count();
+        rivals[..tied].sort_by(|a, b| {
+            let key = |r: &Rival| (r.candidate.family, r.freedom);
+            key(a).cmp(&key(b)).then(a.score.total_cmp(&b.score))
+        });
+    }
+    Ok(Contest { present, rivals })
+}
+
+/// A candidate with its likelihood; none when the data cannot judge it.
+pub(crate) fn rival(
+    scene: &Scene<'_>,
+    screen: &Screen,
+    visits: &Visits,
+    candidate: Candidate,
+) -> Result<Option<Rival>, DiscoverError> {
+    let columns = candidate.columns(scene)?;
+    let Some(score) = screen.projection.score(&columns) else { return Ok(None) };
+    let likelihood = Likelihood::new(scene, &columns, visits)?;
+    let asked = 2.0 * (screen.asked(candidate.family) as f64).ln();
+    let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
+    let total = likelihood.deviance + price(scene.len()) * score.freedom as f64 + asked + nameless;
+    Ok(Some(Rival { candidate, columns, freedom: score.freedom, gain: score.gain, score: total, likelihood }))
+}
+
+/// Whether the sign is one that nature has: what yields, yields with its load.
+fn plausible(rival: &Rival) -> bool {
+    if !rival.candidate.family.is_compliance() {
+        return true;
+    }
+    let (value, deviation) = (rival.likelihood.coefficients[0], rival.likelihood.deviations[0]);
+    value > -2.0 * deviation
+}
+
+/// The same gear with further periods, as long as each pays for itself.
+fn more_periods(scene: &Scene<'_>, candidate: &Candidate) -> Option<Candidate> {
+    if candidate.family != Family::Transmission {
+        return None;
+    }
+    let joint = seen_as::<Transmission>(&**candidate.effects().first()?)?.joint;
+    let grid = periodogram::grid(scene, joint);
+    let threshold = 2.0 * (grid.len().max(2) as f64).ln() + 2.0 * price(scene.len()) + TIE;
+    let mut grown = candidate.clone();
+    let mut added = 0;
+    while added < MOST_PERIODS {
+        let columns = grown.columns(scene).ok()?;
+        let projection = Projection::with(scene, &columns);
+        let wave = periodogram::scan(scene, &projection, joint, &grid)?;
+        let &(period, gain) = wave.peaks(1).first()?;
+        if gain < threshold {
+            break;
+        }
+        let one = refined(scene, &projection, &crate::library::transmission_at(scene.chain(), joint, &[period]));
+        if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
+            effects.extend(more);
+        }
+        added += 1;
+    }
+    (added > 0).then_some(grown)
+}

@@ -1,0 +1,189 @@
+//! The closed loop: fit, find the residual, trace it to an effect that the model lacks, add it, again.
+
+use crate::candidate::Candidate;
+use crate::contest::{Contest, Rival, contest};
+use crate::diagnosis::{Diagnosis, Refused, Stop};
+use crate::evidence::{Evidence, collect};
+use crate::flips::NullDistribution;
+use crate::scene::Scene;
+use crate::screen::Screen;
+use crate::working::{Ground, Working};
+use crate::{DiscoverError, DiscoverOptions, conclude, reconsider};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use truepose_errormodel::{AnyEffect, Dataset, Visits};
+use truepose_identify::{hold_out, place};
+use truepose_kinematics::Chain;
+use truepose_solvers::Solver;
+
+/// Where a discovery is, for a progress bar.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Progress {
+    /// Fitting the declared model.
+    Fitting,
+    /// Screening all candidates, so many effects having been found.
+    Screening(usize),
+    /// An effect was added.
+    Found(String),
+    /// Looking at earlier finds again.
+    Reconsidering,
+    /// Judging the result on the rows that were drawn out first.
+    Judging,
+}
+
+/// A find with what speaks for it and who lost against it.
+pub(crate) struct Accepted {
+    pub candidate: Candidate,
+    pub evidence: Evidence,
+    /// (candidate, score behind the find's).
+    pub rivals: Vec<(Candidate, f64)>,
+}
+
+/// Runs the closed loop.
+///
+/// `declared` are the effects that the user says the robot has; everything else is the residual's to show.
+///
+/// # Errors
+/// When the model does not fit the data, nothing was measured, there are too few visits, or an option is out of its range.
+pub fn diagnose(
+    chain: &Chain,
+    declared: &[Box<dyn AnyEffect>],
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &DiscoverOptions,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Diagnosis, DiscoverError> {
+    options.validate()?;
+    let (train_rows, holdout_rows) = hold_out(data, options.holdout, options.seed)?;
+    let train = data.select(&train_rows);
+    progress(Progress::Fitting);
+    let placement = place(chain, &train)?;
+    let ground =
+        Ground { chain: &placement.chain, declared, data: &train, solver, fit: &options.fit };
+    let first = ground.working(Vec::new(), &[])?;
+    let need = 12;
+    if Visits::of(&train).len() < need {
+        let rank = first.fit.reduction.rank();
+        return Err(DiscoverError::TooFewVisits { have: Visits::of(&train).len(), rank, need });
+    }
+    let untestable = conclude::untestable(&first)?;
+    let declared_fit = first.fit.clone();
+    let mut search = Search { ground, options, accepted: Vec::new(), refused: Vec::new(), now: first };
+    let (stopped, last) = search.run(progress)?;
+    progress(Progress::Judging);
+    let whole = conclude::Whole { data, holdout_rows, placement: placement.clone(), untestable };
+    conclude::conclude(search, whole, declared_fit, stopped, last)
+}
+
+/// The loop's state.
+pub(crate) struct Search<'a> {
+    pub ground: Ground<'a>,
+    pub options: &'a DiscoverOptions,
+    pub accepted: Vec<Accepted>,
+    pub refused: Vec<Refused>,
+    pub now: Working,
+}
+
+/// What the last screen said: (smallest family-wise p, gain that would have been seen).
+pub(crate) type LastWord = (f64, f64);
+
+impl Search<'_> {
+    fn run(&mut self, progress: &(dyn Fn(Progress) + Sync)) -> Result<(Stop, LastWord), DiscoverError> {
+        loop {
+            progress(Progress::Screening(self.accepted.len()));
+            let scene = Scene::new(&self.now.fit, &self.now.data)?;
+            let screen = Screen::new(&scene);
+            let null = screen.null(self.options.flips, self.options.seed);
+            let p_value = null.p_value(screen.largest());
+            let last = (p_value, seen_from(&null, self.options.alpha));
+            if p_value > self.options.alpha {
+                return Ok((Stop::NothingLeft, last));
+            }
+            if self.accepted.len() >= self.options.most {
+                return Ok((Stop::Limit, last));
+            }
+            let Some(accepted) = winner(&scene, &screen, &null, self.options, &mut self.refused)? else {
+                return Ok((Stop::NothingConvincing, last));
+            };
+            progress(Progress::Found(accepted.candidate.words()));
+            self.accepted.push(accepted);
+            self.refit()?;
+            progress(Progress::Reconsidering);
+            reconsider::reconsider(self)?;
+        }
+    }
+
+    /// Fits the model with everything that was accepted.
+    pub fn refit(&mut self) -> Result<(), DiscoverError> {
+        let found: Vec<Candidate> = self.accepted.iter().map(|a| a.candidate.clone()).collect();
+        let working = self.ground.working(found, &self.now.outliers.suspects)?;
+        // Loads move while the model is fitted.
+        for (accepted, found) in self.accepted.iter_mut().zip(&working.found) {
+            accepted.candidate = found.clone();
+        }
+        self.now = working;
+        Ok(())
+    }
+}
+
+/// The best rival that passes all tests; those that fail are noted and the next one is asked.
+fn winner(
+    scene: &Scene<'_>,
+    screen: &Screen,
+    null: &NullDistribution,
+    options: &DiscoverOptions,
+    refused: &mut Vec<Refused>,
+) -> Result<Option<Accepted>, DiscoverError> {
+    /// Winners that may fail before nobody is asked any more.
+    const TRIES: usize = 4;
+    let mut barred: Vec<Candidate> = Vec::new();
+    for _ in 0..TRIES {
+        let Contest { present, rivals } = contest(scene, screen, &barred)?;
+        let Some(best) = rivals.first() else { return Ok(None) };
+        let p = (null.p_value(Screen::statistic(best.gain, best.freedom)), parametric(screen, best));
+        let evidence = collect(scene, &present, best, p, options.seed)?;
+        let floor = best.likelihood.noise.floor(f64::NAN);
+        let doubt = if best.score >= present.deviance {
+            Some(crate::evidence::Doubt::TooSmall)
+        } else {
+            evidence.doubt(options.alpha, floor, best.candidate.family.belongs_to_time())
+        };
+        let Some(doubt) = doubt else {
+            let score = best.score;
+            let others = rivals[1..].iter().map(|r| (r.candidate.clone(), r.score - score));
+            return Ok(Some(Accepted {
+                candidate: adopted(best),
+                evidence,
+                rivals: others.collect(),
+            }));
+        };
+        if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
+            refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });
+        }
+        barred.push(best.candidate.clone());
+    }
+    Ok(None)
+}
+
+/// The candidate with what the contest found out about its change.
+pub(crate) fn adopted(rival: &Rival) -> Candidate {
+    let mut candidate = rival.candidate.clone();
+    if let crate::candidate::Change::CorrectLoad { mass, .. } = &mut candidate.change {
+        *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
+    }
+    candidate
+}
+
+/// The parametric p of a rival, times the number of questions asked.
+pub(crate) fn parametric(screen: &Screen, rival: &Rival) -> f64 {
+    let asked: usize = screen.candidates.iter().filter(|s| s.score.is_some()).count();
+    let law = ChiSquared::new(rival.freedom as f64);
+    let single = law.map_or(1.0, |law| law.sf(rival.gain.max(0.0)));
+    (single * asked.max(1) as f64).min(1.0)
+}
+
+/// The gain of a single unknown that would have passed as no chance.
+fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
+    let critical = null.critical(alpha);
+    let spread = 2.0f64 / 9.0;
+    (critical * spread.sqrt() + 1.0 - spread).max(0.0).powi(3)
+}

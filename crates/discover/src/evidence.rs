@@ -1,0 +1,175 @@
+//! The four questions that a winner has to answer before it is believed.
+//!
+//! 1. Would chance have done as well anywhere in the search? Family-wise p by sign flips.
+//! 2. Does it predict configurations that it has not seen? Grouped cross-validation, paired, with the variance of Nadeau and
+//!    Bengio (2003); and contiguous blocks in time, which random folds mix.
+//! 3. Does it matter? A gain of 2 % of the held-out error, or of a tenth of the noise floor.
+//! 4. Is it there in every half of the data, with the same size?
+
+use crate::DiscoverError;
+use crate::contest::Rival;
+use crate::likelihood::Likelihood;
+use crate::scene::Scene;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use truepose_errormodel::configurations;
+use truepose_identify::{Folds, Split};
+
+/// What speaks for an effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Family-wise, from sign flips; never below 1/(B + 1).
+    pub p_value: f64,
+    /// Of the likelihood ratio, χ² of so many degrees of freedom; corrected for the number of questions asked.
+    pub p_parametric: f64,
+    /// Unknowns that the data judges.
+    pub unknowns: usize,
+    /// Gain of −2 ln L.
+    pub gain: f64,
+    /// Cross-validated over random folds.
+    pub random: Gain,
+    /// Cross-validated over contiguous blocks in time.
+    pub blocks: Option<Gain>,
+    /// Share of half samples in which it is there.
+    pub stability: f64,
+    /// Share of pairs of halves whose sizes agree.
+    pub agreement: f64,
+    /// Share of the effect that the model before could not imitate.
+    pub share: f64,
+}
+
+/// Held-out error without and with an effect, m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Gain {
+    /// 3-D RMS without.
+    pub before: f64,
+    /// 3-D RMS with.
+    pub after: f64,
+    /// Student's t of the paired difference of squares over folds.
+    pub t: f64,
+}
+
+/// Why a winner is not believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Doubt {
+    /// Chance does as well.
+    Chance,
+    /// It does not predict what it has not seen.
+    NotPredictive,
+    /// Its gain is too small to matter.
+    TooSmall,
+    /// It is not in every half of the data.
+    Unstable,
+}
+
+const FOLDS: usize = 10;
+const BLOCKS: usize = 5;
+const HALVES: usize = 10;
+
+/// Collects the evidence for a rival, given its family-wise p.
+pub(crate) fn collect(
+    scene: &Scene<'_>,
+    present: &Likelihood,
+    rival: &Rival,
+    (p_value, p_parametric): (f64, f64),
+    seed: u64,
+) -> Result<Evidence, DiscoverError> {
+    let random = Folds::new(scene.data, &Split::Random { folds: folds(scene, FOLDS), seed })?;
+    let blocks = Folds::new(scene.data, &Split::TimeBlocks { folds: folds(scene, BLOCKS) })?;
+    let gain = |folds: &Folds| -> Result<Gain, DiscoverError> {
+        let before = present.held_out(scene, folds)?;
+        let after = rival.likelihood.held_out(scene, folds)?;
+        Ok(paired(scene, folds, &before, &after))
+    };
+    let (stability, agreement) = halves(scene, rival, seed)?;
+    Ok(Evidence {
+        p_value,
+        p_parametric,
+        unknowns: rival.freedom,
+        gain: present.deviance - rival.likelihood.deviance,
+        random: gain(&random)?,
+        blocks: gain(&blocks).ok(),
+        stability,
+        agreement,
+        share: 0.0,
+    })
+}
+
+impl Evidence {
+    /// What speaks against it; none when it is believed.
+    pub(crate) fn doubt(&self, alpha: f64, floor: f64, belongs_to_time: bool) -> Option<Doubt> {
+        let won = self.random.before - self.random.after;
+        let blocks_agree = belongs_to_time || self.blocks.is_none_or(|b| b.after < b.before * 1.02);
+        if self.p_value > alpha {
+            Some(Doubt::Chance)
+        } else if self.random.t < 2.0 || !blocks_agree {
+            Some(Doubt::NotPredictive)
+        } else if won < 0.02 * self.random.before && won < 0.1 * floor {
+            Some(Doubt::TooSmall)
+        } else if self.stability < 0.8 {
+            Some(Doubt::Unstable)
+        } else {
+            None
+        }
+    }
+}
+
+fn folds(scene: &Scene<'_>, most: usize) -> usize {
+    let count = configurations(scene.data).iter().max().map_or(0, |last| last + 1);
+    most.min(count).max(2)
+}
+
+/// The paired difference of squared distances, fold by fold.
+fn paired(scene: &Scene<'_>, folds: &Folds, before: &[f64], after: &[f64]) -> Gain {
+    let mut by_fold = vec![(0.0, 0.0, 0usize); folds.count];
+    for row in 0..scene.data.len() {
+        if before[row].is_finite() && after[row].is_finite() {
+            let fold = &mut by_fold[folds.of_visit[scene.data.visit[row]]];
+            *fold = (fold.0 + before[row], fold.1 + after[row], fold.2 + 1);
+        }
+    }
+    let total = by_fold.iter().fold((0.0, 0.0, 0usize), |t, f| (t.0 + f.0, t.1 + f.1, t.2 + f.2));
+    let differences: Vec<f64> =
+        by_fold.iter().filter(|f| f.2 > 0).map(|f| (f.0 - f.1) / f.2 as f64).collect();
+    let k = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / k.max(1.0);
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (k - 1.0).max(1.0);
+    // 1/K + n_test/n_train.
+    let spread = (variance * (1.0 / k.max(1.0) + 1.0 / (k - 1.0).max(1.0))).sqrt();
+    let n = total.2.max(1) as f64;
+    Gain {
+        before: (total.0 / n).sqrt(),
+        after: (total.1 / n).sqrt(),
+        t: if spread > 0.0 { mean / spread } else { 0.0 },
+    }
+}
+
+/// Share of half samples in which the effect is there, and of pairs whose sizes agree.
+fn halves(scene: &Scene<'_>, rival: &Rival, seed: u64) -> Result<(f64, f64), DiscoverError> {
+    let configuration = configurations(scene.data);
+    let count = configuration.iter().max().map_or(0, |last| last + 1);
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x4a1f);
+    let k = rival.columns.ncols();
+    let (mut there, mut agree) = (0, 0);
+    for _ in 0..HALVES {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.shuffle(&mut random);
+        let first: std::collections::HashSet<usize> = order[..count / 2].iter().copied().collect();
+        let mine: Vec<bool> = configuration.iter().map(|c| first.contains(c)).collect();
+        let others: Vec<bool> = mine.iter().map(|m| !m).collect();
+        let (a, ca) = rival.likelihood.on_visits(scene, &mine, k)?;
+        let (b, cb) = rival.likelihood.on_visits(scene, &others, k)?;
+        let size = |value: &nalgebra::DVector<f64>, covariance: nalgebra::DMatrix<f64>| {
+            covariance.cholesky().map_or(0.0, |c| value.dot(&c.solve(value)))
+        };
+        let freedom = rival.freedom as f64;
+        let enough = freedom + 1.5 * (2.0 * freedom).sqrt();
+        let difference = size(&(&a - &b), &ca + &cb);
+        there += usize::from(size(&a, ca) > enough) + usize::from(size(&b, cb) > enough);
+        agree += usize::from(difference < freedom + 3.0 * (2.0 * freedom).sqrt());
+    }
+    Ok((there as f64 / (2 * HALVES) as f64, agree as f64 / HALVES as f64))
+}

@@ -1,0 +1,36 @@
+#![doc = include_str!("../README.md")]
+
+mod candidate;
+mod conclude;
+mod contest;
+mod diagnose;
+mod diagnosis;
+mod error;
+mod evidence;
+mod family;
+mod flips;
+mod library;
+mod likelihood;
+mod options;
+mod outliers;
+mod payload;
+mod periodogram;
+mod place;
+mod projection;
+mod reconsider;
+mod scene;
+mod screen;
+mod shape;
+mod whitener;
+mod working;
+
+pub use candidate::{Candidate, Change};
+pub use diagnose::{Progress, diagnose};
+pub use diagnosis::{
+    Alternative, Diagnosis, Errors, Finding, Parameter, Refused, Stop, Unexplained, Untestable,
+};
+pub use error::DiscoverError;
+pub use evidence::{Doubt, Evidence, Gain};
+pub use family::Family;
+pub use options::DiscoverOptions;
+pub use place::Place;

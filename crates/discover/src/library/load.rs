@@ -1,0 +1,22 @@
+//! Declared payloads that are wrong at one level.
+
+use super::Setting;
+use crate::candidate::Change;
+use crate::{Candidate, Family, Place, payload};
+
+/// More levels than this are no levels but a continuous quantity.
+const MOST_LEVELS: usize = 12;
+
+pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
+    let levels = payload::levels(setting.data);
+    if levels.len() > MOST_LEVELS {
+        return;
+    }
+    for level in levels {
+        all.push(Candidate {
+            family: Family::Payload,
+            place: Place { level: Some(level), ..Place::default() },
+            change: Change::CorrectLoad { level, mass: level },
+        });
+    }
+}

@@ -1,0 +1,66 @@
+//! Every family at every place where it can act, as ordinary effects.
+//!
+//! One file for each sort of cause. A cause at one place comes in several *variants*, from simple to rich; shapes (a
+//! period, an instant, a lag) come as a grid that is refined later.
+
+mod compliance;
+mod constant;
+mod guideway;
+mod load;
+mod motion;
+mod thermal;
+mod time;
+mod unmodelled;
+
+pub(crate) use motion::transmission_at;
+pub(crate) use time::{instants, shift_at};
+
+use crate::Candidate;
+use truepose_errormodel::Dataset;
+use truepose_kinematics::{Chain, JointId, JointKind};
+
+/// What the library needs to know about the data.
+pub(crate) struct Setting<'a> {
+    pub chain: &'a Chain,
+    pub data: &'a Dataset,
+}
+
+impl Setting<'_> {
+    /// The range of a joint that was visited; none when it never moved.
+    pub fn range(&self, joint: JointId) -> Option<[f64; 2]> {
+        let column = &self.data.joints[self.chain.coordinate(joint)?];
+        span(column)
+    }
+
+    /// The range of a channel.
+    pub fn channel_range(&self, channel: usize) -> Option<[f64; 2]> {
+        span(&self.data.channels[channel])
+    }
+
+    pub fn slides(&self, joint: JointId) -> bool {
+        self.chain.joint(joint).kind == JointKind::Prismatic
+    }
+}
+
+fn span(column: &[f64]) -> Option<[f64; 2]> {
+    let lower = column.iter().copied().fold(f64::INFINITY, f64::min);
+    let upper = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (upper - lower > 1e-9 * (lower.abs() + upper.abs() + 1.0)).then_some([lower, upper])
+}
+
+/// All candidates for this robot and data, named ones first.
+pub(crate) fn candidates(chain: &Chain, data: &Dataset) -> Vec<Candidate> {
+    let setting = Setting { chain, data };
+    let mut all = Vec::new();
+    constant::add(&setting, &mut all);
+    compliance::add(&setting, &mut all);
+    load::add(&setting, &mut all);
+    motion::add(&setting, &mut all);
+    guideway::add(&setting, &mut all);
+    thermal::add(&setting, &mut all);
+    time::add(&setting, &mut all);
+    unmodelled::add(&setting, &mut all);
+    // What does not fit this robot (a link without a length) is no candidate.
+    all.retain(|candidate| candidate.effects().iter().all(|effect| effect.validate(chain).is_ok()));
+    all
+}

@@ -1,0 +1,31 @@
+//! What follows a temperature, at once or late.
+
+use super::Setting;
+use crate::{Candidate, Family, Place};
+use truepose_errormodel::effects::{Grows, Spot, Thermal};
+use truepose_kinematics::FrameId;
+
+pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
+    let chain = setting.chain;
+    for (k, channel) in setting.data.schema.channels.iter().enumerate() {
+        let (Some([lower, upper]), true) = (setting.channel_range(k), channel.temperature) else { continue };
+        // A derived column says in its name what it is derived from.
+        let (source, lag) = match channel.name.split_once("~lag=") {
+            Some((source, lag)) => (source, lag.parse().ok()),
+            None => (channel.name.as_str(), None),
+        };
+        let reference = 0.5 * (lower + upper);
+        let mut put = |spot: Spot, grows: Option<Grows>| {
+            let effect = Thermal { grows, reference, lag, ..Thermal::of(spot, source) };
+            let place = Place::spot(chain, spot).following(source);
+            all.push(Candidate::new(Family::Thermal, place, effect));
+        };
+        for &joint in chain.movable() {
+            for grows in [Grows::Length, Grows::Scale, Grows::Motion] {
+                put(Spot::Joint(joint), Some(grows));
+            }
+        }
+        put(Spot::Frame(FrameId::BASE), None);
+        put(Spot::Frame(chain.tool_frame()), None);
+    }
+}

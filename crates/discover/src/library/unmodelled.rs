@@ -1,0 +1,84 @@
+//! Structure without a name: a smooth dependence of some component of some frame on whatever the data has.
+
+use super::Setting;
+use crate::{Candidate, Family, Place};
+use truepose_errormodel::effects::{Basis, Expansion, Factor, Input, Place as At};
+use truepose_kinematics::{Axis, FrameId};
+
+/// Something that an error may depend on.
+struct Covariate {
+    name: String,
+    input: Input,
+    range: [f64; 2],
+    joint: bool,
+}
+
+fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
+    let chain = setting.chain;
+    let mut list = Vec::new();
+    for &joint in chain.movable() {
+        if let Some(range) = setting.range(joint) {
+            let name = chain.joint(joint).name.clone();
+            list.push(Covariate { name, input: Input::Joint(joint), range, joint: true });
+        }
+    }
+    for (k, channel) in setting.data.schema.channels.iter().enumerate() {
+        if let (Some(range), false) = (setting.channel_range(k), channel.name.contains('~')) {
+            let input = Input::Channel(channel.name.clone());
+            list.push(Covariate { name: channel.name.clone(), input, range, joint: false });
+        }
+    }
+    list
+}
+
+impl Covariate {
+    fn spline(&self, pieces: usize) -> Factor {
+        let [lower, upper] = self.range;
+        Factor { of: self.input.clone(), basis: Basis::Spline { lower, upper, pieces, degree: 3 } }
+    }
+
+    fn polynomial(&self, degrees: Vec<u32>) -> Factor {
+        let [lower, upper] = self.range;
+        Factor { of: self.input.clone(), basis: Basis::Chebyshev { lower, upper, degrees } }
+    }
+}
+
+pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
+    let chain = setting.chain;
+    let covariates = covariates(setting);
+    let frames: Vec<FrameId> = chain.frames().collect();
+    let mut put = |frame: FrameId, components: Vec<Axis>, factors: Vec<Factor>, of: &[&Covariate]| {
+        let mut place = Place::frame(chain, frame).depending_on(&of[0].name);
+        place.covariate2 = of.get(1).map(|second| second.name.clone());
+        if let [axis] = components[..] {
+            place = place.along(axis);
+        }
+        let effect = Expansion { at: At::Frame { frame, components }, factors };
+        all.push(Candidate::new(Family::Unmodelled, place, effect));
+    };
+    for covariate in &covariates {
+        for &frame in &frames {
+            for axis in Axis::ALL {
+                put(frame, vec![axis], vec![covariate.polynomial(vec![1])], &[covariate]);
+                for pieces in [2, 5, 10, 18] {
+                    if covariate.joint || pieces < 8 {
+                        put(frame, vec![axis], vec![covariate.spline(pieces)], &[covariate]);
+                    }
+                }
+            }
+            put(frame, Axis::ALL.to_vec(), vec![covariate.spline(3)], &[covariate]);
+        }
+    }
+    for (k, first) in covariates.iter().enumerate() {
+        for second in &covariates[k + 1..] {
+            for &frame in &frames {
+                for axis in Axis::ALL {
+                    let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
+                    put(frame, vec![axis], product, &[first, second]);
+                    let surface = vec![first.polynomial(vec![0, 1, 2, 3]), second.polynomial(vec![0, 1, 2, 3])];
+                    put(frame, vec![axis], surface, &[first, second]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! How to look.
+
+use crate::DiscoverError;
+use truepose_identify::FitOptions;
+
+/// How a discovery looks, and when it believes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DiscoverOptions {
+    /// Share of the configurations that is drawn first and takes part in nothing.
+    pub holdout: f64,
+    /// Seed of every draw.
+    pub seed: u64,
+    /// Sign flips B.
+    pub flips: usize,
+    /// Family-wise probability above which a find is chance.
+    pub alpha: f64,
+    /// Effects at most.
+    pub most: usize,
+    /// How models are fitted.
+    pub fit: FitOptions,
+}
+
+impl Default for DiscoverOptions {
+    fn default() -> Self {
+        DiscoverOptions {
+            holdout: 0.2,
+            seed: 0,
+            flips: 999,
+            alpha: 0.005,
+            most: 24,
+            fit: FitOptions::default(),
+        }
+    }
+}
+
+impl DiscoverOptions {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// Names the option that is out of its range.
+    pub fn validate(&self) -> Result<(), DiscoverError> {
+        let refuse = |option, value, expected| Err(DiscoverError::Option { option, value, expected });
+        if !(self.holdout > 0.0 && self.holdout <= 0.5) {
+            return refuse("holdout", self.holdout, "above 0 and at most 0.5");
+        }
+        if !(self.alpha > 0.0 && self.alpha < 1.0) {
+            return refuse("alpha", self.alpha, "between 0 and 1");
+        }
+        if self.flips < 19 {
+            return refuse("flips", self.flips as f64, "at least 19");
+        }
+        if ((self.flips + 1) as f64).recip() > self.alpha {
+            return refuse("flips", self.flips as f64, "so many that 1/(flips + 1) is below alpha");
+        }
+        Ok(self.fit.validate()?)
+    }
+}

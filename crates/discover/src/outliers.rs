@@ -1,0 +1,124 @@
+//! Single rows that no repeatable effect explains.
+//!
+//! Each row is standardised by what all others of its visit say; `t² = Σ e²` of its position has three degrees of freedom. The
+//! scale is the median's, the heaviness of the tail is that of the bulk: `t²/3 ~ F(3, ν)`, ν from the ratio of the
+//! 95 % quantile to the median. So a robot with heavy-tailed noise has no outliers, and one whose noise is normal has them
+//! from five deviations on.
+
+use crate::scene::Scene;
+use crate::whitener::Whitener;
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
+use truepose_identify::NoiseModel;
+
+/// Rows that lie outside.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Outliers {
+    /// Rows that are kept out of fits.
+    pub suspects: Vec<usize>,
+    /// Rows that are reported.
+    pub certain: Vec<usize>,
+    /// Standardised distance of every row of the data, in robust deviations of one axis; NaN where nothing was measured.
+    pub distance: Vec<f64>,
+}
+
+/// Expected number of good rows that would be kept out, and reported.
+const SUSPECT: f64 = 0.05;
+const CERTAIN: f64 = 0.002;
+/// Nothing below so many robust deviations is an outlier.
+const LEAST: f64 = 5.0;
+/// At most this share of the rows: more are no outliers, but an effect.
+const MOST: f64 = 0.15;
+
+/// Judges the rows of a scene by these raw residuals.
+pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -> Outliers {
+    let standardised = Whitener::new(scene, noise).deleted(residual);
+    let mut squares = vec![f64::NAN; scene.data.len()];
+    let mut counts = vec![0usize; scene.data.len()];
+    for (o, e) in scene.observations.iter().zip(&standardised) {
+        if o.component < 3 {
+            squares[o.row] = if counts[o.row] == 0 { e * e } else { squares[o.row] + e * e };
+            counts[o.row] += 1;
+        }
+    }
+    let mut whole: Vec<f64> =
+        squares.iter().zip(&counts).filter(|(s, n)| **n == 3 && s.is_finite()).map(|(s, _)| *s).collect();
+    whole.sort_by(f64::total_cmp);
+    let mut found = Outliers { distance: vec![f64::NAN; scene.data.len()], ..Outliers::default() };
+    if whole.len() < 20 {
+        return found;
+    }
+    let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
+    let freedom = tail(at(0.95) / at(0.5).max(f64::MIN_POSITIVE));
+    let law = Law::new(freedom);
+    let scale = (at(0.5) / (3.0 * law.quantile(0.5))).max(f64::MIN_POSITIVE);
+    let expected = |square: f64| whole.len() as f64 * law.above(square / (3.0 * scale));
+    for (row, (&square, &count)) in squares.iter().zip(&counts).enumerate() {
+        if count != 3 {
+            continue;
+        }
+        found.distance[row] = (square / scale / 3.0).sqrt();
+        if square > 3.0 * LEAST * LEAST * scale / 3.0 {
+            let expected = expected(square);
+            if expected < SUSPECT {
+                found.suspects.push(row);
+            }
+            if expected < CERTAIN {
+                found.certain.push(row);
+            }
+        }
+    }
+    if found.suspects.len() as f64 > MOST * whole.len() as f64 {
+        found.suspects.clear();
+        found.certain.clear();
+    }
+    found
+}
+
+/// The law of t²/3: χ²/3, or F(3, ν) for heavier tails.
+enum Law {
+    Normal(ChiSquared),
+    Heavy(FisherSnedecor),
+}
+
+impl Law {
+    fn new(freedom: f64) -> Self {
+        match FisherSnedecor::new(3.0, freedom) {
+            Ok(heavy) if freedom < 100.0 => Law::Heavy(heavy),
+            _ => match ChiSquared::new(3.0) {
+                Ok(normal) => Law::Normal(normal),
+                Err(_) => unreachable!("three is a number of degrees of freedom"),
+            },
+        }
+    }
+
+    fn above(&self, x: f64) -> f64 {
+        match self {
+            Law::Normal(law) => law.sf(3.0 * x),
+            Law::Heavy(law) => law.sf(x),
+        }
+    }
+
+    fn quantile(&self, share: f64) -> f64 {
+        match self {
+            Law::Normal(law) => law.inverse_cdf(share) / 3.0,
+            Law::Heavy(law) => law.inverse_cdf(share),
+        }
+    }
+}
+
+/// ν at which the 95 % quantile over the median is this; 100 and more is normal.
+fn tail(ratio: f64) -> f64 {
+    let of = |freedom: f64| {
+        let law = Law::new(freedom);
+        law.quantile(0.95) / law.quantile(0.5)
+    };
+    if ratio.is_nan() || ratio <= of(100.0) {
+        return 100.0;
+    }
+    let (mut low, mut high) = (2.0, 100.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if of(middle) > ratio { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,136 @@
+//! Every period of every joint: the score of a sine and a cosine of its motion, over a fine grid of frequencies.
+//!
+//! A joint stands still during a visit, so that whitening leaves `g(q) sin(ν q)` what it is: the whitened motion times the
+//! wave. Frequencies are as dense as the visited range can tell apart, four to a cycle over it.
+
+use crate::projection::{Projection, basis, quantile};
+use crate::scene::Scene;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use truepose_kinematics::JointId;
+
+/// The scores of one joint's periods.
+pub(crate) struct Periodogram {
+    pub joint: JointId,
+    pub periods: Vec<f64>,
+    pub gains: Vec<f64>,
+    pub quantiles: Vec<f64>,
+    /// Units × 2 columns a period.
+    pub by_unit: DMatrix<f32>,
+}
+
+/// Finest periods that are looked for: parts of a turn, and of a slide's visited travel.
+const CYCLES_PER_TURN: f64 = 256.0;
+const CYCLES_PER_TRAVEL: f64 = 400.0;
+/// Frequencies handled at once.
+const BATCH: usize = 64;
+
+/// The grid of periods of one joint, longest first; rad or m.
+pub(crate) fn grid(scene: &Scene<'_>, joint: JointId) -> Vec<f64> {
+    let Some(coordinate) = scene.chain().coordinate(joint) else { return Vec::new() };
+    let column = &scene.data.joints[coordinate];
+    let lower = column.iter().copied().fold(f64::INFINITY, f64::min);
+    let upper = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let range = upper - lower;
+    if range.is_nan() || range < 1e-6 {
+        return Vec::new();
+    }
+    let turns = scene.chain().joint(joint).unit() == "rad";
+    let (first, last) = if turns { (2.5, CYCLES_PER_TURN) } else { (2.0, CYCLES_PER_TRAVEL) };
+    let unit = if turns { TAU } else { range };
+    let step = 0.25 * unit / range;
+    let count = ((last - first) / step).floor() as usize + 1;
+    (0..count).map(|k| unit / (first + k as f64 * step)).collect()
+}
+
+/// The scores of these periods of one joint.
+pub(crate) fn scan(
+    scene: &Scene<'_>,
+    projection: &Projection,
+    joint: JointId,
+    periods: &[f64],
+) -> Option<Periodogram> {
+    let (motion, values) = scene.motion(joint)?;
+    let motion = projection.whitener.of(&DMatrix::from_column_slice(motion.len(), 1, motion.as_slice()));
+    if periods.is_empty() || motion.norm() <= 0.0 {
+        return None;
+    }
+    // What the model absorbs of a fast wave does not depend on its period: with much data it is left aside.
+    let exact = motion.len() <= 6000;
+    let parts: Vec<(Vec<f64>, Vec<f64>, DMatrix<f32>)> = periods
+        .par_chunks(BATCH)
+        .map(|batch| {
+            let mut waves = DMatrix::zeros(motion.len(), 2 * batch.len());
+            for (k, period) in batch.iter().enumerate() {
+                for (at, value) in values.iter().enumerate() {
+                    let (s, c) = (TAU * value / period).sin_cos();
+                    waves[(at, 2 * k)] = s * motion[at];
+                    waves[(at, 2 * k + 1)] = c * motion[at];
+                }
+            }
+            let along = if exact { Some(projection.q.tr_mul(&waves)) } else { None };
+            let projected = match &along {
+                Some(along) => &waves - &projection.q * along,
+                None => waves.clone(),
+            };
+            let sums = projection.by_unit(&projected);
+            let (mut gains, mut quantiles) = (Vec::new(), Vec::new());
+            let mut by_unit = DMatrix::<f32>::zeros(projection.units, 2 * batch.len());
+            for k in 0..batch.len() {
+                let pair = waves.columns(2 * k, 2);
+                let raw = pair.tr_mul(&pair);
+                let left = match &along {
+                    Some(along) => {
+                        let pair = along.columns(2 * k, 2);
+                        &raw - pair.tr_mul(&pair)
+                    }
+                    None => raw.clone(),
+                };
+                let Some(turn) = basis(&raw, &left) else {
+                    gains.push(0.0);
+                    quantiles.push(f64::NEG_INFINITY);
+                    continue;
+                };
+                let scores = sums.columns(2 * k, 2) * &turn;
+                let squares: f64 = scores.column_iter().map(|c| c.sum().powi(2)).sum();
+                let gain = projection.gain(squares, projection.rss);
+                gains.push(gain);
+                quantiles.push(quantile(gain, 2));
+                for (j, column) in scores.column_iter().enumerate() {
+                    by_unit.column_mut(2 * k + j).copy_from(&column.map(|v| v as f32));
+                }
+            }
+            (gains, quantiles, by_unit)
+        })
+        .collect();
+    let mut whole = Periodogram {
+        joint,
+        periods: periods.to_vec(),
+        gains: Vec::new(),
+        quantiles: Vec::new(),
+        by_unit: DMatrix::zeros(projection.units, 2 * periods.len()),
+    };
+    for (gains, quantiles, by_unit) in parts {
+        whole.by_unit.columns_mut(2 * whole.gains.len(), by_unit.ncols()).copy_from(&by_unit);
+        whole.gains.extend(gains);
+        whole.quantiles.extend(quantiles);
+    }
+    Some(whole)
+}
+
+impl Periodogram {
+    /// Local maxima, best first: (period, gain).
+    pub fn peaks(&self, count: usize) -> Vec<(f64, f64)> {
+        let mut peaks: Vec<(f64, f64)> = (0..self.gains.len())
+            .filter(|&k| {
+                (k == 0 || self.gains[k] >= self.gains[k - 1])
+                    && (k + 1 == self.gains.len() || self.gains[k] > self.gains[k + 1])
+            })
+            .map(|k| (self.periods[k], self.gains[k]))
+            .collect();
+        peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+        peaks.truncate(count);
+        peaks
+    }
+}

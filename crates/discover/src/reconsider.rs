@@ -1,0 +1,69 @@
+//! Joint reconsideration: every find has to win again with all others in the model.
+//!
+//! A first find that a later one explains better falls; one that is better told at another place, or in another shape, is
+//! swapped. Each find is taken out in turn, what is left is screened, and the contest is held once more.
+
+use crate::DiscoverError;
+use crate::candidate::Candidate;
+use crate::contest::{TIE, contest};
+use crate::diagnose::{Search, adopted};
+use crate::scene::Scene;
+use crate::screen::Screen;
+
+/// Takes each find out in turn and lets it defend its place.
+pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
+    let mut at = 0;
+    let mut rounds = 0;
+    // The last one has just won.
+    while at + 1 < search.accepted.len() && rounds < 4 * search.accepted.len() {
+        rounds += 1;
+        let others: Vec<Candidate> = search
+            .accepted
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| *k != at)
+            .map(|(_, a)| a.candidate.clone())
+            .collect();
+        let without = search.ground.working(others.clone(), &search.now.outliers.suspects)?;
+        let scene = Scene::new(&without.fit, &without.data)?;
+        let screen = Screen::new(&scene);
+        let contest = contest(&scene, &screen, &others)?;
+        let mine = &search.accepted[at].candidate;
+        let Some(best) = contest.rivals.first().filter(|best| best.score < contest.present.deviance) else {
+            // The others explain it.
+            search.accepted.remove(at);
+            search.refit()?;
+            continue;
+        };
+        let still = contest.rivals.iter().find(|r| r.candidate.same_cause(mine));
+        // Another cause has to be clearly better; the same cause may change its shape.
+        let winner = match still {
+            Some(still) if still.score < best.score + TIE => still,
+            _ => best,
+        };
+        let next = adopted(winner);
+        let score = winner.score;
+        let rivals: Vec<(Candidate, f64)> = contest
+            .rivals
+            .iter()
+            .filter(|r| !r.candidate.same_cause(&next))
+            .map(|r| (r.candidate.clone(), r.score - score))
+            .collect();
+        let changed = !same_shape(&next, mine);
+        search.accepted[at].rivals = rivals;
+        if changed {
+            search.accepted[at].candidate = next;
+            search.refit()?;
+        }
+        at += 1;
+    }
+    Ok(())
+}
+
+/// Whether both change the model in the same way.
+fn same_shape(a: &Candidate, b: &Candidate) -> bool {
+    let parameters = |c: &Candidate| -> Vec<_> {
+        c.effects().iter().map(|e| (e.kind(), e.parameters().to_string())).collect()
+    };
+    a.same_cause(b) && parameters(a) == parameters(b)
+}

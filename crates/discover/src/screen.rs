@@ -1,0 +1,154 @@
+//! One pass over all candidates: no refit, everything that the present model explains projected out.
+
+use crate::candidate::Candidate;
+use crate::flips::{Block, NullDistribution};
+use crate::library::{self, transmission_at};
+use crate::periodogram::{self, Periodogram};
+use crate::projection::{Projection, Score, quantile};
+use crate::scene::Scene;
+use crate::{Family, Place};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// A candidate and its score; none where the data cannot judge it.
+pub(crate) struct Screened {
+    pub candidate: Candidate,
+    pub score: Option<Score>,
+}
+
+/// All candidates at the present model.
+pub(crate) struct Screen {
+    pub projection: Projection,
+    pub candidates: Vec<Screened>,
+    pub periods: Vec<Periodogram>,
+}
+
+/// A cause at a place with its variants, best first.
+pub(crate) struct Cause {
+    pub family: Family,
+    pub place: Place,
+    /// (candidate, gain, freedom), by gain less the price of its unknowns.
+    pub variants: Vec<(Candidate, f64, usize)>,
+}
+
+/// What an unknown costs: BIC's logarithm of the number of rows.
+pub(crate) fn price(numbers: usize) -> f64 {
+    (numbers.max(2) as f64).ln()
+}
+
+impl Screen {
+    pub fn new(scene: &Scene<'_>) -> Self {
+        let projection = Projection::new(scene);
+        let candidates = library::candidates(scene.chain(), scene.data)
+            .into_par_iter()
+            .map(|candidate| {
+                let score = candidate.columns(scene).ok().and_then(|columns| projection.score(&columns));
+                Screened { candidate, score }
+            })
+            .collect();
+        let periods = scene
+            .chain()
+            .movable()
+            .iter()
+            .filter_map(|&joint| {
+                periodogram::scan(scene, &projection, joint, &periodogram::grid(scene, joint))
+            })
+            .collect();
+        Screen { projection, candidates, periods }
+    }
+
+    /// The largest statistic over everything that was looked at.
+    pub fn largest(&self) -> f64 {
+        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.quantile);
+        let waves = self.periods.iter().flat_map(|p| p.quantiles.iter().copied());
+        single.chain(waves).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What the largest statistic would be if nothing were missing.
+    pub fn null(&self, flips: usize, seed: u64) -> NullDistribution {
+        /// Columns in one product.
+        const WIDTH: usize = 1024;
+        let mut joined: Vec<(DMatrix<f32>, Vec<usize>)> = Vec::new();
+        let scores: Vec<&Score> = self.candidates.iter().filter_map(|s| s.score.as_ref()).collect();
+        let mut next = 0;
+        while next < scores.len() {
+            let (mut width, first) = (0, next);
+            while next < scores.len() && (width == 0 || width + scores[next].freedom <= WIDTH) {
+                width += scores[next].freedom;
+                next += 1;
+            }
+            let mut block = DMatrix::zeros(self.projection.units, width);
+            let mut column = 0;
+            for score in &scores[first..next] {
+                block.columns_mut(column, score.freedom).copy_from(&score.by_unit);
+                column += score.freedom;
+            }
+            joined.push((block, scores[first..next].iter().map(|score| score.freedom).collect()));
+        }
+        for wave in &self.periods {
+            let mut first = 0;
+            while first < wave.periods.len() {
+                let count = (WIDTH / 2).min(wave.periods.len() - first);
+                joined.push((wave.by_unit.columns(2 * first, 2 * count).into_owned(), vec![2; count]));
+                first += count;
+            }
+        }
+        let blocks: Vec<Block<'_>> = joined
+            .iter()
+            .map(|(by_unit, freedoms)| Block { by_unit, freedoms: freedoms.clone() })
+            .collect();
+        NullDistribution::new(&self.projection, &blocks, flips, seed)
+    }
+
+    /// Causes, best first: each by the variant whose gain best pays for its unknowns.
+    pub fn causes(&self, scene: &Scene<'_>) -> Vec<Cause> {
+        let price = price(self.projection.len());
+        let mut causes: Vec<Cause> = Vec::new();
+        let mut known: HashMap<String, usize> = HashMap::new();
+        let mut put = |candidate: Candidate, gain: f64, freedom: usize| {
+            let at = *known.entry(candidate.words()).or_insert_with(|| {
+                let (family, place) = (candidate.family, candidate.place.clone());
+                causes.push(Cause { family, place, variants: Vec::new() });
+                causes.len() - 1
+            });
+            causes[at].variants.push((candidate, gain, freedom));
+        };
+        for screened in &self.candidates {
+            if let Some(score) = &screened.score {
+                put(screened.candidate.clone(), score.gain, score.freedom);
+            }
+        }
+        for wave in &self.periods {
+            for (period, gain) in wave.peaks(3) {
+                put(transmission_at(scene.chain(), wave.joint, &[period]), gain, 2);
+            }
+        }
+        let worth = |&(_, gain, freedom): &(Candidate, f64, usize)| gain - price * freedom as f64;
+        for cause in &mut causes {
+            cause.variants.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        }
+        causes.sort_by(|a, b| worth(&b.variants[0]).total_cmp(&worth(&a.variants[0])));
+        causes
+    }
+
+    /// How many separate questions were asked of a family.
+    pub fn asked(&self, family: Family) -> usize {
+        let single = self
+            .candidates
+            .iter()
+            .filter(|s| s.score.is_some() && s.candidate.family == family)
+            .count();
+        let waves = if family == Family::Transmission {
+            self.periods.iter().map(|p| p.periods.len() / 4).sum()
+        } else {
+            0
+        };
+        (single + waves).max(1)
+    }
+
+    /// The statistic of a gain.
+    pub fn statistic(gain: f64, freedom: usize) -> f64 {
+        quantile(gain, freedom)
+    }
+}

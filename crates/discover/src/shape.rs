@@ -1,0 +1,94 @@
+//! The best shape of a candidate near where the screen found it: its period, its instant, its threshold.
+//!
+//! Variable projection: the unknowns are eliminated for each trial shape, the gain is what is left to climb.
+
+use crate::candidate::Candidate;
+use crate::library::{instants, shift_at, transmission_at};
+use crate::projection::Projection;
+use crate::scene::Scene;
+use truepose_errormodel::effects::{Backlash, Shift, Transmission};
+use truepose_errormodel::AnyEffect;
+
+/// What a shape is worth: the gain in the screen's units.
+fn gain(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
+    candidate
+        .columns(scene)
+        .ok()
+        .and_then(|columns| projection.score(&columns))
+        .map_or(f64::NEG_INFINITY, |score| score.gain)
+}
+
+/// The candidate with its shape refined.
+pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> Candidate {
+    let [effect] = candidate.effects() else { return candidate.clone() };
+    let chain = scene.chain();
+    if let Some(wave) = seen_as::<Transmission>(&**effect) {
+        // A turn of the joint is known.
+        let Some(period) = wave.period.filter(|p| (p - std::f64::consts::TAU).abs() > 1e-9) else {
+            return candidate.clone();
+        };
+        let Some(coordinate) = chain.coordinate(wave.joint) else { return candidate.clone() };
+        let column = &scene.data.joints[coordinate];
+        let range = column.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            - column.iter().copied().fold(f64::INFINITY, f64::min);
+        // In frequency: a quarter of a cycle over the range to either side.
+        let centre = 1.0 / period;
+        let half = 0.25 / range.max(1e-9);
+        let value = |frequency: f64| {
+            gain(scene, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]))
+        };
+        let best = climb(centre - half.min(0.5 * centre), centre + half, value);
+        return transmission_at(chain, wave.joint, &[1.0 / best]);
+    }
+    if let Some(jump) = seen_as::<Shift>(&**effect) {
+        let instants = instants(scene.data);
+        let at = instants.partition_point(|&t| t < jump.at);
+        // The neighbours that the coarse grid left out, and a few more.
+        let reach = instants.len().div_ceil(64).max(3) + 2;
+        let best = (at.saturating_sub(reach)..(at + reach).min(instants.len()))
+            .map(|k| shift_at(chain, jump.spot, instants[k]))
+            .map(|candidate| (gain(scene, projection, &candidate), candidate))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        return best.map_or_else(|| candidate.clone(), |(_, candidate)| candidate);
+    }
+    if let Some(play) = seen_as::<Backlash>(&**effect)
+        && let Some(flank) = play.flank_load
+    {
+        let with = |log: f64| {
+            let effect = Backlash { flank_load: Some(log.exp()), ..play.clone() };
+            Candidate::new(candidate.family, candidate.place.clone(), effect)
+        };
+        let log = climb((0.3 * flank).ln(), (3.0 * flank).ln(), |x| gain(scene, projection, &with(x)));
+        return with(log);
+    }
+    candidate.clone()
+}
+
+/// An effect as what it is, through its parameters.
+pub(crate) fn seen_as<E: truepose_errormodel::Effect>(effect: &dyn AnyEffect) -> Option<E> {
+    if effect.kind() != E::KIND {
+        return None;
+    }
+    serde_json::from_value(effect.parameters()).ok()
+}
+
+/// Maximum of a function with one peak in [lower, upper], by golden section.
+fn climb(lower: f64, upper: f64, value: impl Fn(f64) -> f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (lower, upper);
+    let (mut c, mut d) = (b - RATIO * (b - a), a + RATIO * (b - a));
+    let (mut vc, mut vd) = (value(c), value(d));
+    for _ in 0..18 {
+        if vc > vd {
+            (b, d, vd) = (d, c, vc);
+            c = b - RATIO * (b - a);
+            vc = value(c);
+        } else {
+            (a, c, vc) = (c, d, vd);
+            d = a + RATIO * (b - a);
+            vd = value(d);
+        }
+    }
+    0.5 * (a + b)
+}
+

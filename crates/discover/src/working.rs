@@ -1,0 +1,103 @@
+//! The model as it stands while the loop runs: what was declared, what was found, which rows are kept out.
+
+use crate::candidate::{Candidate, Change};
+use crate::likelihood::Likelihood;
+use crate::outliers::{Outliers, outliers};
+use crate::scene::Scene;
+use crate::{DiscoverError, payload};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_identify::{Fit, FitOptions, fit};
+use truepose_kinematics::Chain;
+use truepose_solvers::Solver;
+
+/// What does not change while the loop runs.
+pub(crate) struct Ground<'a> {
+    pub chain: &'a Chain,
+    pub declared: &'a [Box<dyn AnyEffect>],
+    pub data: &'a Dataset,
+    pub solver: &'a dyn Solver,
+    pub fit: &'a FitOptions,
+}
+
+/// A model with its fit.
+pub(crate) struct Working {
+    pub found: Vec<Candidate>,
+    pub outliers: Outliers,
+    /// The data with corrected loads and without the rows that are kept out.
+    pub data: Dataset,
+    pub fit: Fit,
+}
+
+/// Times that outliers and loads are looked at again.
+const LOOKS: usize = 4;
+
+impl Ground<'_> {
+    /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
+    pub fn working(&self, found: Vec<Candidate>, known: &[usize]) -> Result<Working, DiscoverError> {
+        let mut found = found;
+        let mut out = known.to_vec();
+        let mut looks = 0;
+        loop {
+            let data = self.prepared(&found, &out);
+            let fit = self.fitted(&found, &data)?;
+            let scene = Scene::new(&fit, &data)?;
+            let moved = corrected(&scene, &mut found)?;
+            // Every row is judged, those that are kept out as well.
+            let whole = self.prepared(&found, &[]);
+            let judged = Scene::new(&fit, &whole)?;
+            let residual = &judged.y - &judged.base * judged.coefficients();
+            let outliers = outliers(&judged, residual.as_slice(), fit.noise);
+            looks += 1;
+            if (outliers.suspects == out && !moved) || looks > LOOKS {
+                return Ok(Working { found, outliers, data, fit });
+            }
+            out.clone_from(&outliers.suspects);
+        }
+    }
+
+    /// The fit of the declared model with these finds.
+    pub fn fitted(&self, found: &[Candidate], data: &Dataset) -> Result<Fit, DiscoverError> {
+        let mut effects = self.declared.to_vec();
+        effects.extend(found.iter().flat_map(|candidate| candidate.effects().iter().cloned()));
+        let model = ErrorModel::new(self.chain.clone(), effects)?;
+        Ok(fit(&model, data, self.solver, self.fit)?)
+    }
+
+    /// The data with loads as they were found and without these rows.
+    pub fn prepared(&self, found: &[Candidate], out: &[usize]) -> Dataset {
+        let mut data = with_loads(self.data, found);
+        for &row in out {
+            data.position[row] = [f64::NAN; 3];
+            data.orientation[row] = None;
+        }
+        data
+    }
+}
+
+/// The data with loads as they were found.
+pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
+    found.iter().fold(data.clone(), |data, candidate| match candidate.change {
+        Change::CorrectLoad { level, mass } => payload::corrected(&data, level, mass),
+        Change::Add(_) => data,
+    })
+}
+
+/// Moves corrected loads to where the present model sees them; true when one moved.
+fn corrected(scene: &Scene<'_>, found: &mut [Candidate]) -> Result<bool, DiscoverError> {
+    /// kg, relative to the level.
+    const STILL: f64 = 1e-5;
+    let visits = Visits::of(scene.data);
+    let mut moved = false;
+    for candidate in found {
+        if let Change::CorrectLoad { level, mass } = &mut candidate.change {
+            let column = scene.heavier(*mass)?;
+            if column.norm() > 0.0 {
+                let more = Likelihood::new(scene, &column, &visits)?.coefficients[0];
+                let next = (*mass + more).max(0.0);
+                moved |= (next - *mass).abs() > STILL * level.abs().max(1.0);
+                *mass = next;
+            }
+        }
+    }
+    Ok(moved)
+}
