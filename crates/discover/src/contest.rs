@@ -13,7 +13,7 @@ use crate::projection::Projection;
 use crate::scene::Scene;
 use crate::screen::{Cause, Screen, price};
 use crate::shape::{refined, seen_as};
-use crate::{DiscoverError, Family};
+use crate::{DiscoverError, Family, look_ahead};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
@@ -42,7 +42,7 @@ pub(crate) struct Rival {
     pub likelihood: Likelihood,
 }
 
-/// The rivals, best first, and the present model's own likelihood.
+/// The rivals, the one that should be believed first, and the present model's own likelihood.
 pub(crate) struct Contest {
     pub present: Likelihood,
     pub rivals: Vec<Rival>,
@@ -112,6 +112,8 @@ pub(crate) fn contest(
             key(a).cmp(&key(b)).then(a.score.total_cmp(&b.score))
         });
     }
+    let first = look_ahead::first(scene, screen, &visits, &rivals, &causes)?;
+    rivals[..=first].rotate_right(usize::from(first > 0));
     Ok(Contest { present, rivals })
 }
 

@@ -47,7 +47,8 @@ pub struct Gain {
     pub before: f64,
     /// 3-D RMS with.
     pub after: f64,
-    /// Student's t of the paired difference of squares over folds.
+    /// Student's t of the paired difference over folds: of mean squares, or of their logarithms where that is clearer (an
+    /// effect of which a few rows have most).
     pub t: f64,
 }
 
@@ -132,19 +133,24 @@ fn paired(scene: &Scene<'_>, folds: &Folds, before: &[f64], after: &[f64]) -> Ga
         }
     }
     let total = by_fold.iter().fold((0.0, 0.0, 0usize), |t, f| (t.0 + f.0, t.1 + f.1, t.2 + f.2));
-    let differences: Vec<f64> =
-        by_fold.iter().filter(|f| f.2 > 0).map(|f| (f.0 - f.1) / f.2 as f64).collect();
-    let k = differences.len() as f64;
-    let mean = differences.iter().sum::<f64>() / k.max(1.0);
-    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (k - 1.0).max(1.0);
-    // 1/K + n_test/n_train.
-    let spread = (variance * (1.0 / k.max(1.0) + 1.0 / (k - 1.0).max(1.0))).sqrt();
+    let filled: Vec<&(f64, f64, usize)> = by_fold.iter().filter(|f| f.2 > 0 && f.1 > 0.0).collect();
+    let squares: Vec<f64> = filled.iter().map(|f| (f.0 - f.1) / f.2 as f64).collect();
+    let ratios: Vec<f64> = filled.iter().map(|f| (f.0 / f.1).ln()).collect();
     let n = total.2.max(1) as f64;
     Gain {
         before: (total.0 / n).sqrt(),
         after: (total.1 / n).sqrt(),
-        t: if spread > 0.0 { mean / spread } else { 0.0 },
+        t: students_t(&squares).max(students_t(&ratios)),
     }
+}
+
+/// t of a mean over folds that share their training data (Nadeau and Bengio): variance · (1/K + n_test/n_train).
+fn students_t(differences: &[f64]) -> f64 {
+    let k = differences.len() as f64;
+    let mean = differences.iter().sum::<f64>() / k.max(1.0);
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (k - 1.0).max(1.0);
+    let spread = (variance * (1.0 / k.max(1.0) + 1.0 / (k - 1.0).max(1.0))).sqrt();
+    if spread > 0.0 { mean / spread } else { 0.0 }
 }
 
 /// Share of half samples in which the effect is there, and of pairs whose sizes agree.

@@ -11,6 +11,7 @@ mod family;
 mod flips;
 mod library;
 mod likelihood;
+mod look_ahead;
 mod options;
 mod outliers;
 mod payload;

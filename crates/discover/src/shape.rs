@@ -6,7 +6,7 @@ use crate::candidate::Candidate;
 use crate::library::{instants, shift_at, transmission_at};
 use crate::projection::Projection;
 use crate::scene::Scene;
-use truepose_errormodel::effects::{Backlash, Shift, Transmission};
+use truepose_errormodel::effects::{Backlash, Drift, Shift, Transmission};
 use truepose_errormodel::AnyEffect;
 
 /// What a shape is worth: the gain in the screen's units.
@@ -58,7 +58,17 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
             let effect = Backlash { flank_load: Some(log.exp()), ..play.clone() };
             Candidate::new(candidate.family, candidate.place.clone(), effect)
         };
-        let log = climb((0.3 * flank).ln(), (3.0 * flank).ln(), |x| gain(scene, projection, &with(x)));
+        let log = climb((0.4 * flank).ln(), (1.8 * flank).ln(), |x| gain(scene, projection, &with(x)));
+        return with(log);
+    }
+    if let Some(drift) = seen_as::<Drift>(&**effect)
+        && let Some(constant) = drift.time_constant
+    {
+        let with = |log: f64| {
+            let effect = Drift { time_constant: Some(log.exp()), ..drift.clone() };
+            Candidate::new(candidate.family, candidate.place.clone(), effect)
+        };
+        let log = climb((0.4 * constant).ln(), (2.5 * constant).ln(), |x| gain(scene, projection, &with(x)));
         return with(log);
     }
     candidate.clone()

@@ -82,5 +82,5 @@ fn flanks(setting: &Setting<'_>, joint: JointId) -> Vec<f64> {
             buffer.update(setting.chain, &conditions).joint_load(joint).abs()
         })
         .fold(0.0, f64::max);
-    if largest > 0.0 { vec![0.05 * largest, 0.15 * largest, 0.4 * largest] } else { Vec::new() }
+    if largest > 0.0 { vec![0.03 * largest, 0.1 * largest, 0.25 * largest] } else { Vec::new() }
 }

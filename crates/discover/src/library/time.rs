@@ -24,7 +24,11 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
     for spot in spots {
         let place = Place::spot(chain, spot);
         for pieces in [1, 2, 4, 8] {
-            let effect = Drift { spot, components: None, range, pieces };
+            let effect = Drift::smooth(spot, range, pieces);
+            all.push(Candidate::new(Family::Drift, place.clone(), effect));
+        }
+        for share in [0.05, 0.1, 0.2, 0.4, 0.8] {
+            let effect = Drift::settling(spot, range, share * (range[1] - range[0]));
             all.push(Candidate::new(Family::Drift, place.clone(), effect));
         }
         for &at in all_instants.iter().step_by(stride) {

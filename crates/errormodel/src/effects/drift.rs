@@ -3,10 +3,13 @@
 //! `ε(t) = Σ_k c_k (B_k(t) − B_k(t_0))`, k = 2 … N: cubic B-splines on [t_0, t_1] without their constant, so that the
 //! drift is zero at t_0 and a constant error stays with the frame's geometry. Before t_0 it is zero, after t_1 it
 //! holds its last value.
+//!
+//! What warms up or settles comes to rest: with a time constant τ it is `ε(t) = c (1 − exp(−(t − t_0)/τ))`, one unknown a
+//! component. τ is its shape where `time_constant_range` is given.
 
-use super::travel::ascending;
+use super::travel::{ascending, free, positive};
 use super::{Basis, Spot};
-use crate::{Column, Effect, Emission, ModelError, Signal};
+use crate::{Column, Effect, Emission, ModelError, Shape, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
 
@@ -25,6 +28,12 @@ pub struct Drift {
     /// Equal pieces into which the range is cut.
     #[serde(default = "four")]
     pub pieces: usize,
+    /// Time constant with which it comes to rest, s; a smooth function of any form when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_constant: Option<f64>,
+    /// Between which values `time_constant` is to be found, s; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_constant_range: Option<[f64; 2]>,
 }
 
 fn four() -> usize {
@@ -32,6 +41,16 @@ fn four() -> usize {
 }
 
 impl Drift {
+    /// Any smooth function of time, in so many pieces.
+    pub fn smooth(spot: Spot, range: [f64; 2], pieces: usize) -> Self {
+        Drift { spot, components: None, range, pieces, time_constant: None, time_constant_range: None }
+    }
+
+    /// What comes to rest with a time constant, s.
+    pub fn settling(spot: Spot, range: [f64; 2], time_constant: f64) -> Self {
+        Drift { time_constant: Some(time_constant), ..Drift::smooth(spot, range, four()) }
+    }
+
     fn basis(&self) -> Basis {
         let [lower, upper] = self.range;
         Basis::Spline { lower, upper, pieces: self.pieces, degree: 3 }
@@ -45,6 +64,14 @@ impl Effect for Drift {
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = Vec::new();
         for part in self.spot.parts(self.components.as_deref(), chain) {
+            if self.time_constant.is_some() {
+                columns.push(Column::new(
+                    format!("drift {}", part.word),
+                    part.unit(),
+                    part.expected(chain),
+                ));
+                continue;
+            }
             for k in 2..=self.basis().len() {
                 let name = format!("drift {} B{k}", part.word);
                 columns.push(Column::new(name, part.unit(), part.expected(chain)));
@@ -55,6 +82,12 @@ impl Effect for Drift {
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let (basis, components) = (self.basis(), self.components.as_deref());
+        if let Some(constant) = self.time_constant {
+            let [from, until] = self.range;
+            let age = at.signal(0).clamp(from, until) - from;
+            self.spot.put(components, (0, 1), -(-age / constant).exp_m1(), at, out);
+            return;
+        }
         let stride = basis.len() - 1;
         basis.for_each_from(self.range[0], at.signal(0), |column, value| {
             self.spot.put(components, (column, stride), value, at, out);
@@ -68,7 +101,24 @@ impl Effect for Drift {
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         self.spot.check(Self::KIND, self.components.as_deref(), chain)?;
         ascending(Self::KIND, "range", Some(self.range))?;
+        match self.time_constant {
+            Some(constant) => positive(Self::KIND, "time_constant", constant, self.time_constant_range)?,
+            None if self.time_constant_range.is_some() => {
+                let reason = "`time_constant_range` stands without `time_constant`";
+                return Err(super::refused(Self::KIND, reason));
+            }
+            None => {}
+        }
         self.basis().check().map_err(|reason| super::refused(Self::KIND, reason))
+    }
+
+    fn shape(&self) -> Vec<Shape> {
+        let range = self.time_constant_range;
+        self.time_constant.map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range))
+    }
+
+    fn with_shape(&self, values: &[f64]) -> Self {
+        Drift { time_constant: values.first().copied().or(self.time_constant), ..self.clone() }
     }
 }
 
@@ -79,7 +129,7 @@ mod tests {
     use truepose_kinematics::{Conditions, FrameId, JointId, samples};
 
     fn drift(spot: Spot) -> Drift {
-        Drift { spot, components: None, range: [20.0, 180.0], pieces: 4 }
+        Drift::smooth(spot, [20.0, 180.0], 4)
     }
 
     #[test]

@@ -1,0 +1,96 @@
+//! One step ahead: a rich cause may imitate two simple ones, better than either of them alone.
+//!
+//! Before the best rival is believed, each rival is given its best partner, and pairs are compared:
+//!
+//! ```text
+//! score(a + b) = −2 ln L(a + b) + (k_a + k_b) ln m + 2 ln(questions asked of each family)
+//! ```
+//!
+//! When a pair without the best rival is better than the best rival with its own partner, the stronger half of that pair goes first.
+
+use crate::candidate::Candidate;
+use crate::contest::{Rival, TIE};
+use crate::likelihood::Likelihood;
+use crate::projection::Projection;
+use crate::scene::Scene;
+use crate::screen::{Cause, Screen, price};
+use crate::{DiscoverError, Family};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use truepose_errormodel::Visits;
+
+/// Rivals that are given a partner, and partners tried.
+const RIVALS: usize = 8;
+const PARTNERS: usize = 80;
+/// A partner that gains less is chance.
+const LEAST: f64 = 12.0;
+
+/// The position of the rival that should go first.
+pub(crate) fn first(
+    scene: &Scene<'_>,
+    screen: &Screen,
+    visits: &Visits,
+    rivals: &[Rival],
+    causes: &[Cause],
+) -> Result<usize, DiscoverError> {
+    if rivals.len() < 2 {
+        return Ok(0);
+    }
+    let price = price(scene.len());
+    let partners: Vec<(&Candidate, DMatrix<f64>)> = causes
+        .iter()
+        .filter(|cause| cause.family != Family::Unmodelled)
+        .take(PARTNERS)
+        .map(|cause| &cause.variants[0].0)
+        .map(|candidate| candidate.columns(scene).map(|columns| (candidate, columns)))
+        .collect::<Result<_, _>>()?;
+    let named: Vec<usize> = (0..rivals.len())
+        .filter(|&k| k == 0 || rivals[k].candidate.family != Family::Unmodelled)
+        .take(RIVALS)
+        .collect();
+    let pairs: Vec<Option<(f64, Candidate, f64)>> = named
+        .par_iter()
+        .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {
+            let rival = &rivals[k];
+            let projection = Projection::with(scene, &rival.columns);
+            let best = partners
+                .iter()
+                .filter(|(partner, _)| !partner.same_cause(&rival.candidate))
+                .filter_map(|(partner, columns)| {
+                    let score = projection.score(columns)?;
+                    Some((score.gain - price * score.freedom as f64, score.freedom, partner, columns))
+                })
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((worth, freedom, partner, columns)) = best.filter(|best| best.0 > LEAST) else {
+                return Ok(Some((rival.score, rival.candidate.clone(), 0.0)));
+            };
+            let width = rival.columns.ncols() + columns.ncols();
+            let mut both = rival.columns.clone().resize_horizontally(width, 0.0);
+            both.columns_mut(rival.columns.ncols(), columns.ncols()).copy_from(columns);
+            let likelihood = Likelihood::new(scene, &both, visits)?;
+            let asked = 2.0 * (screen.asked(partner.family) as f64).ln();
+            let alone = rival.score - rival.likelihood.deviance;
+            let score = likelihood.deviance + alone + price * freedom as f64 + asked;
+            Ok(Some((score.min(rival.score), (*partner).clone(), worth)))
+        })
+        .collect::<Result<_, _>>()?;
+    let mut best: Option<(usize, f64)> = None;
+    for (&k, pair) in named.iter().zip(&pairs) {
+        if let Some((score, ..)) = pair
+            && best.is_none_or(|(_, least)| *score < least)
+        {
+            best = Some((k, *score));
+        }
+    }
+    let Some((chosen, score)) = best else { return Ok(0) };
+    let Some((own, ..)) = &pairs[0] else { return Ok(0) };
+    if chosen == 0 || score > own - 2.0 * TIE {
+        return Ok(0);
+    }
+    // The stronger half of the pair, if it is a rival as well.
+    let Some((_, partner, _)) = &pairs[named.iter().position(|&k| k == chosen).unwrap_or(0)] else {
+        return Ok(chosen);
+    };
+    let other = rivals.iter().position(|r| r.candidate.same_cause(partner) && r.score < rivals[chosen].score);
+    Ok(other.filter(|&other| other != 0).unwrap_or(chosen))
+}
