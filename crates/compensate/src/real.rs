@@ -5,12 +5,12 @@
 //! T(s) = C_0 M(q_1) C_1 …    see `arm`: only frames whose ε some effect moves are computed anew
 //! ```
 //!
-//! Φ is evaluated at the nominal posture of the command, as at fit time. The result is that of
+//! What yields is asked where the robot comes to rest, as at fit time ([`Rest`]). The result is that of
 //! `Predictor::predict`, to round-off.
 
 use crate::arm::{Arm, Reached};
 use nalgebra::Vector3;
-use truepose_errormodel::{BoundModel, Emission, FittedModel, ModelError, Schema};
+use truepose_errormodel::{BoundModel, Emission, FittedModel, ModelError, Rest, Schema};
 use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId};
 
 /// The real robot of a fitted model.
@@ -30,6 +30,8 @@ pub(crate) struct RealArm<'m> {
     full: Arm,
     posture: PostureBuffer,
     emission: Emission,
+    /// For models of which some effect depends on what the robot carries.
+    rest: Option<Rest>,
 }
 
 impl<'m> RealArm<'m> {
@@ -54,6 +56,7 @@ impl<'m> RealArm<'m> {
             posture: PostureBuffer::new(chain),
             // An effect speaks of a column at most once a component of two frames or so.
             emission: Emission::with_capacity(12 * moving_columns.max(still.len())),
+            rest: model.effects().iter().any(|effect| effect.settles()).then(|| Rest::new(model)),
         };
         let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
         conditions.channels = vec![0.0; schema.channels.len()];
@@ -94,17 +97,31 @@ impl<'m> RealArm<'m> {
     pub fn reach(&mut self, conditions: &Conditions, out: &mut Reached) {
         let mut surprised = false;
         if !self.moving.is_empty() {
-            self.emit(conditions);
-            let chain = self.fitted.chain();
+            let model = self.fitted.model();
+            let chain = model.chain();
             let coefficients = self.fitted.coefficients();
-            self.errors.copy_from_slice(&self.constant);
-            for entry in self.emission.entries() {
+            let emission = match &mut self.rest {
+                Some(rest) => {
+                    rest.settle(&self.bound, conditions, coefficients);
+                    self.errors.fill(0.0);
+                    rest.emission()
+                }
+                None => {
+                    self.emit(conditions);
+                    self.errors.copy_from_slice(&self.constant);
+                    &self.emission
+                }
+            };
+            for entry in emission.entries() {
                 let coefficient = coefficients[entry.column];
                 if coefficient == 0.0 {
                     continue;
                 }
-                if let Site::Frame(frame, _) = entry.site {
-                    surprised |= !self.moves[frame.0];
+                if let Site::Frame(frame, _) = entry.site
+                    && !self.moves[frame.0]
+                {
+                    // A constant's own frame is multiplied out in the lean arm.
+                    surprised |= model.columns()[entry.column].site.is_none();
                 }
                 self.errors[chain.site_index(entry.site)] += entry.value * coefficient;
             }

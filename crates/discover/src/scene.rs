@@ -8,13 +8,13 @@
 //! | W | `prior`: rows that hold β near zero | r × r | 1 per unit |
 //! | X | [`Scene::columns`]: what a candidate's unknowns, in expected sizes, would do | m × k | m or rad |
 //!
-//! A candidate's column is `P J_e Φ e_k`: its own Φ at the nominal posture, J_e at the real one, as in the fit.
+//! A candidate's column is `P J_e Φ e_k`, as in the fit: J_e at the real posture, Φ there as well where it depends on what the
+//! robot carries, else at the nominal one.
 
 use crate::DiscoverError;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{
-    AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, GeneralizedErrors, RealPosture,
-    Visits,
+    AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, Rest, Visits,
 };
 use truepose_identify::{Fit, NoiseModel};
 use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, rotation_log};
@@ -45,11 +45,13 @@ pub(crate) struct Scene<'a> {
     rows: Vec<Row>,
 }
 
-/// One row's inputs and nominal posture.
+/// One row's inputs and postures.
 #[derive(Debug, Clone)]
 struct Row {
     conditions: Conditions,
     nominal: PostureBuffer,
+    /// Frames and wrenches where the real robot comes to rest.
+    settled: PostureBuffer,
     /// First observation of the row, and how many.
     first: usize,
     count: usize,
@@ -81,9 +83,7 @@ impl<'a> Scene<'a> {
             rows: Vec::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
-        let mut real = RealPosture::new(chain);
-        let mut errors = GeneralizedErrors::zero(chain);
-        let mut emission = Emission::new();
+        let mut rest = Rest::new(model);
         for (visit, rows) in visits.rows.iter().enumerate() {
             for &row in rows {
                 let seen = data.seen(row);
@@ -91,15 +91,13 @@ impl<'a> Scene<'a> {
                     continue;
                 }
                 let conditions = data.conditions(row);
+                rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                let (real, errors) = (rest.real(), rest.errors());
                 let mut nominal = PostureBuffer::new(chain);
-                let posture = nominal.update(chain, &conditions);
-                bound.emit(&posture, &mut emission);
-                errors.clear();
-                for entry in emission.entries() {
-                    errors.add(entry.site, entry.value * fit.fitted.coefficients()[entry.column]);
-                }
-                real.update(&posture, &errors);
-                let jacobian = ErrorJacobian::new(chain, &real, &errors, data.target[row]);
+                nominal.update(chain, &conditions);
+                let mut settled = nominal.clone();
+                settled.settle(chain, &conditions, |frame| *real.after(frame));
+                let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
                 let matrix = jacobian.matrix(chain);
                 let difference = data.measured_position(row) - jacobian.point();
                 let turn = data
@@ -119,7 +117,7 @@ impl<'a> Scene<'a> {
                     scene.sites.extend(matrix.row(component).iter());
                     let start = flat.len();
                     flat.resize(start + kept.len(), 0.0);
-                    for entry in emission.entries() {
+                    for entry in rest.emission().entries() {
                         if place[entry.column] != usize::MAX {
                             flat[start + place[entry.column]] +=
                                 entry.value * matrix[(component, chain.site_index(entry.site))];
@@ -133,7 +131,7 @@ impl<'a> Scene<'a> {
                     y.push(residual + explained);
                 }
                 let count = scene.observations.len() - first;
-                scene.rows.push(Row { conditions, nominal, first, count });
+                scene.rows.push(Row { conditions, nominal, settled, first, count });
             }
         }
         scene.base = DMatrix::from_row_slice(scene.observations.len(), kept.len(), &flat);
@@ -163,8 +161,10 @@ impl<'a> Scene<'a> {
         let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
         let mut columns = DMatrix::zeros(self.len(), scales.len());
         let mut emission = Emission::new();
+        let settles = effect.settles();
         for row in &self.rows {
-            let posture = row.nominal.view(self.chain(), &row.conditions);
+            let buffer = if settles { &row.settled } else { &row.nominal };
+            let posture = buffer.view(self.chain(), &row.conditions);
             bound.emit(&posture, &mut emission);
             for entry in emission.entries() {
                 let site = self.chain().site_index(entry.site);

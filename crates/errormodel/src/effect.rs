@@ -109,6 +109,13 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
         Vec::new()
     }
 
+    /// Whether what it says depends on frames or wrenches. Then it is asked again where the real robot comes to rest,
+    /// since weights act on the posture that they have bent; `false` saves that for what depends on joint values and
+    /// signals alone.
+    fn settles(&self) -> bool {
+        true
+    }
+
     /// Checks the parameters against the robot, once, when a model is made.
     ///
     /// # Errors
@@ -138,6 +145,8 @@ pub trait AnyEffect: Debug + Send + Sync {
     fn eval(&self, at: &Posture<'_>, out: &mut Emission);
     /// [`Effect::needs`].
     fn needs(&self) -> Vec<Signal>;
+    /// [`Effect::settles`].
+    fn settles(&self) -> bool;
     /// [`Effect::validate`].
     ///
     /// # Errors
@@ -165,6 +174,9 @@ impl<E: Effect> AnyEffect for E {
     }
     fn needs(&self) -> Vec<Signal> {
         Effect::needs(self)
+    }
+    fn settles(&self) -> bool {
+        Effect::settles(self)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         Effect::validate(self, chain)

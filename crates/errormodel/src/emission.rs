@@ -60,6 +60,11 @@ impl Emission {
         }
     }
 
+    /// Forgets all but the first entries and keeps the memory.
+    pub(crate) fn truncate(&mut self, entries: usize) {
+        self.entries.truncate(entries);
+    }
+
     /// All triples so far.
     pub fn entries(&self) -> &[Entry] {
         &self.entries

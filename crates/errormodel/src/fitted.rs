@@ -4,10 +4,7 @@ mod domain;
 
 pub use domain::{Domain, Interval};
 
-use crate::{
-    BoundModel, Channel, Emission, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, RealPosture,
-    Schema,
-};
+use crate::{BoundModel, Channel, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Rest, Schema};
 use nalgebra::{DMatrix, Matrix6};
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
 
@@ -144,9 +141,7 @@ impl FittedModel {
             fitted: self,
             bound: self.model.bind(schema)?,
             nominal: PostureBuffer::new(self.chain()),
-            real: RealPosture::new(self.chain()),
-            emission: Emission::new(),
-            errors: GeneralizedErrors::zero(self.chain()),
+            rest: Rest::new(&self.model),
             conditions: Conditions::default(),
         })
     }
@@ -158,9 +153,7 @@ pub struct Predictor<'m> {
     fitted: &'m FittedModel,
     bound: BoundModel<'m>,
     nominal: PostureBuffer,
-    real: RealPosture,
-    emission: Emission,
-    errors: GeneralizedErrors,
+    rest: Rest,
     /// Used where a declared load is wrong.
     conditions: Conditions,
 }
@@ -170,8 +163,9 @@ impl Predictor<'_> {
     /// origin), in the measurement frame.
     pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
         self.settle(conditions);
-        let point = self.real.point(self.fitted.chain(), &self.errors, target);
-        Pose::new(self.real.tool().rotation, point)
+        let real = self.rest.real();
+        let point = real.point(self.fitted.chain(), self.rest.errors(), target);
+        Pose::new(real.tool().rotation, point)
     }
 
     /// The same pose as the nominal robot has it.
@@ -187,10 +181,10 @@ impl Predictor<'_> {
     /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
     pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
         self.settle(conditions);
-        let jacobian = ErrorJacobian::new(self.fitted.chain(), &self.real, &self.errors, target);
+        let jacobian = ErrorJacobian::new(self.fitted.chain(), self.rest.real(), self.rest.errors(), target);
         let columns = self.fitted.coefficients.len();
         let mut rows = DMatrix::zeros(6, columns);
-        for entry in self.emission.entries() {
+        for entry in self.rest.emission().entries() {
             let mut column = rows.column_mut(entry.column);
             let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
             for k in 0..3 {
@@ -205,7 +199,7 @@ impl Predictor<'_> {
     /// The generalized errors under these conditions.
     pub fn errors(&mut self, conditions: &Conditions) -> &GeneralizedErrors {
         self.settle(conditions);
-        &self.errors
+        self.rest.errors()
     }
 
     fn settle(&mut self, conditions: &Conditions) {
@@ -216,12 +210,6 @@ impl Predictor<'_> {
             self.conditions.load = self.fitted.carried(conditions.load);
             &self.conditions
         };
-        let posture = self.nominal.update(self.fitted.chain(), conditions);
-        self.bound.emit(&posture, &mut self.emission);
-        self.errors.clear();
-        for entry in self.emission.entries() {
-            self.errors.add(entry.site, entry.value * self.fitted.coefficients[entry.column]);
-        }
-        self.real.update(&posture, &self.errors);
+        self.rest.settle(&self.bound, conditions, &self.fitted.coefficients);
     }
 }

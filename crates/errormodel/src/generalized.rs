@@ -9,6 +9,7 @@
 //!
 //! Exactly, `E = [R_Y(ry) R_Z(rz) R_X(rx), t]`; to first order (Eq. 2) `E = I + [[φ]×, t]`.
 
+use crate::Emission;
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Chain, FrameId, Pose, Site, TargetId, skew};
 
@@ -28,6 +29,14 @@ impl GeneralizedErrors {
     /// Sets all to zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
+    }
+
+    /// Those of an emission with these coefficients: ε = Φ c.
+    pub fn weigh(&mut self, emission: &Emission, coefficients: &[f64]) {
+        self.clear();
+        for entry in emission.entries() {
+            self.add(entry.site, entry.value * coefficients[entry.column]);
+        }
     }
 
     /// Adds to the error at a site.

@@ -11,6 +11,7 @@ mod jacobian;
 mod model;
 mod real;
 mod registry;
+mod rest;
 pub mod testkit;
 
 pub use dataset::{
@@ -25,3 +26,4 @@ pub use jacobian::ErrorJacobian;
 pub use model::{BoundModel, ErrorModel};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
+pub use rest::Rest;

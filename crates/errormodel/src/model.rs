@@ -11,6 +11,7 @@ pub struct ErrorModel {
     effects: Vec<Box<dyn AnyEffect>>,
     columns: Vec<Column>,
     first: Vec<usize>,
+    settles: Vec<bool>,
 }
 
 impl ErrorModel {
@@ -26,7 +27,8 @@ impl ErrorModel {
             columns.extend(effect.columns(&chain));
             first.push(columns.len());
         }
-        Ok(ErrorModel { chain, effects, columns, first })
+        let settles = effects.iter().map(|effect| effect.settles()).collect();
+        Ok(ErrorModel { chain, effects, columns, first, settles })
     }
 
     /// The same model with one more effect.
@@ -118,7 +120,7 @@ impl<'m> BoundModel<'m> {
         self.model
     }
 
-    /// Φ at a nominal posture: replaces what `out` holds.
+    /// Φ at a posture: replaces what `out` holds.
     pub fn emit(&self, at: &Posture<'_>, out: &mut Emission) {
         out.clear();
         for k in 0..self.model.effects.len() {
@@ -126,7 +128,16 @@ impl<'m> BoundModel<'m> {
         }
     }
 
-    /// What the k-th effect alone says at a nominal posture: adds to what `out` holds.
+    /// What the effects say that do, or do not, depend on what the robot carries: adds to what `out` holds.
+    pub fn emit_those(&self, settle: bool, at: &Posture<'_>, out: &mut Emission) {
+        for k in 0..self.model.effects.len() {
+            if self.model.settles[k] == settle {
+                self.emit_effect(k, at, out);
+            }
+        }
+    }
+
+    /// What the k-th effect alone says at a posture: adds to what `out` holds.
     pub fn emit_effect(&self, k: usize, at: &Posture<'_>, out: &mut Emission) {
         out.start_at(self.model.first[k]);
         let slots = &self.slots[self.first[k]..self.first[k + 1]];

@@ -6,15 +6,13 @@
 //! | r | last number of a row | rows | 1 |
 //!
 //! A block holds the rows of one visit, three for a measured position and three for a measured orientation, less
-//! what was not seen. It is linearised at the exact real robot with coefficients c (Φ at the nominal posture, J_e at
-//! the current one) and handed on at once: the matrix is never whole in memory unless somebody collects it.
+//! what was not seen. It is linearised at the exact real robot with coefficients c (J_e there, Φ under the weights
+//! that it carries there) and handed on at once: the matrix is never whole in memory unless somebody collects it.
 
 use crate::{IdentifyError, NoiseModel, noise::whiten};
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{
-    BoundModel, Dataset, Emission, ErrorJacobian, ErrorModel, GeneralizedErrors, RealPosture, Visits,
-};
-use truepose_kinematics::{Conditions, PostureBuffer, rotation_log};
+use truepose_errormodel::{BoundModel, Dataset, ErrorJacobian, ErrorModel, Rest, Visits};
+use truepose_kinematics::{Conditions, rotation_log};
 use truepose_solvers::accumulator::{Factor, Triangular};
 
 /// Turns visits into whitened rows of `[A | r]`. Memory is used again from visit to visit.
@@ -25,10 +23,7 @@ pub struct Lineariser<'a> {
     noise: NoiseModel,
     coefficients: &'a [f64],
     conditions: Conditions,
-    nominal: PostureBuffer,
-    real: RealPosture,
-    emission: Emission,
-    errors: GeneralizedErrors,
+    rest: Rest,
     block: Vec<f64>,
     /// For each row of the block: the data's row and the component (0…2 position, 3…5 orientation).
     source: Vec<(usize, usize)>,
@@ -56,17 +51,13 @@ impl<'a> Lineariser<'a> {
         coefficients: &'a [f64],
     ) -> Result<Self, IdentifyError> {
         data.validate(model.chain())?;
-        let chain = model.chain();
         Ok(Lineariser {
             bound: model.bind(&data.schema)?,
             data,
             noise,
             coefficients,
             conditions: Conditions::default(),
-            nominal: PostureBuffer::new(chain),
-            real: RealPosture::new(chain),
-            emission: Emission::new(),
-            errors: GeneralizedErrors::zero(chain),
+            rest: Rest::new(model),
             block: Vec::new(),
             source: Vec::new(),
             dot: vec![0.0; model.columns().len() + 1],
@@ -107,13 +98,8 @@ impl<'a> Lineariser<'a> {
         }
         let chain = self.bound.model().chain();
         self.data.conditions_into(row, &mut self.conditions);
-        let posture = self.nominal.update(chain, &self.conditions);
-        self.bound.emit(&posture, &mut self.emission);
-        self.errors.clear();
-        for entry in self.emission.entries() {
-            self.errors.add(entry.site, entry.value * self.coefficients[entry.column]);
-        }
-        self.real.update(&posture, &self.errors);
+        self.rest.settle(&self.bound, &self.conditions, self.coefficients);
+        let (real, errors) = (self.rest.real(), self.rest.errors());
 
         let width = self.dot.len();
         let start = self.block.len();
@@ -128,8 +114,8 @@ impl<'a> Lineariser<'a> {
             }
         }
 
-        let jacobian = ErrorJacobian::new(chain, &self.real, &self.errors, self.data.target[row]);
-        for entry in self.emission.entries() {
+        let jacobian = ErrorJacobian::new(chain, real, errors, self.data.target[row]);
+        for entry in self.rest.emission().entries() {
             let p = jacobian.position(entry.site);
             for k in 0..3 {
                 if place[k] != usize::MAX {
@@ -150,7 +136,7 @@ impl<'a> Lineariser<'a> {
             }
         }
         if let Some(measured) = self.data.measured_rotation(row) {
-            let turn = rotation_log(&(measured * self.real.tool().rotation.transpose()));
+            let turn = rotation_log(&(measured * real.tool().rotation.transpose()));
             for k in 0..3 {
                 self.block[place[k + 3] + width - 1] = turn[k];
             }

@@ -1,20 +1,25 @@
 //! The link behind a joint as a line: from the joint's place to the next one's, and what it carries at its tip.
 //!
 //! ```text
-//!              Rz(θ_j)  Tz(d_j)           Tx(a) Rx(α)
-//!   ── joint j ●━━━━━━━━━━━━━━━━━━━━━━━━━━━━━━━━━━━● joint k ── …       k: the next joint that moves, or the tool
-//!            root      all that turns with joint j   tip
+//!   ── joint j ●━━━━━━━━━━━━━━━━━━━━━● joint k ── …       k: the next joint that moves, or the tool
+//!            root                   tip
+//!   DH:            o_{j−1} … o_j        Tz(d_j) Tx(a_j) of A_j
+//!   MDH, origin:   o_j … o_k            the translation of A_k
 //! ```
 //!
 //! | symbol | here | unit | frame |
 //! | --- | --- | --- | --- |
+//! | root, tip | [`Chain::link`] | m | behind joint j, which is fixed to its link |
 //! | root, tip | [`Span`] | m | measurement |
 //! | F, M | `tip_wrench`, about the tip | N, N·m | measurement |
 //!
-//! Where a turning joint sits on its axis is a matter of the description. With DH and MDH it is the foot of the common
-//! normal that comes from the joint in front, so that `d_j`, which turns with joint j, belongs to link j in both
-//! and one robot has the same links in either; with origin + axis it is the joint's origin. A slide sits on its carriage:
-//! the rail in front of it grows with the travel. Fixed joints do not end a link.
+//! Where a turning joint sits on its axis is a matter of the description: it sits where the description puts the frame
+//! about whose axis it turns. So a link is what lies between two neighbouring frames, and `d` belongs to the link in front
+//! of the axis with MDH, to the one behind it with DH. A link is a body, so that its ends do not depend on q: a slide sits
+//! where its carriage stands at zero. Fixed joints do not end a link.
+//!
+//! Wrists have links whose frames coincide. Such a link has a size nonetheless, of which the description says nothing:
+//! the tool's offset (from the flange to the tool's origin, in the link's own axes) stands in for it.
 
 use crate::{Chain, Joint, JointId, JointKind, Placement, Pose, Posture, Wrench};
 use nalgebra::Vector3;
@@ -32,15 +37,27 @@ pub struct Span {
     pub tip: Vector3<f64>,
 }
 
+/// Ends of a link that are nearer than this are one place, m.
+const NO_LENGTH: f64 = 1e-6;
+
 impl Joint {
-    /// Where the joint sits on its axis, in the frame in front of it, m; q in rad or m.
-    pub fn seat(&self, q: f64) -> Vector3<f64> {
+    /// Where the joint sits on its axis, in the frame in front of it, at its zero, m.
+    pub fn seat(&self) -> Vector3<f64> {
         match (self.placement, self.kind) {
-            (Placement::Dh { .. }, JointKind::Revolute) => Vector3::zeros(),
-            (Placement::Dh { d, .. }, JointKind::Prismatic) => Vector3::new(0.0, 0.0, d + q),
-            (Placement::Mdh { a, .. }, JointKind::Revolute) => Vector3::new(a, 0.0, 0.0),
-            (Placement::Origin { pose, .. }, JointKind::Revolute) => pose.translation,
-            _ => self.transform(q).translation,
+            (Placement::Dh { d, .. }, JointKind::Prismatic) => Vector3::new(0.0, 0.0, d),
+            (Placement::Dh { .. }, _) => Vector3::zeros(),
+            _ => self.transform(0.0).translation,
+        }
+    }
+
+    /// The same place in the frame behind the joint, which is fixed to its link; of a slide, its carriage.
+    pub fn seat_behind(&self) -> Vector3<f64> {
+        match self.placement {
+            Placement::Dh { d, a, alpha, .. } => {
+                let d = if self.kind == JointKind::Prismatic { 0.0 } else { d };
+                Pose::rot(0, -alpha).rotation * -Vector3::new(a, 0.0, d)
+            }
+            _ => Vector3::zeros(),
         }
     }
 
@@ -53,14 +70,6 @@ impl Joint {
             Placement::Origin { axis, .. } => axis.into_inner(),
         }
     }
-
-    /// The middle of its limits, rad or m; zero where there are none.
-    pub fn middle(&self) -> f64 {
-        match self.limits {
-            Some((lower, upper)) if (upper - lower).is_finite() => 0.5 * (lower + upper),
-            _ => 0.0,
-        }
-    }
 }
 
 impl Chain {
@@ -69,32 +78,38 @@ impl Chain {
         self.movable().iter().copied().find(|next| *next > joint)
     }
 
-    /// Length of the link behind a joint with the joints at the middle of their limits, m.
-    pub fn link_length(&self, joint: JointId) -> f64 {
-        let here = self.joint(joint);
-        let root = here.seat(here.middle());
+    /// Where the link behind a joint begins and ends, in the axes of the frame behind the joint, m. Both are the same
+    /// when it has no length: nor has the tool, then.
+    pub fn link(&self, joint: JointId) -> (Vector3<f64>, Vector3<f64>) {
+        let root = self.joint(joint).seat_behind();
         let next = self.next_movable(joint);
         let last = next.map_or(self.joints().len(), |next| next.0 - 1);
-        let to_last = self.joints()[joint.index()..last]
+        let to_last = self.joints()[joint.0..last]
             .iter()
-            .fold(Pose::IDENTITY, |pose, joint| pose * joint.transform(joint.middle()));
-        let seat = next.map_or(self.tool().pose.translation, |next| {
-            let next = self.joint(next);
-            next.seat(next.middle())
-        });
-        (to_last.apply(&seat) - root).norm()
+            .fold(Pose::IDENTITY, |pose, fixed| pose * fixed.transform(0.0));
+        let seat = next.map_or(self.tool().pose.translation, |next| self.joint(next).seat());
+        let tip = to_last.apply(&seat);
+        if (tip - root).norm() < NO_LENGTH {
+            (root, root + self.tool().pose.translation)
+        } else {
+            (root, tip)
+        }
+    }
+
+    /// Length of the link behind a joint, m.
+    pub fn link_length(&self, joint: JointId) -> f64 {
+        let (root, tip) = self.link(joint);
+        (tip - root).norm()
     }
 }
 
 impl Posture<'_> {
     /// The link behind a joint.
     pub fn span(&self, joint: JointId) -> Span {
-        let seat = |of: JointId| {
-            let in_front: &Pose = self.frame(crate::FrameId(of.0 - 1));
-            in_front.apply(&self.chain().joint(of).seat(self.joint(of)))
-        };
-        let next = self.chain().next_movable(joint);
-        Span { joint, next, root: seat(joint), tip: next.map_or(self.tool().translation, seat) }
+        let chain = self.chain();
+        let (root, tip) = chain.link(joint);
+        let behind = self.frame(chain.frame_after(joint));
+        Span { joint, next: chain.next_movable(joint), root: behind.apply(&root), tip: behind.apply(&tip) }
     }
 
     /// What the link carries at its tip (its own weight left out), about the tip, in the measurement frame's axes.
@@ -126,23 +141,48 @@ mod tests {
         for (got, drawn) in lengths.iter().zip([0.1273, 0.612, 0.5723, 0.163941, 0.1157, 0.0922]) {
             assert!((got - drawn).abs() < 1e-12, "{lengths:?}");
         }
-        // Column, upper arm, elbow, forearm (which turns with a4), wrist, flange with the tool.
+        // Craig's convention: the column ends at the shoulder, the elbow carries the whole forearm, and of the wrist's
+        // links two are no longer than the tool.
         let heavy = samples::heavy();
-        let (column, flange) = (0.65_f64.hypot(0.32), 0.46_f64.hypot(0.05));
-        for (k, drawn) in [column, 1.1, 0.05, 1.15, 0.0, flange].into_iter().enumerate() {
+        let (forearm, tool) = (1.15_f64.hypot(0.05), 0.25_f64.hypot(0.05));
+        for (k, drawn) in [0.32, 1.1, forearm, tool, 0.21, tool].into_iter().enumerate() {
             assert!((span(&heavy, k + 1, &q).0 - drawn).abs() < 1e-12, "link {}", k + 1);
             assert!((heavy.link_length(JointId(k + 1)) - drawn).abs() < 1e-12, "link {}", k + 1);
         }
     }
 
     #[test]
-    fn a_rail_ends_at_its_carriage_and_fixed_joints_are_passed() {
-        let pps = samples::pps();
-        let at = |d2: f64| span(&pps, 1, &[0.0, d2, 0.0, 0.0, 0.0, 0.0]).0;
-        assert!((at(0.2) - at(0.0) - 0.2).abs() < 1e-12);
+    fn a_link_does_not_change_with_the_joints() {
+        for chain in samples::all() {
+            let n = chain.movable().len();
+            for &joint in chain.movable() {
+                let here = span(&chain, joint.0, &vec![0.0; n]);
+                let there = span(&chain, joint.0, &vec![0.2; n]);
+                assert!((here.0 - there.0).abs() < 1e-12, "{} {}", chain.name(), joint.0);
+            }
+        }
+    }
+
+    #[test]
+    fn fixed_joints_are_passed_and_slides_sit_on_their_carriage() {
         let skewed = samples::skewed();
         assert_eq!(span(&skewed, 1, &[0.0; 5]).1.next, Some(JointId(3)));
         assert_eq!(span(&skewed, 6, &[0.0; 5]).1.next, None);
+        // s4 is a slide in standard DH: behind its carriage there is Tx(0.2) only.
+        assert!((skewed.link_length(JointId(5)) - 0.2).abs() < 1e-12);
+        // The joint sits on its axis, seen from either side.
+        for chain in samples::all() {
+            let q = vec![0.0; chain.movable().len()];
+            for &joint in chain.movable() {
+                let conditions = Conditions::at(&chain, &q);
+                let mut buffer = PostureBuffer::new(&chain);
+                let posture = buffer.update(&chain, &conditions);
+                let own = chain.joint(joint);
+                let in_front = posture.frame(crate::FrameId(joint.0 - 1)).apply(&own.seat());
+                let behind = posture.frame(chain.frame_after(joint)).apply(&own.seat_behind());
+                assert!((in_front - behind).norm() < 1e-12, "{} {}", chain.name(), joint.0);
+            }
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The robot at one configuration: its frames, and the wrench that each of them carries.
+//! The robot at one configuration: its frames, and the wrench that each of them carries. Nominal, unless it is `settle`d.
 //!
 //! | symbol | here | shape | unit | frame |
 //! | --- | --- | --- | --- | --- |
@@ -60,6 +60,21 @@ impl PostureBuffer {
         }
     }
 
+    /// The same conditions with the frames where the real robot has them: the wrenches are those of the posture in which
+    /// it comes to rest. The transforms between the frames stay the nominal ones.
+    pub fn settle<'a>(
+        &'a mut self,
+        chain: &'a Chain,
+        conditions: &'a Conditions,
+        real: impl Fn(FrameId) -> Pose,
+    ) -> Posture<'a> {
+        for (index, frame) in self.frames.iter_mut().enumerate() {
+            *frame = real(FrameId(index));
+        }
+        self.weigh(chain, conditions);
+        self.view(chain, conditions)
+    }
+
     fn move_to(&mut self, chain: &Chain, conditions: &Conditions) {
         let n = chain.joints().len();
         let mut pose = chain.base().pose;
@@ -72,7 +87,12 @@ impl PostureBuffer {
         }
         self.steps[n] = chain.tool().pose;
         self.frames[n + 1] = pose * chain.tool().pose;
+        self.weigh(chain, conditions);
+    }
 
+    /// Statics, with the frames where they are.
+    fn weigh(&mut self, chain: &Chain, conditions: &Conditions) {
+        let n = chain.joints().len();
         let gravity = chain.gravity_in_measurement_frame();
         let tool = &self.frames[n + 1];
         let mut wrench = match conditions.load {
@@ -124,7 +144,7 @@ impl<'a> Posture<'a> {
         self.conditions
     }
 
-    /// Nominal pose of a frame in the measurement frame.
+    /// Pose of a frame in the measurement frame: nominal, or where the real robot has it.
     pub fn frame(&self, frame: FrameId) -> &'a Pose {
         &self.frames[frame.0]
     }
@@ -134,7 +154,7 @@ impl<'a> Posture<'a> {
         self.steps
     }
 
-    /// Nominal pose of the tool in the measurement frame.
+    /// Pose of the tool in the measurement frame.
     pub fn tool(&self) -> &'a Pose {
         &self.frames[self.frames.len() - 1]
     }

@@ -9,7 +9,8 @@ use crate::physics::foundation::Foundation;
 use crate::physics::gear::Gear;
 use crate::physics::play::Play;
 use crate::physics::rail::Rail;
-use nalgebra::Vector3;
+use crate::rigid::{Rigid, TakenApart};
+use nalgebra::{Point3, Vector3};
 use truepose_kinematics::{Chain, Joint, JointId, JointKind, Link, Placement};
 
 /// What is wrong with a robot. [`Truth::of`] is a robot without any error.
@@ -90,32 +91,42 @@ impl Truth {
     }
 }
 
-/// Where the link behind a joint begins and ends, in the axes of the frame after the joint, at the joint's zero:
-/// from the joint's axis to the next one (or to the tool).
+/// Where the link behind a joint begins and ends, in the axes of the frame after the joint: from the point about which
+/// its joint moves to that of the next one that moves (or to the tool), all at their zero.
 ///
-/// With standard DH the frame sits at the far end of the link; with MDH and origin + axis at its near end.
+/// The point is where the description has it: the origin of the frame in front with standard DH, of the frame behind with MDH
+/// and origin + axis; the carriage of a slide. A link whose ends are one point (in a wrist) is as long as the tool.
 pub fn span(chain: &Chain, joint: JointId) -> (Vector3<f64>, Vector3<f64>) {
     let here = chain.joint(joint);
-    match here.placement {
+    let root = match here.placement {
         Placement::Dh { d, a, alpha, .. } => {
             // Rx(−α) takes (a, 0, d) from the axis' frame to the frame behind the link.
             let d = if here.kind == JointKind::Prismatic { 0.0 } else { d };
             let (s, c) = alpha.sin_cos();
-            (-Vector3::new(a, s * d, c * d), Vector3::zeros())
+            -Vector3::new(a, s * d, c * d)
         }
-        Placement::Mdh { .. } | Placement::Origin { .. } => {
-            let next = chain.joints().get(joint.index() + 1);
-            (Vector3::zeros(), next.map_or(chain.tool().pose.translation, next_axis))
+        Placement::Mdh { .. } | Placement::Origin { .. } => Vector3::zeros(),
+    };
+    let mut through = Rigid::identity();
+    let mut tip = None;
+    for next in &chain.joints()[joint.index() + 1..] {
+        if next.kind != JointKind::Fixed {
+            tip = Some(point_of(next));
+            break;
         }
+        let parts = TakenApart::of(next);
+        through = through * parts.before * parts.motion(0.0) * parts.after;
     }
+    let tip = (through * Point3::from(tip.unwrap_or(chain.tool().pose.translation))).coords;
+    if (tip - root).norm() < 1e-6 { (root, root + chain.tool().pose.translation) } else { (root, tip) }
 }
 
-/// The point of a joint's axis (its origin for a slide) seen from the frame in front of it.
-fn next_axis(next: &Joint) -> Vector3<f64> {
+/// The point about which a joint moves seen from the frame in front of it, at its zero.
+fn point_of(next: &Joint) -> Vector3<f64> {
     match next.placement {
+        Placement::Dh { d, .. } if next.kind == JointKind::Prismatic => Vector3::new(0.0, 0.0, d),
         Placement::Dh { .. } => Vector3::zeros(),
         Placement::Mdh { alpha, a, d, .. } => {
-            let d = if next.kind == JointKind::Prismatic { 0.0 } else { d };
             let (s, c) = alpha.sin_cos();
             Vector3::new(a, -s * d, c * d)
         }
@@ -126,7 +137,6 @@ fn next_axis(next: &Joint) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rigid::TakenApart;
     use truepose_kinematics::samples;
 
     #[test]
@@ -134,9 +144,18 @@ mod tests {
         // UR10 (DH): the upper arm's frame sits at the elbow; the shoulder lies 0.612 m along +x of it.
         let (root, tip) = span(&samples::ur10(), JointId(2));
         assert!((root - Vector3::new(0.612, 0.0, 0.0)).norm() < 1e-15 && tip.norm() < 1e-15);
-        // Heavy (MDH): the forearm of a4 … the upper arm of a2 reaches 1.1 m along x.
+        // Heavy (MDH): the upper arm of a2 reaches 1.1 m along x; the whole forearm lies behind a3; a4 and a5 meet.
         let (root, tip) = span(&samples::heavy(), JointId(2));
         assert!(root.norm() < 1e-15 && (tip - Vector3::new(1.1, 0.0, 0.0)).norm() < 1e-15);
+        let (_, tip) = span(&samples::heavy(), JointId(3));
+        assert!((tip - Vector3::new(-0.05, 1.15, 0.0)).norm() < 1e-15);
+        let (_, tip) = span(&samples::heavy(), JointId(4));
+        assert!((tip - Vector3::new(0.05, 0.0, 0.25)).norm() < 1e-15);
+        // A fixed flange is a part of the link in front.
+        let skewed = samples::skewed();
+        let flange = TakenApart::of(skewed.joint(JointId(2)));
+        let expected = flange.before * Point3::new(0.2, 0.0, 0.1);
+        assert!((span(&skewed, JointId(1)).1 - expected.coords).norm() < 1e-15);
     }
 
     #[test]

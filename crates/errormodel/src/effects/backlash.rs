@@ -72,6 +72,10 @@ impl Effect for Backlash {
     const ABOUT: &'static str =
         "play: joint error that switches with the direction of approach or of the load";
 
+    fn settles(&self) -> bool {
+        self.side != Side::Approach
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
         let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };

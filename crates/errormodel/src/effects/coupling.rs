@@ -50,6 +50,10 @@ impl Effect for Coupling {
     const ABOUT: &'static str =
         "joint error that depends on another joint's position, in proportion or smoothly";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let (joint, driver) = (chain.joint(self.joint), chain.joint(self.driver));
         let expected = if joint.kind == JointKind::Prismatic { 5e-5 } else { 1e-4 };

@@ -61,6 +61,10 @@ impl Effect for Drift {
     const KIND: &'static str = "drift";
     const ABOUT: &'static str = "base, tool or a joint moves smoothly with time";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = Vec::new();
         for part in self.spot.parts(self.components.as_deref(), chain) {

@@ -75,6 +75,10 @@ impl Effect for Geometric {
     const KIND: &'static str = "geometric";
     const ABOUT: &'static str = "constant generalized errors of frames and targets";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let length = chain.characteristic_length();
         let mut columns = Vec::new();

@@ -63,6 +63,10 @@ impl Effect for Guideway {
     const KIND: &'static str = "guideway";
     const ABOUT: &'static str = "straightness, positioning, pitch, yaw and roll of a slide over its travel";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let frame = chain.frame_after(self.joint);
         let mut columns = Vec::new();

@@ -18,21 +18,21 @@ pub struct LoadNonlinearity {
     /// The joint.
     pub joint: JointId,
     /// Which powers of the load's size, 2 and above; the sign is the load's.
-    #[serde(default = "square")]
+    #[serde(default = "both")]
     pub powers: Vec<u32>,
 }
 
-fn square() -> Vec<u32> {
-    vec![2]
+fn both() -> Vec<u32> {
+    vec![2, 3]
 }
 
 /// A load that bends a joint visibly, N·m or N.
 const TYPICAL: f64 = 250.0;
 
 impl LoadNonlinearity {
-    /// The term `τ|τ|` of one joint.
+    /// The terms `τ|τ|` and `τ³` of one joint: a spring that stiffens or softens, to second order of what it does.
     pub fn of(joint: JointId) -> Self {
-        LoadNonlinearity { joint, powers: square() }
+        LoadNonlinearity { joint, powers: both() }
     }
 }
 

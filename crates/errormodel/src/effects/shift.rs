@@ -29,6 +29,10 @@ impl Effect for Shift {
     const KIND: &'static str = "shift";
     const ABOUT: &'static str = "base, tool or a joint jumps once, at an instant that may be unknown";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let parts = self.spot.parts(self.components.as_deref(), chain);
         let column = |part: super::spot::Part| {

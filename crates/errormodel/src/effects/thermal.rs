@@ -94,6 +94,10 @@ impl Effect for Thermal {
     const ABOUT: &'static str =
         "a length, a slide's scale, a joint or a frame follows a temperature, at once or late";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let name = |joint: JointId| &chain.joint(joint).name;
         match self.growth(chain) {

@@ -48,6 +48,10 @@ impl Effect for Transmission {
     const ABOUT: &'static str =
         "joint error periodic in the joint's own motion (eccentricity, gear mesh, screw)";
 
+    fn settles(&self) -> bool {
+        false
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
         let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };

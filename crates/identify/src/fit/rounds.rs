@@ -101,8 +101,9 @@ impl<'a> State<'a> {
             let start = std::mem::replace(&mut self.coefficients, target);
             let next = self.linearise()?;
             let after = self.objective(reduction, &next, &self.coefficients);
-            if guarded && moved > STILL && after > before * (1.0 + 1e-12) && rounds < limit {
-                // Too far for the linear picture: the same point again, with a shorter step.
+            if guarded && moved > STILL && after > before * (1.0 + FLAT) && rounds < limit {
+                // Too far for the linear picture: the same point again, with a shorter step. Weights follow the posture
+                // from round to round only, so that the last steps may lose a trifle.
                 self.coefficients = start;
                 damping = (10.0 * damping).max(FIRST_DAMPING);
                 continue;

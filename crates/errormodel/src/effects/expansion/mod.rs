@@ -175,6 +175,10 @@ impl Effect for Expansion {
     const ABOUT: &'static str =
         "a generalized error as a series in joints, wrench, channels and time (Eq. 17)";
 
+    fn settles(&self) -> bool {
+        self.factors.iter().any(|factor| matches!(factor.of, Input::Wrench { .. } | Input::Load(_)))
+    }
+
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let (words, units, sizes) =
             (self.product_words(chain), self.product_units(chain), self.product_sizes(chain));

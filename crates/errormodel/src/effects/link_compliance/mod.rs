@@ -17,15 +17,17 @@
 //! | root, tip | [`truepose_kinematics::Span`] | m |
 //!
 //! Frame j is fixed to link j in every convention, at the link's tip with DH and at its root with MDH and origin + axis:
-//! so `E_j` carries the deflection, with the lever from o_j to the tip, and one robot described in three ways bends alike.
+//! `E_j` carries the deflection, with the lever from o_j to the tip. Where a link begins and ends stands in
+//! [`truepose_kinematics::Chain::link`]: what lies between the frames of its two joints, and a tool's length in a wrist where they
+//! coincide. Descriptions that put the joints in the same places bend alike.
 //!
-//! Which unknowns: few are robust. Gravity bends most links in one plane and hardly twists them, so that the default
-//! is one bending stiffness for both planes and one torsion; a `tube` ties those two (GJ = EI / 1.3, Poisson's ratio 0.3),
-//! a `general` section has a stiffness for each plane.
+//! Which unknowns: few are robust, but a section is rarely round, and `across` says in which planes. So a `general` section
+//! has a stiffness for each plane and one for torsion; `symmetric` has one for both planes; a `tube` ties torsion to
+//! it as well (GJ = EI / 1.3, Poisson's ratio 0.3).
 //!
 //! Links of declared mass bend under it (spread evenly about its centre). With `own_weight = "free"` the declared mass
 //! is left aside and two more unknowns a plane stand for it: a mass spread evenly over the link, and a mass beyond its tip
-//! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times the nominal gravity.
+//! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times gravity.
 
 mod beam;
 
@@ -43,9 +45,9 @@ pub enum Section {
     /// One unknown: a round tube, whose torsion follows from its bending.
     Tube,
     /// Two: bending alike in both planes, and twist.
-    #[default]
     Symmetric,
     /// Three: bending about the joint's axis, bending sideways, and twist.
+    #[default]
     General,
 }
 
