@@ -11,7 +11,7 @@ use crate::working::{Ground, Working};
 use crate::{DiscoverError, DiscoverOptions, conclude, reconsider};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
-use truepose_identify::{hold_out, place};
+use truepose_identify::{PriorStrength, hold_out, place};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -57,9 +57,14 @@ pub fn diagnose(
     let train = data.select(&train_rows);
     progress(Progress::Fitting);
     let placement = place(chain, &train)?;
-    let ground =
-        Ground { chain: &placement.chain, declared, data: &train, solver, fit: &options.fit };
+    let mut ground =
+        Ground { chain: &placement.chain, declared, data: &train, solver, fit: options.fit.clone() };
     let first = ground.working(Vec::new(), &[])?;
+    // How far the declared errors lie from what was expected of them is not for the finds to say: many small
+    // coefficients would pull the prior of a few large ones down.
+    if ground.fit.prior == PriorStrength::Evidence {
+        ground.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
+    }
     let need = 12;
     if Visits::of(&train).len() < need {
         let rank = first.fit.reduction.rank();

@@ -16,7 +16,7 @@ pub(crate) struct Ground<'a> {
     pub declared: &'a [Box<dyn AnyEffect>],
     pub data: &'a Dataset,
     pub solver: &'a dyn Solver,
-    pub fit: &'a FitOptions,
+    pub fit: FitOptions,
 }
 
 /// A model with its fit.
@@ -60,7 +60,7 @@ impl Ground<'_> {
         let mut effects = self.declared.to_vec();
         effects.extend(found.iter().flat_map(|candidate| candidate.effects().iter().cloned()));
         let model = ErrorModel::new(self.chain.clone(), effects)?;
-        Ok(fit(&model, data, self.solver, self.fit)?)
+        Ok(fit(&model, data, self.solver, &self.fit)?)
     }
 
     /// The data with loads as they were found and without these rows.
