@@ -24,6 +24,8 @@ pub struct Lineariser<'a> {
     data: &'a Dataset,
     noise: NoiseModel,
     coefficients: &'a [f64],
+    /// Where the robot is, when it is not where these effects put it.
+    robot: Option<(BoundModel<'a>, &'a [f64])>,
     conditions: Conditions,
     nominal: PostureBuffer,
     real: RealPosture,
@@ -62,6 +64,7 @@ impl<'a> Lineariser<'a> {
             data,
             noise,
             coefficients,
+            robot: None,
             conditions: Conditions::default(),
             nominal: PostureBuffer::new(chain),
             real: RealPosture::new(chain),
@@ -71,6 +74,15 @@ impl<'a> Lineariser<'a> {
             source: Vec::new(),
             dot: vec![0.0; model.columns().len() + 1],
         })
+    }
+
+    /// Takes the columns at the robot that another model describes: what these effects would add to it.
+    ///
+    /// # Errors
+    /// When the data lacks a signal that the other model needs.
+    pub fn beside(self, model: &'a ErrorModel, coefficients: &'a [f64]) -> Result<Self, IdentifyError> {
+        let robot = Some((model.bind(&self.data.schema)?, coefficients));
+        Ok(Lineariser { robot, ..self })
     }
 
     /// Numbers in a row: one a column of the model, and the residual.
@@ -108,10 +120,17 @@ impl<'a> Lineariser<'a> {
         let chain = self.bound.model().chain();
         self.data.conditions_into(row, &mut self.conditions);
         let posture = self.nominal.update(chain, &self.conditions);
-        self.bound.emit(&posture, &mut self.emission);
+        let (bound, coefficients) = match &self.robot {
+            Some((bound, coefficients)) => (bound, *coefficients),
+            None => (&self.bound, self.coefficients),
+        };
+        bound.emit(&posture, &mut self.emission);
         self.errors.clear();
         for entry in self.emission.entries() {
-            self.errors.add(entry.site, entry.value * self.coefficients[entry.column]);
+            self.errors.add(entry.site, entry.value * coefficients[entry.column]);
+        }
+        if self.robot.is_some() {
+            self.bound.emit(&posture, &mut self.emission);
         }
         self.real.update(&posture, &self.errors);
 

@@ -302,6 +302,7 @@ impl<'a> State<'a> {
             observations: self.observations,
             chi_square,
             solution: outcome.solution,
+            shapes: Vec::new(),
             warnings,
         })
     }
