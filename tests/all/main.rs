@@ -14,4 +14,5 @@ mod placement;
 mod plants;
 mod reduction;
 mod shared_data;
+mod shapes;
 mod solvers_agree;

@@ -18,6 +18,7 @@
 //! the reduction at the nominal robot leaves out is looked at again at the solution, and taken in where the data determines
 //! it better than its expected size.
 
+mod constraints;
 mod rounds;
 
 use crate::reduction::{Reduction, reduce};
@@ -163,6 +164,13 @@ pub enum Warning {
         value: f64,
         /// Its bounds.
         bounds: [f64; 2],
+    },
+    /// A solver that takes or leaves whole effects left one out: all of its coefficients are zero.
+    LeftOut {
+        /// The effect's family.
+        effect: String,
+        /// The name of its first column.
+        column: String,
     },
     /// As many unknowns as numbers: the residual says nothing about the accuracy.
     NoRedundancy,

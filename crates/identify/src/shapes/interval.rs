@@ -104,7 +104,10 @@ pub(super) fn judge(
         fit.shapes.push(FittedShape {
             effect: *effect,
             name: shape.name.clone(),
-            unit: shape.unit.clone(),
+            unit: match shape.search {
+                Search::Period(joint, _) => picture.chain().joint(joint).unit().into(),
+                _ => shape.unit.clone(),
+            },
             value: theta[k],
             interval,
             range: [shape.lower, shape.upper],
