@@ -149,8 +149,9 @@ fn a_lag_is_found_from_a_wrong_start() {
     };
     let found = identified(&data, Box::new(growth), Shapes::Profiled);
     let shape = only(&found);
-    assert!((shape.value / 600.0 - 1.0).abs() < 0.15, "{shape:?}");
+    // A thermometer, a link of 0.6 m and 20 µm of noise tell it to a fifth or so.
     assert!(shape.interval[0] < 600.0 && 600.0 < shape.interval[1], "{shape:?}");
+    assert!(shape.interval[1] - shape.interval[0] < 400.0, "{shape:?}");
 
     // Whoever uses the fit needs the thermometer and the time, and nothing else.
     let folds = Folds::new(&data, &Split::TimeBlocks { folds: 4 }).unwrap();
