@@ -7,6 +7,7 @@
 )]
 
 mod compensation;
+mod constraints;
 mod cross_validation;
 mod exact;
 mod excitation;
