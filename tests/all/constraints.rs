@@ -14,7 +14,11 @@ use truepose_solvers::{PivotedQr, Solver, SolverSpec};
 fn heavy(visits: usize) -> (Chain, Dataset) {
     let chain = samples::heavy();
     let flaws = Flaws {
-        geometric: Some(flaws::Geometric { position_mm: 0.3, angle_mrad: 0.3, ..flaws::Geometric::default() }),
+        geometric: Some(flaws::Geometric {
+            position_mm: 0.3,
+            angle_mrad: 0.3,
+            ..flaws::Geometric::default()
+        }),
         joint_compliance: vec![flaws::JointCompliance {
             joint: "a3".into(),
             stiffness: Some(6e5),

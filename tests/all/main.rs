@@ -14,6 +14,6 @@ mod excitation;
 mod placement;
 mod plants;
 mod reduction;
-mod shared_data;
 mod shapes;
+mod shared_data;
 mod solvers_agree;

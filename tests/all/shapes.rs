@@ -125,7 +125,12 @@ fn at_the_optimum_no_neighbouring_period_fits_better() {
 fn the_instant_of_a_shift_is_found_between_two_visits() {
     let bump = flaws::Shift { at: "base".into(), when_s: 4321.0, size_mm: 0.25, size_mrad: 0.1 };
     let data = measure(&plant(|f| f.shift.push(bump), Shop::steady(20.0).unwrap()), 250, Vec::new());
-    let shift = Shift { spot: Spot::Frame(FrameId::BASE), components: None, at: 600.0, at_range: Some([300.0, 7000.0]) };
+    let shift = Shift {
+        spot: Spot::Frame(FrameId::BASE),
+        components: None,
+        at: 600.0,
+        at_range: Some([300.0, 7000.0]),
+    };
     let found = identified(&data, Box::new(shift), Shapes::Profiled);
     let shape = only(&found);
     assert!(shape.interval[0] <= 4321.0 && 4321.0 <= shape.interval[1], "{shape:?}");
@@ -138,7 +143,8 @@ fn the_instant_of_a_shift_is_found_between_two_visits() {
 fn a_lag_is_found_from_a_wrong_start() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let shop = Shop::day((18.0, 8.0, 3.0), 9000.0, &mut rng).unwrap();
-    let late = flaws::Thermal { at: "j2".into(), per_kelvin: 23.0, lag_s: 600.0, ..flaws::Thermal::default() };
+    let late =
+        flaws::Thermal { at: "j2".into(), per_kelvin: 23.0, lag_s: 600.0, ..flaws::Thermal::default() };
     let plant = plant(|f| f.thermal.push(late), shop);
     let air = ChannelPlan::Air { name: "temperature".into(), sd: 0.01 };
     let data = measure(&plant, 300, vec![air]);
@@ -179,7 +185,8 @@ fn two_at_once_from_wrong_starts_with_wrong_rows() {
     (plant.blunders.outlier_share, plant.blunders.outlier_size) = (0.05, 2e-3);
     let data = measure(&plant, 300, Vec::new());
     let free = |joint: usize, start: f64| {
-        let wave = Transmission { period_range: Some([0.08, 0.3]), ..Transmission::of(JointId(joint), start) };
+        let wave =
+            Transmission { period_range: Some([0.08, 0.3]), ..Transmission::of(JointId(joint), start) };
         Box::new(wave) as Box<dyn AnyEffect>
     };
     let effects = vec![Box::new(Geometric::default()) as Box<dyn AnyEffect>, free(2, 0.2), free(3, 0.09)];

@@ -50,11 +50,8 @@ fn the_minimum_is_that_of_another_program() {
     let effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
     let model = ErrorModel::new(chain(), effects).expect("a model");
     let noise = NoiseModel { position_sd: 5e-5, visit_sd: 0.0, orientation_sd: 1e-4 };
-    let options = FitOptions {
-        prior: PriorStrength::None,
-        noise: NoiseSource::Fixed(noise),
-        ..FitOptions::default()
-    };
+    let options =
+        FitOptions { prior: PriorStrength::None, noise: NoiseSource::Fixed(noise), ..FitOptions::default() };
     let mut digits = DIGITS.lines().map(|line| {
         let (name, value) = line.split_once(',').expect("two cells");
         (name, value.parse::<f64>().expect("a number"))

@@ -62,7 +62,9 @@ fn effect(
         error => table.error(error.to_string()),
     })?;
     match table.get("bounds") {
-        Some(value) => Ok(Box::new(Limited::new(effect, bounds(&value)?).map_err(|e| value.error(e.to_string()))?)),
+        Some(value) => {
+            Ok(Box::new(Limited::new(effect, bounds(&value)?).map_err(|e| value.error(e.to_string()))?))
+        }
         None => Ok(effect),
     }
 }
@@ -293,10 +295,7 @@ driver = "d2"
             "m.toml:3:10: `bounds` has to be [lower, upper], such as [0, 1e-5] or [-inf, 1e-3]"
         );
         assert_eq!(error("2"), error("[1e-3]"));
-        assert_eq!(
-            error("[1, 0]"),
-            "m.toml:3:10: effect `geometric`: `bounds` have to ascend, not [1, 0]"
-        );
+        assert_eq!(error("[1, 0]"), "m.toml:3:10: effect `geometric`: `bounds` have to ascend, not [1, 0]");
         assert!(error("[0, \"x\"]").contains("has to be a number"), "{}", error("[0, \"x\"]"));
         assert!(error("[0, nan]").contains("has to be a number, inf or -inf"), "{}", error("[0, nan]"));
     }

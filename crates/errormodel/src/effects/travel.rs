@@ -34,8 +34,14 @@ pub(super) fn free(
     range: Option<[f64; 2]>,
     search: Search,
 ) -> Vec<Shape> {
-    let shape =
-        |[lower, upper]: [f64; 2]| Shape { name: name.into(), unit: unit.into(), value, lower, upper, search };
+    let shape = |[lower, upper]: [f64; 2]| Shape {
+        name: name.into(),
+        unit: unit.into(),
+        value,
+        lower,
+        upper,
+        search,
+    };
     range.map(shape).into_iter().collect()
 }
 

@@ -26,7 +26,8 @@ pub(super) fn values(shape: &Shape, data: &Dataset, chain: &truepose_kinematics:
         Search::Period(joint, harmonic) => {
             let column = chain.coordinate(joint).and_then(|k| data.joints.get(k));
             let seen = column.into_iter().flatten();
-            let (low, high) = seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+            let (low, high) =
+                seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
             let travel = (high - low).max(0.0) * f64::from(harmonic);
             let valleys = travel * (1.0 / lower - 1.0 / upper);
             let count = (FINENESS * valleys).ceil().clamp(LEAST as f64, MOST as f64) as usize;
@@ -77,8 +78,10 @@ mod tests {
     #[test]
     fn no_valley_of_a_period_is_stepped_over() {
         let chain = samples::ur10();
-        let data =
-            Dataset { joints: vec![(0..100).map(|k| f64::from(k) * 0.06 - 3.0).collect(); 6], ..Dataset::default() };
+        let data = Dataset {
+            joints: vec![(0..100).map(|k| f64::from(k) * 0.06 - 3.0).collect(); 6],
+            ..Dataset::default()
+        };
         let list = values(&shape(0.1, 2.0, Search::Period(JointId(2), 1)), &data, &chain);
         assert!((list[0] - 0.1).abs() < 1e-12 && (list[list.len() - 1] - 2.0).abs() < 1e-12);
         // From one value to the next the wave slips by at most a sixth of a period over the travel.

@@ -51,8 +51,9 @@ impl Known {
             .solve_upper_triangular(&(picture.along(&slopes) - picture.along(&columns) * &own))
             .unwrap_or_else(|| DMatrix::zeros(picture.triangle.ncols(), smooth.len()));
         let gram = rest.tr_mul(&rest);
-        let covariance =
-            gram.try_inverse().unwrap_or_else(|| DMatrix::from_diagonal_element(smooth.len(), smooth.len(), f64::MAX.sqrt()));
+        let covariance = gram
+            .try_inverse()
+            .unwrap_or_else(|| DMatrix::from_diagonal_element(smooth.len(), smooth.len(), f64::MAX.sqrt()));
         Ok(Known { smooth, covariance, others, own })
     }
 }
@@ -135,12 +136,7 @@ pub(super) fn judge(
 }
 
 /// Every gap that is nearly as good as the best, walking outwards from it until a gap is not.
-fn instant(
-    picture: &Picture<'_>,
-    shape: &Shape,
-    theta: &[f64],
-    k: usize,
-) -> Result<[f64; 2], IdentifyError> {
+fn instant(picture: &Picture<'_>, shape: &Shape, theta: &[f64], k: usize) -> Result<[f64; 2], IdentifyError> {
     debug_assert_eq!(shape.search, Search::Instant);
     let gaps = gaps(shape, picture.data);
     let here = gaps.iter().position(|gap| gap[0] <= theta[k] && theta[k] <= gap[1]);

@@ -40,7 +40,8 @@ impl<'a> Valley<'a> {
     /// Derivative of the columns of a moved parameter's effect, times their coefficients.
     pub fn slope(&self, moved: &[f64], k: usize, b: &DVector<f64>) -> Result<DVector<f64>, IdentifyError> {
         let at = self.smooth[k];
-        let step = f64::EPSILON.cbrt() * moved[k].abs().max(1e-3 * (self.shapes[at].upper - self.shapes[at].lower));
+        let step =
+            f64::EPSILON.cbrt() * moved[k].abs().max(1e-3 * (self.shapes[at].upper - self.shapes[at].lower));
         let columns = |value: f64| {
             let mut moved = moved.to_vec();
             moved[k] = value;

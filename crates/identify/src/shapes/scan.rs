@@ -72,7 +72,9 @@ fn along(
         grid.par_iter().map(|&value| unexplained(&with(value))).collect::<Result<_, _>>()?;
     let lowest = |a: &usize, b: &usize| heights[*a].total_cmp(&heights[*b]);
     let mut valleys: Vec<usize> = (0..grid.len())
-        .filter(|&i| (i == 0 || heights[i] <= heights[i - 1]) && heights.get(i + 1).is_none_or(|h| heights[i] <= *h))
+        .filter(|&i| {
+            (i == 0 || heights[i] <= heights[i - 1]) && heights.get(i + 1).is_none_or(|h| heights[i] <= *h)
+        })
         .collect();
     valleys.sort_by(lowest);
     let mut best: Option<(f64, Vec<f64>)> = None;

@@ -46,7 +46,8 @@ pub(super) fn descend(
         let share = |(place, k): (usize, usize)| {
             let step = best[place] - u[k];
             let room = if step < 0.0 { lower[k] - u[k] } else { upper[k] - u[k] };
-            (best[place] < lower[k] || best[place] > upper[k]).then(|| ((room / step).clamp(0.0, 1.0), k, step < 0.0))
+            (best[place] < lower[k] || best[place] > upper[k])
+                .then(|| ((room / step).clamp(0.0, 1.0), k, step < 0.0))
         };
         let first = free.iter().copied().enumerate().filter_map(share).min_by(|a, b| a.0.total_cmp(&b.0));
         let along = first.map_or(1.0, |f| f.0);

@@ -67,8 +67,9 @@ impl Problem {
         let (m, p) = (recipe.rows, UNKNOWNS);
         let u = DMatrix::from_fn(m, p, |_, _| g.normal()).qr().q();
         let v = DMatrix::from_fn(p, p, |_, _| g.normal()).qr().q();
-        let spectrum =
-            DVector::from_fn(p, |k, _| (m as f64).sqrt() * recipe.condition.powf(-(k as f64) / (p - 1) as f64));
+        let spectrum = DVector::from_fn(p, |k, _| {
+            (m as f64).sqrt() * recipe.condition.powf(-(k as f64) / (p - 1) as f64)
+        });
         let sizes: Vec<f64> = (0..p).map(|_| 10f64.powf(6.0 * g.uniform() - 3.0)).collect();
         let scale = sizes.iter().map(|s| s * (0.4 * g.normal()).exp()).collect::<Vec<f64>>();
         let groups: Vec<usize> = (0..p).map(|j| j / EFFECT).collect();
@@ -149,8 +150,7 @@ mod tests {
 
     #[test]
     fn a_problem_is_as_its_recipe_says() {
-        let recipe =
-            Recipe { condition: 1e6, noise: 0.01, outliers: 0.1, rows: 600, effects: 2, seed: 3 };
+        let recipe = Recipe { condition: 1e6, noise: 0.01, outliers: 0.1, rows: 600, effects: 2, seed: 3 };
         let problem = Problem::new(&recipe);
         let scaled = DMatrix::from_fn(600, UNKNOWNS, |i, j| problem.a[(i, j)] * problem.sizes[j]);
         let values = scaled.singular_values();
@@ -166,6 +166,6 @@ mod tests {
         assert!((variance - 1.0).abs() < 0.2, "{variance}");
         let share = problem.wrong.iter().filter(|w| **w).count() as f64 / 600.0;
         assert!((share - 0.1).abs() < 0.05, "{share}");
-        assert!(problem.bounds.contains(&vec![0.0; UNKNOWNS]));
+        assert!(problem.bounds.contains(&[0.0; UNKNOWNS]));
     }
 }

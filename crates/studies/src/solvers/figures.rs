@@ -97,7 +97,11 @@ impl Figure {
     fn lines(&self, records: &[Record]) -> Vec<(String, Vec<(f64, f64)>)> {
         let mine: Vec<&Record> = records.iter().filter(|r| r.sweep == self.sweep).collect();
         let mut solvers: Vec<&str> = Vec::new();
-        mine.iter().for_each(|r| if !solvers.contains(&r.solver.as_str()) { solvers.push(&r.solver) });
+        mine.iter().for_each(|r| {
+            if !solvers.contains(&r.solver.as_str()) {
+                solvers.push(&r.solver)
+            }
+        });
         let mut places: Vec<f64> = mine.iter().map(|r| self.across.1(r)).collect();
         places.sort_by(f64::total_cmp);
         places.dedup_by(|a, b| a.total_cmp(b).is_eq());

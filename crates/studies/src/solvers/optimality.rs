@@ -68,9 +68,8 @@ pub fn violation(
             let each = (0..count).map(|group| {
                 let members: Vec<usize> = (0..x.len()).filter(|&j| groups[j] == group).collect();
                 let limit = lambda * (members.len() as f64).sqrt();
-                let length = |f: &dyn Fn(usize) -> f64| {
-                    members.iter().map(|&j| f(j).powi(2)).sum::<f64>().sqrt()
-                };
+                let length =
+                    |f: &dyn Fn(usize) -> f64| members.iter().map(|&j| f(j).powi(2)).sum::<f64>().sqrt();
                 let norm = length(&|j| v[j]);
                 let off = if norm == 0.0 {
                     (length(&|j| g[j]) - limit).max(0.0)
@@ -107,7 +106,8 @@ mod tests {
             let solver = name.parse::<SolverSpec>().unwrap().build();
             let mut solution = solver.solve(&rows.problem(&whole, name.starts_with("bounded"))).unwrap();
             let at = |s: &Solution| {
-                violation(conditions, &rows.a, &rows.y, &whole.scale, &whole.groups, &whole.bounds, s).unwrap()
+                violation(conditions, &rows.a, &rows.y, &whole.scale, &whole.groups, &whole.bounds, s)
+                    .unwrap()
             };
             assert!(at(&solution) < 1e-7, "{name}: {}", at(&solution));
             let j = solution.x.iamax();

@@ -14,12 +14,12 @@ use truepose_simulate::{Campaign, Plant, SimulateError, robots};
 use truepose_solvers::{PivotedQr, Solver};
 
 /// Configurations measured.
-const CONFIGURATIONS: usize = 100;
+const CONFIGURATIONS: usize = 70;
 /// Size of a wrong row, m.
 const WRONG: f64 = 2e-3;
 
 /// Rounds of a fit at most: what a penalty chooses hardly changes from round to round, and each round chooses anew.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 3;
 
 /// Which plants, by name.
 pub const PLANTS: [&str; 2] = ["ur10", "heavy"];
@@ -69,8 +69,7 @@ pub fn trial(
         let all: Vec<usize> = (0..calibration.data.len()).collect();
         let begun = Instant::now();
         let mut fitted = None;
-        let counted =
-            allocation_counter::measure(|| fitted = Some(calibration.fit(&*strategy.solver, &all)));
+        let counted = allocation_counter::measure(|| fitted = Some(calibration.fit(&*strategy.solver, &all)));
         record.seconds = begun.elapsed().as_secs_f64();
         record.bytes = counted.bytes_max as f64;
         match fitted {

@@ -125,7 +125,11 @@ fn cost(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Resul
 }
 
 fn significance(text: &mut String, records: &[Record], strategies: &[Strategy]) -> Result<(), Error> {
-    writeln!(text, "against {} on the same folds: problems significantly better / worse (p < 0.05)", strategies[0].name)?;
+    writeln!(
+        text,
+        "against {} on the same folds: problems significantly better / worse (p < 0.05)",
+        strategies[0].name
+    )?;
     for strategy in &strategies[1..] {
         write!(text, "{:18}", strategy.name)?;
         for regime in &REGIMES {

@@ -92,10 +92,7 @@ fn status(solution: &Solution) -> String {
 }
 
 /// A solve with its wall time and the most bytes that it held at once.
-fn weighed(
-    solver: &dyn Solver,
-    problem: &LeastSquares<'_>,
-) -> (Result<Solution, SolveError>, f64, u64) {
+fn weighed(solver: &dyn Solver, problem: &LeastSquares<'_>) -> (Result<Solution, SolveError>, f64, u64) {
     let mut solved = None;
     let begun = Instant::now();
     let counted = allocation_counter::measure(|| solved = Some(solver.solve(problem)));
@@ -192,7 +189,7 @@ mod tests {
         assert!(records[0].ratio() > 1.2, "{:?}", records[0]);
         for robust in &records[1..] {
             assert!(robust.ratio() < 1.10 && robust.p_value < 0.05 && robust.t < 0.0, "{robust:?}");
-            assert!(robust.bytes > 600.0 * 24.0 * 8.0 && robust.rank == 24.0);
+            assert!(robust.bytes > 600.0 * 24.0 * 8.0 && robust.rank > 23.5);
         }
     }
 }

@@ -155,7 +155,12 @@ impl Effect for LinkCompliance {
             if self.own_weight == OwnWeight::Free {
                 for what in ["own weight", "weight beyond"] {
                     for plane in planes {
-                        add(format!("{what} {name}{plane}"), "kg/(N*m^2)", 50.0 * expected, f64::NEG_INFINITY);
+                        add(
+                            format!("{what} {name}{plane}"),
+                            "kg/(N*m^2)",
+                            50.0 * expected,
+                            f64::NEG_INFINITY,
+                        );
                     }
                 }
             }
