@@ -7,11 +7,13 @@
 )]
 
 mod compensation;
+mod constraints;
 mod cross_validation;
 mod exact;
 mod excitation;
 mod placement;
 mod plants;
 mod reduction;
+mod shapes;
 mod shared_data;
 mod solvers_agree;

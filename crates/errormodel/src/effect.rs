@@ -16,12 +16,22 @@ pub struct Column {
     pub scale: f64,
     /// The site, when the column is a constant generalized error and nothing else.
     pub site: Option<Site>,
+    /// Between which values physics, or the user, allows it to be; solvers that hold bounds hold these.
+    pub bounds: [f64; 2],
 }
+
+/// No bounds at all.
+pub const UNBOUNDED: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl Column {
     /// An unknown that is not a constant generalized error.
     pub fn new(name: impl Into<String>, unit: impl Into<String>, scale: f64) -> Self {
-        Column { name: name.into(), unit: unit.into(), scale, site: None }
+        Column { name: name.into(), unit: unit.into(), scale, site: None, bounds: UNBOUNDED }
+    }
+
+    /// The same, between these values.
+    pub fn within(self, lower: f64, upper: f64) -> Self {
+        Column { bounds: [lower, upper], ..self }
     }
 }
 
@@ -60,6 +70,19 @@ pub struct Shape {
     pub lower: f64,
     /// Largest value that makes sense.
     pub upper: f64,
+    /// How it is looked for.
+    pub search: Search,
+}
+
+/// How the residual depends on a parameter in which an effect is not linear, and so how it is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Search {
+    /// One valley, or few, over the range: a time constant, a load, an exponent.
+    Smooth,
+    /// A period in the travel of a joint: as many valleys as periods fit into it, times this harmonic.
+    Period(JointId, u32),
+    /// An instant at which something jumps: flat between two visits, so that no slope leads there.
+    Instant,
 }
 
 /// A physical cause that makes generalized errors: at a posture it *emits* triples (column, site, value), "per
@@ -124,7 +147,8 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
         Ok(())
     }
 
-    /// Parameters in which it is not linear, with their present values.
+    /// Parameters in which it is not linear and that are to be found, with their present values: they are profiled by
+    /// the fit (variable projection). Empty when all of them are known.
     fn shape(&self) -> Vec<Shape> {
         Vec::new()
     }

@@ -8,6 +8,7 @@ mod error;
 mod fitted;
 mod generalized;
 mod jacobian;
+mod limited;
 mod model;
 mod real;
 mod registry;
@@ -15,14 +16,16 @@ mod rest;
 pub mod testkit;
 
 pub use dataset::{
-    Channel, Dataset, Schema, Seen, Visits, approach_from_order, configurations, visits_from_rows,
+    Channel, Dataset, Schema, Seen, Visits, approach_from_order, configurations, late_channel,
+    visits_from_rows,
 };
-pub use effect::{AnyEffect, Column, Effect, Shape, Signal};
+pub use effect::{AnyEffect, Column, Effect, Search, Shape, Signal, UNBOUNDED};
 pub use emission::{Emission, Entry};
 pub use error::ModelError;
 pub use fitted::{Domain, FittedModel, Interval, LoadCorrection, Noise, Predictor};
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;
+pub use limited::Limited;
 pub use model::{BoundModel, ErrorModel};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;

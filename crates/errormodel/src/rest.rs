@@ -57,6 +57,12 @@ impl Rest {
         &self.real
     }
 
+    /// Φ of other effects where this robot came to rest, under the conditions of the last [`Rest::settle`]: replaces what
+    /// `out` holds.
+    pub fn emit(&self, bound: &BoundModel<'_>, conditions: &Conditions, out: &mut Emission) {
+        bound.emit(&self.posture.view(bound.model().chain(), conditions), out);
+    }
+
     /// Moves to these conditions, with these coefficients (one a column of the model).
     pub fn settle(&mut self, bound: &BoundModel<'_>, conditions: &Conditions, coefficients: &[f64]) {
         let chain = bound.model().chain();

@@ -105,6 +105,14 @@ fn squares(held_out: &CrossValidation, data: &Dataset) -> Vec<(f64, usize)> {
     sums
 }
 
+impl Paired {
+    /// Tests held-out squared errors, each given as (sum of squares, number of rows) fold by fold, of `rows` rows in all
+    /// against those of a reference on the same folds; none with fewer than two folds.
+    pub fn of(reference: &[(f64, usize)], other: &[(f64, usize)], rows: usize) -> Option<Self> {
+        paired(reference, other, rows)
+    }
+}
+
 fn paired(reference: &[(f64, usize)], other: &[(f64, usize)], rows: usize) -> Option<Paired> {
     let differences: Vec<f64> =
         reference.iter().zip(other).filter(|(a, _)| a.1 > 0).map(|(a, b)| (b.0 - a.0) / a.1 as f64).collect();

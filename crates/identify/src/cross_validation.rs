@@ -58,9 +58,12 @@ pub fn cross_validate(
     solver: &dyn Solver,
     method: Method,
 ) -> Result<CrossValidation, IdentifyError> {
+    let data = &*data.derived_for(fit.fitted.model())?;
     let visits = Visits::of(data);
     let members: Vec<Vec<usize>> = by_fold(folds);
-    let plain = solver.supports(Need::Unpenalised) && !solver.supports(Need::Outliers);
+    // Bounds bind in one fold and not in another: as good as a penalty.
+    let held = solver.supports(Need::Bounds) || solver.supports(Need::Outliers);
+    let plain = solver.supports(Need::Unpenalised) && !held;
     let longest: usize = members.iter().map(|visits_of| visits_of.len()).max().unwrap_or(0);
     let method = match method {
         _ if !plain => Method::Refit,

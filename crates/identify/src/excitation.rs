@@ -33,6 +33,7 @@ const VISITS: usize = 200;
 /// When a factorisation fails.
 pub fn excitation(fit: &Fit, data: &Dataset) -> Result<(usize, Vec<Advice>), IdentifyError> {
     let model = fit.fitted.model();
+    let data = &*data.derived_for(model)?;
     // Whole visits, so that every target is there; a thinned sample is made as heavy as all of them.
     let visits = Visits::of(data);
     let step = visits.len().div_ceil(VISITS).max(1);

@@ -128,6 +128,7 @@ pub fn identify(
     progress(Step::Fitting);
     let model = ErrorModel::new(placed.clone(), effects.to_vec())?;
     let mut declared_fit = fit(&model, train, solver, &options.fit)?;
+    let model = declared_fit.fitted.model().clone();
     progress(Step::Validating);
     let folds = match &options.split {
         Some(split) => Some(Folds::new(train, split)?),
@@ -158,8 +159,10 @@ pub fn identify(
             Some((Residuals::of(&frames_fit.fitted, &held)?, Residuals::of(&declared_fit.fitted, &held)?));
         let frozen =
             crate::FitOptions { noise: crate::NoiseSource::Fixed(declared_fit.noise), ..options.fit.clone() };
+        let shapes = std::mem::take(&mut declared_fit.shapes);
         declared_fit =
             crate::refit(&model, data, solver, &frozen, &declared_fit.reduction, &declared_fit.prior)?;
+        declared_fit.shapes = shapes;
     }
     Ok(Identification {
         placement,

@@ -15,6 +15,7 @@ mod prior;
 pub mod reduction;
 mod repeats;
 mod residuals;
+mod shapes;
 mod variance;
 
 pub use comparison::{Compared, Paired, Trial, compare};
@@ -32,4 +33,5 @@ pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
+pub use shapes::{FittedShape, Shapes};
 pub use variance::estimate_noise;

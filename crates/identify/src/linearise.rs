@@ -11,7 +11,7 @@
 
 use crate::{IdentifyError, NoiseModel, noise::whiten};
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{BoundModel, Dataset, ErrorJacobian, ErrorModel, Rest, Visits};
+use truepose_errormodel::{BoundModel, Dataset, Emission, ErrorJacobian, ErrorModel, Rest, Visits};
 use truepose_kinematics::{Conditions, rotation_log};
 use truepose_solvers::accumulator::{Factor, Triangular};
 
@@ -22,8 +22,12 @@ pub struct Lineariser<'a> {
     data: &'a Dataset,
     noise: NoiseModel,
     coefficients: &'a [f64],
+    /// Where the robot is, when it is not where these effects put it.
+    robot: Option<(BoundModel<'a>, &'a [f64])>,
     conditions: Conditions,
     rest: Rest,
+    /// What these effects say at a robot that another model describes.
+    beside: Emission,
     block: Vec<f64>,
     /// For each row of the block: the data's row and the component (0…2 position, 3…5 orientation).
     source: Vec<(usize, usize)>,
@@ -56,12 +60,23 @@ impl<'a> Lineariser<'a> {
             data,
             noise,
             coefficients,
+            robot: None,
             conditions: Conditions::default(),
             rest: Rest::new(model),
+            beside: Emission::new(),
             block: Vec::new(),
             source: Vec::new(),
             dot: vec![0.0; model.columns().len() + 1],
         })
+    }
+
+    /// Takes the columns at the robot that another model describes: what these effects would add to it.
+    ///
+    /// # Errors
+    /// When the data lacks a signal that the other model needs.
+    pub fn beside(self, model: &'a ErrorModel, coefficients: &'a [f64]) -> Result<Self, IdentifyError> {
+        let robot = Some((model.bind(&self.data.schema)?, coefficients));
+        Ok(Lineariser { robot, rest: Rest::new(model), ..self })
     }
 
     /// Numbers in a row: one a column of the model, and the residual.
@@ -98,7 +113,14 @@ impl<'a> Lineariser<'a> {
         }
         let chain = self.bound.model().chain();
         self.data.conditions_into(row, &mut self.conditions);
-        self.rest.settle(&self.bound, &self.conditions, self.coefficients);
+        match &self.robot {
+            Some((robot, coefficients)) => {
+                self.rest.settle(robot, &self.conditions, coefficients);
+                self.rest.emit(&self.bound, &self.conditions, &mut self.beside);
+            }
+            None => self.rest.settle(&self.bound, &self.conditions, self.coefficients),
+        }
+        let emission = if self.robot.is_some() { &self.beside } else { self.rest.emission() };
         let (real, errors) = (self.rest.real(), self.rest.errors());
 
         let width = self.dot.len();
@@ -115,7 +137,7 @@ impl<'a> Lineariser<'a> {
         }
 
         let jacobian = ErrorJacobian::new(chain, real, errors, self.data.target[row]);
-        for entry in self.rest.emission().entries() {
+        for entry in emission.entries() {
             let p = jacobian.position(entry.site);
             for k in 0..3 {
                 if place[k] != usize::MAX {

@@ -39,6 +39,7 @@ impl Residuals {
     /// When the data lacks a signal that the model needs, or does not fit the robot.
     pub fn of(fitted: &FittedModel, data: &Dataset) -> Result<Self, IdentifyError> {
         data.validate(fitted.chain())?;
+        let data = &*data.derived_for(fitted.model())?;
         let mut predictor = fitted.bind(&data.schema)?;
         let mut conditions = Conditions::default();
         let mut residuals = Residuals::default();

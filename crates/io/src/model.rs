@@ -6,7 +6,7 @@ use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use serde_json::Value as Json;
 use std::path::Path;
-use truepose_errormodel::{AnyEffect, EffectRegistry, ModelError};
+use truepose_errormodel::{AnyEffect, EffectRegistry, Limited, ModelError};
 use truepose_kinematics::Chain;
 
 /// Reads a declared model: its effects, in the order of the file.
@@ -52,15 +52,31 @@ fn effect(
         return Err(family.error(message));
     }
     let mut parameters = serde_json::Map::new();
-    for key in table.keys().filter(|key| *key != "family") {
+    for key in table.keys().filter(|key| !matches!(*key, "family" | "bounds")) {
         if let Some(value) = table.get(key) {
             parameters.insert(key.into(), resolved(&value, key, chain)?);
         }
     }
-    registry.build(word, Json::Object(parameters), chain).map_err(|error| match error {
+    let effect = registry.build(word, Json::Object(parameters), chain).map_err(|error| match error {
         ModelError::Parameters { reason, .. } => complaint(table, word, &reason),
         error => table.error(error.to_string()),
-    })
+    })?;
+    match table.get("bounds") {
+        Some(value) => {
+            Ok(Box::new(Limited::new(effect, bounds(&value)?).map_err(|e| value.error(e.to_string()))?))
+        }
+        None => Ok(effect),
+    }
+}
+
+/// Lower and upper bound of an effect's unknowns, `-inf` and `inf` included.
+fn bounds(value: &Value<'_>) -> Result<[f64; 2], IoError> {
+    let pair = || value.error("`bounds` has to be [lower, upper], such as [0, 1e-5] or [-inf, 1e-3]");
+    if !value.is_array() {
+        return Err(pair());
+    }
+    let numbers = value.elements("bounds")?.iter().map(Value::bound).collect::<Result<Vec<f64>, _>>()?;
+    <[f64; 2]>::try_from(numbers).map_err(|_| pair())
 }
 
 /// A value as JSON, in which names have become numbers.
@@ -259,6 +275,30 @@ driver = "d2"
         assert_eq!(effects[3].1["frame"], json!(7));
         assert_eq!(effects[4].1, json!({ "frame": 0, "at": 1200.5, "at_range": [600.0, 1800.0] }));
         assert_eq!((&effects[5].1["joint"], &effects[5].1["driver"]), (&json!(4), &json!(2)));
+    }
+
+    #[test]
+    fn bounds_are_the_fits_and_not_the_effects() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.toml");
+        let text = "[[effects]]\nfamily = \"joint_compliance\"\njoints = [\"roll\"]\nbounds = [-inf, 1e-5]\n";
+        std::fs::write(&path, text).unwrap();
+        let effects = read_model(&path, &samples::pps(), &EffectRegistry::builtin()).unwrap();
+        let [lower, upper] = effects[0].columns(&samples::pps())[0].bounds;
+        assert!(lower == f64::NEG_INFINITY && (upper - 1e-5).abs() < 1e-20);
+        assert_eq!(effects[0].parameters(), json!({ "joints": [5] }));
+
+        let error = |bounds: &str| {
+            read(&format!("[[effects]]\nfamily = \"geometric\"\nbounds = {bounds}\n")).unwrap_err()
+        };
+        assert_eq!(
+            error("[1e-3]"),
+            "m.toml:3:10: `bounds` has to be [lower, upper], such as [0, 1e-5] or [-inf, 1e-3]"
+        );
+        assert_eq!(error("2"), error("[1e-3]"));
+        assert_eq!(error("[1, 0]"), "m.toml:3:10: effect `geometric`: `bounds` have to ascend, not [1, 0]");
+        assert!(error("[0, \"x\"]").contains("has to be a number"), "{}", error("[0, \"x\"]"));
+        assert!(error("[0, nan]").contains("has to be a number, inf or -inf"), "{}", error("[0, nan]"));
     }
 
     #[test]

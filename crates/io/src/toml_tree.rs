@@ -109,16 +109,27 @@ impl<'a> Value<'a> {
 
     /// A finite number.
     pub fn number(&self) -> Result<f64, IoError> {
-        let number = match self.value {
-            DeValue::Integer(integer) => {
-                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|v| v as f64)
-            }
-            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
-            _ => return Err(self.not("a number")),
-        };
-        match number {
+        match self.any_number()? {
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(self.error(format!("{} has to be a finite number", self.name))),
+        }
+    }
+
+    /// A number that may be `inf` or `-inf`.
+    pub fn bound(&self) -> Result<f64, IoError> {
+        match self.any_number()? {
+            Some(number) if !number.is_nan() => Ok(number),
+            _ => Err(self.error(format!("{} has to be a number, inf or -inf", self.name))),
+        }
+    }
+
+    fn any_number(&self) -> Result<Option<f64>, IoError> {
+        match self.value {
+            DeValue::Integer(integer) => {
+                Ok(i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|v| v as f64))
+            }
+            DeValue::Float(float) => Ok(float.as_str().parse::<f64>().ok()),
+            _ => Err(self.not("a number")),
         }
     }
 

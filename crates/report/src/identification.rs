@@ -52,6 +52,8 @@ pub struct IdentificationSummary {
     pub prior: Option<f64>,
     /// The grouped errors.
     pub groups: Vec<GroupSummary>,
+    /// Parameters in which effects are not linear, where they were looked for.
+    pub shapes: Vec<ShapeSummary>,
     /// What would determine more.
     pub advice: Vec<String>,
     /// Observability indices.
@@ -124,6 +126,33 @@ pub struct GroupSummary {
     pub unit: String,
     /// Standard deviation after the fit, over the expected size.
     pub against_expected: f64,
+}
+
+fn shapes(fit: &truepose_identify::Fit) -> Vec<ShapeSummary> {
+    let effects = fit.fitted.model().effects();
+    let shape = |shape: &truepose_identify::FittedShape| ShapeSummary {
+        effect: (effects[shape.effect].kind().into(), shape.effect + 1),
+        name: shape.name.clone(),
+        value: shape.value,
+        ci95: shape.interval,
+        unit: shape.unit.clone(),
+    };
+    fit.shapes.iter().map(shape).collect()
+}
+
+/// A parameter in which an effect is not linear.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShapeSummary {
+    /// The effect's family, and the number of the effect in the model (from 1).
+    pub effect: (String, usize),
+    /// Its name.
+    pub name: String,
+    /// Value in SI units.
+    pub value: f64,
+    /// Its 95 % interval.
+    pub ci95: [f64; 2],
+    /// SI unit.
+    pub unit: String,
 }
 
 impl IdentificationSummary {
@@ -201,6 +230,7 @@ impl IdentificationSummary {
             gaps: [gap(fit.reduction.structural.gap), gap(fit.reduction.practical.gap)],
             prior: gap(fit.prior.kappa),
             groups,
+            shapes: shapes(fit),
             advice: found.weak.1.iter().take(4).map(|a| advice_words(chain, a)).collect(),
             observability: found.observability.clone(),
             repeats: found.repeats.clone(),

@@ -78,6 +78,19 @@ pub fn warning_words(warning: &Warning) -> String {
             "`{column}` has no effect on anything in this data (no load declared, no link weights, or a signal that never \
              changes): it stays zero"
         ),
+        Warning::ShapeAtBound { effect, name, value } => format!(
+            "the best `{name}` of effect `{effect}` is {}, at an end of the range in which it was looked for: widen the range, or \
+             doubt the effect",
+            significant(*value, 6)
+        ),
+        Warning::OutOfBounds { column, value, bounds: [lower, upper] } => format!(
+            "`{column}` is {}, outside of [{lower}, {upper}] by more than its interval: `--solver bounded(qr)` holds it, and \
+             something else in the model may be missing",
+            significant(*value, 3)
+        ),
+        Warning::LeftOut { effect, column } => {
+            format!("the solver left the effect `{effect}` out as a whole (`{column}` …)")
+        }
         Warning::NoRedundancy => {
             "there are no more measured numbers than grouped errors: the residual says nothing about the accuracy".into()
         }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod pps;
+mod solvers;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -23,7 +24,8 @@ fn main() -> ExitCode {
     let name = std::env::args().nth(1).unwrap_or_default();
     let done = match name.as_str() {
         "pps" => pps::run(),
-        _ => Err(format!("unknown study `{name}`; there is: pps").into()),
+        "solvers" => solvers::run(),
+        _ => Err(format!("unknown study `{name}`; there are: pps, solvers").into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

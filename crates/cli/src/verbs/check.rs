@@ -26,7 +26,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
             if let Some(model) = &model {
-                model.bind(&data.schema)?;
+                model.bind(&data.derived_for(model)?.schema)?;
             }
             Some(info)
         }

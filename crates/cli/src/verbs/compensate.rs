@@ -63,7 +63,8 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
 fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
-    let compensator = Compensator::bind(fitted, &poses.rows.schema, CompensatorOptions::default())?;
+    let inputs = poses.rows.derived_for(fitted.model())?;
+    let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default())?;
     let progress = Progress::steps(rows.len().div_ceil(CHUNK));
     let parts: Vec<Vec<Command>> = rows
         .par_chunks(CHUNK)
@@ -74,7 +75,7 @@ fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure
             chunk
                 .iter()
                 .map(|&row| {
-                    poses.rows.conditions_into(row, &mut conditions);
+                    inputs.conditions_into(row, &mut conditions);
                     let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
                     target.orientation = poses.rows.measured_rotation(row);
                     let seed = poses.seeded.then_some(conditions.joints.as_slice());

@@ -17,11 +17,12 @@ pub fn run(args: &Predict) -> Result<(), Failure> {
     let options = MeasurementsOptions { measured_required: false };
     let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
     terminal::warn(&warnings);
-    let mut predictor = fitted.bind(&data.schema)?;
+    let inputs = data.derived_for(fitted.model())?;
+    let mut predictor = fitted.bind(&inputs.schema)?;
     let mut conditions = Conditions::default();
     let mut predicted = Vec::with_capacity(data.len());
     for row in 0..data.len() {
-        data.conditions_into(row, &mut conditions);
+        inputs.conditions_into(row, &mut conditions);
         predicted.push(predictor.predict(&conditions, data.target[row]));
     }
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;

@@ -4,10 +4,12 @@
 //! NaN in `position` and `None` in `orientation`: files cannot contain a NaN, so that nothing else is.
 
 mod approach;
+mod late;
 mod schema;
 mod visits;
 
 pub use approach::approach_from_order;
+pub use late::late_channel;
 pub use schema::{Channel, Schema};
 pub use visits::{Visits, configurations, visits_from_rows};
 

@@ -18,7 +18,7 @@
 
 use super::travel::{free, positive};
 use super::{joint_moves, refused};
-use crate::{Column, Effect, Emission, ModelError, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
@@ -79,7 +79,7 @@ impl Effect for Backlash {
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
         let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };
-        vec![Column::new(format!("gap {}", joint.name), joint.unit(), scale)]
+        vec![Column::new(format!("gap {}", joint.name), joint.unit(), scale).within(0.0, f64::INFINITY)]
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
@@ -116,7 +116,8 @@ impl Effect for Backlash {
     }
 
     fn shape(&self) -> Vec<Shape> {
-        self.flank_load.map_or_else(Vec::new, |load| free("flank_load", "N*m or N", load, self.flank_range))
+        let shape = |load| free("flank_load", "N*m or N", load, self.flank_range, Search::Smooth);
+        self.flank_load.map_or_else(Vec::new, shape)
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

@@ -68,7 +68,7 @@ impl Effect for BaseCompliance {
     const ABOUT: &'static str = "the base tilts and sinks under the load that it carries";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
-        let tilt = |name: String| Column::new(name, "rad/(N*m)", 1e-7);
+        let tilt = |name: String| Column::new(name, "rad/(N*m)", 1e-7).within(0.0, f64::INFINITY);
         let mut columns = match self.tilt {
             Tilt::Isotropic => vec![tilt("tilt base".into())],
             Tilt::Separate => {
@@ -77,7 +77,7 @@ impl Effect for BaseCompliance {
             }
         };
         if self.sink {
-            columns.push(Column::new("sink base", "m/N", 1e-8));
+            columns.push(Column::new("sink base", "m/N", 1e-8).within(0.0, f64::INFINITY));
         }
         columns
     }

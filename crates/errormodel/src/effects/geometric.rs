@@ -3,7 +3,7 @@
 //! `ε_i = c`, one unknown a site.
 
 use super::{frame_exists, target_exists};
-use crate::{Column, Effect, Emission, ModelError};
+use crate::{Column, Effect, Emission, ModelError, UNBOUNDED};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, Posture, Site, TargetId};
 
@@ -90,6 +90,7 @@ impl Effect for Geometric {
                 unit: axis.unit().into(),
                 scale,
                 site: Some(site),
+                bounds: UNBOUNDED,
             });
         });
         columns

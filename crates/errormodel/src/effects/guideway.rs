@@ -11,7 +11,7 @@
 use super::spot::distinct;
 use super::travel::{ascending, free, positive, travel};
 use super::{Basis, joint_moves, refused};
-use crate::{Column, Effect, Emission, ModelError, Shape};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
@@ -124,7 +124,8 @@ impl Effect for Guideway {
     }
 
     fn shape(&self) -> Vec<Shape> {
-        self.screw.map_or_else(Vec::new, |lead| free("screw", "m", lead, self.screw_range))
+        let search = Search::Period(self.joint, 1);
+        self.screw.map_or_else(Vec::new, |lead| free("screw", "m", lead, self.screw_range, search))
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

@@ -97,7 +97,8 @@ impl Effect for JointCompliance {
                 JointKind::Prismatic => ("m/N", 1e-7),
                 _ => ("rad/(N*m)", 1e-5),
             };
-            columns.push(Column::new(format!("compliance {}", joint.name), unit, scale));
+            let yields = Column::new(format!("compliance {}", joint.name), unit, scale);
+            columns.push(yields.within(0.0, f64::INFINITY));
             for (k, numbers) in self.free(id, chain) {
                 let (unit, scale) = match (joint.kind, numbers) {
                     (JointKind::Prismatic, _) => ("kg*m/N", 1e-5),

@@ -25,7 +25,7 @@
 use super::geometric::EXPECTED_ANGLE;
 use super::spot::distinct;
 use super::{joint_moves, refused};
-use crate::{Column, Effect, Emission, ModelError};
+use crate::{Column, Effect, Emission, ModelError, UNBOUNDED};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site};
 
@@ -244,6 +244,7 @@ impl Effect for Polynomial {
                         },
                         scale: expected / size,
                         site: constant.then_some(site),
+                        bounds: UNBOUNDED,
                     });
                 });
             }

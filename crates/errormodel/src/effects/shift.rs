@@ -4,7 +4,7 @@
 
 use super::Spot;
 use super::travel::{ascending, free};
-use crate::{Column, Effect, Emission, ModelError, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
 
@@ -57,7 +57,7 @@ impl Effect for Shift {
     }
 
     fn shape(&self) -> Vec<Shape> {
-        free("at", "s", self.at, self.at_range)
+        free("at", "s", self.at, self.at_range, Search::Instant)
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

@@ -11,12 +11,13 @@
 //!
 //! A body that follows the channel late, `lag · dT/dt = T_channel − T`, asks for a derived column: effects have no
 //! memory. Its name is the channel's with the lag in seconds, `temperature~lag=600`, at fit time and in the controller
-//! alike. The lag is its shape where `lag_range` is given: other values ask for other columns.
+//! alike; [`crate::Dataset::derived_for`] makes it. The lag is its shape where `lag_range` is given: other values ask
+//! for other columns.
 
 use super::spot::Part;
 use super::travel::{ascending, free};
 use super::{Spot, refused};
-use crate::{Column, Effect, Emission, ModelError, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal, late_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
 
@@ -140,7 +141,7 @@ impl Effect for Thermal {
 
     fn needs(&self) -> Vec<Signal> {
         let name = match self.lag {
-            Some(lag) => format!("{}~lag={lag}", self.channel),
+            Some(lag) => late_channel(&self.channel, lag),
             None => self.channel.clone(),
         };
         vec![Signal::Channel(name)]
@@ -175,7 +176,7 @@ impl Effect for Thermal {
     }
 
     fn shape(&self) -> Vec<Shape> {
-        self.lag.map_or_else(Vec::new, |lag| free("lag", "s", lag, self.lag_range))
+        self.lag.map_or_else(Vec::new, |lag| free("lag", "s", lag, self.lag_range, Search::Smooth))
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

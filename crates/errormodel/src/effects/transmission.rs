@@ -6,7 +6,7 @@
 use super::joint_moves;
 use super::refused;
 use super::travel::{free, positive};
-use crate::{Column, Effect, Emission, ModelError, Shape};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -89,7 +89,9 @@ impl Effect for Transmission {
     }
 
     fn shape(&self) -> Vec<Shape> {
-        free("period", "rad or m", self.period(), self.period_range)
+        let highest = self.harmonics.iter().copied().max().unwrap_or(1);
+        let search = Search::Period(self.joint, highest);
+        free("period", "rad or m", self.period(), self.period_range, search)
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

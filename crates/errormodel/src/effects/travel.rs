@@ -1,7 +1,7 @@
 //! Ranges over which an effect is a function of something.
 
 use super::refused;
-use crate::{ModelError, Shape};
+use crate::{ModelError, Search, Shape};
 use std::f64::consts::PI;
 use truepose_kinematics::{Chain, JointId, JointKind};
 
@@ -27,9 +27,21 @@ pub(super) fn ascending(kind: &str, what: &str, range: Option<[f64; 2]>) -> Resu
 }
 
 /// A parameter that is free within a range, when one is given.
-pub(super) fn free(name: &str, unit: &str, value: f64, range: Option<[f64; 2]>) -> Vec<Shape> {
-    let shape =
-        |[lower, upper]: [f64; 2]| Shape { name: name.into(), unit: unit.into(), value, lower, upper };
+pub(super) fn free(
+    name: &str,
+    unit: &str,
+    value: f64,
+    range: Option<[f64; 2]>,
+    search: Search,
+) -> Vec<Shape> {
+    let shape = |[lower, upper]: [f64; 2]| Shape {
+        name: name.into(),
+        unit: unit.into(),
+        value,
+        lower,
+        upper,
+        search,
+    };
     range.map(shape).into_iter().collect()
 }
 

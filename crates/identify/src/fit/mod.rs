@@ -18,9 +18,11 @@
 //! the reduction at the nominal robot leaves out is looked at again at the solution, and taken in where the data determines
 //! it better than its expected size.
 
+mod constraints;
 mod rounds;
 
 use crate::reduction::{Reduction, reduce};
+use crate::shapes::{self, FittedShape, Shapes};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
 use rounds::State;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -41,6 +43,8 @@ pub struct FitOptions {
     pub prior: PriorStrength,
     /// Where standard deviations come from.
     pub noise: NoiseSource,
+    /// What is done about parameters in which an effect is not linear and that it leaves free.
+    pub shapes: Shapes,
 }
 
 /// Where the standard deviations of the rows come from.
@@ -60,6 +64,7 @@ impl Default for FitOptions {
             rank: RankRule::Default,
             prior: PriorStrength::Evidence,
             noise: NoiseSource::Estimate,
+            shapes: Shapes::default(),
         }
     }
 }
@@ -108,6 +113,8 @@ pub struct Fit {
     pub chi_square: f64,
     /// What the solver said last.
     pub solution: Solution,
+    /// Parameters in which effects are not linear, where they were looked for; the model of `fitted` holds their values.
+    pub shapes: Vec<FittedShape>,
     /// Things that a user should know.
     pub warnings: Vec<Warning>,
 }
@@ -140,6 +147,31 @@ pub enum Warning {
         /// The column's name.
         column: String,
     },
+    /// The best value of a shape parameter lies at an end of the range in which it was looked for.
+    ShapeAtBound {
+        /// The effect's family.
+        effect: String,
+        /// The parameter.
+        name: String,
+        /// Where it lies.
+        value: f64,
+    },
+    /// A coefficient lies outside of its bounds by more than its 95 % interval; a solver that holds bounds would hold it.
+    OutOfBounds {
+        /// The column's name.
+        column: String,
+        /// The coefficient.
+        value: f64,
+        /// Its bounds.
+        bounds: [f64; 2],
+    },
+    /// A solver that takes or leaves whole effects left one out: all of its coefficients are zero.
+    LeftOut {
+        /// The effect's family.
+        effect: String,
+        /// The name of its first column.
+        column: String,
+    },
     /// As many unknowns as numbers: the residual says nothing about the accuracy.
     NoRedundancy,
 }
@@ -147,7 +179,7 @@ pub enum Warning {
 impl Fit {
     /// Degrees of freedom m − r, at least one.
     pub fn degrees_of_freedom(&self) -> usize {
-        self.observations.saturating_sub(self.reduction.rank()).max(1)
+        self.observations.saturating_sub(self.reduction.rank() + self.shapes.len()).max(1)
     }
 
     /// Half width of the 95 % interval of each coefficient of the model, in its unit; zero for dropped ones.
@@ -168,11 +200,26 @@ pub fn student_quantile(probability: f64, freedom: usize) -> f64 {
     StudentsT::new(0.0, 1.0, freedom as f64).map_or(1.96, |t| t.inverse_cdf(probability))
 }
 
-/// Fits a model to data.
+/// Fits a model to data, with the shape parameters that its effects leave free: the model of [`Fit::fitted`] holds their
+/// values.
 ///
 /// # Errors
 /// When the data does not fit the model, nothing was measured, or the solver refuses.
 pub fn fit(
+    model: &ErrorModel,
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &FitOptions,
+) -> Result<Fit, IdentifyError> {
+    options.validate()?;
+    if options.shapes != Shapes::Fixed && shapes::wanted(model) {
+        return shapes::fit(model, data, solver, options);
+    }
+    fit_fixed(model, &*data.derived_for(model)?, solver, options)
+}
+
+/// Fits a model as it stands.
+pub(crate) fn fit_fixed(
     model: &ErrorModel,
     data: &Dataset,
     solver: &dyn Solver,
@@ -195,7 +242,8 @@ pub fn fit(
     state.finish(reduction, outcome)
 }
 
-/// Fits with a reduction and a prior that are already known; nothing about the structure is decided again.
+/// Fits with a reduction and a prior that are already known; nothing about the structure is decided again, and shape
+/// parameters stay as they are in the model.
 ///
 /// # Errors
 /// As [`fit`].
@@ -207,6 +255,7 @@ pub fn refit(
     reduction: &Reduction,
     prior: &Prior,
 ) -> Result<Fit, IdentifyError> {
+    let data = &*data.derived_for(model)?;
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
     state.prior = prior.clone();

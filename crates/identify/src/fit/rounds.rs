@@ -1,13 +1,13 @@
 //! The rounds of a fit: solve, move, look at the noise and the prior, until nothing moves.
 
-use super::{Fit, FitOptions, NoiseSource, Warning};
+use super::{Fit, FitOptions, NoiseSource, Warning, constraints};
 use crate::linearise::{collect, factorise};
 use crate::reduction::{Reduction, reduce_further};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Dataset, Domain, ErrorModel, FittedModel, Noise, Visits};
 use truepose_solvers::accumulator::Factor;
-use truepose_solvers::{ColumnScale, LeastSquares, Need, Solution, Solver};
+use truepose_solvers::{Bounds, ColumnScale, LeastSquares, Need, Solution, Solver};
 
 /// Everything that a fit has while it runs.
 pub(super) struct State<'a> {
@@ -186,6 +186,9 @@ impl<'a> State<'a> {
         damping: f64,
     ) -> Result<(Solution, Vec<f64>), IdentifyError> {
         let columns = self.model.columns().len();
+        let bounds = constraints::bounds(self.model, reduction);
+        let effects = constraints::effects(self.model, reduction);
+        let constrained = |problem| self.constrained(problem, &bounds, &effects);
         // Plain least squares is the same on the triangle; whoever weighs rows or validates on them has to see them.
         let plain = self.solver.supports(Need::Unpenalised) && !self.solver.supports(Need::Outliers);
         let solution = if !plain {
@@ -195,12 +198,12 @@ impl<'a> State<'a> {
             let mut groups = rows.visit;
             groups.extend((0..a.nrows() - groups.len()).map(|k| self.visits.len() + k));
             let problem = LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&groups);
-            self.solver.solve(&problem)?
+            self.solver.solve(&constrained(problem))?
         } else {
             let small = self.absolute(factor, &self.coefficients);
             let (a, y) = self.with_prior(reduction.select(&small.r), small.z.column(0).into_owned());
             let (a, y) = self.damped(a, y, &reduction.grouped(&self.coefficients), damping);
-            self.solver.solve(&LeastSquares::new(&a, &y).with_scale(scales))?
+            self.solver.solve(&constrained(LeastSquares::new(&a, &y).with_scale(scales)))?
         };
         if !solution.x.iter().all(|v| v.is_finite()) {
             return Err(IdentifyError::NoAnswer {
@@ -210,6 +213,23 @@ impl<'a> State<'a> {
         }
         let next = reduction.expand(solution.x.as_slice(), columns);
         Ok((solution, next))
+    }
+
+    /// The problem with bounds, and with the effect of each column, for solvers that hold or ask for them.
+    fn constrained<'p>(
+        &self,
+        problem: LeastSquares<'p>,
+        bounds: &'p Bounds,
+        effects: &'p [usize],
+    ) -> LeastSquares<'p> {
+        let problem = match bounds.any() && self.solver.supports(Need::Bounds) {
+            true => problem.with_bounds(bounds),
+            false => problem,
+        };
+        match self.solver.supports(Need::ColumnGroups) {
+            true => problem.with_column_groups(effects),
+            false => problem,
+        }
     }
 
     /// The problem with the rows of the prior, `W β = 0`.
@@ -291,7 +311,7 @@ impl<'a> State<'a> {
         };
         let residuals = Residuals::of(&fitted, self.data)?;
         let warnings = warnings(self.model, &reduction, &outcome, self.observations);
-        Ok(Fit {
+        let mut fit = Fit {
             fitted,
             reduction,
             noise: self.noise,
@@ -303,8 +323,17 @@ impl<'a> State<'a> {
             observations: self.observations,
             chi_square,
             solution: outcome.solution,
+            shapes: Vec::new(),
             warnings,
-        })
+        };
+        let (model, at) = (self.model, fit.fitted.coefficients());
+        let more = match (self.solver.supports(Need::Bounds), self.solver.supports(Need::ColumnGroups)) {
+            (false, false) => constraints::violated(model, &fit.reduction, at, &fit.half_widths()),
+            (_, true) => constraints::left_out(model, &fit.reduction, at),
+            _ => Vec::new(),
+        };
+        fit.warnings.extend(more);
+        Ok(fit)
     }
 }
 

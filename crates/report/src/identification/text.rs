@@ -209,6 +209,20 @@ impl IdentificationSummary {
         if self.groups.len() > MOST_GROUPS {
             writeln!(f, " … and {} more (--json has all)", self.groups.len() - MOST_GROUPS)?;
         }
+        if !self.shapes.is_empty() {
+            writeln!(f, "\nfound within their ranges, 95 % intervals")?;
+            for shape in &self.shapes {
+                let [lower, upper] = shape.ci95.map(|end| significant(end, 6));
+                let (family, number) = &shape.effect;
+                writeln!(
+                    f,
+                    " {} = {} {}  [{lower}, {upper}]  (effect {number}, {family})",
+                    shape.name,
+                    significant(shape.value, 6),
+                    shape.unit
+                )?;
+            }
+        }
         Ok(())
     }
 

@@ -7,6 +7,7 @@
 //! The inner solver is asked first: if its answer lies within the bounds it is the answer. If not, an interior point
 //! finds which bounds bind, and an active-set iteration by QR makes the answer exact.
 
+use super::box_descent::descend;
 use super::core::{Core, Inner};
 use super::program::Program;
 use super::shifted::shifted;
@@ -82,6 +83,9 @@ impl<S: Solver> Solver for Bounded<S> {
     }
 }
 
+/// What the exchange of active sets reaches where it does not go in circles.
+const EXACT: f64 = 1e-12;
+
 fn solve(core: &Core, lower: &DVector<f64>, upper: &DVector<f64>) -> Inner {
     let p = core.live.len();
     let mut program = Program::residual_form(&core.m, &core.z);
@@ -104,10 +108,12 @@ fn solve(core: &Core, lower: &DVector<f64>, upper: &DVector<f64>) -> Inner {
         return Inner::failed(ended.status, ended.iterations);
     }
     let interior = DVector::from_fn(p, |k, _| ended.v[k].clamp(lower[k], upper[k]));
-    let polished = active_set(core, lower, upper, &interior).map(|u| {
+    let judged = |u: DVector<f64>| {
         let v = violation(core, lower, upper, &u);
         (u, v)
-    });
+    };
+    let exchanged = active_set(core, lower, upper, &interior).map(judged).filter(|e| e.1 <= EXACT);
+    let polished = exchanged.or_else(|| descend(core, lower, upper, &interior).map(judged));
     let v = violation(core, lower, upper, &interior);
     Inner::best((interior, v), polished, ended.status, ended.iterations)
 }

@@ -16,6 +16,7 @@
 
 mod absolute;
 mod bounded;
+mod box_descent;
 mod core;
 mod group_lasso;
 mod huber;

@@ -20,7 +20,7 @@ pub use factor::{Factor, Input};
 
 use super::geometric::EXPECTED_ANGLE;
 use super::{frame_exists, joint_exists, joint_moves, target_exists};
-use crate::{Column, Effect, Emission, ModelError, Signal};
+use crate::{Column, Effect, Emission, ModelError, Signal, UNBOUNDED};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site, TargetId};
 
@@ -197,6 +197,7 @@ impl Effect for Expansion {
                     },
                     scale: expected / size,
                     site: site.filter(|_| self.factors.is_empty()),
+                    bounds: UNBOUNDED,
                 });
             }
         };

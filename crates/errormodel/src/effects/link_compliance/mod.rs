@@ -145,17 +145,24 @@ impl Effect for LinkCompliance {
             let expected = 6e-6 / chain.link_length(joint).max(0.01).powi(2);
             let planes: &[&str] =
                 if self.section == Section::General { &[" about its axis", " sideways"] } else { &[""] };
-            let mut add = |name: String, unit: &str, scale: f64| columns.push(Column::new(name, unit, scale));
+            let mut add = |name: String, unit: &str, scale: f64, lower: f64| {
+                columns.push(Column::new(name, unit, scale).within(lower, f64::INFINITY));
+            };
             for plane in planes {
-                add(format!("bending {name}{plane}"), "1/(N*m^2)", expected);
+                add(format!("bending {name}{plane}"), "1/(N*m^2)", expected, 0.0);
             }
             if self.section != Section::Tube {
-                add(format!("twist {name}"), "1/(N*m^2)", TUBE * expected);
+                add(format!("twist {name}"), "1/(N*m^2)", TUBE * expected, 0.0);
             }
             if self.own_weight == OwnWeight::Free {
                 for what in ["own weight", "weight beyond"] {
                     for plane in planes {
-                        add(format!("{what} {name}{plane}"), "kg/(N*m^2)", 50.0 * expected);
+                        add(
+                            format!("{what} {name}{plane}"),
+                            "kg/(N*m^2)",
+                            50.0 * expected,
+                            f64::NEG_INFINITY,
+                        );
                     }
                 }
             }

@@ -1,0 +1,126 @@
+//! Derived channels: one that follows another late.
+//!
+//! `τ dT/dt = u(t) − T`, u the channel, straight between its rows; T = u at the first row. From one row to the next, h later:
+//!
+//! ```text
+//! T_1 = u_1 − τ s + (T_0 − u_0 + τ s) exp(−h/τ),   s = (u_1 − u_0)/h
+//! ```
+//!
+//! Its name is the channel's with the lag in seconds: `temperature~lag=600`. Effects have no memory: history is a column, made
+//! by this formula at fit time and wherever a fit is used.
+
+use super::{Channel, Dataset};
+use crate::{ErrorModel, ModelError, Signal};
+use std::borrow::Cow;
+
+/// What stands between a channel's name and its lag.
+const LATE: &str = "~lag=";
+
+/// The name of a channel that follows another with this time constant, s.
+pub fn late_channel(channel: &str, lag: f64) -> String {
+    format!("{channel}{LATE}{lag}")
+}
+
+impl Dataset {
+    /// The data with the late channels that a model needs and the data lacks, where they can be made: from their own
+    /// channel and the time of the rows. What cannot be made is told when the model is bound.
+    ///
+    /// # Errors
+    /// [`ModelError::MissingSignal`] for a late channel of data without a time.
+    pub fn derived_for(&self, model: &ErrorModel) -> Result<Cow<'_, Dataset>, ModelError> {
+        let mut data = Cow::Borrowed(self);
+        for effect in model.effects() {
+            for need in effect.needs() {
+                let Signal::Channel(name) = &need else { continue };
+                let Some((source, lag)) = self.late(name) else { continue };
+                if data.schema.channel(name).is_some() {
+                    continue;
+                }
+                if !self.schema.time {
+                    return Err(ModelError::MissingSignal {
+                        kind: effect.kind().into(),
+                        signal: format!("{} to make `{name}`", Signal::Time.describe(model.chain())),
+                        have: self.schema.channels.iter().map(|channel| channel.name.clone()).collect(),
+                    });
+                }
+                let column = self.following(source, lag);
+                let made = Channel { name: name.clone(), ..self.schema.channels[source].clone() };
+                let more = data.to_mut();
+                more.schema.channels.push(made);
+                more.channels.push(column);
+            }
+        }
+        Ok(data)
+    }
+
+    /// Channel and lag of a late channel's name.
+    fn late(&self, name: &str) -> Option<(usize, f64)> {
+        let (source, lag) = name.rsplit_once(LATE)?;
+        let lag = lag.parse().ok().filter(|lag: &f64| lag.is_finite() && *lag > 0.0)?;
+        Some((self.schema.channel(source)?, lag))
+    }
+
+    /// The channel as a body sees it that follows with this time constant.
+    fn following(&self, channel: usize, lag: f64) -> Vec<f64> {
+        let u = &self.channels[channel];
+        let mut order: Vec<usize> = (0..u.len()).collect();
+        order.sort_by(|&a, &b| self.time[a].total_cmp(&self.time[b]));
+        let mut body = u.clone();
+        for pair in order.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let h = self.time[to] - self.time[from];
+            // Rows of one instant share the body's temperature, whatever their channel says.
+            if h <= 0.0 {
+                body[to] = body[from];
+                continue;
+            }
+            let behind = lag * (u[to] - u[from]) / h;
+            body[to] = u[to] - behind + (body[from] - u[from] + behind) * (-h / lag).exp();
+        }
+        body
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Schema;
+    use crate::effects::{Spot, Thermal};
+    use truepose_kinematics::{JointId, samples};
+
+    fn warming(time: bool) -> Dataset {
+        let t: Vec<f64> = (0..50).map(|k| 60.0 * f64::from((k * 17) % 50)).collect();
+        let channel = Channel { name: "T".into(), unit: "degC".into(), temperature: true };
+        Dataset {
+            schema: Schema { channels: vec![channel], time, ..Schema::default() },
+            channels: vec![t.iter().map(|t| 20.0 + 1e-3 * t).collect()],
+            time: t,
+            ..Dataset::default()
+        }
+    }
+
+    fn model() -> ErrorModel {
+        let late = Thermal { lag: Some(900.0), ..Thermal::of(Spot::Joint(JointId(3)), "T") };
+        ErrorModel::new(samples::ur10(), vec![Box::new(late)]).unwrap()
+    }
+
+    #[test]
+    fn a_body_lags_behind_a_ramp() {
+        // Rows in any order; behind a ramp the formula of a text book holds.
+        let data = warming(true);
+        let derived = data.derived_for(&model()).unwrap();
+        let at = derived.schema.channel(&late_channel("T", 900.0)).expect("the column");
+        assert!(derived.schema.channels[at].temperature);
+        for (t, body) in derived.time.iter().zip(&derived.channels[at]) {
+            let expected = 20.0 + 1e-3 * (t - 900.0 + 900.0 * (-t / 900.0).exp());
+            assert!((body - expected).abs() < 1e-12, "{t} {body} {expected}");
+        }
+        assert!(matches!(derived.derived_for(&model()).unwrap(), Cow::Borrowed(_)), "made once");
+    }
+
+    #[test]
+    fn without_a_time_it_is_refused() {
+        let error = warming(false).derived_for(&model()).unwrap_err().to_string();
+        assert!(error.contains("needs a `time` column to make `T~lag=900`"), "{error}");
+    }
+}

@@ -1,0 +1,147 @@
+//! Calibrations of simulated robots: plants that share no code with the model, constant errors and joint springs declared.
+//!
+//! The folds are of configurations; errors are judged at rows that are not wrong, against an oracle that is told which are.
+
+use super::record::Record;
+use super::strategies::Strategy;
+use rayon::prelude::*;
+use std::error::Error;
+use std::time::Instant;
+use truepose_errormodel::effects::{Geometric, JointCompliance};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_identify::{Fit, FitOptions, Folds, Paired, PriorStrength, Residuals, Split, fit};
+use truepose_simulate::{Campaign, Plant, SimulateError, robots};
+use truepose_solvers::{PivotedQr, Solver};
+
+/// Configurations measured.
+const CONFIGURATIONS: usize = 70;
+/// Size of a wrong row, m.
+const WRONG: f64 = 2e-3;
+
+/// Rounds of a fit at most: what a penalty chooses hardly changes from round to round, and each round chooses anew.
+const ROUNDS: usize = 3;
+
+/// Which plants, by name.
+pub const PLANTS: [&str; 2] = ["ur10", "heavy"];
+
+/// A plant measured with some wrong rows.
+struct Calibration {
+    model: ErrorModel,
+    data: Dataset,
+    wrong: Vec<bool>,
+    folds: Folds,
+    options: FitOptions,
+}
+
+/// Sum of squares (m²) and number of rows, fold by fold.
+type Squares = Vec<(f64, usize)>;
+
+/// Every strategy on the calibration of one plant.
+pub fn trial(
+    name: &str,
+    outliers: f64,
+    seed: u64,
+    strategies: &[Strategy],
+) -> Result<Vec<Record>, Box<dyn Error>> {
+    let calibration = Calibration::new(name, outliers, seed)?;
+    let oracle = rms(&calibration.held_out(&PivotedQr::default(), true)?);
+    let mut records = Vec::new();
+    let mut first: Option<Squares> = None;
+    for strategy in strategies {
+        let mut record = Record {
+            sweep: name.into(),
+            condition: f64::NAN,
+            noise: f64::NAN,
+            outliers,
+            rows: (3 * calibration.data.len()) as f64,
+            unknowns: calibration.model.columns().len() as f64,
+            seed: seed as f64,
+            solver: strategy.name.into(),
+            oracle: 1e3 * oracle,
+            held_out: f64::NAN,
+            parameters: f64::NAN,
+            oracle_parameters: f64::NAN,
+            optimality: f64::NAN,
+            t: f64::NAN,
+            p_value: f64::NAN,
+            ..Record::default()
+        };
+        let all: Vec<usize> = (0..calibration.data.len()).collect();
+        let begun = Instant::now();
+        let mut fitted = None;
+        let counted = allocation_counter::measure(|| fitted = Some(calibration.fit(&*strategy.solver, &all)));
+        record.seconds = begun.elapsed().as_secs_f64();
+        record.bytes = counted.bytes_max as f64;
+        match fitted {
+            Some(Ok(fit)) => {
+                record.status = if fit.converged { "Converged".into() } else { "MaxIterations".into() };
+                record.iterations = fit.rounds as f64;
+                record.rank = fit.solution.rank as f64;
+                let squares = calibration.held_out(&*strategy.solver, false)?;
+                record.held_out = 1e3 * rms(&squares);
+                let rows = squares.iter().map(|s| s.1).sum();
+                if let Some(paired) = first.as_ref().and_then(|f| Paired::of(f, &squares, rows)) {
+                    (record.t, record.p_value) = (paired.t, paired.p_value);
+                }
+                first.get_or_insert(squares);
+            }
+            Some(Err(error)) => record.status = error.to_string().replace([',', '\n'], ";"),
+            None => {}
+        }
+        records.push(record);
+    }
+    Ok(records)
+}
+
+impl Calibration {
+    fn new(name: &str, outliers: f64, seed: u64) -> Result<Self, Box<dyn Error>> {
+        let mut plant = plant(name, seed)?;
+        plant.blunders.outlier_share = outliers;
+        plant.blunders.outlier_size = WRONG;
+        let chain = plant.chain().clone();
+        let campaign = Campaign::random(&chain, CONFIGURATIONS, seed)?;
+        let seen = plant.observe(&campaign, seed)?;
+        let mut wrong = vec![false; seen.data.len()];
+        seen.outliers.iter().for_each(|&row| wrong[row] = true);
+        let effects: Vec<Box<dyn AnyEffect>> =
+            vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
+        // No prior: what is compared is what the solvers do about weak directions.
+        let options = FitOptions { prior: PriorStrength::None, max_rounds: ROUNDS, ..FitOptions::default() };
+        let folds = Folds::new(&seen.data, &Split::Random { folds: super::trial::FOLDS, seed })?;
+        Ok(Calibration { model: ErrorModel::new(chain, effects)?, data: seen.data, wrong, folds, options })
+    }
+
+    fn fit(&self, solver: &dyn Solver, rows: &[usize]) -> Result<Fit, truepose_identify::IdentifyError> {
+        fit(&self.model, &self.data.select(rows), solver, &self.options)
+    }
+
+    /// Held-out squares of every fold; `told` leaves wrong rows out of the fits.
+    fn held_out(&self, solver: &dyn Solver, told: bool) -> Result<Squares, Box<dyn Error>> {
+        let visits = Visits::of(&self.data);
+        let fold = |row: usize| self.folds.of_visit[self.data.visit[row]];
+        let one = |out: usize| -> Result<(f64, usize), String> {
+            let used = |row: &usize| fold(*row) != out && !(told && self.wrong[*row]);
+            let rows: Vec<usize> = (0..self.data.len()).filter(used).collect();
+            let fit = self.fit(solver, &rows).map_err(|e| e.to_string())?;
+            let held: Vec<usize> =
+                visits.rows.iter().flatten().copied().filter(|&r| fold(r) == out && !self.wrong[r]).collect();
+            let residuals =
+                Residuals::of(&fit.fitted, &self.data.select(&held)).map_err(|e| e.to_string())?;
+            let squares = (0..held.len()).filter_map(|k| residuals.distance(k)).map(|d| d * d);
+            Ok((squares.sum(), held.len()))
+        };
+        Ok((0..self.folds.count).into_par_iter().map(one).collect::<Result<_, _>>()?)
+    }
+}
+
+fn plant(name: &str, seed: u64) -> Result<Plant, SimulateError> {
+    match name {
+        "ur10" => robots::ur10_plant(seed),
+        _ => robots::heavy_plant(seed),
+    }
+}
+
+fn rms(squares: &Squares) -> f64 {
+    let (sum, rows) = squares.iter().fold((0.0, 0), |(s, n), (square, rows)| (s + square, n + rows));
+    (sum / rows as f64).sqrt()
+}
