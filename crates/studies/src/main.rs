@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod drive;
 mod pps;
 
 use std::io::Write;
@@ -22,8 +23,9 @@ fn say(text: &str) {
 fn main() -> ExitCode {
     let name = std::env::args().nth(1).unwrap_or_default();
     let done = match name.as_str() {
+        "drive" => drive::run(),
         "pps" => pps::run(),
-        _ => Err(format!("unknown study `{name}`; there is: pps").into()),
+        _ => Err(format!("unknown study `{name}`; there are: drive, pps").into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
