@@ -123,6 +123,23 @@ impl Pose {
         Pose::new(rotation, -(rotation * self.translation))
     }
 
+    /// The product, written out.
+    #[inline]
+    fn times(&self, inner: &Pose) -> Pose {
+        let [x, y, z] = self.rotation.data.0;
+        let through = |v: [f64; 3]| -> [f64; 3] {
+            [
+                x[0] * v[0] + y[0] * v[1] + z[0] * v[2],
+                x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
+                x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
+            ]
+        };
+        let [a, b, c] = inner.rotation.data.0;
+        let mut rotation = Matrix3::zeros();
+        rotation.data.0 = [through(a), through(b), through(c)];
+        Pose::new(rotation, Vector3::from(through(inner.translation.into())) + self.translation)
+    }
+
     /// A point given in the inner frame, in the outer frame.
     #[inline]
     pub fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
@@ -145,18 +162,7 @@ impl std::ops::Mul for Pose {
     type Output = Pose;
     #[inline]
     fn mul(self, inner: Pose) -> Pose {
-        let [x, y, z] = self.rotation.data.0;
-        let through = |v: [f64; 3]| -> [f64; 3] {
-            [
-                x[0] * v[0] + y[0] * v[1] + z[0] * v[2],
-                x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
-                x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
-            ]
-        };
-        let [a, b, c] = inner.rotation.data.0;
-        let mut rotation = Matrix3::zeros();
-        rotation.data.0 = [through(a), through(b), through(c)];
-        Pose::new(rotation, Vector3::from(through(inner.translation.into())) + self.translation)
+        self.times(&inner)
     }
 }
 
@@ -164,7 +170,7 @@ impl std::ops::Mul for &Pose {
     type Output = Pose;
     #[inline]
     fn mul(self, inner: &Pose) -> Pose {
-        *self * *inner
+        self.times(inner)
     }
 }
 

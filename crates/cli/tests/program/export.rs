@@ -76,8 +76,8 @@ fn predicts(folder: &Folder, chain: &Chain, base: &Pose) {
     assert_eq!((joints.len(), said.len()), (60, 60));
     for (q, said) in joints.iter().zip(&said) {
         let at = *base * chain.forward(q);
-        for k in 0..3 {
-            assert!((at.translation[k] - said[k]).abs() < 1e-9, "{} {}", at.translation[k], said[k]);
+        for (ours, said) in at.translation.iter().zip(said) {
+            assert!((ours - said).abs() < 1e-9, "{ours} {said}");
         }
         let rotation = Pose::rotation_from_quaternion([said[3], said[4], said[5], said[6]]);
         assert!((rotation - at.rotation).amax() < 1e-9);

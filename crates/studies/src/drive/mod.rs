@@ -161,7 +161,7 @@ mod tests {
             let d = trial.drive().expect("a drive");
             assert!(d.ok * 10 >= d.of * 8, "{}: {} of {}", robot.name, d.ok, d.of);
             assert!(
-                d.ratio() < 1.1 && d.ratio_before() > 5.0,
+                d.ratio() < robot.within && d.ratio_before() > 5.0,
                 "{}: {} {}",
                 robot.name,
                 d.ratio_before(),
@@ -177,7 +177,8 @@ mod tests {
                 match asked {
                     Asked::Reachable => assert!(c.ok >= 199, "{} {c:?}", robot.name),
                     Asked::Far => assert_eq!(c.ok, 0, "{} {c:?}", robot.name),
-                    Asked::BeyondLimits => assert!(c.limit > 20, "{} {c:?}", robot.name),
+                    // Turns of more than a turn reach everything from within.
+                    Asked::BeyondLimits => assert!(c.limit > 2 || c.ok == 200, "{} {c:?}", robot.name),
                 }
             }
         }

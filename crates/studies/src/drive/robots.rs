@@ -28,6 +28,9 @@ pub struct Robot {
     pub channels: fn() -> Vec<ChannelPlan>,
     /// Configurations that are measured.
     pub visits: usize,
+    /// How many times its repeatability the driven plant may end from the desired positions. 1.1 is the goal; what is above
+    /// it is what this study found, held so that it grows no worse.
+    pub within: f64,
 }
 
 /// All of them.
@@ -54,6 +57,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.0, -0.1, -0.84],
             channels: Vec::new,
             visits: 600,
+            within: 1.1,
         },
         Robot {
             name: "heavy",
@@ -64,8 +68,8 @@ pub fn all() -> Vec<Robot> {
                     json!({"family": "joint_compliance", "own_weight": "free", "links": 5}),
                     json!({"family": "base_compliance", "tilt": "separate"}),
                     json!({"family": "link_compliance", "joints": ["a2", "a3"], "section": "general", "own_weight": "free"}),
-                    json!({"family": "load_nonlinearity", "joint": "a2", "powers": [3]}),
-                    json!({"family": "load_nonlinearity", "joint": "a3", "powers": [3]}),
+                    json!({"family": "load_nonlinearity", "joint": "a2", "powers": [3, 5]}),
+                    json!({"family": "load_nonlinearity", "joint": "a3", "powers": [3, 5]}),
                 ]
             },
             springs: &[1],
@@ -73,6 +77,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.02, -0.03, 0.15],
             channels: Vec::new,
             visits: 800,
+            within: 1.25,
         },
         Robot {
             name: "ur10",
@@ -81,8 +86,8 @@ pub fn all() -> Vec<Robot> {
                 vec![
                     json!({"family": "geometric"}),
                     json!({"family": "joint_compliance", "joints": ["j2", "j3", "j4"]}),
-                    json!({"family": "load_nonlinearity", "joint": "j2", "powers": [3]}),
-                    json!({"family": "load_nonlinearity", "joint": "j3", "powers": [3]}),
+                    json!({"family": "load_nonlinearity", "joint": "j2", "powers": [3, 5]}),
+                    json!({"family": "load_nonlinearity", "joint": "j3", "powers": [3, 5]}),
                     json!({"family": "transmission", "joint": "j1", "harmonics": teeth(202)}),
                     json!({"family": "transmission", "joint": "j1", "harmonics": [1, 2]}),
                     json!({"family": "transmission", "joint": "j2", "harmonics": [1, 2]}),
@@ -94,6 +99,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.01, -0.02, 0.08],
             channels: Vec::new,
             visits: 800,
+            within: 1.1,
         },
         Robot {
             name: "7R",
@@ -111,6 +117,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.01, -0.02, 0.08],
             channels: Vec::new,
             visits: 800,
+            within: 1.65,
         },
         Robot {
             name: "scara",
@@ -129,6 +136,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.0, 0.01, 0.05],
             channels: Vec::new,
             visits: 400,
+            within: 1.1,
         },
         Robot {
             name: "gantry",
@@ -148,6 +156,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.01, -0.02, 0.08],
             channels: || vec![ChannelPlan::Body { name: "screw".into(), lag_s: 1800.0, sd: 0.05 }],
             visits: 1200,
+            within: 1.2,
         },
     ]
 }
