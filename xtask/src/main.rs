@@ -26,7 +26,7 @@ enum Verb {
     Tidy,
     /// A benchmark study, in release; leaves its table and figures in target/studies.
     Study {
-        /// Which: pps, solvers.
+        /// Which: drive, pps, solvers.
         name: String,
     },
     /// All benchmarks.

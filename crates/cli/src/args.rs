@@ -27,6 +27,10 @@ pub enum Verb {
     Predict(Predict),
     /// Compute the joint commands that bring the real robot to desired poses
     Compensate(Compensate),
+    /// Write the fitted geometry as a URDF, a table of axes, a kinematics file, or tables of component errors
+    Export(Export),
+    /// Map the robot's accuracy over its workspace, before and after compensation
+    Map(Map),
     /// Fit one model with several solver strategies, on the same folds, and test the differences
     Compare(Compare),
     /// Read files and say what was understood: every unit, range and count
@@ -176,6 +180,85 @@ pub struct Compensate {
     pub json: bool,
 }
 
+/// `truepose export`
+#[derive(Debug, clap::Args)]
+pub struct Export {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// What to write
+    #[arg(long, value_enum)]
+    pub format: ExportFormat,
+    /// Where to write it
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// The URDF that the fit was made from: its joint origins are corrected, everything else stays as it is
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// Refuse nearly parallel axes in dh and mdh, instead of using Hayati's parameter (beta)
+    #[arg(long)]
+    pub no_hayati: bool,
+    /// Values of each joint in iso230
+    #[arg(long, default_value_t = 181, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub entries: u32,
+    /// The target at which the error left is judged [default: the tool's origin]
+    #[arg(long, value_name = "NAME")]
+    pub target: Option<String>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Forms of the fitted geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum ExportFormat {
+    /// URDF with corrected joint origins
+    Urdf,
+    /// Denavit and Hartenberg's table (CSV)
+    Dh,
+    /// Craig's modified table (CSV)
+    Mdh,
+    /// Kinematics file of ROS drivers (YAML): x y z roll pitch yaw of each joint
+    Ros,
+    /// Component errors of each joint in the way of ISO 230-1 (CSV)
+    Iso230,
+}
+
+/// `truepose map`
+#[derive(Debug, clap::Args)]
+pub struct Map {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Where to write the map (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// A corner of a box in the measurement frame, e.g. -500mm,0mm,200mm [default: a grid of joint values]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "to", allow_hyphen_values = true)]
+    pub from: Option<[f64; 3]>,
+    /// The opposite corner
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "from", allow_hyphen_values = true)]
+    pub to: Option<[f64; 3]>,
+    /// Orientation of the tool in the box: roll, pitch, yaw about the fixed axes, degrees [default: any]
+    #[arg(long, value_name = "R,P,Y", value_parser = parse_three, requires = "from", allow_hyphen_values = true)]
+    pub rpy: Option<[f64; 3]>,
+    /// Values of each joint, or of each coordinate of the box
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub points: u16,
+    /// Mass carried, kg
+    #[arg(long, value_name = "KG")]
+    pub payload: Option<f64>,
+    /// Its centre of gravity in the tool's frame, e.g. 0mm,0mm,80mm
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "payload", allow_hyphen_values = true)]
+    pub com: Option<[f64; 3]>,
+    /// The target that is mapped [default: the tool's origin]
+    #[arg(long, value_name = "NAME")]
+    pub target: Option<String>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `truepose compare`
 #[derive(Debug, clap::Args)]
 pub struct Compare {
@@ -283,15 +366,37 @@ fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
 
 /// `0.15mm`, `150um`, `0.006in`; metres.
 fn parse_length(text: &str) -> Result<f64, String> {
+    let value = length(text)?;
+    if value > 0.0 { Ok(value) } else { Err("a length above 0 is needed".into()) }
+}
+
+/// `-500mm,0mm,0.2m`; metres.
+fn parse_position(text: &str) -> Result<[f64; 3], String> {
+    three(text, length)
+}
+
+/// Three numbers.
+fn parse_three(text: &str) -> Result<[f64; 3], String> {
+    three(text, |part| match part.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("`{part}` is not a number")),
+    })
+}
+
+fn three(text: &str, one: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    match parts[..] {
+        [x, y, z] => Ok([one(x)?, one(y)?, one(z)?]),
+        _ => Err(format!("three values with commas between them are needed, not {}", parts.len())),
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
     let split = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
     let (number, unit) = text.split_at(split);
     let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
     let unit = truepose_io::Unit::named(unit.trim())
         .filter(|unit| unit.quantity == truepose_io::Quantity::Length)
         .ok_or("a length needs a unit: m, mm, um or in, as in 0.15mm")?;
-    if value > 0.0 && value.is_finite() {
-        Ok(unit.to_si(value))
-    } else {
-        Err("a length above 0 is needed".into())
-    }
+    if value.is_finite() { Ok(unit.to_si(value)) } else { Err("a finite length is needed".into()) }
 }

@@ -24,6 +24,8 @@ fn main() -> ExitCode {
         Verb::Discover(verb) => verbs::discover::run(verb),
         Verb::Predict(verb) => verbs::predict::run(verb),
         Verb::Compensate(verb) => verbs::compensate::run(verb),
+        Verb::Export(verb) => verbs::export::run(verb),
+        Verb::Map(verb) => verbs::map::run(verb),
         Verb::Compare(verb) => verbs::compare::run(verb),
         Verb::Check(verb) => verbs::check::run(verb),
         Verb::Effects(verb) => verbs::effects::run(verb),

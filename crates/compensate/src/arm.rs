@@ -12,13 +12,13 @@
 //! | T | [`Reached::tool`] | pose | m | measurement |
 //! | ε | `errors` | 6 a frame | m, rad | frame i |
 //!
-//! An axis that is not z is turned to z by a constant rotation on either side. An `E_i` that never changes is part of
-//! the constants; only those that some effect moves are computed at run time.
+//! An axis that is not z is turned to z by a constant rotation on either side. Components of an `E_i` that never change are
+//! part of the constants: `E = T · Ry Rz Rx`, so that one that yields about z costs one turn of two columns at run time.
 
 use crate::command::MOST;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use truepose_errormodel::error_matrix;
-use truepose_kinematics::{Chain, JointId, JointKind, Placement, Pose};
+use truepose_kinematics::{Chain, JointId, JointKind, Placement, Pose, sin_cos};
 
 /// One factor of T.
 #[derive(Debug, Clone)]
@@ -27,8 +27,12 @@ enum Factor {
     Constant(Pose),
     /// A constant translation.
     Shift(Vector3<f64>),
-    /// The exact error matrix of a frame.
-    Errors(usize),
+    /// A constant turn about a coordinate axis: its sine and cosine.
+    Spin(usize, f64, f64),
+    /// Three generalized errors, from this one on, as a translation.
+    Shifted(usize),
+    /// This generalized error, as a turn about this coordinate axis.
+    Turned(usize, usize),
     /// The next joint turns.
     Turn,
     /// The next joint slides.
@@ -47,18 +51,25 @@ pub(crate) struct Arm {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reached {
     pub tool: Pose,
+    /// The target's point.
+    pub point: Vector3<f64>,
     pub axes: [Vector3<f64>; MOST],
     pub origins: [Vector3<f64>; MOST],
 }
 
 impl Reached {
     pub fn nowhere() -> Self {
-        Reached { tool: Pose::IDENTITY, axes: [Vector3::zeros(); MOST], origins: [Vector3::zeros(); MOST] }
+        Reached {
+            tool: Pose::IDENTITY,
+            point: Vector3::zeros(),
+            axes: [Vector3::zeros(); MOST],
+            origins: [Vector3::zeros(); MOST],
+        }
     }
 }
 
 impl Arm {
-    /// Of a robot with these generalized errors, six a frame, constant except at the frames that `moves` marks.
+    /// Of a robot with these generalized errors, six a frame, constant except at those that `moves` marks.
     pub fn new(chain: &Chain, errors: &[f64], moves: &[bool]) -> Self {
         let mut made = Factors { factors: Vec::new(), pending: chain.base().pose };
         let mut slides = [false; MOST];
@@ -100,35 +111,36 @@ impl Arm {
         self.joints
     }
 
-    /// Moves there. `errors` are six a frame; those of frames that do not move are not read.
-    pub fn reach(&self, q: &[f64], errors: &[f64], out: &mut Reached) {
-        let mut rotation = Matrix3::identity();
+    /// Moves there. `turns` are sine and cosine of each q; `errors` are six a frame; those that do not move are not read.
+    pub fn reach(&self, q: &[f64], turns: &[(f64, f64)], errors: &[f64], out: &mut Reached) {
+        let (mut x, mut y, mut z) = (Vector3::x(), Vector3::y(), Vector3::z());
         let mut at = Vector3::zeros();
         let mut k = 0;
         for factor in &self.factors {
-            match factor {
-                Factor::Constant(pose) => {
-                    at += rotation * pose.translation;
-                    rotation *= pose.rotation;
+            match *factor {
+                Factor::Constant(ref pose) => {
+                    let through = |v: [f64; 3]| x * v[0] + y * v[1] + z * v[2];
+                    let [a, b, c]: [[f64; 3]; 3] = pose.rotation.data.0;
+                    at += through(pose.translation.into());
+                    (x, y, z) = (through(a), through(b), through(c));
                 }
-                Factor::Shift(by) => at += rotation * by,
-                Factor::Errors(frame) => {
-                    let e = &errors[6 * frame..6 * frame + 6];
-                    at += rotation * Vector3::new(e[0], e[1], e[2]);
-                    rotation *= error_rotation(e[3], e[4], e[5]);
+                Factor::Shift(by) => at += x * by.x + y * by.y + z * by.z,
+                Factor::Spin(direction, s, c) => spin(direction, s, c, &mut x, &mut y, &mut z),
+                Factor::Shifted(from) => {
+                    at += x * errors[from] + y * errors[from + 1] + z * errors[from + 2];
+                }
+                Factor::Turned(site, direction) => {
+                    let (s, c) = sin_cos_small(errors[site]);
+                    spin(direction, s, c, &mut x, &mut y, &mut z);
                 }
                 Factor::Turn => {
-                    let (s, c) = q[k].sin_cos();
-                    let (x, y): (Vector3<f64>, Vector3<f64>) =
-                        (rotation.column(0).into(), rotation.column(1).into());
-                    out.axes[k] = rotation.column(2).into();
+                    let (s, c) = turns[k];
+                    out.axes[k] = z;
                     out.origins[k] = at;
-                    rotation.set_column(0, &(x * c + y * s));
-                    rotation.set_column(1, &(y * c - x * s));
+                    (x, y) = (x * c + y * s, y * c - x * s);
                     k += 1;
                 }
                 Factor::Slide => {
-                    let z: Vector3<f64> = rotation.column(2).into();
                     out.axes[k] = z;
                     out.origins[k] = at;
                     at += z * q[k];
@@ -136,8 +148,19 @@ impl Arm {
                 }
             }
         }
-        out.tool = Pose::new(rotation, at);
+        out.tool = Pose::new(Matrix3::from_columns(&[x, y, z]), at);
     }
+}
+
+/// Turns the columns of a rotation about one of them.
+#[inline]
+fn spin(direction: usize, s: f64, c: f64, x: &mut Vector3<f64>, y: &mut Vector3<f64>, z: &mut Vector3<f64>) {
+    let (a, b) = match direction {
+        0 => (y, z),
+        1 => (z, x),
+        _ => (x, y),
+    };
+    (*a, *b) = (*a * c + *b * s, *b * c - *a * s);
 }
 
 /// `pre` and `post` of a joint, so that its motion between them is about or along z.
@@ -177,12 +200,25 @@ impl Factors {
     }
 
     fn errors(&mut self, frame: usize, errors: &[f64], moves: &[bool]) {
-        if moves.get(frame).copied().unwrap_or(false) {
-            self.push(Factor::Errors(frame));
-        } else if let Some(e) = errors.get(6 * frame..6 * frame + 6)
-            && e.iter().any(|&v| v != 0.0)
-        {
-            self.constant(&error_matrix(&std::array::from_fn(|k| e[k])));
+        let moving = |k: usize| moves.get(6 * frame + k).copied().unwrap_or(false);
+        let error = |k: usize| errors.get(6 * frame + k).copied().unwrap_or(0.0);
+        if !(0..6).any(moving) {
+            if (0..6).any(|k| error(k) != 0.0) {
+                self.constant(&error_matrix(&std::array::from_fn(error)));
+            }
+            return;
+        }
+        if (0..3).any(moving) {
+            self.push(Factor::Shifted(6 * frame));
+        } else {
+            self.constant(&Pose::new(Matrix3::identity(), Vector3::new(error(0), error(1), error(2))));
+        }
+        for k in [4, 5, 3] {
+            if moving(k) {
+                self.push(Factor::Turned(6 * frame + k, k - 3));
+            } else {
+                self.constant(&Pose::rot(k - 3, error(k)));
+            }
         }
     }
 
@@ -193,41 +229,42 @@ impl Factors {
 
     fn flush(&mut self) {
         let pose = std::mem::take(&mut self.pending);
-        if pose.rotation != Matrix3::identity() {
-            self.factors.push(Factor::Constant(pose));
-        } else if pose.translation != Vector3::zeros() {
-            self.factors.push(Factor::Shift(pose.translation));
+        let moves = pose.translation != Vector3::zeros();
+        if pose.rotation == Matrix3::identity() {
+            if moves {
+                self.factors.push(Factor::Shift(pose.translation));
+            }
+            return;
+        }
+        // About a coordinate axis: its column and row are those of the identity, exactly.
+        let about = (0..3).find(|&k| {
+            let e = Vector3::ith(k, 1.0);
+            pose.rotation.column(k) == e && pose.rotation.row(k).transpose() == e
+        });
+        match about {
+            Some(k) => {
+                if moves {
+                    self.factors.push(Factor::Shift(pose.translation));
+                }
+                let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+                self.factors.push(Factor::Spin(k, pose.rotation[(b, a)], pose.rotation[(a, a)]));
+            }
+            None => self.factors.push(Factor::Constant(pose)),
         }
     }
 }
 
-/// The rotation of `error_matrix`, with short series for the sines and cosines of small angles.
-fn error_rotation(rx: f64, ry: f64, rz: f64) -> Matrix3<f64> {
-    let (sx, cx) = sin_cos_small(rx);
-    let (sy, cy) = sin_cos_small(ry);
-    let (sz, cz) = sin_cos_small(rz);
-    Matrix3::new(
-        cy * cz,
-        sy * sx - cy * sz * cx,
-        sy * cx + cy * sz * sx,
-        sz,
-        cz * cx,
-        -cz * sx,
-        -sy * cz,
-        cy * sx + sy * sz * cx,
-        cy * cx - sy * sz * sx,
-    )
-}
-
 /// Sine and cosine; to the last digit below 0.03 rad by their series.
+#[inline]
 fn sin_cos_small(x: f64) -> (f64, f64) {
     if x.abs() < 0.03 {
         let t = x * x;
-        let s = x * (1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0)));
-        let c = 1.0 - t / 2.0 * (1.0 - t / 12.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0)));
+        let s = x * (1.0 - t * (1.0 / 6.0) * (1.0 - t * (1.0 / 20.0) * (1.0 - t * (1.0 / 42.0))));
+        let c =
+            1.0 - t * 0.5 * (1.0 - t * (1.0 / 12.0) * (1.0 - t * (1.0 / 30.0) * (1.0 - t * (1.0 / 56.0))));
         (s, c)
     } else {
-        x.sin_cos()
+        sin_cos(x)
     }
 }
 
@@ -248,7 +285,7 @@ mod tests {
         for chain in samples::all() {
             for round in 0..12 {
                 let frames = chain.frames().len();
-                let moves: Vec<bool> = (0..frames).map(|_| round > 3 && draw(&mut state) > 0.0).collect();
+                let moves: Vec<bool> = (0..6 * frames).map(|_| round > 3 && draw(&mut state) > 0.0).collect();
                 let size = [0.0, 1e-4, 2e-2, 0.5][round % 4];
                 let errors: Vec<f64> = (0..6 * frames).map(|_| size * draw(&mut state)).collect();
                 let q: Vec<f64> = chain.movable().iter().map(|_| 2.0 * draw(&mut state)).collect();
@@ -264,7 +301,7 @@ mod tests {
                 real.update(&nominal, &generalized);
 
                 let mut at = Reached::nowhere();
-                Arm::new(&chain, &errors, &moves).reach(&q, &errors, &mut at);
+                Arm::new(&chain, &errors, &moves).reach(&q, nominal.turns(), &errors, &mut at);
                 assert!((at.tool.rotation - real.tool().rotation).amax() < 1e-14, "{}", chain.name());
                 assert!((at.tool.translation - real.tool().translation).amax() < 1e-14, "{}", chain.name());
                 if round == 0 {
@@ -288,8 +325,12 @@ mod tests {
     fn constants_are_multiplied_out() {
         let chain = samples::ur10();
         let frames = chain.frames().len();
-        let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &vec![false; frames]);
+        let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &vec![false; 6 * frames]);
         assert_eq!(arm.factors.len(), 6 + 7);
+        // A frame that yields about z costs a turn of two columns on either side of one more turn.
+        let moves: Vec<bool> = (0..6 * frames).map(|k| k == 6 * 2 + 5).collect();
+        let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &moves);
+        assert_eq!(arm.factors.len(), 6 + 7 + 2);
     }
 
     #[test]

@@ -22,7 +22,7 @@ use crate::real::RealArm;
 use crate::search::{Ending, NominalArm, Robot, Walk, walk};
 use crate::starts::Starts;
 use crate::step::Limits;
-use crate::task::{Gap, Task};
+use crate::task::{Columns, Gap, Task};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truepose_errormodel::{FittedModel, Schema, Signal};
@@ -373,8 +373,7 @@ impl<'m> Compensator<'m> {
     }
 
     fn turned(&mut self, x: &[f64; MOST], task: &Task) -> nalgebra::Matrix3<f64> {
-        let mut gap = Gap::nowhere();
-        self.exact().send(x, task, &mut gap);
+        self.exact().send(x, task);
         self.at.tool.rotation
     }
 
@@ -439,13 +438,16 @@ struct ExactArm<'a, 'm> {
 }
 
 impl Robot for ExactArm<'_, '_> {
-    fn send(&mut self, x: &[f64; MOST], task: &Task, gap: &mut Gap) {
+    fn send(&mut self, x: &[f64; MOST], task: &Task) -> Gap {
         for ((q, x), scale) in self.conditions.joints.iter_mut().zip(x).zip(self.scale) {
             *q = x * scale;
         }
         self.real.reach(self.conditions, self.at);
-        let point = task.gap(self.at, &self.real.point(task.target), gap);
-        task.columns(self.slides, self.at, &point, gap);
+        task.gap(self.at, &self.real.point(task.target))
+    }
+
+    fn columns(&self, task: &Task, columns: &mut Columns) {
+        task.columns(self.slides, self.at, columns);
     }
 
     fn joints(&self) -> usize {

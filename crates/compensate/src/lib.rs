@@ -22,7 +22,8 @@ pub use command::{Command, Extrapolation, MOST, Status, Target, Values};
 pub use compensator::Compensator;
 pub use error::CompensateError;
 pub use export::{
-    AxisLink, AxisRow, AxisTable, AxisTableOptions, ErrorLeft, ErrorTable, ErrorTables, ExportOptions,
-    Exported, axis_table, corrected_chain, error_tables,
+    AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, ErrorLeft, ErrorTable, ErrorTables,
+    ExportOptions, Exported, JointOrigin, JointOrigins, axis_table, corrected_chain, error_tables,
+    joint_origins, middle_conditions,
 };
 pub use options::{Approach, CompensatorOptions};

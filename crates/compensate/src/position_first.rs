@@ -19,7 +19,7 @@
 use crate::command::MOST;
 use crate::search::{Ending, Robot, Walk};
 use crate::step::{Limits, cholesky_solve};
-use crate::task::{Gap, Task};
+use crate::task::{Columns, Gap, Task};
 
 const HARD: f64 = 1e-15;
 const SOFT: f64 = 1e-6;
@@ -39,14 +39,16 @@ pub(crate) fn walk_position_first(
 ) -> Walk {
     let n = robot.joints();
     let mut here = Walk { x: *start, gap: Gap::nowhere(), ending: Ending::GaveUp, rounds: 0 };
+    let mut columns: Columns = [[0.0; 6]; MOST];
     let mut last_turn = f64::INFINITY;
     while here.rounds < most {
-        robot.send(&here.x, task, &mut here.gap);
+        here.gap = robot.send(&here.x, task);
         here.rounds += 1;
         if !here.gap.cost.is_finite() {
             break;
         }
-        let step = within(&here.x, &here.gap, n, limits);
+        robot.columns(task, &mut columns);
+        let step = within(&here.x, columns, &here.gap, n, limits);
         let longest = step[..n].iter().fold(0.0, |m: f64, s| m.max(s.abs()));
         let turn = here.gap.orientation();
         let there = here.gap.position(task.length) <= task.position_tolerance;
@@ -67,8 +69,7 @@ pub(crate) fn walk_position_first(
     here
 }
 
-fn within(x: &[f64; MOST], gap: &Gap, n: usize, limits: &Limits) -> [f64; MOST] {
-    let mut columns = gap.columns;
+fn within(x: &[f64; MOST], mut columns: Columns, gap: &Gap, n: usize, limits: &Limits) -> [f64; MOST] {
     let mut step = [0.0; MOST];
     for _ in 0..=n {
         step = prioritised(&columns[..n], &gap.error);

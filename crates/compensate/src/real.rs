@@ -9,9 +9,10 @@
 //! `Predictor::predict`, to round-off.
 
 use crate::arm::{Arm, Reached};
+use crate::command::MOST;
 use nalgebra::Vector3;
 use truepose_errormodel::{BoundModel, Emission, FittedModel, ModelError, Rest, Schema};
-use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId};
+use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId, sin_cos};
 
 /// The real robot of a fitted model.
 #[derive(Debug, Clone)]
@@ -24,9 +25,9 @@ pub(crate) struct RealArm<'m> {
     constant: Vec<f64>,
     errors: Vec<f64>,
     moves: Vec<bool>,
-    /// Constants multiplied out at the frames that no effect moved when it was bound.
+    /// Constants multiplied out at the components that no effect moved when it was bound.
     lean: Arm,
-    /// Every frame computed: for the posture at which an effect speaks of a frame that it had not spoken of before.
+    /// Every component computed: for the posture at which an effect speaks of one that it had not spoken of before.
     full: Arm,
     posture: PostureBuffer,
     emission: Emission,
@@ -50,9 +51,9 @@ impl<'m> RealArm<'m> {
             moving,
             constant: vec![0.0; chain.site_count()],
             errors: vec![0.0; chain.site_count()],
-            moves: vec![false; frames],
+            moves: vec![false; 6 * frames],
             lean: Arm::new(chain, &[], &[]),
-            full: Arm::new(chain, &[], &vec![true; frames]),
+            full: Arm::new(chain, &[], &vec![true; 6 * frames]),
             posture: PostureBuffer::new(chain),
             // An effect speaks of a column at most once a component of two frames or so.
             emission: Emission::with_capacity(12 * moving_columns.max(still.len())),
@@ -81,10 +82,10 @@ impl<'m> RealArm<'m> {
             conditions.time = 1e4 * f64::from(round);
             arm.emit(&conditions);
             for entry in arm.emission.entries() {
-                if let Site::Frame(frame, _) = entry.site
+                if let Site::Frame(..) = entry.site
                     && coefficients[entry.column] != 0.0
                 {
-                    arm.moves[frame.0] = true;
+                    arm.moves[chain.site_index(entry.site)] = true;
                 }
             }
         }
@@ -95,39 +96,50 @@ impl<'m> RealArm<'m> {
 
     /// Moves to these conditions.
     pub fn reach(&mut self, conditions: &Conditions, out: &mut Reached) {
-        let mut surprised = false;
-        if !self.moving.is_empty() {
-            let model = self.fitted.model();
-            let chain = model.chain();
-            let coefficients = self.fitted.coefficients();
-            let emission = match &mut self.rest {
-                Some(rest) => {
-                    rest.settle(&self.bound, conditions, coefficients);
-                    self.errors.fill(0.0);
-                    rest.emission()
-                }
-                None => {
-                    self.emit(conditions);
-                    self.errors.copy_from_slice(&self.constant);
-                    &self.emission
-                }
-            };
-            for entry in emission.entries() {
-                let coefficient = coefficients[entry.column];
-                if coefficient == 0.0 {
-                    continue;
-                }
-                if let Site::Frame(frame, _) = entry.site
-                    && !self.moves[frame.0]
-                {
-                    // A constant's own frame is multiplied out in the lean arm.
-                    surprised |= model.columns()[entry.column].site.is_none();
-                }
-                self.errors[chain.site_index(entry.site)] += entry.value * coefficient;
+        let model = self.fitted.model();
+        let chain = model.chain();
+        let mut own = [(0.0, 1.0); MOST];
+        let mut turns: &[(f64, f64)] = &[];
+        if self.moving.is_empty() || self.rest.is_some() {
+            own.iter_mut().zip(&conditions.joints).for_each(|(turn, &q)| *turn = sin_cos(q));
+            turns = &own;
+        }
+        if self.moving.is_empty() {
+            self.lean.reach(&conditions.joints, turns, &self.constant, out);
+            return;
+        }
+        let coefficients = self.fitted.coefficients();
+        let emission = match &mut self.rest {
+            Some(rest) => {
+                rest.settle(&self.bound, conditions, coefficients);
+                self.errors.fill(0.0);
+                rest.emission()
             }
+            None => {
+                let posture = self.posture.update(chain, conditions);
+                self.emission.clear();
+                for &k in &self.moving {
+                    self.bound.emit_effect(k, &posture, &mut self.emission);
+                }
+                self.errors.copy_from_slice(&self.constant);
+                turns = posture.turns();
+                &self.emission
+            }
+        };
+        let mut surprised = false;
+        for entry in emission.entries() {
+            let coefficient = coefficients[entry.column];
+            if coefficient == 0.0 {
+                continue;
+            }
+            let site = chain.site_index(entry.site);
+            // Beyond the frames stand the targets, which are no factor of the arm; a constant's own site is multiplied out in
+            // the lean arm.
+            surprised |= self.moves.get(site) == Some(&false) && model.columns()[entry.column].site.is_none();
+            self.errors[site] += entry.value * coefficient;
         }
         let arm = if surprised { &self.full } else { &self.lean };
-        arm.reach(&conditions.joints, &self.errors, out);
+        arm.reach(&conditions.joints, turns, &self.errors, out);
     }
 
     /// The real place of a target in the tool's axes at the conditions reached last, m.

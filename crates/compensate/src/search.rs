@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! x ← x + J⁻¹ e                     |e|² below `NEAR`, regular, and while each round takes off a factor of four
+//! x ← x + J_s⁻¹ e                   after a step s of Newton's that foretells that its J_s will do once more
 //! x ← x + Jᵀ(J Jᵀ + μ I)⁻¹ e         else, with μ = s (|e|²/2 + w); s adapts to whether the step helped
 //! ```
 //!
@@ -17,14 +18,17 @@
 
 use crate::arm::Reached;
 use crate::command::MOST;
-use crate::step::{Limits, Linear};
-use crate::task::{Gap, Task};
+use crate::step::{Factors, Limits, Linear};
+use crate::task::{Columns, Gap, Task};
 use nalgebra::Vector3;
+use truepose_kinematics::sin_cos;
 
 /// Something with joints that can be sent to x.
 pub(crate) trait Robot {
-    /// Evaluates it there; fills e and, when wanted, J.
-    fn send(&mut self, x: &[f64; MOST], task: &Task, gap: &mut Gap);
+    /// Evaluates it there: e.
+    fn send(&mut self, x: &[f64; MOST], task: &Task) -> Gap;
+    /// J where it was evaluated last.
+    fn columns(&self, task: &Task, columns: &mut Columns);
     /// How many joints.
     fn joints(&self) -> usize;
 }
@@ -70,9 +74,12 @@ pub(crate) fn walk(
     most: usize,
 ) -> Walk {
     let n = robot.joints();
-    let mut here = Walk { x: *start, gap: Gap::nowhere(), ending: Ending::GaveUp, rounds: 1 };
-    robot.send(&here.x, task, &mut here.gap);
-    let mut next = here.gap;
+    let mut here = Walk { x: *start, gap: robot.send(start, task), ending: Ending::GaveUp, rounds: 1 };
+    let mut columns: Columns = [[0.0; 6]; MOST];
+    // Whether the robot stands at `here`, and whether J is that of `here`.
+    let (mut stands, mut fresh) = (true, false);
+    // The factors of the last step, if it was Newton's, and its length.
+    let mut last: Option<(Factors, f64)> = None;
     let (mut trust, mut newton, mut idle) = (1.0, true, 0);
     let (mut checked, mut crawls) = (f64::INFINITY, false);
     while here.gap.cost.is_finite() {
@@ -92,23 +99,41 @@ pub(crate) fn walk(
             crawls = here.gap.cost > 0.99 * checked;
             checked = here.gap.cost;
         }
-        let linear = Linear { columns: &here.gap.columns[..n], error: &here.gap.error, rows: task.rows() };
         let near = here.gap.cost < NEAR && newton;
-        let quick = if near { linear.newton(&here.x, limits) } else { None };
-        let step = quick.unwrap_or_else(|| {
-            let damping = if near { 1e-13 } else { trust * (0.5 * here.gap.cost + BIAS) };
-            linear.damped(&here.x, limits, damping)
+        let chord = last.take().filter(|(_, length)| task.foretells(&here.gap, *length));
+        let repeated = chord.and_then(|(factors, _)| factors.step(&here.gap.error, &here.x, limits));
+        let step = repeated.unwrap_or_else(|| {
+            if !fresh {
+                if !stands {
+                    robot.send(&here.x, task);
+                    here.rounds += 1;
+                }
+                robot.columns(task, &mut columns);
+                fresh = true;
+            }
+            let linear = Linear { columns: &columns[..n], error: &here.gap.error, rows: task.rows() };
+            let factors = if near { linear.factors() } else { None };
+            let quick = factors.and_then(|factors| factors.step(&here.gap.error, &here.x, limits));
+            if let (Some(factors), Some(step)) = (factors, quick) {
+                last = Some((factors, step[..n].iter().fold(0.0, |m: f64, s| m.max(s.abs()))));
+            }
+            quick.unwrap_or_else(|| {
+                let damping = if near { 1e-13 } else { trust * (0.5 * here.gap.cost + BIAS) };
+                linear.damped(&here.x, limits, damping)
+            })
         });
         let mut x = here.x;
         for k in 0..n {
             x[k] = (x[k] + step[k]).clamp(limits.lower[k], limits.upper[k]);
         }
-        robot.send(&x, task, &mut next);
+        let next = robot.send(&x, task);
         here.rounds += 1;
         let (before, after) = (here.gap.cost, next.cost);
-        if after < before {
+        stands = after < before;
+        if stands {
             here.x = x;
             here.gap = next;
+            fresh = false;
             if near {
                 newton = after < 0.25 * before;
             } else {
@@ -116,10 +141,15 @@ pub(crate) fn walk(
                 newton = newton || after < 0.01 * before;
             }
             idle = if after > before * (1.0 - 1e-7) { idle + 1 } else { 0 };
-        } else if near {
-            newton = false;
         } else {
-            trust *= 8.0;
+            last = None;
+            if repeated.is_some() {
+                // Another step from here takes the J from here.
+            } else if near {
+                newton = false;
+            } else {
+                trust *= 8.0;
+            }
         }
     }
     here
@@ -127,7 +157,7 @@ pub(crate) fn walk(
 
 impl Gap {
     pub fn nowhere() -> Self {
-        Gap { error: [0.0; 6], columns: [[0.0; 6]; MOST], cost: f64::INFINITY }
+        Gap { error: [0.0; 6], cost: f64::INFINITY }
     }
 }
 
@@ -140,12 +170,18 @@ pub(crate) struct NominalArm<'a> {
 }
 
 impl Robot for NominalArm<'_> {
-    fn send(&mut self, x: &[f64; MOST], task: &Task, gap: &mut Gap) {
+    fn send(&mut self, x: &[f64; MOST], task: &Task) -> Gap {
         let mut q = [0.0; MOST];
         q.iter_mut().zip(x).zip(self.scale).for_each(|((q, x), scale)| *q = x * scale);
-        self.arm.reach(&q, &[], self.at);
-        let point = task.gap(self.at, &self.point, gap);
-        task.columns(self.arm, self.at, &point, gap);
+        let n = self.arm.joints();
+        let mut turns = [(0.0, 1.0); MOST];
+        turns[..n].iter_mut().zip(&q).for_each(|(turn, &q)| *turn = sin_cos(q));
+        self.arm.reach(&q, &turns, &[], self.at);
+        task.gap(self.at, &self.point)
+    }
+
+    fn columns(&self, task: &Task, columns: &mut Columns) {
+        task.columns(self.arm, self.at, columns);
     }
 
     fn joints(&self) -> usize {

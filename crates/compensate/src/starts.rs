@@ -13,7 +13,7 @@ use crate::step::Limits;
 use crate::task::Task;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use truepose_kinematics::Pose;
+use truepose_kinematics::{Pose, sin_cos};
 
 /// Configurations in the table.
 const COUNT: usize = 384;
@@ -66,7 +66,7 @@ impl Starts {
                 }
                 let mut q = [0.0; MOST];
                 (0..n).for_each(|k| q[k] = x[k] * scale[k]);
-                arm.reach(&q, &[], &mut at);
+                arm.reach(&q, &q.map(sin_cos), &[], &mut at);
                 (x, at.tool)
             })
             .collect();

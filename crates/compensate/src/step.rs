@@ -41,17 +41,12 @@ pub(crate) struct Linear<'a> {
 const LARGEST: f64 = 0.7;
 
 impl Linear<'_> {
-    /// Newton's step, when the problem is square, regular, short and stays within the limits.
-    pub fn newton(&self, x: &[f64; MOST], limits: &Limits) -> Option<[f64; MOST]> {
+    /// J of Newton's step, when the problem is square and regular.
+    pub fn factors(&self) -> Option<Factors> {
         if self.columns.len() != 6 || self.rows != 6 {
             return None;
         }
-        let step = eliminate(self.columns, self.error)?;
-        let inside = (0..6).all(|k| {
-            let next = x[k] + step[k];
-            step[k].abs() <= LARGEST && next >= limits.lower[k] && next <= limits.upper[k]
-        });
-        inside.then_some(step)
+        Factors::of(self.columns)
     }
 
     /// The damped step within the limits.
@@ -134,41 +129,82 @@ impl Linear<'_> {
     }
 }
 
-/// Solves J x = e by elimination with row exchanges; none when J is singular to working precision.
-fn eliminate(columns: &[[f64; 6]], error: &[f64; 6]) -> Option<[f64; MOST]> {
-    let mut a = [[0.0; 7]; 6];
-    for (row, line) in a.iter_mut().enumerate() {
+/// J of six joints by elimination with row exchanges.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Factors {
+    /// U above the diagonal, factors of the elimination below it, in the order of the pivots.
+    rows: [[f64; 6]; 6],
+    /// One over each pivot.
+    inverse: [f64; 6],
+    /// Which row of e each pivot's row was.
+    order: [usize; 6],
+}
+
+impl Factors {
+    /// Newton's step, when it is short and stays within the limits.
+    pub fn step(&self, error: &[f64; 6], x: &[f64; MOST], limits: &Limits) -> Option<[f64; MOST]> {
+        let step = self.solve(error);
+        let inside = (0..6).all(|k| {
+            let next = x[k] + step[k];
+            step[k].abs() <= LARGEST && next >= limits.lower[k] && next <= limits.upper[k]
+        });
+        inside.then_some(step)
+    }
+
+    /// None when J is singular to working precision.
+    fn of(columns: &[[f64; 6]]) -> Option<Self> {
+        let mut a = [[0.0; 6]; 6];
+        for (k, column) in columns.iter().enumerate().take(6) {
+            for row in 0..6 {
+                a[row][k] = column[row];
+            }
+        }
+        let mut order = [0, 1, 2, 3, 4, 5];
+        let mut inverse = [0.0; 6];
         for k in 0..6 {
-            line[k] = columns[k][row];
-        }
-        line[6] = error[row];
-    }
-    for k in 0..6 {
-        let mut pivot = k;
-        for row in k + 1..6 {
-            if a[row][k].abs() > a[pivot][k].abs() {
-                pivot = row;
+            let mut pivot = k;
+            for row in k + 1..6 {
+                if a[row][k].abs() > a[pivot][k].abs() {
+                    pivot = row;
+                }
+            }
+            if a[pivot][k].abs() < 1e-9 || a[pivot][k].is_nan() {
+                return None;
+            }
+            a.swap(k, pivot);
+            order.swap(k, pivot);
+            let line = a[k];
+            inverse[k] = 1.0 / line[k];
+            for row in a.iter_mut().skip(k + 1) {
+                let factor = row[k] * inverse[k];
+                row[k] = factor;
+                for c in k + 1..6 {
+                    row[c] -= factor * line[c];
+                }
             }
         }
-        if a[pivot][k].abs() < 1e-9 || a[pivot][k].is_nan() {
-            return None;
-        }
-        a.swap(k, pivot);
-        let line = a[k];
-        let inverse = 1.0 / line[k];
-        for row in a.iter_mut().skip(k + 1) {
-            let factor = row[k] * inverse;
-            for c in k + 1..7 {
-                row[c] -= factor * line[c];
+        Some(Factors { rows: a, inverse, order })
+    }
+
+    /// J x = e.
+    fn solve(&self, error: &[f64; 6]) -> [f64; MOST] {
+        let mut x = [0.0; MOST];
+        for k in 0..6 {
+            let mut sum = error[self.order[k]];
+            for c in 0..k {
+                sum -= self.rows[k][c] * x[c];
             }
+            x[k] = sum;
         }
+        for k in (0..6).rev() {
+            let mut sum = x[k];
+            for c in k + 1..6 {
+                sum -= self.rows[k][c] * x[c];
+            }
+            x[k] = sum * self.inverse[k];
+        }
+        x
     }
-    let mut x = [0.0; MOST];
-    for k in (0..6).rev() {
-        let rest: f64 = (k + 1..6).map(|c| a[k][c] * x[c]).sum();
-        x[k] = (a[k][6] - rest) / a[k][k];
-    }
-    Some(x)
 }
 
 /// Solves a symmetric positive definite system of size n, given by its lower triangle; y becomes the solution.
@@ -221,7 +257,7 @@ mod tests {
             error in prop::array::uniform6(-0.01..0.01f64),
         ) {
             let linear = Linear { columns: &columns, error: &error, rows: 6 };
-            if let Some(step) = linear.newton(&[0.0; MOST], &Limits::NONE) {
+            if let Some(step) = linear.factors().and_then(|f| f.step(&error, &[0.0; MOST], &Limits::NONE)) {
                 let back = product(&columns, &step);
                 for r in 0..6 {
                     prop_assert!((back[r] - error[r]).abs() < 1e-9);
@@ -273,6 +309,6 @@ mod tests {
         let linear = Linear { columns: &columns, error: &[1.0; 6], rows: 6 };
         assert!(linear.damped(&[0.0; MOST], &Limits::NONE, 0.0).iter().all(|s| s.abs() < f64::MIN_POSITIVE));
         let nan = Linear { columns: &[[f64::NAN; 6]; 6], error: &[1.0; 6], rows: 6 };
-        assert!(nan.newton(&[0.0; MOST], &Limits::NONE).is_none());
+        assert!(nan.factors().is_none());
     }
 }

@@ -9,7 +9,7 @@
 //! | p_d, R_d | `position`, `rotation` | 3, 3×3 | m | measurement |
 //! | L | `length` | 1 | m | the robot's characteristic length: makes metres and radians comparable |
 //! | e | [`Gap::error`] | 6 | 1 | measurement |
-//! | J | [`Gap::columns`] | 6 × joints | 1 per rad, or per L of travel | measurement |
+//! | J | [`Columns`] | 6 × joints | 1 per rad, or per L of travel | measurement |
 
 use crate::arm::{Arm, Reached};
 use crate::command::MOST;
@@ -28,11 +28,13 @@ pub(crate) struct Task {
     pub orientation_tolerance: f64,
 }
 
+/// How each joint changes that.
+pub(crate) type Columns = [[f64; 6]; MOST];
+
 /// How far away it is from one configuration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gap {
     pub error: [f64; 6],
-    pub columns: [[f64; 6]; MOST],
     /// |e|².
     pub cost: f64,
 }
@@ -53,28 +55,38 @@ impl Task {
         if self.rotation.is_some() { 6 } else { 3 }
     }
 
-    /// The gap, without J.
-    pub fn gap(&self, at: &Reached, point_in_tool: &Vector3<f64>, gap: &mut Gap) -> Vector3<f64> {
-        let point = at.tool.apply(point_in_tool);
-        let away = (self.position - point) / self.length;
+    /// The gap of a point of the tool, which is left in `at`.
+    #[inline]
+    pub fn gap(&self, at: &mut Reached, point_in_tool: &Vector3<f64>) -> Gap {
+        at.point = at.tool.apply(point_in_tool);
+        let away = (self.position - at.point) * (1.0 / self.length);
         let turn = self.rotation.map_or(Vector3::zeros(), |wanted| turn_between(&at.tool.rotation, &wanted));
-        gap.error = [away.x, away.y, away.z, turn.x, turn.y, turn.z];
-        gap.cost = away.norm_squared() + turn.norm_squared();
-        point
+        Gap {
+            error: [away.x, away.y, away.z, turn.x, turn.y, turn.z],
+            cost: away.norm_squared() + turn.norm_squared(),
+        }
     }
 
-    /// Fills J, of the real axes, for a point in the measurement frame.
-    pub fn columns(&self, arm: &Arm, at: &Reached, point: &Vector3<f64>, gap: &mut Gap) {
+    /// Fills J, of the real axes, for the point of the last gap.
+    #[inline]
+    pub fn columns(&self, arm: &Arm, at: &Reached, columns: &mut Columns) {
         let per_length = 1.0 / self.length;
-        for k in 0..arm.joints() {
+        for (k, column) in columns.iter_mut().enumerate().take(arm.joints()) {
             let z = at.axes[k];
-            gap.columns[k] = if arm.slides(k) {
+            *column = if arm.slides(k) {
                 [z.x, z.y, z.z, 0.0, 0.0, 0.0]
             } else {
-                let lever = z.cross(&(point - at.origins[k])) * per_length;
+                let lever = z.cross(&(at.point - at.origins[k])) * per_length;
                 [lever.x, lever.y, lever.z, z.x, z.y, z.z]
             };
         }
+    }
+
+    /// True when a step with the J from in front of a step of this length is expected to close the gap: J has changed by about
+    /// that much of itself.
+    pub fn foretells(&self, gap: &Gap, length: f64) -> bool {
+        gap.position(self.length) * length <= 0.2 * self.position_tolerance
+            && gap.orientation() * length <= 0.2 * self.orientation_tolerance
     }
 
     /// True when the gap is within the tolerances.
@@ -85,12 +97,24 @@ impl Task {
 }
 
 /// Rotation vector, in the outer axes, that takes one orientation to another.
+#[inline]
 fn turn_between(from: &Matrix3<f64>, to: &Matrix3<f64>) -> Vector3<f64> {
-    let d = to * from.transpose();
+    let column = |m: &Matrix3<f64>, k: usize| Vector3::from(m.column(k));
     // Twice the sine times the axis; below a quarter of a degree a short series is exact to the last digits.
-    let v = Vector3::new(d[(2, 1)] - d[(1, 2)], d[(0, 2)] - d[(2, 0)], d[(1, 0)] - d[(0, 1)]) * 0.5;
+    let mut v = Vector3::zeros();
+    let mut trace = 0.0;
+    for k in 0..3 {
+        let (a, b) = (column(from, k), column(to, k));
+        v += a.cross(&b);
+        trace += a.dot(&b);
+    }
+    v *= 0.5;
     let s2 = v.norm_squared();
-    if s2 < 2e-5 && d.trace() > 1.0 { v * (1.0 + s2 * (1.0 / 6.0 + s2 * 0.075)) } else { rotation_log(&d) }
+    if s2 < 2e-5 && trace > 1.0 {
+        v * (1.0 + s2 * (1.0 / 6.0 + s2 * 0.075))
+    } else {
+        rotation_log(&(to * from.transpose()))
+    }
 }
 
 fn norm(v: &[f64]) -> f64 {

@@ -11,7 +11,7 @@ use crate::outliers::outliers;
 use crate::projection::Projection;
 use crate::scene::Scene;
 use crate::working::{Working, with_loads};
-use crate::{Family, Place, contest::TIE, library, payload};
+use crate::{Family, Place, contest::TIE, lags, library, payload};
 use rayon::prelude::*;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection};
 use truepose_identify::{Fit, FitOptions, NoiseSource, Placement, Residuals, refit, repeats, student_quantile};
@@ -108,7 +108,9 @@ fn finish(
         })
         .collect();
     // What is declared at run time is what was declared here.
-    fit.fitted.domain = Domain::of(whole.data);
+    let own = lags::own_channels(whole.data);
+    fit.fitted.domain = Domain::of(&own);
+    fit.fitted.channels.clone_from(&own.schema.channels);
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {

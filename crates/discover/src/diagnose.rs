@@ -8,7 +8,7 @@ use crate::flips::NullDistribution;
 use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::working::{Ground, Working};
-use crate::{DiscoverError, DiscoverOptions, conclude, reconsider};
+use crate::{DiscoverError, DiscoverOptions, conclude, lags, reconsider};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_identify::{PriorStrength, hold_out, place};
@@ -53,6 +53,8 @@ pub fn diagnose(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
+    // History is made on the whole record, before anything is drawn from it.
+    let data = &lags::with_lags(data);
     let (train_rows, holdout_rows) = hold_out(data, options.holdout, options.seed)?;
     let train = data.select(&train_rows);
     progress(Progress::Fitting);

@@ -9,6 +9,7 @@ mod error;
 mod evidence;
 mod family;
 mod flips;
+mod lags;
 mod library;
 mod likelihood;
 mod look_ahead;

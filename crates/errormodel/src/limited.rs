@@ -40,6 +40,9 @@ impl AnyEffect for Limited {
     fn needs(&self) -> Vec<Signal> {
         self.effect.needs()
     }
+    fn settles(&self) -> bool {
+        self.effect.settles()
+    }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         self.effect.validate(chain)
     }

@@ -1,5 +1,7 @@
 //! The nominal robot.
 
+use crate::prepared::PreparedJoint;
+use crate::sines::sin_cos;
 use crate::{
     Axis, ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placement, Pose, Site, Target,
     TargetId,
@@ -61,6 +63,8 @@ pub struct Chain {
     gravity: Gravity,
     movable: Vec<JointId>,
     coordinates: Vec<Option<usize>>,
+    /// The joints with their constants worked out.
+    prepared: Vec<PreparedJoint>,
 }
 
 impl Chain {
@@ -90,9 +94,11 @@ impl Chain {
         for (coordinate, joint) in movable.iter().enumerate() {
             coordinates[joint.index()] = Some(coordinate);
         }
+        let prepared = joints.iter().map(PreparedJoint::of).collect();
         Ok(Chain {
             name: name.into(),
             base: Placed::default(),
+            prepared,
             joints,
             tool: Placed::default(),
             targets: Vec::new(),
@@ -314,11 +320,17 @@ impl Chain {
         }
     }
 
+    /// The joints with their constants worked out, and where their variables stand.
+    pub(crate) fn prepared(&self) -> impl Iterator<Item = (&PreparedJoint, Option<usize>)> {
+        self.prepared.iter().zip(self.coordinates.iter().copied())
+    }
+
     /// Nominal pose of the tool in the measurement frame; `joints` in rad or m, movable joints only.
     pub fn forward(&self, joints: &[f64]) -> Pose {
         let mut pose = self.base.pose;
-        for (joint, coordinate) in self.joints.iter().zip(&self.coordinates) {
-            pose = pose * joint.transform(coordinate.map_or(0.0, |k| joints[k]));
+        for (joint, coordinate) in self.prepared.iter().zip(&self.coordinates) {
+            let q = coordinate.map_or(0.0, |k| joints[k]);
+            pose = pose * joint.transform(q, sin_cos(q));
         }
         pose * self.tool.pose
     }

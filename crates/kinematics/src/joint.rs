@@ -6,7 +6,9 @@
 //! origin   pose · motion(axis, q)       the axis is `axis` in frame i   (URDF)
 //! ```
 
-use crate::{ChainError, Pose, rotation_vector};
+use crate::pose::sin_cos_exact;
+use crate::prepared::PreparedJoint;
+use crate::{ChainError, Pose};
 use nalgebra::{Unit, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -114,35 +116,7 @@ impl Joint {
 
     /// The nominal transform `A_i(q)`; q in rad or m, ignored by a fixed joint.
     pub fn transform(&self, q: f64) -> Pose {
-        let (turn, slide) = match self.kind {
-            JointKind::Revolute => (q, 0.0),
-            JointKind::Prismatic => (0.0, q),
-            JointKind::Fixed => (0.0, 0.0),
-        };
-        match self.placement {
-            Placement::Dh { theta, d, a, alpha } => {
-                Pose::rot(2, theta + turn)
-                    * Pose::trans(2, d + slide)
-                    * Pose::trans(0, a)
-                    * Pose::rot(0, alpha)
-            }
-            Placement::Mdh { alpha, a, theta, d } => {
-                Pose::rot(0, alpha)
-                    * Pose::trans(0, a)
-                    * Pose::rot(2, theta + turn)
-                    * Pose::trans(2, d + slide)
-            }
-            Placement::Origin { pose, axis } => match self.kind {
-                JointKind::Fixed => pose,
-                JointKind::Prismatic => pose * Pose::new(nalgebra::Matrix3::identity(), axis.scale(slide)),
-                JointKind::Revolute => {
-                    pose * match coordinate_axis(&axis) {
-                        Some((direction, sign)) => Pose::rot(direction, sign * turn),
-                        None => Pose::new(rotation_vector(&axis.scale(turn)), Vector3::zeros()),
-                    }
-                }
-            },
-        }
+        PreparedJoint::of(self).transform(q, sin_cos_exact(q))
     }
 
     pub(crate) fn validate(&self) -> Result<(), ChainError> {
@@ -180,11 +154,6 @@ impl Joint {
         }
         Ok(())
     }
-}
-
-/// The coordinate axis (0…2) and sign that a unit vector coincides with, if it does exactly.
-fn coordinate_axis(axis: &Unit<Vector3<f64>>) -> Option<(usize, f64)> {
-    (0..3).find(|&k| axis[(k + 1) % 3] == 0.0 && axis[(k + 2) % 3] == 0.0).map(|k| (k, axis[k].signum()))
 }
 
 #[cfg(test)]

@@ -11,7 +11,9 @@ mod load;
 mod motion;
 mod pose;
 mod posture;
+mod prepared;
 pub mod samples;
+mod sines;
 mod target;
 
 pub use chain::{Chain, Gravity, GravityFrame, Placed};
@@ -25,6 +27,7 @@ pub use load::{Load, Payload, Wrench};
 pub use motion::{JointMotion, Twist};
 pub use pose::{Pose, rotation_log, rotation_vector, skew};
 pub use posture::{Posture, PostureBuffer};
+pub use sines::sin_cos;
 pub use target::Target;
 
 pub use nalgebra;

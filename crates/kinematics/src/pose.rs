@@ -117,12 +117,31 @@ impl Pose {
     }
 
     /// The transform that takes this one back.
+    #[inline]
     pub fn inverse(&self) -> Pose {
         let rotation = self.rotation.transpose();
         Pose::new(rotation, -(rotation * self.translation))
     }
 
+    /// The product, written out.
+    #[inline]
+    fn times(&self, inner: &Pose) -> Pose {
+        let [x, y, z] = self.rotation.data.0;
+        let through = |v: [f64; 3]| -> [f64; 3] {
+            [
+                x[0] * v[0] + y[0] * v[1] + z[0] * v[2],
+                x[1] * v[0] + y[1] * v[1] + z[1] * v[2],
+                x[2] * v[0] + y[2] * v[1] + z[2] * v[2],
+            ]
+        };
+        let [a, b, c] = inner.rotation.data.0;
+        let mut rotation = Matrix3::zeros();
+        rotation.data.0 = [through(a), through(b), through(c)];
+        Pose::new(rotation, Vector3::from(through(inner.translation.into())) + self.translation)
+    }
+
     /// A point given in the inner frame, in the outer frame.
+    #[inline]
     pub fn apply(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * point + self.translation
     }
@@ -141,15 +160,17 @@ impl Pose {
 
 impl std::ops::Mul for Pose {
     type Output = Pose;
+    #[inline]
     fn mul(self, inner: Pose) -> Pose {
-        Pose::new(self.rotation * inner.rotation, self.rotation * inner.translation + self.translation)
+        self.times(&inner)
     }
 }
 
 impl std::ops::Mul for &Pose {
     type Output = Pose;
+    #[inline]
     fn mul(self, inner: &Pose) -> Pose {
-        *self * *inner
+        self.times(inner)
     }
 }
 
@@ -180,7 +201,7 @@ pub fn rotation_log(r: &Matrix3<f64>) -> Vector3<f64> {
 }
 
 /// Sine and cosine that are exact at multiples of a quarter turn, so that `alpha = 90°` makes an exact zero.
-fn sin_cos_exact(angle: f64) -> (f64, f64) {
+pub(crate) fn sin_cos_exact(angle: f64) -> (f64, f64) {
     let quarter = angle / std::f64::consts::FRAC_PI_2;
     let nearest = quarter.round();
     if (quarter - nearest).abs() < 4.0 * f64::EPSILON * quarter.abs().max(1.0) && nearest.abs() < 1e6 {

@@ -15,6 +15,7 @@
 //! Frame i carries its own link, since `E_i` stands in front of that link. Wrenches are those that the
 //! weights exert *on* the robot: a joint yields in the direction of `joint_load`.
 
+use crate::sines::sin_cos;
 use crate::{Chain, Conditions, FrameId, JointId, JointKind, Load, Pose, Slot, Wrench};
 use nalgebra::Vector3;
 
@@ -24,6 +25,8 @@ pub struct PostureBuffer {
     frames: Vec<Pose>,
     /// `A_1 … A_n`, then the tool's transform.
     steps: Vec<Pose>,
+    /// Sine and cosine of each movable joint's value.
+    turns: Vec<(f64, f64)>,
     /// In the measurement frame's axes, about each frame's origin.
     wrenches: Vec<Wrench>,
 }
@@ -35,6 +38,7 @@ impl PostureBuffer {
         PostureBuffer {
             frames: vec![Pose::IDENTITY; n],
             steps: vec![Pose::IDENTITY; n - 1],
+            turns: vec![(0.0, 1.0); chain.movable().len()],
             wrenches: vec![Wrench::default(); n],
         }
     }
@@ -55,6 +59,7 @@ impl PostureBuffer {
             conditions,
             frames: &self.frames,
             steps: &self.steps,
+            turns: &self.turns,
             wrenches: &self.wrenches,
             slots: &[],
         }
@@ -79,9 +84,12 @@ impl PostureBuffer {
         let n = chain.joints().len();
         let mut pose = chain.base().pose;
         self.frames[0] = pose;
-        for (index, joint) in chain.joints().iter().enumerate() {
-            let q = chain.coordinate(JointId(index + 1)).map_or(0.0, |k| conditions.joints[k]);
-            self.steps[index] = joint.transform(q);
+        for (turn, &q) in self.turns.iter_mut().zip(&conditions.joints) {
+            *turn = sin_cos(q);
+        }
+        for (index, (joint, coordinate)) in chain.prepared().enumerate() {
+            let (q, turn) = coordinate.map_or((0.0, (0.0, 1.0)), |k| (conditions.joints[k], self.turns[k]));
+            self.steps[index] = joint.transform(q, turn);
             pose = pose * self.steps[index];
             self.frames[index + 1] = pose;
         }
@@ -129,6 +137,7 @@ pub struct Posture<'a> {
     conditions: &'a Conditions,
     frames: &'a [Pose],
     steps: &'a [Pose],
+    turns: &'a [(f64, f64)],
     wrenches: &'a [Wrench],
     slots: &'a [Slot],
 }
@@ -152,6 +161,11 @@ impl<'a> Posture<'a> {
     /// The nominal transforms that lead from frame 0 to the tool: `A_1(q_1) … A_n(q_n)`, then the tool's.
     pub fn steps(&self) -> &'a [Pose] {
         self.steps
+    }
+
+    /// Sine and cosine of each movable joint's value (of a slide's too, where they mean nothing).
+    pub fn turns(&self) -> &'a [(f64, f64)] {
+        self.turns
     }
 
     /// Pose of the tool in the measurement frame.

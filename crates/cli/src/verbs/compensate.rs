@@ -1,6 +1,6 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
-use super::print_json;
+use super::{print_json, status};
 use crate::args::Compensate;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -8,7 +8,7 @@ use crate::terminal;
 use rayon::prelude::*;
 use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Target};
 use truepose_errormodel::{EffectRegistry, FittedModel};
-use truepose_io::{CommandRow, CommandStatus, Poses, check_writable, read_fit, read_poses, write_commands};
+use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
 use truepose_kinematics::Conditions;
 use truepose_report::{count, millimetres};
 
@@ -85,13 +85,4 @@ fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure
         })
         .collect();
     Ok(parts.concat())
-}
-
-fn status(status: Status) -> CommandStatus {
-    match status {
-        Status::Ok => CommandStatus::Ok,
-        Status::Unreachable => CommandStatus::Unreachable,
-        Status::Limit => CommandStatus::Limit,
-        Status::NotConverged => CommandStatus::NotConverged,
-    }
 }

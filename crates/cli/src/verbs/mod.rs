@@ -5,15 +5,18 @@ pub mod compare;
 pub mod compensate;
 pub mod discover;
 pub mod effects;
+pub mod export;
 pub mod identify;
+pub mod map;
 pub mod predict;
 pub mod simulate;
 
 use crate::args::Robot;
 use crate::failure::Failure;
 use crate::terminal;
-use truepose_io::{RobotOptions, read_robot};
-use truepose_kinematics::Chain;
+use truepose_compensate::Status;
+use truepose_io::{CommandStatus, RobotOptions, read_robot};
+use truepose_kinematics::{Chain, TargetId};
 
 /// Reads a robot and passes on what is suspicious about it.
 fn robot(args: &Robot) -> Result<Chain, Failure> {
@@ -23,8 +26,30 @@ fn robot(args: &Robot) -> Result<Chain, Failure> {
     Ok(chain)
 }
 
+/// The declared target of this name.
+fn target(chain: &Chain, name: Option<&str>) -> Result<Option<TargetId>, Failure> {
+    let Some(name) = name else { return Ok(None) };
+    chain.target_named(name).map(Some).ok_or_else(|| {
+        let known: Vec<&str> = chain.targets().iter().map(|target| target.name.as_str()).collect();
+        Failure::Input(format!(
+            "--target: the robot has no target `{name}` (its targets: {})",
+            known.join(", ")
+        ))
+    })
+}
+
 /// A value as JSON on stdout.
 fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     terminal::print(&(serde_json::to_string_pretty(value)? + "\n"));
     Ok(())
+}
+
+/// A status as files have it.
+fn status(status: Status) -> CommandStatus {
+    match status {
+        Status::Ok => CommandStatus::Ok,
+        Status::Unreachable => CommandStatus::Unreachable,
+        Status::Limit => CommandStatus::Limit,
+        Status::NotConverged => CommandStatus::NotConverged,
+    }
 }

@@ -8,6 +8,7 @@
 
 mod bad_input;
 mod example;
+mod export;
 mod folder;
 mod output;
 mod round_trip;

@@ -119,6 +119,13 @@ impl AccuracyMap {
         self.reached().map(|node| node.before).fold(0.0, f64::max)
     }
 
+    /// Root of the mean square of the band after, m.
+    pub fn after_95_rms(&self) -> f64 {
+        let (sum, count) =
+            self.reached().fold((0.0, 0.0), |(s, n), node| (s + node.after_95.powi(2), n + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
     /// Largest band after, m.
     pub fn after_95_max(&self) -> f64 {
         self.reached().map(|node| node.after_95).fold(0.0, f64::max)

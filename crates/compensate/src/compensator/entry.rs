@@ -3,8 +3,8 @@
 use super::Compensator;
 use crate::command::{Command, Extrapolation, MOST, Status, Target, Values};
 use crate::task::Task;
-use nalgebra::Matrix3;
-use truepose_kinematics::{Conditions, Load, Pose};
+use nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::{Conditions, Load};
 
 impl Compensator<'_> {
     /// Takes over load, time, channels and approach, and makes the task; none when something is no number or has
@@ -32,7 +32,7 @@ impl Compensator<'_> {
             None => None,
             Some(r) => Some(orthonormal(&r)?),
         };
-        self.conditions.load = conditions.load;
+        self.conditions.load = self.fitted.carried(conditions.load);
         self.conditions.time = conditions.time;
         match conditions.approach.len() {
             0 => self.conditions.approach.fill(0.0),
@@ -119,9 +119,20 @@ fn load_is_finite(load: &Load) -> bool {
     }
 }
 
-/// A rotation, made exact; none when it is none to six digits.
+/// A rotation, made exact (one step of Newton's polar iteration); none when it is none to six digits.
 fn orthonormal(r: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let off = (r.transpose() * r - Matrix3::identity()).amax();
-    let proper = off < 1e-6 && r.determinant() > 0.0;
-    proper.then(|| Pose::new(*r, nalgebra::Vector3::zeros()).renormalised().rotation)
+    let (x, y, z): (Vector3<f64>, Vector3<f64>, Vector3<f64>) =
+        (r.column(0).into(), r.column(1).into(), r.column(2).into());
+    let (xx, yy, zz) = (x.dot(&x) - 1.0, y.dot(&y) - 1.0, z.dot(&z) - 1.0);
+    let (xy, xz, yz) = (x.dot(&y), x.dot(&z), y.dot(&z));
+    let off = [xx, yy, zz, xy, xz, yz].iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    // A NaN is no maximum: it shows in the determinant.
+    let proper = off < 1e-6 && x.cross(&y).dot(&z) > 0.0;
+    proper.then(|| {
+        Matrix3::from_columns(&[
+            x - (x * xx + y * xy + z * xz) * 0.5,
+            y - (x * xy + y * yy + z * yz) * 0.5,
+            z - (x * xz + y * yz + z * zz) * 0.5,
+        ])
+    })
 }

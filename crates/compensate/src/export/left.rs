@@ -1,19 +1,21 @@
 //! What an export cannot carry, and the error that is left without it.
 //!
 //! The error left is the distance between the fitted model and the export at configurations spread over the joints'
-//! ranges (those of the fit's domain where it has one), under the caller's conditions.
+//! ranges (those of the fit's domain where it has one), under the caller's conditions or over all that the fit has seen.
 
 use crate::CompensateError;
 use crate::accuracy::everything;
 use nalgebra::Vector3;
-use truepose_errormodel::FittedModel;
-use truepose_kinematics::{Chain, Conditions, TargetId};
+use truepose_errormodel::{Domain, FittedModel, Interval};
+use truepose_kinematics::{Chain, Conditions, Load, Payload, TargetId};
 
 /// Under which conditions, and where, an export is held against the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOptions {
-    /// Load, time, approach and channels (in the order of the fit's); joints are not read.
-    pub conditions: Conditions,
+    /// Load, time, approach and channels (in the order of the fit's); joints are not read. None spreads them over the
+    /// fit's domain, payloads at the tool's origin, every joint arriving from either side; tables then hold for its middle,
+    /// without a load.
+    pub conditions: Option<Conditions>,
     /// Which point; none is the tool's origin.
     pub target: Option<TargetId>,
     /// How many configurations.
@@ -22,7 +24,7 @@ pub struct ExportOptions {
 
 impl Default for ExportOptions {
     fn default() -> Self {
-        ExportOptions { conditions: Conditions::default(), target: None, samples: 500 }
+        ExportOptions { conditions: None, target: None, samples: 2000 }
     }
 }
 
@@ -46,6 +48,28 @@ pub struct Exported<T> {
     pub error_left: ErrorLeft,
 }
 
+impl<T> Exported<T> {
+    /// What the export lacks and what that costs, a sentence a line.
+    pub fn statement(&self) -> Vec<String> {
+        let lacks = if self.left_out.is_empty() {
+            "carries every effect of the fit".into()
+        } else {
+            format!("cannot carry: {}", self.left_out.join(", "))
+        };
+        let ErrorLeft { rms, max } = self.error_left;
+        let left = format!(
+            "error left over the range of the fit: RMS {}, max {}",
+            in_millimetres(rms),
+            in_millimetres(max)
+        );
+        vec![lacks, left]
+    }
+}
+
+fn in_millimetres(metres: f64) -> String {
+    if metres < 1e-9 { "below 1 nm".into() } else { format!("{:.6} mm", 1e3 * metres) }
+}
+
 /// Compares a prediction of the target's position with the model's.
 pub(super) fn error_left(
     fitted: &FittedModel,
@@ -56,15 +80,19 @@ pub(super) fn error_left(
         let value = options.samples as f64;
         return Err(CompensateError::Option { option: "samples", value, need: "1 to 1 000 000" });
     }
-    let (schema, mut conditions) = everything(fitted, &options.conditions)?;
+    let (schema, mut conditions) = everything(fitted, &table_conditions(fitted, options))?;
     let mut predictor = fitted.bind(&schema)?;
     let ranges = ranges(fitted);
+    let n = ranges.len();
     let (mut sum, mut max) = (0.0, 0.0);
     for i in 0..options.samples {
+        // A Kronecker sequence: multiples of the square roots of primes, modulo one.
+        let share = |k: usize| (0.5 + (i + 1) as f64 * ROOTS[k % ROOTS.len()].sqrt()).fract();
         for (k, &(lower, upper)) in ranges.iter().enumerate() {
-            // A Kronecker sequence: multiples of the square roots of primes, modulo one.
-            let share = (0.5 + (i + 1) as f64 * ROOTS[k % ROOTS.len()].sqrt()).fract();
-            conditions.joints[k] = lower + (upper - lower) * share;
+            conditions.joints[k] = lower + (upper - lower) * share(k);
+        }
+        if options.conditions.is_none() {
+            spread(&fitted.domain, i, &mut conditions, |k| share(n + k));
         }
         let real = predictor.predict(&conditions, options.target).translation;
         let off = (real - exported(&conditions.joints)).norm();
@@ -72,6 +100,42 @@ pub(super) fn error_left(
         max = f64::max(max, off);
     }
     Ok(ErrorLeft { rms: (sum / options.samples as f64).sqrt(), max })
+}
+
+/// The caller's conditions, else the middle of the fit's domain.
+pub(super) fn table_conditions(fitted: &FittedModel, options: &ExportOptions) -> Conditions {
+    options.conditions.clone().unwrap_or_else(|| middle_conditions(fitted))
+}
+
+/// Time and channels (in the order of the fit's) in the middle of what the fit has seen, nothing carried, no joint moving;
+/// without joint values.
+pub fn middle_conditions(fitted: &FittedModel) -> Conditions {
+    let mut conditions = Conditions { channels: vec![0.0; fitted.channels.len()], ..Conditions::default() };
+    within(&fitted.domain, &mut conditions, |_| 0.5);
+    conditions
+}
+
+/// Everything but the joints somewhere in the domain: sides and loads by number, the rest by share.
+fn spread(domain: &Domain, i: usize, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
+    for (k, side) in conditions.approach.iter_mut().enumerate() {
+        // Bits of a hashed number: any combination of sides.
+        let bits = (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        *side = if bits >> (63 - k % 64) & 1 == 1 { 1.0 } else { -1.0 };
+    }
+    if let Some(range) = &domain.payload {
+        let mass = range.lower + (range.upper - range.lower) * share(0);
+        conditions.load = Load::Payload(Payload { mass, com: Vector3::zeros() });
+    }
+    within(domain, conditions, |k| share(1 + k));
+}
+
+/// Time and channels at a share of their ranges.
+fn within(domain: &Domain, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
+    let at = |range: &Interval, k: usize| range.lower + (range.upper - range.lower) * share(k);
+    conditions.time = domain.time.as_ref().map_or(0.0, |range| at(range, 0));
+    for (k, (value, range)) in conditions.channels.iter_mut().zip(&domain.channels).enumerate() {
+        *value = at(range, k + 1);
+    }
 }
 
 const ROOTS: [f64; 16] =

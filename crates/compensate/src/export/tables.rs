@@ -15,7 +15,7 @@
 //! says how much that is. Between the entries one interpolates linearly.
 
 use super::geometry::{point, with_errors};
-use super::left::{ExportOptions, Exported, error_left, ranges};
+use super::left::{ExportOptions, Exported, error_left, ranges, table_conditions};
 use crate::CompensateError;
 use crate::accuracy::everything;
 use truepose_errormodel::{FittedModel, GeneralizedErrors};
@@ -82,7 +82,7 @@ pub fn error_tables(
         return Err(CompensateError::Option { option: "entries", value, need: "2 to 100 000" });
     }
     let chain = fitted.chain();
-    let (schema, mut conditions) = everything(fitted, &options.conditions)?;
+    let (schema, mut conditions) = everything(fitted, &table_conditions(fitted, options))?;
     let mut predictor = fitted.bind(&schema)?;
     let ranges = ranges(fitted);
     let reference: Vec<f64> = ranges.iter().map(|(lower, upper)| 0.5 * (lower + upper)).collect();

@@ -53,6 +53,20 @@ impl Dataset {
         Ok(data)
     }
 
+    /// Adds the column of a body that follows a channel with this time constant, s; nothing happens where there is no such
+    /// channel, no time, or where the column is there already.
+    pub fn follow_late(&mut self, channel: &str, lag: f64) {
+        let name = late_channel(channel, lag);
+        if let Some((source, lag)) = self.late(&name)
+            && self.schema.time
+            && self.schema.channel(&name).is_none()
+        {
+            let column = self.following(source, lag);
+            self.schema.channels.push(Channel { name, ..self.schema.channels[source].clone() });
+            self.channels.push(column);
+        }
+    }
+
     /// Channel and lag of a late channel's name.
     fn late(&self, name: &str) -> Option<(usize, f64)> {
         let (source, lag) = name.rsplit_once(LATE)?;

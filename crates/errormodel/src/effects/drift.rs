@@ -9,7 +9,7 @@
 
 use super::travel::{ascending, free, positive};
 use super::{Basis, Spot};
-use crate::{Column, Effect, Emission, ModelError, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
 
@@ -118,7 +118,7 @@ impl Effect for Drift {
 
     fn shape(&self) -> Vec<Shape> {
         let range = self.time_constant_range;
-        self.time_constant.map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range))
+        self.time_constant.map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range, Search::Smooth))
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

@@ -121,6 +121,9 @@ impl Effect for JointCompliance {
             let Some(motion) = chain.joint_motion(joint) else { continue };
             out.along(column, &motion, at.joint_load(joint));
             column += 1;
+            if self.own_weight == OwnWeight::Declared {
+                continue;
+            }
             let axis = at.frame(motion.frame).rotation * motion.axis;
             for (k, numbers) in self.free(joint, chain) {
                 let (link, rotation) = (chain.joint(k), &at.frame(chain.frame_after(k)).rotation);

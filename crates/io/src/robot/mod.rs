@@ -3,10 +3,14 @@
 mod names;
 mod toml_form;
 mod urdf;
+mod urdf_corrected;
+mod urdf_form;
 mod urdf_path;
 mod write;
 mod xml_places;
 
+pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
+pub use urdf_form::robot_urdf;
 pub use write::robot_toml;
 
 use crate::{IoError, Warning};

@@ -3,15 +3,20 @@
 //! The URDF library keeps no positions and recurses into nested elements; this scanner looks at tags only, so
 //! that messages have a line and a hostile file cannot exhaust the stack.
 
+use std::ops::Range;
+
 /// Tags nest no deeper than this in any robot description.
 const DEEPEST: usize = 200;
 
-/// An opening tag: its element, its `name` attribute and where it begins.
+/// An opening tag: its element, its `name` attribute, where it begins and ends, and in how many others it stands.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Tag<'a> {
     pub element: &'a str,
     pub name: Option<&'a str>,
     pub at: usize,
+    /// Behind its `>`.
+    pub end: usize,
+    pub depth: usize,
 }
 
 /// The opening tags of a text in their order.
@@ -40,7 +45,8 @@ pub(super) fn tags(text: &str) -> Result<Vec<Tag<'_>>, (usize, String)> {
             depth = depth.saturating_sub(1);
         } else if !inner.is_empty() && !inner.starts_with('?') {
             let element = inner.split(|c: char| c.is_whitespace() || c == '/').next().unwrap_or("");
-            tags.push(Tag { element, name: attribute(inner, "name"), at: start });
+            let name = attribute(inner, "name").map(|value| &inner[value]);
+            tags.push(Tag { element, name, at: start, end: start + length, depth });
             if !inner.ends_with('/') {
                 depth += 1;
                 if depth > DEEPEST {
@@ -72,18 +78,19 @@ fn tag_end(tag: &str) -> Option<usize> {
     None
 }
 
-fn attribute<'a>(tag: &'a str, wanted: &str) -> Option<&'a str> {
-    let mut rest = tag;
-    while let Some(equals) = rest.find('=') {
-        let key = rest[..equals].trim_end().rsplit(char::is_whitespace).next()?;
-        let value = rest[equals + 1..].trim_start();
+/// Where in a tag the value of an attribute stands, without its quotes.
+pub(super) fn attribute(tag: &str, wanted: &str) -> Option<Range<usize>> {
+    let mut at = 0;
+    while let Some(equals) = tag[at..].find('=') {
+        let key = tag[at..at + equals].trim_end().rsplit(char::is_whitespace).next()?;
+        let value = tag[at + equals + 1..].trim_start();
         let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
-        let value = &value[1..];
-        let end = value.find(quote)?;
+        let begin = tag.len() - value.len() + 1;
+        let end = begin + value[1..].find(quote)?;
         if key == wanted {
-            return Some(&value[..end]);
+            return Some(begin..end);
         }
-        rest = &value[end + 1..];
+        at = end + 1;
     }
     None
 }
@@ -98,6 +105,9 @@ mod tests {
         let found = tags(text).unwrap();
         let names: Vec<_> = found.iter().map(|tag| (tag.element, tag.name)).collect();
         assert_eq!(names, [("robot", Some("r")), ("joint", Some("j1")), ("axis", None)]);
+        assert_eq!(found.iter().map(|tag| tag.depth).collect::<Vec<_>>(), [0, 1, 2]);
+        assert_eq!(&text[found[2].at..found[2].end], "<axis/>");
+        assert_eq!(attribute("a x = '1' y=\"2\"", "y"), Some(13..14));
         assert_eq!(place_of(&found, "joint", "j1"), text.find("<joint type").unwrap());
         assert!(tags(&"<a>".repeat(1000)).unwrap_err().1.contains("nest"));
         assert!(tags("<a").is_err());

@@ -1,0 +1,117 @@
+//! `truepose export`: the fitted geometry in forms that other controllers take.
+
+use super::{print_json, target};
+use crate::args::{Export, ExportFormat};
+use crate::failure::Failure;
+use crate::terminal;
+use truepose_compensate::{
+    AxisConvention, AxisTableOptions, ErrorLeft, ExportOptions, Exported, JointOrigins, axis_table,
+    error_tables, joint_origins,
+};
+use truepose_errormodel::{EffectRegistry, FittedModel};
+use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
+use truepose_kinematics::Pose;
+
+/// A file's text, and what it says of itself.
+struct Written {
+    text: String,
+    left_out: Vec<&'static str>,
+    error_left: ErrorLeft,
+    statement: Vec<String>,
+}
+
+/// Runs the verb.
+pub fn run(args: &Export) -> Result<(), Failure> {
+    if args.urdf.is_some() && args.format != ExportFormat::Urdf {
+        return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
+    }
+    check_writable(&args.out)?;
+    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let target = target(fitted.chain(), args.target.as_deref())?;
+    let options = ExportOptions { target, ..ExportOptions::default() };
+    let written = match args.format {
+        ExportFormat::Urdf => urdf(args, &fitted, &options)?,
+        ExportFormat::Dh => axes(args, &fitted, &options, AxisConvention::Dh)?,
+        ExportFormat::Mdh => axes(args, &fitted, &options, AxisConvention::Mdh)?,
+        ExportFormat::Ros => {
+            let origins = joint_origins(&fitted, &options)?;
+            let notes = notes(&fitted, &origins);
+            written(origins.value.to_ros_yaml(&notes), origins, notes)
+        }
+        ExportFormat::Iso230 => {
+            let tables = error_tables(&fitted, &options, args.entries as usize)?;
+            let notes = notes(&fitted, &tables);
+            written(tables.value.to_csv(fitted.chain(), &notes), tables, notes)
+        }
+    };
+    write_whole(&args.out, written.text.as_bytes())?;
+    if args.json {
+        return print_json(&serde_json::json!({
+            "left_out": written.left_out,
+            "error_left": {"rms_mm": 1e3 * written.error_left.rms, "max_mm": 1e3 * written.error_left.max},
+        }));
+    }
+    terminal::print(&format!("written to {}\n", args.out.display()));
+    for line in &written.statement[1..] {
+        terminal::print(&format!("{line}\n"));
+    }
+    Ok(())
+}
+
+fn written<T>(text: String, exported: Exported<T>, statement: Vec<String>) -> Written {
+    Written { text, left_out: exported.left_out, error_left: exported.error_left, statement }
+}
+
+/// What the file says at its front, and the terminal after the first line.
+fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
+    let mut notes = vec![format!(
+        "truepose {}: geometry of `{}` as fitted",
+        env!("CARGO_PKG_VERSION"),
+        fitted.chain().name()
+    )];
+    notes.extend(exported.statement());
+    notes
+}
+
+fn axes(
+    args: &Export,
+    fitted: &FittedModel,
+    options: &ExportOptions,
+    convention: AxisConvention,
+) -> Result<Written, Failure> {
+    let allow = AxisTableOptions { hayati: !args.no_hayati, ..AxisTableOptions::default() };
+    let table = axis_table(fitted, options, &allow)?;
+    let notes = notes(fitted, &table);
+    Ok(written(table.value.to_csv(convention, fitted.chain(), &notes), table, notes))
+}
+
+fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
+    let origins = joint_origins(fitted, options)?;
+    let mut notes = notes(fitted, &origins);
+    let JointOrigins { base, joints, tool } = &origins.value;
+    if *base != Pose::IDENTITY {
+        notes.push(format!("the base link stands in the measurement frame at {}", place(base)));
+    }
+    let nominal = fitted.chain();
+    let text = match &args.urdf {
+        None => robot_urdf(&origins.value.to_chain(nominal)?, &notes),
+        Some(path) => {
+            let declared = nominal.tool();
+            let known = declared.known;
+            if !known || declared.pose != Pose::IDENTITY {
+                let whole = if known { &declared.pose } else { tool };
+                notes.push(format!("the tool sits behind the tip link at {}", place(whole)));
+            }
+            let unchanged = !known || *tool == declared.pose;
+            let behind = if unchanged { Pose::IDENTITY } else { *tool * declared.pose.inverse() };
+            let origins = joints.iter().map(|joint| joint.pose).collect();
+            corrected_urdf(path, nominal, &UrdfCorrection { origins, behind, comment: notes.clone() })?
+        }
+    };
+    Ok(written(text, origins, notes))
+}
+
+fn place(pose: &Pose) -> String {
+    let triple = |v: [f64; 3]| v.map(|x| format!("{x:?}")).join(" ");
+    format!("xyz {} m, rpy {} rad", triple(pose.translation.into()), triple(pose.rpy()))
+}

@@ -1,0 +1,96 @@
+//! The fitted geometry as joint origins, in the robot's own base: what a URDF or a controller's kinematics file holds.
+//!
+//! ```text
+//! base link = B,   origin of joint 1 = E_0 pre_1,   origin of joint i+1 = post_i E_i pre_{i+1},   tool = post_n E_n tool E_tool
+//! ```
+//!
+//! | symbol | here | shape | unit | frame |
+//! | --- | --- | --- | --- | --- |
+//! | B | `base` | pose | m | measurement |
+//! | origin | `joints` | pose | m | of the joint in the frame of the one before, at q = 0 |
+//! | tool | `tool` | pose | m | of the tool in the last joint's frame |
+//!
+//! Where the base's place was not known beforehand, `E_0` says where the robot stands and not how it is made: it then is in
+//! `base`.
+
+use super::geometry::corrected_chain;
+use super::left::{ExportOptions, Exported};
+use crate::CompensateError;
+use nalgebra::{Unit, Vector3};
+use truepose_errormodel::FittedModel;
+use truepose_kinematics::{Chain, Joint, Link, Placed, Placement, Pose};
+
+/// A joint's origin, and its axis there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointOrigin {
+    /// The joint's name.
+    pub name: String,
+    /// Pose of the joint's frame in the one before, at q = 0.
+    pub pose: Pose,
+    /// Unit direction of the axis in the joint's frame.
+    pub axis: Unit<Vector3<f64>>,
+    /// Its link, the centre of mass in the joint's frame.
+    pub link: Option<Link>,
+}
+
+/// The robot as origins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointOrigins {
+    /// Measurement frame to the robot's base link.
+    pub base: Pose,
+    /// One a joint, fixed ones included.
+    pub joints: Vec<JointOrigin>,
+    /// Last joint's frame to the tool.
+    pub tool: Pose,
+}
+
+impl JointOrigins {
+    /// The robot of these origins, with names, limits, gravity and targets of the one given.
+    ///
+    /// # Errors
+    /// When the given robot has other joints.
+    pub fn to_chain(&self, like: &Chain) -> Result<Chain, CompensateError> {
+        let joints = like.joints().iter().zip(&self.joints).map(|(described, origin)| Joint {
+            placement: Placement::Origin { pose: origin.pose, axis: origin.axis },
+            link: origin.link,
+            ..described.clone()
+        });
+        Ok(Chain::new(like.name(), joints.collect())?
+            .with_base(Placed { pose: self.base, known: true })?
+            .with_tool(Placed { pose: self.tool, known: true })?
+            .with_gravity(*like.gravity())?
+            .with_targets(like.targets().to_vec())?)
+    }
+}
+
+/// The fitted geometry as origins of the joints.
+///
+/// # Errors
+/// When the conditions do not fit the model.
+pub fn joint_origins(
+    fitted: &FittedModel,
+    options: &ExportOptions,
+) -> Result<Exported<JointOrigins>, CompensateError> {
+    let Exported { value: chain, left_out, error_left } = corrected_chain(fitted, options)?;
+    let declared = fitted.chain().base();
+    let (base, mut before) = if declared.known {
+        (declared.pose, declared.pose.inverse() * chain.base().pose)
+    } else {
+        (chain.base().pose, Pose::IDENTITY)
+    };
+    if fitted.chain().base().pose == chain.base().pose {
+        // No error of the base: the first origin stays what it is, to the last digit.
+        before = Pose::IDENTITY;
+    }
+    let mut joints = Vec::with_capacity(chain.joints().len());
+    for joint in chain.joints() {
+        let (pose, axis) = match joint.placement {
+            Placement::Origin { pose, axis } => (pose, axis),
+            // A corrected chain has origins alone.
+            _ => (joint.transform(0.0), Vector3::z_axis()),
+        };
+        joints.push(JointOrigin { name: joint.name.clone(), pose: before * pose, axis, link: joint.link });
+        before = Pose::IDENTITY;
+    }
+    Ok(Exported { value: JointOrigins { base, joints, tool: chain.tool().pose }, left_out, error_left })
+}

@@ -1,0 +1,43 @@
+//! Temperatures that a body follows late: derived channels for a grid of time constants.
+
+use truepose_errormodel::Dataset;
+
+/// Time constants tried for each temperature.
+const LAGS: usize = 12;
+
+/// The data with each temperature channel as bodies of several time constants follow it: from the pace of the visits to the
+/// length of the record, in equal ratios.
+pub(crate) fn with_lags(data: &Dataset) -> Dataset {
+    let mut more = data.clone();
+    let from = data.time.iter().copied().fold(f64::INFINITY, f64::min);
+    let until = data.time.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let length = until - from;
+    if !data.schema.time || !length.is_finite() || length <= 0.0 {
+        return more;
+    }
+    let visits = data.visit.iter().max().map_or(1, |last| last + 1);
+    let shortest = (2.0 * length / visits as f64).max(1e-3 * length);
+    for channel in data.schema.channels.iter().filter(|channel| channel.temperature) {
+        for k in 0..LAGS {
+            let lag = shortest * (length / shortest).powf(k as f64 / (LAGS - 1) as f64);
+            // Three digits: the lag is part of a name.
+            let digits = 10f64.powf(lag.log10().floor() - 2.0);
+            more.follow_late(&channel.name, (lag / digits).round() * digits);
+        }
+    }
+    more
+}
+
+/// The data without derived channels.
+pub(crate) fn own_channels(data: &Dataset) -> Dataset {
+    let mut own = data.clone();
+    own.schema.channels = Vec::new();
+    own.channels = Vec::new();
+    for (channel, column) in data.schema.channels.iter().zip(&data.channels) {
+        if !channel.name.contains("~lag=") {
+            own.schema.channels.push(channel.clone());
+            own.channels.push(column.clone());
+        }
+    }
+    own
+}

@@ -1,0 +1,84 @@
+//! A map of the accuracy as a CSV file: the file of `truepose map`.
+
+use crate::poses::si_unit;
+use crate::table::TableWriter;
+use crate::{CommandStatus, IoError};
+use std::path::Path;
+use truepose_kinematics::Chain;
+
+/// One place of the workspace. NaN makes an empty cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapRow {
+    /// Where the point is to be, m, measurement frame.
+    pub position: [f64; 3],
+    /// Movable joints, rad or m.
+    pub joints: Vec<f64>,
+    /// Whether it can be reached.
+    pub status: CommandStatus,
+    /// By how much the uncompensated robot misses it, m.
+    pub before: f64,
+    /// With 95 % the compensated robot misses it by no more, m.
+    pub after_95: f64,
+    /// Whether the model was asked beyond what it was fitted on.
+    pub extrapolates: bool,
+}
+
+/// Writes a map, in m and rad.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_map(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Result<(), IoError> {
+    let mut header: Vec<String> = ["x[m]", "y[m]", "z[m]"].map(String::from).to_vec();
+    header.extend(chain.movable().iter().map(|&joint| {
+        let joint = chain.joint(joint);
+        format!("{}[{}]", joint.name, si_unit(joint.kind).word)
+    }));
+    header.extend(["status", "before[m]", "after_95[m]", "extrapolates"].map(String::from));
+    let mut table = TableWriter::create(path.as_ref(), &header)?;
+    for row in rows {
+        row.position.iter().for_each(|&value| table.number(value));
+        for k in 0..chain.movable().len() {
+            table.number(row.joints.get(k).copied().unwrap_or(f64::NAN));
+        }
+        table.text(row.status.word());
+        table.number(row.before);
+        table.number(row.after_95);
+        table.integer(row.extrapolates.into());
+        table.end_row()?;
+    }
+    table.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn what_has_no_figures_has_empty_cells() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
+        let row = MapRow {
+            position: [1.0, 2.0, 3.0],
+            joints: vec![0.5, 0.25, 0.125, -1.0],
+            status: CommandStatus::Ok,
+            before: 1e-3,
+            after_95: 5e-5,
+            extrapolates: true,
+        };
+        let nan = f64::NAN;
+        let far = MapRow { status: CommandStatus::Unreachable, before: nan, after_95: nan, ..row.clone() };
+        write_map(&path, &samples::scara(), &[row, far]).unwrap();
+        let names: Vec<String> =
+            samples::scara().joints().iter().map(|j| format!("{}[{}]", j.name, j.unit())).collect();
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            format!(
+                "x[m],y[m],z[m],{},status,before[m],after_95[m],extrapolates\n\
+                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,ok,0.001,5e-5,1\n\
+                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,unreachable,,,1\n",
+                names.join(",")
+            )
+        );
+    }
+}

@@ -1,0 +1,285 @@
+//! A URDF with other joint origins: the numbers of the origins change, and not another byte of what was there.
+//!
+//! What is added is a comment behind `<robot …>`, an `<origin>` where a joint had none, and, where the tool has moved
+//! against a last joint that moves itself, a link behind it with a fixed joint, at the file's end.
+
+use super::xml_places::{Tag, attribute, tags};
+use crate::IoError;
+use crate::text::Text;
+use std::fmt::Write;
+use std::ops::Range;
+use std::path::Path;
+use truepose_kinematics::{Chain, Placement, Pose};
+
+/// What is put into a URDF.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UrdfCorrection {
+    /// The corrected origin of each joint of the chain, fixed ones included.
+    pub origins: Vec<Pose>,
+    /// What stands between the last joint's frame and the nominal tool: the corrected tool's pose times the inverse of the
+    /// nominal one. The identity changes nothing.
+    pub behind: Pose,
+    /// Lines of a comment.
+    pub comment: Vec<String>,
+}
+
+/// The link that is added behind a last joint that moves.
+const ADDED_LINK: &str = "truepose_tip";
+const ADDED_JOINT: &str = "truepose_correction";
+
+/// Nominal origins that differ by more, in m or in a rotation's entry, are those of another robot.
+const SAME: f64 = 1e-9;
+
+/// The text of a URDF with corrected origins.
+///
+/// # Errors
+/// When the file cannot be read or is no URDF, or its joints are not those of the chain: with file, line and column.
+pub fn corrected_urdf(
+    path: impl AsRef<Path>,
+    nominal: &Chain,
+    correction: &UrdfCorrection,
+) -> Result<String, IoError> {
+    let text = Text::read(path.as_ref())?;
+    let tags = tags(&text.text).map_err(|(at, message)| text.error(at, message))?;
+    let robot = tags
+        .first()
+        .filter(|tag| tag.element == "robot")
+        .ok_or_else(|| text.error(0, "is no URDF: it does not begin with <robot>"))?;
+    let described = urdf_rs::read_from_string(&text.text).map_err(|error| {
+        text.error(0, format!("is not a valid URDF: {}", error.to_string().replace('\n', "; ")))
+    })?;
+    if correction.origins.len() != nominal.joints().len() {
+        let (have, need) = (correction.origins.len(), nominal.joints().len());
+        return Err(IoError::file(path.as_ref(), format!("{have} origins are given for {need} joints")));
+    }
+    let mut edits = vec![Edit { at: robot.end..robot.end, with: comment(&correction.comment) }];
+    let last = nominal.joints().len().saturating_sub(1);
+    let mut parent: Option<&str> = None;
+    for (index, (joint, corrected)) in nominal.joints().iter().zip(&correction.origins).enumerate() {
+        let Some(element) = joint_element(&tags, &joint.name) else {
+            return Err(
+                text.error(robot.at, format!("has no joint `{}`, which the fit's robot has", joint.name))
+            );
+        };
+        let refused =
+            |message: String| text.error(element[0].at, format!("joint `{}` {message}", joint.name));
+        let Some(found) = described.joints.iter().find(|described| described.name == joint.name) else {
+            return Err(refused("cannot be read".into()));
+        };
+        if parent.is_some_and(|link| link != found.parent.link) {
+            return Err(refused("does not follow the joint in front of it in the fit's robot".into()));
+        }
+        parent = Some(&found.child.link);
+        let Placement::Origin { pose, .. } = joint.placement else {
+            return Err(refused(
+                "is described in the fit's robot by a row of Denavit and Hartenberg, not by this URDF".into(),
+            ));
+        };
+        let here = Pose::from_xyz_rpy(found.origin.xyz.0, found.origin.rpy.0);
+        let (off, turned) =
+            ((here.translation - pose.translation).amax(), (here.rotation - pose.rotation).amax());
+        if off.max(turned) > SAME {
+            return Err(refused(format!(
+                "has another origin than in the fit's robot, by {off:.1e} m and {turned:.1e}: give the URDF that the fit was made from"
+            )));
+        }
+        let mut wanted = *corrected;
+        if index == last && !joint.moves() {
+            wanted = wanted * correction.behind;
+        }
+        edit_origin(&text.text, element, &pose, &wanted, &mut edits);
+    }
+    let moves = nominal.joints().last().is_some_and(|joint| joint.moves());
+    if moves && correction.behind != Pose::IDENTITY {
+        for (kind, name) in [("link", ADDED_LINK), ("joint", ADDED_JOINT)] {
+            if let Some(tag) = tags.iter().find(|tag| tag.element == kind && tag.name == Some(name)) {
+                return Err(
+                    text.error(tag.at, format!("has a {kind} `{name}` already: give the original file"))
+                );
+            }
+        }
+        let end = text.text.rfind("</robot").unwrap_or(text.text.len());
+        edits.push(Edit { at: end..end, with: added(parent.unwrap_or_default(), &correction.behind) });
+    }
+    Ok(edited(&text.text, edits))
+}
+
+/// A piece of the text, and what stands there instead.
+struct Edit {
+    at: Range<usize>,
+    with: String,
+}
+
+fn edited(text: &str, mut edits: Vec<Edit>) -> String {
+    edits.sort_by_key(|edit| edit.at.start);
+    let mut out = String::with_capacity(text.len() + 1000);
+    let mut from = 0;
+    for edit in edits {
+        out.push_str(&text[from..edit.at.start]);
+        out.push_str(&edit.with);
+        from = edit.at.end;
+    }
+    out.push_str(&text[from..]);
+    out
+}
+
+/// The opening tags of a joint and of everything in it. Transmissions and controllers name joints, too, deeper down.
+fn joint_element<'t, 'a>(tags: &'t [Tag<'a>], name: &str) -> Option<&'t [Tag<'a>]> {
+    let first =
+        tags.iter().position(|tag| tag.depth == 1 && tag.element == "joint" && tag.name == Some(name))?;
+    let inner = tags[first + 1..].iter().take_while(|tag| tag.depth > 1).count();
+    Some(&tags[first..=first + inner])
+}
+
+/// The edits that turn one origin into another; numbers that stay are left as they are written.
+fn edit_origin(text: &str, element: &[Tag<'_>], from: &Pose, to: &Pose, edits: &mut Vec<Edit>) {
+    let triple = |v: [f64; 3]| v.map(|x| format!("{x:?}")).join(" ");
+    let (xyz, rpy) = (triple(to.translation.into()), triple(to.rpy()));
+    let moved = from.translation != to.translation;
+    let turned = from.rotation != to.rotation;
+    if !moved && !turned {
+        return;
+    }
+    let Some(origin) = element.iter().find(|tag| tag.depth == 2 && tag.element == "origin") else {
+        let end = element[0].end;
+        edits.push(Edit { at: end..end, with: format!("<origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>") });
+        return;
+    };
+    let tag = &text[origin.at..origin.end];
+    let after_word = origin.at + "<origin".len();
+    for (name, value, changed) in [("xyz", xyz, moved), ("rpy", rpy, turned)] {
+        match attribute(tag, name) {
+            _ if !changed => {}
+            Some(at) => edits.push(Edit { at: origin.at + at.start..origin.at + at.end, with: value }),
+            None => edits.push(Edit { at: after_word..after_word, with: format!(" {name}=\"{value}\"") }),
+        }
+    }
+}
+
+pub(super) fn comment(lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from("\n<!--\n");
+    for line in lines {
+        // Two hyphens would end it.
+        let _ = writeln!(out, "  {}", line.replace("--", "- -"));
+    }
+    out + "-->"
+}
+
+fn added(parent: &str, behind: &Pose) -> String {
+    let triple = |v: [f64; 3]| v.map(|x| format!("{x:?}")).join(" ");
+    let (xyz, rpy) = (triple(behind.translation.into()), triple(behind.rpy()));
+    format!(
+        "<link name=\"{ADDED_LINK}\"/>\n<joint name=\"{ADDED_JOINT}\" type=\"fixed\"><origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>\
+         <parent link=\"{parent}\"/><child link=\"{ADDED_LINK}\"/></joint>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RobotOptions, read_robot};
+
+    const ARM: &str = r#"<?xml version="1.0"?>
+<robot name="arm">
+<ros2_control name="c" type="system"><joint name="j1"><origin/></joint></ros2_control>
+<link name="base"/><link name="l1"/><link name="l2"/><link name="l3"/><!-- <joint name="j2"/> -->
+<joint name='j1' type='revolute'><origin rpy='0 0 0.5'   xyz='0 0 3e-1'/><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="2" effort="1" velocity="1"/></joint>
+<joint name="j2" type="continuous"><parent link="l1"/><child link="l2"/><axis xyz="0 1 0"/></joint>
+<joint name="j3" type="prismatic"><origin xyz="0.1 0 0"/><parent link="l2"/><child link="l3"/><axis xyz="0 0 -1"/>
+<limit lower="0" upper="0.5" effort="1" velocity="1"/></joint>
+</robot>
+"#;
+
+    fn nominal(folder: &Path, text: &str) -> Chain {
+        std::fs::write(folder.join("a.urdf"), text).unwrap();
+        read_robot(folder.join("a.urdf"), &RobotOptions::default()).unwrap().0
+    }
+
+    fn origins(chain: &Chain) -> Vec<Pose> {
+        chain.joints().iter().map(|joint| joint.transform(0.0)).collect()
+    }
+
+    #[test]
+    fn nothing_changes_without_a_correction() {
+        let folder = tempfile::tempdir().unwrap();
+        let chain = nominal(folder.path(), ARM);
+        let correction = UrdfCorrection { origins: origins(&chain), behind: Pose::IDENTITY, comment: vec![] };
+        assert_eq!(corrected_urdf(folder.path().join("a.urdf"), &chain, &correction).unwrap(), ARM);
+    }
+
+    #[test]
+    fn only_the_numbers_of_the_origins_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let chain = nominal(folder.path(), ARM);
+        let mut corrected = origins(&chain);
+        let small = Pose::from_xyz_rpy([1e-4, -2e-4, 3e-4], [1e-3, 2e-3, -1e-3]);
+        corrected[0].translation.z += 1e-3;
+        corrected[1] = corrected[1] * small;
+        corrected[2] = corrected[2] * small;
+        let correction =
+            UrdfCorrection { origins: corrected.clone(), behind: small, comment: vec!["a -- b".into()] };
+        let text = corrected_urdf(folder.path().join("a.urdf"), &chain, &correction).unwrap();
+        // Taken out again, what is left is the original.
+        let (xyz, rpy) = (
+            "0.0001 -0.0002 0.0003",
+            format!("{:?} {:?} {:?}", small.rpy()[0], small.rpy()[1], small.rpy()[2]),
+        );
+        let third = Pose::from_xyz_rpy([0.1, 0.0, 0.0], [0.0; 3]) * small;
+        let third = third.translation;
+        let back = text
+            .replace("\n<!--\n  a - - b\n-->", "")
+            .replace(
+                &format!("<origin xyz=\"{xyz}\" rpy=\"{rpy}\"/><parent link=\"l1\"/>"),
+                "<parent link=\"l1\"/>",
+            )
+            .replace(
+                &format!("<origin rpy=\"{rpy}\" xyz=\"{:?} {:?} {:?}\"/>", third.x, third.y, third.z),
+                "<origin xyz=\"0.1 0 0\"/>",
+            )
+            .replace("xyz='0.0 0.0 0.301'", "xyz='0 0 3e-1'")
+            .replace(&added("l3", &small), "");
+        assert_eq!(back, ARM);
+        std::fs::write(folder.path().join("b.urdf"), &text).unwrap();
+        let (again, _) = read_robot(folder.path().join("b.urdf"), &RobotOptions::default()).unwrap();
+        let q = [0.3, -0.4, 0.2];
+        let expected =
+            chain.joints().iter().zip(&corrected).zip(q).fold(Pose::IDENTITY, |at, ((joint, origin), q)| {
+                at * *origin * joint.transform(0.0).inverse() * joint.transform(q)
+            }) * small;
+        let found = again.forward(&q);
+        assert!((found.translation - expected.translation).norm() < 1e-14);
+        assert!((found.rotation - expected.rotation).amax() < 1e-14);
+        // A file that was corrected is not corrected again.
+        assert!(corrected_urdf(folder.path().join("b.urdf"), &chain, &correction).is_err());
+    }
+
+    #[test]
+    fn another_robot_is_refused_with_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let chain = nominal(folder.path(), ARM);
+        let correction = UrdfCorrection { origins: origins(&chain), behind: Pose::IDENTITY, comment: vec![] };
+        let say = |text: &str| {
+            let path = folder.path().join("other.urdf");
+            std::fs::write(&path, text).unwrap();
+            let error = corrected_urdf(&path, &chain, &correction).unwrap_err().to_string();
+            error.replace(&format!("{}/", folder.path().display()), "")
+        };
+        let moved = say(&ARM.replace("0.1 0 0", "0.2 0 0"));
+        assert!(
+            moved.starts_with("other.urdf:8:1: joint `j3` has another origin than in the fit's robot"),
+            "{moved}"
+        );
+        let missing = say(&ARM.replace("name=\"j3\"", "name=\"j9\""));
+        assert_eq!(missing, "other.urdf:2:1: has no joint `j3`, which the fit's robot has");
+        for broken in ["", "<a/>", "<robot", "<robot name='r'/>"] {
+            assert!(say(broken).starts_with("other.urdf"), "{broken}");
+        }
+        let dh = truepose_kinematics::samples::heavy();
+        let correction = UrdfCorrection { origins: origins(&dh), ..correction };
+        assert!(corrected_urdf(folder.path().join("a.urdf"), &dh, &correction).is_err());
+    }
+}
