@@ -27,12 +27,14 @@ pub struct Candidate {
     pub place: Place,
     /// What would be done.
     pub change: Change,
+    /// Standard deviation of the prior on its coefficients, in expected sizes; none before it was fitted.
+    pub width: Option<f64>,
 }
 
 impl Candidate {
     /// One effect at one place.
     pub fn new(family: Family, place: Place, effect: impl AnyEffect + 'static) -> Self {
-        Candidate { family, place, change: Change::Add(vec![Box::new(effect)]) }
+        Candidate { family, place, change: Change::Add(vec![Box::new(effect)]), width: None }
     }
 
     /// Whether both are the same cause at the same place, in whatever shape.

@@ -9,6 +9,7 @@ use crate::diagnosis::{
 use crate::evidence::{Evidence, Gain};
 use crate::outliers::outliers;
 use crate::projection::Projection;
+use crate::sample::sample;
 use crate::scene::Scene;
 use crate::working::{Working, with_loads};
 use crate::{Family, Place, contest::TIE, lags, library, payload};
@@ -239,6 +240,7 @@ fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
             family: Family::Outlier,
             place: Place::default(),
             change: Change::Add(Vec::new()),
+            width: None,
         },
         evidence: Evidence {
             p_value: 0.002,
@@ -265,7 +267,8 @@ pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError
     const LEFT: f64 = 0.05;
     /// Noncentrality at which the screen finds one unknown four times in five.
     const POWER: f64 = 30.0;
-    let scene = Scene::new(&now.fit, &now.data)?;
+    let searched = sample(&now.data, 0);
+    let scene = Scene::new(&now.fit, &searched)?;
     let projection = Projection::new(&scene);
     let all = library::candidates(scene.chain(), scene.data);
     let judged: Vec<(Candidate, f64, Option<f64>)> = all

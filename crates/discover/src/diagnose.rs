@@ -5,6 +5,7 @@ use crate::contest::{Contest, Rival, contest};
 use crate::diagnosis::{Diagnosis, Refused, Stop};
 use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
+use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::working::{Ground, Working};
@@ -62,8 +63,7 @@ pub fn diagnose(
     let mut ground =
         Ground { chain: &placement.chain, declared, data: &train, solver, fit: options.fit.clone() };
     let first = ground.working(Vec::new(), &[])?;
-    // How far the declared errors lie from what was expected of them is not for the finds to say: many small
-    // coefficients would pull the prior of a few large ones down.
+    // How far the declared errors lie from what was expected of them is not for the finds to say.
     if ground.fit.prior == PriorStrength::Evidence {
         ground.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
     }
@@ -95,9 +95,10 @@ pub(crate) type LastWord = (f64, f64);
 
 impl Search<'_> {
     fn run(&mut self, progress: &(dyn Fn(Progress) + Sync)) -> Result<(Stop, LastWord), DiscoverError> {
-        loop {
+        for round in 0.. {
             progress(Progress::Screening(self.accepted.len()));
-            let scene = Scene::new(&self.now.fit, &self.now.data)?;
+            let searched = sample(&self.now.data, self.options.seed.wrapping_add(round));
+            let scene = Scene::new(&self.now.fit, &searched)?;
             let screen = Screen::new(&scene);
             let null = screen.null(self.options.flips, self.options.seed);
             let p_value = null.p_value(screen.largest());
@@ -117,6 +118,7 @@ impl Search<'_> {
             progress(Progress::Reconsidering);
             reconsider::reconsider(self)?;
         }
+        unreachable!("the rounds end with a word")
     }
 
     /// Fits the model with everything that was accepted.
@@ -174,6 +176,9 @@ fn winner(
 /// The candidate with what the contest found out about its change.
 pub(crate) fn adopted(rival: &Rival) -> Candidate {
     let mut candidate = rival.candidate.clone();
+    let sizes = &rival.likelihood.coefficients;
+    let typical = (sizes.norm_squared() / sizes.len().max(1) as f64).sqrt();
+    candidate.width = Some(2.0 * typical.max(1e-3));
     if let crate::candidate::Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
     }

@@ -48,19 +48,35 @@ impl NullDistribution {
             .par_iter()
             .map(|block| {
                 let sums = &signs * block.by_unit;
-                let mut largest = vec![f64::NEG_INFINITY; flips];
+                // The quantile grows with the gain: only the largest share of each freedom has to be turned into one.
+                let widest = block.freedoms.iter().copied().max().unwrap_or(0);
+                let mut shares = vec![0.0f64; flips * (widest + 1)];
+                let mut squares = vec![0.0f64; flips];
                 let mut first = 0;
                 for &freedom in &block.freedoms {
-                    if freedom > 0 {
-                        for (b, most) in largest.iter_mut().enumerate() {
-                            let squares: f64 =
-                                (first..first + freedom).map(|k| f64::from(sums[(b, k)]).powi(2)).sum();
-                            *most = most.max(quantile(projection.gain(squares, rss[b]), freedom));
+                    squares.fill(0.0);
+                    for k in first..first + freedom {
+                        for (square, v) in squares.iter_mut().zip(sums.column(k).iter()) {
+                            *square += f64::from(*v) * f64::from(*v);
                         }
+                    }
+                    for (b, square) in squares.iter().enumerate() {
+                        let most = &mut shares[b * (widest + 1) + freedom];
+                        *most = most.max(square / rss[b]);
                     }
                     first += freedom;
                 }
-                largest
+                (0..flips)
+                    .map(|b| {
+                        (1..=widest)
+                            .filter(|&freedom| shares[b * (widest + 1) + freedom] > 0.0)
+                            .map(|freedom| {
+                                let share = shares[b * (widest + 1) + freedom];
+                                quantile(projection.gain(share, 1.0), freedom)
+                            })
+                            .fold(f64::NEG_INFINITY, f64::max)
+                    })
+                    .collect::<Vec<f64>>()
             })
             .reduce(
                 || vec![f64::NEG_INFINITY; flips],

@@ -18,12 +18,15 @@ mod outliers;
 mod payload;
 mod periodogram;
 mod place;
+mod product;
 mod projection;
 mod reconsider;
+mod sample;
 mod scene;
 mod screen;
 mod shape;
 mod whitener;
+mod wide;
 mod working;
 
 pub use candidate::{Candidate, Change};

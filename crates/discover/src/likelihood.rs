@@ -14,6 +14,7 @@
 //! 0.1 mm look alike when both are weighed with the scatter from before.
 
 use crate::DiscoverError;
+use crate::product::cross;
 use crate::scene::Scene;
 use crate::whitener::Whitener;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
@@ -34,8 +35,6 @@ pub(crate) struct Likelihood {
     pub coefficients: DVector<f64>,
     /// Standard deviations of γ.
     pub deviations: DVector<f64>,
-    /// Raw residuals, m or rad.
-    pub residual: DVector<f64>,
     /// Raw [A | X | y].
     columns: DMatrix<f64>,
     /// Precision that the priors add.
@@ -61,7 +60,7 @@ impl Likelihood {
         let (r, k) = (scene.base.ncols(), extra.ncols());
         let mut prior = DMatrix::zeros(n, n);
         if let Some(rows) = &scene.prior {
-            prior.view_mut((0, 0), (r, r)).copy_from(&rows.tr_mul(rows));
+            prior.view_mut((0, 0), (r, r)).copy_from(&cross(rows, rows));
         }
         for at in r..n {
             prior[(at, at)] = 1.0 / (WIDE * WIDE);
@@ -72,7 +71,7 @@ impl Likelihood {
         loop {
             let whitener = Whitener::new(scene, noise);
             let white = whitener.of(&columns);
-            let gram = white.tr_mul(&white);
+            let gram = cross(&white, &white);
             let (solution, factor) = solved(&gram, &prior)?;
             let residual = columns.column(n) - columns.columns(0, n) * &solution;
             let again = estimate_noise(scene.data, visits, &as_residuals(scene, &residual), freedom);
@@ -91,7 +90,6 @@ impl Likelihood {
                 noise,
                 coefficients: solution.rows(r, k).into_owned(),
                 deviations,
-                residual,
                 columns,
                 prior,
                 whitener,
@@ -108,11 +106,11 @@ impl Likelihood {
         for (at, o) in scene.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
         }
-        let whole = white.tr_mul(&white);
+        let whole = cross(&white, &white);
         let mut residual = vec![f64::NAN; scene.len()];
         for members in &by_fold {
             let part = white.select_rows(members);
-            let (solution, _) = solved(&(&whole - part.tr_mul(&part)), &self.prior)?;
+            let (solution, _) = solved(&(&whole - cross(&part, &part)), &self.prior)?;
             for &at in members {
                 let row = self.columns.row(at);
                 let predicted: f64 = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).sum();
@@ -132,7 +130,7 @@ impl Likelihood {
         let members: Vec<usize> =
             (0..scene.len()).filter(|&at| visits[scene.observations[at].visit]).collect();
         let white = self.whitener.of(&self.columns).select_rows(&members);
-        let (solution, factor) = solved(&white.tr_mul(&white), &self.prior)?;
+        let (solution, factor) = solved(&cross(&white, &white), &self.prior)?;
         let first = self.columns.ncols() - 1 - unknowns;
         let inverse = factor.inverse();
         let covariance = inverse.view((first, first), (unknowns, unknowns)).into_owned();

@@ -3,6 +3,7 @@
 //! A joint stands still during a visit, so that whitening leaves `g(q) sin(ν q)` what it is: the whitened motion times the
 //! wave. Frequencies are as dense as the visited range can tell apart, four to a cycle over it.
 
+use crate::product::cross;
 use crate::projection::{Projection, basis, quantile};
 use crate::scene::Scene;
 use nalgebra::DMatrix;
@@ -69,7 +70,7 @@ pub(crate) fn scan(
                     waves[(at, 2 * k + 1)] = c * motion[at];
                 }
             }
-            let along = if exact { Some(projection.q.tr_mul(&waves)) } else { None };
+            let along = if exact { Some(cross(&projection.q, &waves)) } else { None };
             let projected = match &along {
                 Some(along) => &waves - &projection.q * along,
                 None => waves.clone(),

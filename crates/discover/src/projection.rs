@@ -9,6 +9,7 @@
 //! unknowns are compared on the scale of a normal quantile (Wilson and Hilferty 1931). A direction of which the present model already
 //! explains nearly all is left out: there the data cannot speak for the candidate.
 
+use crate::product::cross;
 use crate::scene::Scene;
 use crate::whitener::Whitener;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -70,7 +71,7 @@ impl Projection {
         }
         let q = if r == 0 { joined } else { joined.qr().q() };
         let (top, bottom) = (q.rows(0, m).into_owned(), q.rows(m, extra).into_owned());
-        let along = top.tr_mul(&y.column(0));
+        let along = cross(&top, &y).column(0).into_owned();
         let residual = y.column(0) - &top * &along;
         let rss = residual.norm_squared() + (&bottom * &along).norm_squared();
         let merge = scene.visits.div_ceil(MOST_UNITS).max(1);
@@ -91,9 +92,9 @@ impl Projection {
     /// The score of a candidate's raw columns; none when nothing of it is left.
     pub fn score(&self, columns: &DMatrix<f64>) -> Option<Score> {
         let x = self.whitener.of(columns);
-        let along = self.q.tr_mul(&x);
-        let raw = x.tr_mul(&x);
-        let left = &raw - along.tr_mul(&along);
+        let along = cross(&self.q, &x);
+        let raw = cross(&x, &x);
+        let left = &raw - cross(&along, &along);
         let total = raw.trace();
         if !(total > 0.0 && total.is_finite()) {
             return None;

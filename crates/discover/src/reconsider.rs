@@ -7,6 +7,7 @@ use crate::DiscoverError;
 use crate::candidate::Candidate;
 use crate::contest::{TIE, contest};
 use crate::diagnose::{Search, adopted};
+use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
 
@@ -25,7 +26,8 @@ pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
             .map(|(_, a)| a.candidate.clone())
             .collect();
         let without = search.ground.working(others.clone(), &search.now.outliers.suspects)?;
-        let scene = Scene::new(&without.fit, &without.data)?;
+        let searched = sample(&without.data, search.options.seed);
+        let scene = Scene::new(&without.fit, &searched)?;
         let screen = Screen::new(&scene);
         let contest = contest(&scene, &screen, &others)?;
         let mine = &search.accepted[at].candidate;

@@ -4,9 +4,10 @@ use crate::candidate::{Candidate, Change};
 use crate::likelihood::Likelihood;
 use crate::outliers::{Outliers, outliers};
 use crate::scene::Scene;
+use crate::wide::Wide;
 use crate::{DiscoverError, payload};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
-use truepose_identify::{Fit, FitOptions, fit};
+use truepose_identify::{Fit, FitOptions, PriorStrength, fit};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -58,7 +59,18 @@ impl Ground<'_> {
     /// The fit of the declared model with these finds.
     pub fn fitted(&self, found: &[Candidate], data: &Dataset) -> Result<Fit, DiscoverError> {
         let mut effects = self.declared.to_vec();
-        effects.extend(found.iter().flat_map(|candidate| candidate.effects().iter().cloned()));
+        let kappa = match self.fit.prior {
+            PriorStrength::Fixed(kappa) => kappa,
+            _ => 1.0,
+        };
+        for candidate in found {
+            for effect in candidate.effects() {
+                effects.push(match candidate.width {
+                    Some(width) => Box::new(Wide { effect: effect.clone(), stretch: width / kappa }),
+                    None => effect.clone(),
+                });
+            }
+        }
         let model = ErrorModel::new(self.chain.clone(), effects)?;
         Ok(fit(&model, data, self.solver, &self.fit)?)
     }

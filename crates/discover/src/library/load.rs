@@ -17,6 +17,7 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             family: Family::Payload,
             place: Place { level: Some(level), ..Place::default() },
             change: Change::CorrectLoad { level, mass: level },
+            width: None,
         });
     }
 }

@@ -68,6 +68,7 @@ pub(crate) fn transmission_at(
         family: Family::Transmission,
         place: Place::joint(chain, joint),
         change: crate::candidate::Change::Add(effects.collect()),
+        width: None,
     }
 }
 
