@@ -134,7 +134,7 @@ pub struct Discover {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Family-wise probability above which a find is taken for chance
-    #[arg(long, default_value_t = 0.005)]
+    #[arg(long, default_value_t = 0.002)]
     pub alpha: f64,
     /// Sign flips behind each p-value
     #[arg(long, default_value_t = 999)]

@@ -5,6 +5,7 @@ use crate::contest::{Contest, Rival, contest};
 use crate::diagnosis::{Diagnosis, Refused, Stop};
 use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
+use crate::polish::polished;
 use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
@@ -115,6 +116,11 @@ impl Search<'_> {
             progress(Progress::Found(accepted.candidate.words()));
             self.accepted.push(accepted);
             self.refit()?;
+            let last = self.accepted.len() - 1;
+            if let Some(better) = polished(&self.ground, &self.now, last)? {
+                self.accepted[last].candidate = better;
+                self.refit()?;
+            }
             progress(Progress::Reconsidering);
             reconsider::reconsider(self)?;
         }

@@ -18,6 +18,7 @@ mod outliers;
 mod payload;
 mod periodogram;
 mod place;
+mod polish;
 mod product;
 mod projection;
 mod reconsider;

@@ -26,7 +26,7 @@ impl Default for DiscoverOptions {
             holdout: 0.2,
             seed: 0,
             flips: 999,
-            alpha: 0.005,
+            alpha: 0.002,
             most: 24,
             fit: FitOptions::default(),
         }

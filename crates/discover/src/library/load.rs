@@ -15,7 +15,8 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
     for level in levels {
         all.push(Candidate {
             family: Family::Payload,
-            place: Place { level: Some(level), ..Place::default() },
+            // Units of the file leave a rounding error in the last digits.
+            place: Place { level: Some((level * 1e6).round() * 1e-6), ..Place::default() },
             change: Change::CorrectLoad { level, mass: level },
             width: None,
         });
