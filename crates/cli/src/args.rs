@@ -139,6 +139,12 @@ pub struct Discover {
     /// Sign flips behind each p-value
     #[arg(long, default_value_t = 999)]
     pub flips: usize,
+    /// Judge the loop itself as well: run the whole of it with each of so many folds left out
+    #[arg(long, value_name = "FOLDS", value_parser = clap::value_parser!(u16).range(2..=100))]
+    pub nested: Option<u16>,
+    /// How configurations are divided into those folds
+    #[arg(long, value_enum, default_value_t = SplitKind::Random)]
+    pub split: SplitKind,
     /// Effects to find at most
     #[arg(long, default_value_t = 24)]
     pub most: usize,

@@ -265,6 +265,8 @@ fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
 pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError> {
     /// Less of a cause than this is left by the declared model.
     const LEFT: f64 = 0.05;
+    /// Less than this is left only of what the declared model has itself.
+    const DECLARED: f64 = 1e-4;
     /// Noncentrality at which the screen finds one unknown four times in five.
     const POWER: f64 = 30.0;
     let searched = sample(&now.data, 0);
@@ -292,7 +294,8 @@ pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError
             None => list.push(Untestable { family: candidate.family, place, share, detectable }),
         }
     }
-    list.retain(|u| u.share < LEFT);
+    // What is declared already is no question; what does nothing at all here is one that other data could answer.
+    list.retain(|u| u.detectable.is_none() || (u.share < LEFT && u.share > DECLARED));
     Ok(list)
 }
 

@@ -57,7 +57,19 @@ pub fn diagnose(
     options.validate()?;
     // History is made on the whole record, before anything is drawn from it.
     let data = &lags::with_lags(data);
-    let (train_rows, holdout_rows) = hold_out(data, options.holdout, options.seed)?;
+    let rows = hold_out(data, options.holdout, options.seed)?;
+    on_split(chain, declared, (data, rows), solver, options, progress)
+}
+
+/// Runs the closed loop on given training rows, and judges it on the others.
+pub(crate) fn on_split(
+    chain: &Chain,
+    declared: &[Box<dyn AnyEffect>],
+    (data, (train_rows, holdout_rows)): (&Dataset, (Vec<usize>, Vec<usize>)),
+    solver: &dyn Solver,
+    options: &DiscoverOptions,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Diagnosis, DiscoverError> {
     let train = data.select(&train_rows);
     progress(Progress::Fitting);
     let placement = place(chain, &train)?;

@@ -13,6 +13,7 @@ mod lags;
 mod library;
 mod likelihood;
 mod look_ahead;
+mod nested;
 mod options;
 mod outliers;
 mod payload;
@@ -38,5 +39,6 @@ pub use diagnosis::{
 pub use error::DiscoverError;
 pub use evidence::{Doubt, Evidence, Gain};
 pub use family::Family;
+pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
 pub use place::Place;

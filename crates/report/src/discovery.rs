@@ -4,7 +4,9 @@ mod text;
 
 use crate::PositionSpread;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Alternative, Diagnosis, Errors, Evidence, Finding, Parameter, Place, Stop};
+use truepose_discover::{
+    Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Stop,
+};
 use truepose_errormodel::Visits;
 
 /// The ledger of a discovery: `discovery.json`.
@@ -36,8 +38,37 @@ pub struct DiscoverySummary {
     pub unexplained: UnexplainedSummary,
     /// Why the loop stopped.
     pub stopped: Stop,
+    /// The loop itself, judged on every row by a run that did not see it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nested: Option<NestedSummary>,
     /// Seed, flips, level.
     pub settings: Settings,
+}
+
+/// The loop judged by whole runs with a fold left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NestedSummary {
+    /// How the folds were made.
+    pub folds: String,
+    /// With the declared model.
+    pub before: PositionSpread,
+    /// With what each run found.
+    pub after: PositionSpread,
+    /// What each run found, in words.
+    pub found: Vec<Vec<String>>,
+}
+
+impl NestedSummary {
+    /// Of nested runs.
+    pub fn new(judged: &Nested, folds: String) -> Self {
+        let words = |run: &Diagnosis| run.findings.iter().map(|f| f.candidate.words()).collect();
+        NestedSummary {
+            folds,
+            before: judged.before.into(),
+            after: judged.after.into(),
+            found: judged.runs.iter().map(words).collect(),
+        }
+    }
 }
 
 /// Errors on the training part and on the part that took part in nothing.
@@ -243,6 +274,7 @@ impl DiscoverySummary {
                 p_value: found.unexplained.p_value,
             },
             stopped: found.stopped,
+            nested: None,
             settings,
         }
     }

@@ -9,7 +9,7 @@ mod words;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary, Reference,
+    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary, NestedSummary, Reference,
     RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
 };
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};

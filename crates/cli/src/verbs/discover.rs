@@ -5,13 +5,13 @@ use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
-use truepose_discover::{DiscoverOptions, Progress, diagnose};
+use truepose_discover::{DiscoverOptions, Progress, diagnose, nested};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, EffectRegistry};
 use truepose_io::{
     MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit, write_whole,
 };
-use truepose_report::{DiscoverySummary, Settings};
+use truepose_report::{DiscoverySummary, NestedSummary, Settings};
 
 /// Runs the verb.
 pub fn run(args: &Discover) -> Result<(), Failure> {
@@ -45,14 +45,24 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         most: args.most,
         ..DiscoverOptions::default()
     };
-    let bar = Bar::spinner();
     let solver = args.solver.build();
+    let bar = Bar::spinner();
     let mut found =
         diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
     drop(bar);
     let settings =
         Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
-    let summary = DiscoverySummary::new(&found, settings);
+    let mut summary = DiscoverySummary::new(&found, settings);
+    if let Some(folds) = args.nested {
+        let Some(split) = super::identify::split(usize::from(folds), args.split, args.seed, &data)? else {
+            return Err(Failure::Input("--nested: a single configuration cannot be divided".into()));
+        };
+        let bar = Bar::spinner();
+        let judged = nested(&chain, &declared, &data, &split, &*solver, &options, &|fold, step| {
+            bar.say(&format!("fold {} of {folds}: {}", fold + 1, word(&step)));
+        })?;
+        summary.nested = Some(NestedSummary::new(&judged, super::identify::split_words(&split)));
+    }
     if args.json {
         print_json(&summary)?;
     } else {

@@ -21,6 +21,19 @@ impl fmt::Display for DiscoverySummary {
             effect.story(f)?;
         }
         writeln!(f, "\n{}", self.ending())?;
+        if let Some(nested) = &self.nested {
+            writeln!(
+                f,
+                "The whole loop inside each fold ({}): {} → {} mm RMS on rows that no choice has seen.",
+                nested.folds,
+                significant(nested.before.rms_mm, 3),
+                significant(nested.after.rms_mm, 3)
+            )?;
+            for (number, found) in (1..).zip(&nested.found) {
+                let words = if found.is_empty() { "nothing".into() } else { found.join(", ") };
+                writeln!(f, "  fold {number}: {words}")?;
+            }
+        }
         for refused in self.refused.iter().take(6) {
             let words = format!("{} {}", refused.family, refused.place.words());
             writeln!(f, "  refused: {} – {}", words.trim_end(), refused.reason)?;

@@ -1,0 +1,52 @@
+//! How good the loop is where it has seen nothing: the whole of it inside each fold.
+//!
+//! Selecting effects on all data and cross-validating only their coefficients flatters: what was selected by chance fits the
+//! held-out rows as well. Here each fold is left out before anything is looked at, and predicted by whatever the loop
+//! finds on the others.
+
+use crate::diagnose::on_split;
+use crate::{Diagnosis, DiscoverError, DiscoverOptions, Progress, lags};
+use truepose_errormodel::{AnyEffect, Dataset};
+use truepose_identify::{Folds, Residuals, Spread, Split};
+use truepose_kinematics::Chain;
+use truepose_solvers::Solver;
+
+/// The loop judged on every row by a run that did not see it.
+#[derive(Debug, Clone)]
+pub struct Nested {
+    /// With the declared model, m.
+    pub before: Spread,
+    /// With what each run found, m.
+    pub after: Spread,
+    /// Each fold's run.
+    pub runs: Vec<Diagnosis>,
+}
+
+/// Runs the whole loop once a fold.
+///
+/// # Errors
+/// As [`crate::diagnose`]; when there are too few configurations for the folds.
+pub fn nested(
+    chain: &Chain,
+    declared: &[Box<dyn AnyEffect>],
+    data: &Dataset,
+    split: &Split,
+    solver: &dyn Solver,
+    options: &DiscoverOptions,
+    progress: &(dyn Fn(usize, Progress) + Sync),
+) -> Result<Nested, DiscoverError> {
+    options.validate()?;
+    let data = &lags::with_lags(data);
+    let folds = Folds::new(data, split)?;
+    let mut runs = Vec::new();
+    let (mut before, mut after) = (Vec::new(), Vec::new());
+    for fold in 0..folds.count {
+        let rows = (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);
+        let run = on_split(chain, declared, (data, rows), solver, options, &|step| progress(fold, step))?;
+        let distances = |r: &Residuals| (0..r.position.len()).filter_map(|k| r.distance(k)).collect::<Vec<_>>();
+        before.extend(distances(&run.before.holdout));
+        after.extend(distances(&run.after.holdout));
+        runs.push(run);
+    }
+    Ok(Nested { before: Spread::of(before.into_iter()), after: Spread::of(after.into_iter()), runs })
+}
