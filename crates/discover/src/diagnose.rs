@@ -108,6 +108,9 @@ pub(crate) type LastWord = (f64, f64);
 
 impl Search<'_> {
     fn run(&mut self, progress: &(dyn Fn(Progress) + Sync)) -> Result<(Stop, LastWord), DiscoverError> {
+        /// With more finds than this they are looked at again only at the end.
+        const FEW: usize = 4;
+        let mut settled = false;
         for round in 0.. {
             progress(Progress::Screening(self.accepted.len()));
             let searched = sample(&self.now.data, self.options.seed.wrapping_add(round));
@@ -116,14 +119,27 @@ impl Search<'_> {
             let null = screen.null(self.options.flips, self.options.seed);
             let p_value = null.p_value(screen.largest());
             let last = (p_value, seen_from(&null, self.options.alpha));
+            let mut stop = None;
+            let mut accepted = None;
             if p_value > self.options.alpha {
-                return Ok((Stop::NothingLeft, last));
+                stop = Some(Stop::NothingLeft);
+            } else if self.accepted.len() >= self.options.most {
+                stop = Some(Stop::Limit);
+            } else {
+                accepted = winner(&scene, &screen, &null, self.options, &mut self.refused)?;
             }
-            if self.accepted.len() >= self.options.most {
-                return Ok((Stop::Limit, last));
-            }
-            let Some(accepted) = winner(&scene, &screen, &null, self.options, &mut self.refused)? else {
-                return Ok((Stop::NothingConvincing, last));
+            let Some(accepted) = accepted else {
+                let stop = stop.unwrap_or(Stop::NothingConvincing);
+                if settled || self.accepted.len() <= FEW {
+                    return Ok((stop, last));
+                }
+                // Once, at the end: if that changes something, there may be more to find.
+                settled = true;
+                progress(Progress::Reconsidering);
+                if !reconsider::reconsider(self, self.accepted.len())? {
+                    return Ok((stop, last));
+                }
+                continue;
             };
             progress(Progress::Found(accepted.candidate.words()));
             self.accepted.push(accepted);
@@ -133,8 +149,11 @@ impl Search<'_> {
                 self.accepted[last].candidate = better;
                 self.refit()?;
             }
-            progress(Progress::Reconsidering);
-            reconsider::reconsider(self)?;
+            if self.accepted.len() <= FEW {
+                progress(Progress::Reconsidering);
+                // The last one has just won.
+                reconsider::reconsider(self, last)?;
+            }
         }
         unreachable!("the rounds end with a word")
     }

@@ -64,10 +64,15 @@ pub(crate) fn scan(
         .map(|batch| {
             let mut waves = DMatrix::zeros(motion.len(), 2 * batch.len());
             for (k, period) in batch.iter().enumerate() {
-                for (at, value) in values.iter().enumerate() {
-                    let (s, c) = (TAU * value / period).sin_cos();
-                    waves[(at, 2 * k)] = s * motion[at];
-                    waves[(at, 2 * k + 1)] = c * motion[at];
+                // A visit's numbers share the joint's value.
+                let (mut last, mut wave) = (f64::NAN, (0.0, 0.0));
+                for (at, &value) in values.iter().enumerate() {
+                    if value.to_bits() != last.to_bits() {
+                        last = value;
+                        wave = (TAU * value / period).sin_cos();
+                    }
+                    waves[(at, 2 * k)] = wave.0 * motion[at];
+                    waves[(at, 2 * k + 1)] = wave.1 * motion[at];
                 }
             }
             let along = if exact { Some(cross(&projection.q, &waves)) } else { None };

@@ -11,12 +11,11 @@ use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
 
-/// Takes each find out in turn and lets it defend its place.
-pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
-    let mut at = 0;
-    let mut rounds = 0;
-    // The last one has just won.
-    while at + 1 < search.accepted.len() && rounds < 4 * search.accepted.len() {
+/// Takes each of the first `count` finds out in turn and lets it defend its place; true when something changed.
+pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, DiscoverError> {
+    let (mut at, mut rounds) = (0, 0);
+    let mut moved = false;
+    while at < count.min(search.accepted.len()) && rounds < 2 * count {
         rounds += 1;
         let others: Vec<Candidate> = search
             .accepted
@@ -25,9 +24,9 @@ pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
             .filter(|(k, _)| *k != at)
             .map(|(_, a)| a.candidate.clone())
             .collect();
-        let without = search.ground.working(others.clone(), &search.now.outliers.suspects)?;
-        let searched = sample(&without.data, search.options.seed);
-        let scene = Scene::new(&without.fit, &searched)?;
+        let (data, fit) = search.ground.glance(&others, &search.now.outliers.suspects)?;
+        let searched = sample(&data, search.options.seed.wrapping_add(at as u64));
+        let scene = Scene::new(&fit, &searched)?;
         let screen = Screen::new(&scene);
         let contest = contest(&scene, &screen, &others)?;
         let mine = &search.accepted[at].candidate;
@@ -35,6 +34,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
             // The others explain it.
             search.accepted.remove(at);
             search.refit()?;
+            moved = true;
             continue;
         };
         let still = contest.rivals.iter().find(|r| r.candidate.same_cause(mine));
@@ -56,10 +56,11 @@ pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
         if changed {
             search.accepted[at].candidate = next;
             search.refit()?;
+            moved = true;
         }
         at += 1;
     }
-    Ok(())
+    Ok(moved)
 }
 
 /// Whether both change the model in the same way.

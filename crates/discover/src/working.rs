@@ -56,6 +56,13 @@ impl Ground<'_> {
         }
     }
 
+    /// As [`Ground::working`], with rows kept out and loads as they are known: for a look, not for a result.
+    pub fn glance(&self, found: &[Candidate], known: &[usize]) -> Result<(Dataset, Fit), DiscoverError> {
+        let data = self.prepared(found, known);
+        let fit = self.fitted(found, &data)?;
+        Ok((data, fit))
+    }
+
     /// The fit of the declared model with these finds.
     pub fn fitted(&self, found: &[Candidate], data: &Dataset) -> Result<Fit, DiscoverError> {
         let mut effects = self.declared.to_vec();
