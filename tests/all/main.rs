@@ -9,6 +9,7 @@
 mod compensation;
 mod constraints;
 mod cross_validation;
+mod discovery;
 mod exact;
 mod excitation;
 mod placement;
