@@ -23,7 +23,10 @@ fn plant(chain: &Chain, joint: JointId, payload: f64) -> Plant {
     let soft = (tip - root).norm() * moment / TURN;
     let round = Beam::slender(root, tip, soft, 0.8 * soft).unwrap();
     let mut errors = rigid.truth().clone();
-    errors.joints[joint.index()].beam = Some(Beam { bending: [soft, 3.0 * soft], ..round });
+    // Designers lay a section square to its joint's axis, where that is not the link's own.
+    let (along, axis) = ((tip - root).normalize(), chain.joint(joint).axis_behind());
+    let section_y = if along.cross(&axis).norm() > 0.3 { axis } else { round.section_y };
+    errors.joints[joint.index()].beam = Some(Beam { bending: [soft, 3.0 * soft], section_y, ..round });
     let mut plant = rigid.with_truth(errors).unwrap();
     plant.instrument = Instrument { sd: SD, ..Instrument::default() };
     plant
