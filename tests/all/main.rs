@@ -6,6 +6,7 @@
     reason = "a test says what it saw, and fails by panicking"
 )]
 
+mod beams;
 mod compensation;
 mod constraints;
 mod cross_validation;

@@ -14,8 +14,9 @@
 //! repeatability. Each step leaves the share (load × compliance / arm ≈ 1e-2) of the change before, so that two are
 //! enough: a deflection of 10 mm is right to 10 nm. Source: the fixed-point form of K(x) x = w(x) of structural mechanics.
 
-use crate::{BoundModel, Emission, ErrorModel, GeneralizedErrors, RealPosture};
-use truepose_kinematics::{Conditions, PostureBuffer};
+use crate::{BoundModel, Emission, ErrorModel, GeneralizedErrors, RealPosture, error_matrix};
+use nalgebra::Vector3;
+use truepose_kinematics::{Chain, Conditions, FrameId, GravityFrame, PostureBuffer, Site};
 
 /// How often the weights follow the deflections.
 const STEPS: usize = 2;
@@ -78,14 +79,30 @@ impl Rest {
         if self.emission.entries().len() == still || !moves {
             return;
         }
+        let gravity = self.gravity(chain, still, coefficients);
         for _ in 0..STEPS {
             let real = &self.real;
-            let posture = self.posture.settle(chain, conditions, |frame| *real.after(frame));
+            let posture = self.posture.settle(chain, conditions, &gravity, |frame| *real.after(frame));
             self.emission.truncate(still);
             bound.emit_those(true, &posture, &mut self.emission);
             self.errors.weigh(&self.emission, coefficients);
             self.real.update(&posture, &self.errors);
         }
+    }
+
+    /// Gravity in the measurement frame. Where it was given in the base's axes it goes with the base, wherever that stands:
+    /// constant errors of frame 0 (the first entries) turn it as well. A base that yields turns under a gravity that stays.
+    fn gravity(&self, chain: &Chain, still: usize, coefficients: &[f64]) -> Vector3<f64> {
+        if chain.gravity().frame == GravityFrame::Measurement {
+            return chain.gravity_in_measurement_frame();
+        }
+        let mut turned = [0.0; 6];
+        for entry in &self.emission.entries()[..still] {
+            if let Site::Frame(FrameId::BASE, axis) = entry.site {
+                turned[axis.index()] += entry.value * coefficients[entry.column];
+            }
+        }
+        chain.base().pose.rotation * (error_matrix(&turned).rotation * chain.gravity().vector)
     }
 }
 
@@ -94,8 +111,7 @@ mod tests {
     use super::*;
     use crate::Schema;
     use crate::effects::{Geometric, JointCompliance, LinkCompliance};
-    use truepose_kinematics::nalgebra::Vector3;
-    use truepose_kinematics::{FrameId, JointId, Load, Payload, samples};
+    use truepose_kinematics::{JointId, Load, Payload, samples};
 
     /// One turn about a horizontal axis with a mass at the end of an arm: `k δ = m g l cos(q + δ)`, solved by bisection.
     #[test]
@@ -145,7 +161,10 @@ mod tests {
         for _ in 0..5 {
             let mut real = rest.real.clone();
             std::mem::swap(&mut real, &mut rest.real);
-            let posture = rest.posture.settle(&chain, &conditions, |frame| *real.after(frame));
+            let posture =
+                rest.posture.settle(&chain, &conditions, &chain.gravity_in_measurement_frame(), |frame| {
+                    *real.after(frame)
+                });
             bound.emit(&posture, &mut rest.emission);
             rest.errors.weigh(&rest.emission, &c);
             rest.real.update(&posture, &rest.errors);

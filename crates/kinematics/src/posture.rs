@@ -66,17 +66,18 @@ impl PostureBuffer {
     }
 
     /// The same conditions with the frames where the real robot has them: the wrenches are those of the posture in which
-    /// it comes to rest. The transforms between the frames stay the nominal ones.
+    /// it comes to rest, under this gravity (measurement frame, m/s²). The transforms between the frames stay the nominal ones.
     pub fn settle<'a>(
         &'a mut self,
         chain: &'a Chain,
         conditions: &'a Conditions,
+        gravity: &Vector3<f64>,
         real: impl Fn(FrameId) -> Pose,
     ) -> Posture<'a> {
         for (index, frame) in self.frames.iter_mut().enumerate() {
             *frame = real(FrameId(index));
         }
-        self.weigh(chain, conditions);
+        self.weigh(chain, conditions, gravity);
         self.view(chain, conditions)
     }
 
@@ -95,17 +96,16 @@ impl PostureBuffer {
         }
         self.steps[n] = chain.tool().pose;
         self.frames[n + 1] = pose * chain.tool().pose;
-        self.weigh(chain, conditions);
+        self.weigh(chain, conditions, &chain.gravity_in_measurement_frame());
     }
 
     /// Statics, with the frames where they are.
-    fn weigh(&mut self, chain: &Chain, conditions: &Conditions) {
+    fn weigh(&mut self, chain: &Chain, conditions: &Conditions, gravity: &Vector3<f64>) {
         let n = chain.joints().len();
-        let gravity = chain.gravity_in_measurement_frame();
         let tool = &self.frames[n + 1];
         let mut wrench = match conditions.load {
             Load::None => Wrench::default(),
-            Load::Payload(payload) => weight(payload.mass, &(tool.rotation * payload.com), &gravity),
+            Load::Payload(payload) => weight(payload.mass, &(tool.rotation * payload.com), gravity),
             Load::Wrench(measured) => measured.rotated(&tool.rotation),
         };
         self.wrenches[n + 1] = wrench;
@@ -115,7 +115,7 @@ impl PostureBuffer {
             if frame > 0
                 && let Some(link) = &chain.joints()[frame - 1].link
             {
-                let own = weight(link.mass, &(self.frames[frame].rotation * link.com), &gravity);
+                let own = weight(link.mass, &(self.frames[frame].rotation * link.com), gravity);
                 wrench.force += own.force;
                 wrench.moment += own.moment;
             }
