@@ -95,8 +95,7 @@ impl<'a> Scene<'a> {
                 let (real, errors) = (rest.real(), rest.errors());
                 let mut nominal = PostureBuffer::new(chain);
                 nominal.update(chain, &conditions);
-                let mut settled = nominal.clone();
-                settled.settle(chain, &conditions, |frame| *real.after(frame));
+                let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
                 let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
                 let matrix = jacobian.matrix(chain);
                 let difference = data.measured_position(row) - jacobian.point();

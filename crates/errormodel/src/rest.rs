@@ -28,6 +28,8 @@ pub struct Rest {
     emission: Emission,
     errors: GeneralizedErrors,
     real: RealPosture,
+    /// Entries of effects that depend on no wrench: the first ones.
+    still: usize,
 }
 
 impl Rest {
@@ -40,6 +42,7 @@ impl Rest {
             emission: Emission::with_capacity(12 * model.columns().len()),
             errors: GeneralizedErrors::zero(chain),
             real: RealPosture::new(chain),
+            still: 0,
         }
     }
 
@@ -64,6 +67,22 @@ impl Rest {
         bound.emit(&self.posture.view(bound.model().chain(), conditions), out);
     }
 
+    /// Frames and wrenches where this robot came to rest, under the conditions of the last [`Rest::settle`], whether or not one of
+    /// its own effects asks for them.
+    pub fn posture_at_rest(
+        &self,
+        bound: &BoundModel<'_>,
+        conditions: &Conditions,
+        coefficients: &[f64],
+    ) -> PostureBuffer {
+        let chain = bound.model().chain();
+        let still = self.emission.entries().len().min(self.still);
+        let gravity = self.gravity(chain, still, coefficients);
+        let mut buffer = self.posture.clone();
+        buffer.settle(chain, conditions, &gravity, |frame| *self.real.after(frame));
+        buffer
+    }
+
     /// Moves to these conditions, with these coefficients (one a column of the model).
     pub fn settle(&mut self, bound: &BoundModel<'_>, conditions: &Conditions, coefficients: &[f64]) {
         let chain = bound.model().chain();
@@ -71,6 +90,7 @@ impl Rest {
         self.emission.clear();
         bound.emit_those(false, &posture, &mut self.emission);
         let still = self.emission.entries().len();
+        self.still = still;
         bound.emit_those(true, &posture, &mut self.emission);
         self.errors.weigh(&self.emission, coefficients);
         self.real.update(&posture, &self.errors);
