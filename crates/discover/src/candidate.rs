@@ -15,6 +15,8 @@ pub enum Change {
         level: f64,
         /// As it is.
         mass: f64,
+        /// Standard deviation of that, kg; zero before it was fitted.
+        deviation: f64,
     },
 }
 

@@ -104,7 +104,7 @@ fn finish(
     fit.fitted.loads = found
         .iter()
         .filter_map(|candidate| match candidate.change {
-            Change::CorrectLoad { level, mass } => Some(LoadCorrection { declared: level, carried: mass }),
+            Change::CorrectLoad { level, mass, .. } => Some(LoadCorrection { declared: level, carried: mass }),
             Change::Add(_) => None,
         })
         .collect();
@@ -193,10 +193,10 @@ fn parameters(fit: &Fit, found: &[Candidate], declared: usize, which: usize) -> 
             });
         }
     }
-    if let Change::CorrectLoad { level, mass } = found[which].change {
-        let dof = fit.degrees_of_freedom();
-        let _ = (level, student_quantile(0.975, dof));
-        list.push(Parameter { name: "mass".into(), value: mass, unit: "kg".into(), ci95: [mass, mass] });
+    if let Change::CorrectLoad { mass, deviation, .. } = found[which].change {
+        let half = student_quantile(0.975, fit.degrees_of_freedom()) * deviation;
+        let ci95 = [mass - half, mass + half];
+        list.push(Parameter { name: "mass".into(), value: mass, unit: "kg".into(), ci95 });
     }
     list
 }

@@ -96,7 +96,7 @@ impl Ground<'_> {
 /// The data with loads as they were found.
 pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     found.iter().fold(data.clone(), |data, candidate| match candidate.change {
-        Change::CorrectLoad { level, mass } => payload::corrected(&data, level, mass),
+        Change::CorrectLoad { level, mass, .. } => payload::corrected(&data, level, mass),
         Change::Add(_) => data,
     })
 }
@@ -108,11 +108,12 @@ fn corrected(scene: &Scene<'_>, found: &mut [Candidate]) -> Result<bool, Discove
     let visits = Visits::of(scene.data);
     let mut moved = false;
     for candidate in found {
-        if let Change::CorrectLoad { level, mass } = &mut candidate.change {
+        if let Change::CorrectLoad { level, mass, deviation } = &mut candidate.change {
             let column = scene.heavier(*mass)?;
             if column.norm() > 0.0 {
-                let more = Likelihood::new(scene, &column, &visits)?.coefficients[0];
-                let next = (*mass + more).max(0.0);
+                let found = Likelihood::new(scene, &column, &visits)?;
+                let next = (*mass + found.coefficients[0]).max(0.0);
+                *deviation = found.deviations[0];
                 moved |= (next - *mass).abs() > STILL * level.abs().max(1.0);
                 *mass = next;
             }

@@ -17,7 +17,7 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             family: Family::Payload,
             // Units of the file leave a rounding error in the last digits.
             place: Place { level: Some((level * 1e6).round() * 1e-6), ..Place::default() },
-            change: Change::CorrectLoad { level, mass: level },
+            change: Change::CorrectLoad { level, mass: level, deviation: 0.0 },
             width: None,
         });
     }
