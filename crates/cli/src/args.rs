@@ -23,6 +23,8 @@ pub enum Verb {
     Identify(Identify),
     /// Find what a declared model lacks: name it, add it, and prove the gain on held-out data
     Discover(Discover),
+    /// Say what to measure next: for accuracy, or to tell two explanations apart
+    Plan(Plan),
     /// Predict where the real robot is, from a fit
     Predict(Predict),
     /// Compute the joint commands that bring the real robot to desired poses
@@ -151,6 +153,41 @@ pub struct Discover {
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]
     pub positions_only: bool,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose plan`
+#[derive(Debug, clap::Args)]
+pub struct Plan {
+    /// A fit, as `identify` or `discover` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Another explanation of the same robot: plan the visits that tell the two apart
+    #[arg(long, value_name = "FILE", alias = "discriminate")]
+    pub rival: Option<PathBuf>,
+    /// Joints, loads and channels (CSV) where accuracy matters [default: spread over the joints' ranges]
+    #[arg(long, value_name = "FILE")]
+    pub at: Option<PathBuf>,
+    /// Where to write the plan (CSV, in the columns of measurements)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Visits
+    #[arg(long, default_value_t = 30)]
+    pub count: usize,
+    /// Payloads that can be put on, kg [default: none]
+    #[arg(long, value_name = "KG", value_delimiter = ',')]
+    pub loads: Vec<f64>,
+    /// Their centre of gravity in the tool frame, mm
+    #[arg(long, value_name = "MM", num_args = 3, value_delimiter = ',', default_values_t = [0.0, 0.0, 0.0])]
+    pub com: Vec<f64>,
+    /// Configurations among which is chosen
+    #[arg(long, default_value_t = 400)]
+    pub pool: usize,
+    /// Seed of those configurations
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,

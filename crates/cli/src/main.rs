@@ -22,6 +22,7 @@ fn main() -> ExitCode {
     let done = match &args.verb {
         Verb::Identify(verb) => verbs::identify::run(verb),
         Verb::Discover(verb) => verbs::discover::run(verb),
+        Verb::Plan(verb) => verbs::plan::run(verb),
         Verb::Predict(verb) => verbs::predict::run(verb),
         Verb::Compensate(verb) => verbs::compensate::run(verb),
         Verb::Export(verb) => verbs::export::run(verb),

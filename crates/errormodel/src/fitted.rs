@@ -177,14 +177,14 @@ impl Predictor<'_> {
         Pose::new(tool.rotation, point)
     }
 
-    /// How well the prediction is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
-    /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
-    pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
+    /// How the prediction moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
+    /// of the coefficient; 6 × p.
+    pub fn sensitivity(&mut self, conditions: &Conditions, target: Option<TargetId>) -> DMatrix<f64> {
         self.settle(conditions);
-        let jacobian = ErrorJacobian::new(self.fitted.chain(), self.rest.real(), self.rest.errors(), target);
-        let columns = self.fitted.coefficients.len();
-        let mut rows = DMatrix::zeros(6, columns);
-        for entry in self.rest.emission().entries() {
+        let (chain, rest) = (self.fitted.chain(), &self.rest);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), target);
+        let mut rows = DMatrix::zeros(6, self.fitted.coefficients.len());
+        for entry in rest.emission().entries() {
             let mut column = rows.column_mut(entry.column);
             let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
             for k in 0..3 {
@@ -192,6 +192,13 @@ impl Predictor<'_> {
                 column[k + 3] += entry.value * r[k];
             }
         }
+        rows
+    }
+
+    /// How well the prediction is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
+    /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
+    pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
+        let rows = self.sensitivity(conditions, target);
         let spread = &rows * &self.fitted.covariance * rows.transpose();
         Matrix6::from_iterator(spread.iter().copied())
     }

@@ -4,6 +4,7 @@ mod comparison;
 mod discovery;
 mod identification;
 mod layout;
+mod plan;
 mod spread;
 mod words;
 
@@ -14,6 +15,7 @@ pub use discovery::{
 };
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};
+pub use plan::PlanSummary;
 pub use spread::{PositionSpread, RotationSpread};
 pub use words::{
     advice_words, count, millimetres, milliradians, significant, value_with_interval, warning_words,

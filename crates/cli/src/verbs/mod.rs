@@ -8,6 +8,7 @@ pub mod effects;
 pub mod export;
 pub mod identify;
 pub mod map;
+pub mod plan;
 pub mod predict;
 pub mod simulate;
 

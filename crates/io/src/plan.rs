@@ -1,0 +1,59 @@
+//! What to measure next as a CSV file, in the columns of measurements: the file of `truepose plan`.
+
+use crate::IoError;
+use crate::poses::si_unit;
+use crate::table::TableWriter;
+use std::path::Path;
+use truepose_kinematics::{Chain, Load};
+
+/// One visit to make.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedVisit {
+    /// Movable joints, rad or m.
+    pub joints: Vec<f64>,
+    /// What is carried.
+    pub load: Load,
+    /// From which side each joint arrives, −1, 0, +1.
+    pub approach: Vec<f64>,
+    /// `new` or `repeat`.
+    pub why: &'static str,
+    /// What it adds.
+    pub worth: f64,
+}
+
+/// Writes a plan, in m, rad and kg.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_plan(path: impl AsRef<Path>, chain: &Chain, visits: &[PlannedVisit]) -> Result<(), IoError> {
+    let names: Vec<&str> = chain.movable().iter().map(|&joint| chain.joint(joint).name.as_str()).collect();
+    let mut header = vec!["visit".to_owned()];
+    header.extend(chain.movable().iter().map(|&joint| {
+        let joint = chain.joint(joint);
+        format!("{}[{}]", joint.name, si_unit(joint.kind).word)
+    }));
+    let loaded = visits.iter().any(|visit| visit.load != Load::None);
+    if loaded {
+        header.extend(["payload[kg]", "cx[m]", "cy[m]", "cz[m]"].map(String::from));
+    }
+    header.extend(names.iter().map(|name| format!("approach_{name}")));
+    header.extend(["why", "worth"].map(String::from));
+    let mut table = TableWriter::create(path.as_ref(), &header)?;
+    for (number, visit) in (1..).zip(visits) {
+        table.integer(number);
+        visit.joints.iter().for_each(|&q| table.number(q));
+        if loaded {
+            let (mass, com) = match visit.load {
+                Load::Payload(payload) => (payload.mass, payload.com.into()),
+                _ => (0.0, [0.0; 3]),
+            };
+            table.number(mass);
+            com.iter().for_each(|&c| table.number(c));
+        }
+        visit.approach.iter().for_each(|&side| table.integer(side as i64));
+        table.text(visit.why);
+        table.number(visit.worth);
+        table.end_row()?;
+    }
+    table.finish()
+}
