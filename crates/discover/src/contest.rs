@@ -26,6 +26,8 @@ const NAMELESS: f64 = 25.0;
 /// Causes that get a second look, and variants of each.
 const CAUSES: usize = 10;
 const VARIANTS: usize = 3;
+/// Gears that may grow in one contest.
+const GEARS: usize = 2;
 /// Frequencies that one gear may have.
 const MOST_PERIODS: usize = 12;
 
@@ -85,16 +87,25 @@ pub(crate) fn contest(
                 let shaped = refined(scene, &screen.projection, candidate);
                 rivals.extend(rival(scene, screen, &visits, shaped)?);
             }
-            let more: Vec<Candidate> = rivals.iter().filter_map(|r| more_periods(scene, &r.candidate)).collect();
-            for candidate in more {
-                rivals.extend(rival(scene, screen, &visits, candidate)?);
-            }
             Ok(rivals)
         })
         .collect();
+    let mut found: Vec<Vec<Rival>> = found.into_iter().collect::<Result<_, _>>()?;
+    // Gears with several periods: the most promising ones get the chance to grow.
+    let least = |part: &[Rival]| part.iter().map(|r| r.score).fold(f64::INFINITY, f64::min);
+    let mut gears: Vec<usize> = (0..found.len())
+        .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
+        .collect();
+    gears.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
+    for &k in gears.iter().take(GEARS) {
+        let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
+        if let Some(candidate) = best.and_then(|best| more_periods(scene, &best.candidate)) {
+            let grown = rival(scene, screen, &visits, candidate)?;
+            found[k].extend(grown);
+        }
+    }
     let mut rivals = Vec::new();
-    for part in found {
-        let mut part = part?;
+    for mut part in found {
         // The best shape of each cause.
         part.retain(|r| plausible(r) && r.score.is_finite());
         part.sort_by(|a, b| a.score.total_cmp(&b.score));
