@@ -260,14 +260,14 @@ fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
 }
 
 /// Causes that this data cannot test, with the size that could have been seen.
-pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError> {
+pub(crate) fn untestable(now: &Working, without: &[Family]) -> Result<Vec<Untestable>, DiscoverError> {
     /// Less of a cause than this is left by the declared model.
     const LEFT: f64 = 0.05;
     /// Noncentrality at which the screen finds one unknown four times in five.
     const POWER: f64 = 30.0;
     let scene = Scene::new(&now.fit, &now.data)?;
     let projection = Projection::new(&scene);
-    let all = library::candidates(scene.chain(), scene.data);
+    let all = library::candidates(scene.chain(), scene.data, without);
     let judged: Vec<(Candidate, f64, Option<f64>)> = all
         .into_par_iter()
         .filter(|candidate| candidate.family != Family::Unmodelled)

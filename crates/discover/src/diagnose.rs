@@ -72,7 +72,7 @@ pub fn diagnose(
         let rank = first.fit.reduction.rank();
         return Err(DiscoverError::TooFewVisits { have: Visits::of(&train).len(), rank, need });
     }
-    let untestable = conclude::untestable(&first)?;
+    let untestable = conclude::untestable(&first, &options.without)?;
     let declared_fit = first.fit.clone();
     let mut search = Search { ground, options, accepted: Vec::new(), refused: Vec::new(), now: first };
     let (stopped, last) = search.run(progress)?;
@@ -98,7 +98,7 @@ impl Search<'_> {
         loop {
             progress(Progress::Screening(self.accepted.len()));
             let scene = Scene::new(&self.now.fit, &self.now.data)?;
-            let screen = Screen::new(&scene);
+            let screen = Screen::new(&scene, &self.options.without);
             let null = screen.null(self.options.flips, self.options.seed);
             let p_value = null.p_value(screen.largest());
             let last = (p_value, seen_from(&null, self.options.alpha));

@@ -26,7 +26,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>) -> Result<(), DiscoverError> {
             .collect();
         let without = search.ground.working(others.clone(), &search.now.outliers.suspects)?;
         let scene = Scene::new(&without.fit, &without.data)?;
-        let screen = Screen::new(&scene);
+        let screen = Screen::new(&scene, &search.options.without);
         let contest = contest(&scene, &screen, &others)?;
         let mine = &search.accepted[at].candidate;
         let Some(best) = contest.rivals.first().filter(|best| best.score < contest.present.deviance) else {

@@ -38,9 +38,9 @@ pub(crate) fn price(numbers: usize) -> f64 {
 }
 
 impl Screen {
-    pub fn new(scene: &Scene<'_>) -> Self {
+    pub fn new(scene: &Scene<'_>, without: &[Family]) -> Self {
         let projection = Projection::new(scene);
-        let candidates = library::candidates(scene.chain(), scene.data)
+        let candidates = library::candidates(scene.chain(), scene.data, without)
             .into_par_iter()
             .map(|candidate| {
                 let score = candidate.columns(scene).ok().and_then(|columns| projection.score(&columns));
@@ -51,6 +51,7 @@ impl Screen {
             .chain()
             .movable()
             .iter()
+            .filter(|_| !without.contains(&Family::Transmission))
             .filter_map(|&joint| {
                 periodogram::scan(scene, &projection, joint, &periodogram::grid(scene, joint))
             })

@@ -15,7 +15,7 @@ mod unmodelled;
 pub(crate) use motion::transmission_at;
 pub(crate) use time::{instants, shift_at};
 
-use crate::Candidate;
+use crate::{Candidate, Family};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, JointId, JointKind};
 
@@ -48,8 +48,8 @@ fn span(column: &[f64]) -> Option<[f64; 2]> {
     (upper - lower > 1e-9 * (lower.abs() + upper.abs() + 1.0)).then_some([lower, upper])
 }
 
-/// All candidates for this robot and data, named ones first.
-pub(crate) fn candidates(chain: &Chain, data: &Dataset) -> Vec<Candidate> {
+/// All candidates for this robot and data but those of some families, named ones first.
+pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> Vec<Candidate> {
     let setting = Setting { chain, data };
     let mut all = Vec::new();
     constant::add(&setting, &mut all);
@@ -60,6 +60,7 @@ pub(crate) fn candidates(chain: &Chain, data: &Dataset) -> Vec<Candidate> {
     thermal::add(&setting, &mut all);
     time::add(&setting, &mut all);
     unmodelled::add(&setting, &mut all);
+    all.retain(|candidate| !without.contains(&candidate.family));
     // What does not fit this robot (a link without a length) is no candidate.
     all.retain(|candidate| candidate.effects().iter().all(|effect| effect.validate(chain).is_ok()));
     all
