@@ -6,8 +6,8 @@
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
 //! | without | the same, its family taken out of the library | is it called by a wrong name? |
 //!
-//! `study discovery [--short] [--nulls N] [--robots N] [--part NAME] [--folder NAME]` runs what is not yet in its tables, one line a
-//! robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
+//! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--part NAME] [--folder NAME]` runs what is not
+//! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
 mod causes;
 mod coverage;
@@ -146,6 +146,9 @@ impl Asked {
                 }
                 "--nulls" => asked.nulls = next()?.parse()?,
                 "--robots" => asked.robots = next()?.parse()?,
+                "--multiples" => {
+                    asked.multiples = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
+                }
                 "--part" => asked.part = Some(next()?.clone()),
                 "--folder" => asked.folder = Some(next()?.clone()),
                 "--one" => {

@@ -158,7 +158,9 @@ impl Ledger {
         let text = fs::read_to_string(&path).unwrap_or_default();
         let records: Vec<Record> = text.lines().filter_map(Record::of).collect();
         let rows: String = records.iter().map(|record| record.row() + "\n").collect();
-        fs::write(&path, format!("# commit {commit}\n{HEADER}\n{rows}"))?;
+        if !text.ends_with('\n') {
+            fs::write(&path, format!("# commit {commit}\n{HEADER}\n{rows}"))?;
+        }
         Ok(Ledger { path, records })
     }
 
