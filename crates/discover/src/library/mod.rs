@@ -65,3 +65,34 @@ pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> V
     all.retain(|candidate| candidate.effects().iter().all(|effect| effect.validate(chain).is_ok()));
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::{Load, samples};
+
+    #[test]
+    fn a_family_that_is_not_looked_for_has_no_candidate() {
+        let chain = samples::scara();
+        let rows = 10;
+        let column = |joint: usize| (0..rows).map(|row| 0.02 * ((row + joint) as f64)).collect();
+        let data = Dataset {
+            joints: (0..chain.movable().len()).map(column).collect(),
+            position: vec![[0.0; 3]; rows],
+            target: vec![None; rows],
+            visit: (0..rows).collect(),
+            load: vec![Load::None; rows],
+            time: vec![0.0; rows],
+            approach: vec![vec![0.0; rows]; chain.movable().len()],
+            ..Dataset::default()
+        };
+        let families = |without: &[Family]| -> Vec<Family> {
+            candidates(&chain, &data, without).iter().map(|candidate| candidate.family).collect()
+        };
+        let all = families(&[]);
+        assert!(all.contains(&Family::Transmission) && all.contains(&Family::Guideway));
+        let fewer = families(&[Family::Transmission]);
+        assert!(!fewer.contains(&Family::Transmission) && fewer.contains(&Family::Guideway));
+        assert!(fewer.len() < all.len());
+    }
+}

@@ -100,7 +100,8 @@ impl Cause {
         }
     }
 
-    /// Draws a place; none when this robot has none. `loads` are the largest loads of the movable joints, N·m or N.
+    /// Draws a place; none when this robot has none. `loads` are the largest loads of the movable joints of
+    /// the robot as described, N·m or N.
     pub fn draw(
         self,
         chain: &Chain,
@@ -116,7 +117,9 @@ impl Cause {
         let name = |joint: JointId| chain.joint(joint).name.clone();
         let slides = |joint: JointId| chain.joint(joint).kind == JointKind::Prismatic;
         let any = *chain.movable().choose(rng)?;
-        let loaded: Vec<usize> = (0..loads.len()).filter(|&k| loads[k] > 1.0).collect();
+        // What only its own errors load is no spring that anybody would look for.
+        let bears = |k: &usize| loads[*k] > if slides(chain.movable()[*k]) { 10.0 } else { 1.0 };
+        let loaded: Vec<usize> = (0..loads.len()).filter(bears).collect();
         let hidden = |joint: JointId, install: Install| {
             Some(Hidden {
                 place: Place::joint(chain, joint),

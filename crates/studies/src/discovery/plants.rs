@@ -29,6 +29,9 @@ pub const HOLDOUT: (f64, u64) = (0.2, 0);
 /// Places that are tried before there is none at which a cause can be as large.
 const PLACES: u64 = 60;
 
+/// A cause of more than this many times its usual size is no cause that a machine would have.
+const LARGEST: f64 = 4.0;
+
 /// A plant, measured.
 pub struct Made {
     pub robot: &'static str,
@@ -115,9 +118,9 @@ impl Ground<'_> {
         Ok(Rail::draw((lower, upper), (upper - lower) / 7.0, std::array::from_fn(across), &mut rng)?)
     }
 
-    /// The largest load of each movable joint, N·m or N.
+    /// The largest load of each movable joint of the robot as described, N·m or N.
     fn loads(&self) -> Result<Vec<f64>, Box<dyn Error>> {
-        let plant = self.plant(None, 0.0)?;
+        let plant = Plant::perfect(&self.chain)?;
         let mut largest = vec![0.0f64; self.chain.movable().len()];
         for visit in self.campaign.visits.iter().take(60) {
             let at = Conditions::at(&self.chain, &visit.joints).with_load(visit.load);
@@ -184,12 +187,12 @@ impl Ground<'_> {
                 return Ok(None);
             }
             if (lambda / goal).ln().abs() < 0.05 {
-                return Ok((size < 30.0).then_some((size, lambda)));
+                return Ok((size < LARGEST).then_some((size, lambda)));
             }
             let slope = before.map_or(2.0, |(s, l)| ((lambda / l).ln() / (size / s).ln()).clamp(0.7, 5.0));
             before = Some((size, lambda));
             size *= (goal / lambda).powf(1.0 / slope).clamp(1e-3, 1e3);
-            if size > 100.0 {
+            if size > 10.0 * LARGEST {
                 return Ok(None);
             }
         }

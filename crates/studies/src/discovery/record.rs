@@ -55,14 +55,16 @@ pub struct Record {
     /// Held-out RMS over that of the true plant, after and before.
     pub ratio: f64,
     pub ratio_before: f64,
+    /// On the wall, and of the processor where the system says so.
     pub seconds: f64,
+    pub processor: f64,
     pub intervals: Vec<Interval>,
     pub story: String,
 }
 
 /// The columns.
 const HEADER: &str = "cause,multiple,seed,robot,heavy,visits,lambda,first,first_right,found,findings,extras,listed,\
-p_first,p_value,significant,ratio,ratio_before,seconds,intervals,story";
+p_first,p_value,significant,ratio,ratio_before,seconds,processor,intervals,story";
 
 impl Record {
     /// As a row.
@@ -92,6 +94,7 @@ impl Record {
             self.ratio.to_string(),
             self.ratio_before.to_string(),
             self.seconds.to_string(),
+            self.processor.to_string(),
             intervals.join(";"),
             self.story.clone(),
         ]
@@ -134,8 +137,9 @@ impl Record {
             ratio: number(16)?,
             ratio_before: number(17)?,
             seconds: number(18)?,
-            intervals: cells[19].split(';').filter_map(interval).collect(),
-            story: cells[20].into(),
+            processor: number(19)?,
+            intervals: cells[20].split(';').filter_map(interval).collect(),
+            story: cells[21].into(),
         })
     }
 

@@ -44,7 +44,7 @@ pub fn nulls(records: &[Record]) -> Result<String, Error> {
     let ended: Vec<&Record> = records.iter().filter(|r| r.ended()).collect();
     let alarm = |r: &&&Record| r.findings > 0 || r.significant;
     writeln!(text, "Robots with nothing hidden: {} ({} ended in an error)", records.len(), records.len() - ended.len())?;
-    writeln!(text, "{:8} {:>6} {:>7} {:>9} {:>12} {:>10} {:>8}", "robot", "count", "alarms", "outliers", "λ, largest", "s, median", "s, most")?;
+    writeln!(text, "{:8} {:>6} {:>7} {:>9} {:>12} {:>10} {:>8}", "robot", "count", "alarms", "outliers", "λ, largest", "cpu s", "most")?;
     let mut kinds: Vec<(&str, bool)> = ended.iter().map(|r| (r.robot.as_str(), r.heavy)).collect();
     kinds.sort_unstable();
     kinds.dedup();
@@ -59,8 +59,8 @@ pub fn nulls(records: &[Record]) -> Result<String, Error> {
             here.iter().filter(alarm).count(),
             here.iter().filter(|r| r.first == "outlier").count(),
             largest(here.iter().map(|r| r.lambda)),
-            median(here.iter().map(|r| r.seconds).collect()),
-            largest(here.iter().map(|r| r.seconds)),
+            median(here.iter().map(|r| r.processor).collect()),
+            largest(here.iter().map(|r| r.processor)),
             if heavy { "   heavy tails" } else { "" }
         )?;
     }
