@@ -226,7 +226,11 @@ impl Cause {
                     } else {
                         options.errors.transmission.push(flaws::Transmission {
                             joint: word.clone(),
-                            wheel: if cycles.is_some() { flaws::Wheel::Mesh } else { flaws::Wheel::Eccentric },
+                            wheel: if cycles.is_some() {
+                                flaws::Wheel::Mesh
+                            } else {
+                                flaws::Wheel::Eccentric
+                            },
                             amplitude_mrad: size,
                             cycles,
                             phase_deg: None,
@@ -341,7 +345,7 @@ impl Cause {
                 let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
                 let install = move |options: &mut PlantOptions, size: f64| {
                     // No payload is lighter than nothing.
-                    let true_kg = (declared_kg * (1.0 + 0.1 * sign * size)).max(0.0);
+                    let true_kg = (declared_kg * (1.0 + 0.2 * sign * size)).max(0.0);
                     options.errors.payload.push(flaws::Mislabelled { declared_kg, true_kg });
                 };
                 let mut found = hidden(any, Box::new(install))?;

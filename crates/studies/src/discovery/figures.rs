@@ -90,10 +90,17 @@ pub fn matrix(path: &Path, records: &[Record]) -> Done {
             let x = left + cell * k as i32;
             let n = counts.get(&((*word).to_owned(), (*name).to_owned())).copied().unwrap_or(0);
             let share = n as f64 / all.max(1) as f64;
-            root.draw(&Rectangle::new([(x, y), (x + cell - 2, y + cell - 2)], BLUE.mix(0.08 + 0.8 * share).filled()))?;
+            root.draw(&Rectangle::new(
+                [(x, y), (x + cell - 2, y + cell - 2)],
+                BLUE.mix(0.08 + 0.8 * share).filled(),
+            ))?;
             if n > 0 {
                 let colour = if share > 0.6 { &WHITE } else { &BLACK };
-                root.draw(&Text::new(n.to_string(), (x + 14, y + 14), ("sans-serif", 14).into_font().color(colour)))?;
+                root.draw(&Text::new(
+                    n.to_string(),
+                    (x + 14, y + 14),
+                    ("sans-serif", 14).into_font().color(colour),
+                ))?;
             }
         }
     }

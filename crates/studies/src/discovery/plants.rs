@@ -156,7 +156,8 @@ impl Ground<'_> {
         let model = ErrorModel::new(self.chain.clone(), declared)?;
         let options = FitOptions {
             noise: NoiseSource::Fixed(self.noise(&real, &data)),
-            prior: PriorStrength::Fixed(10.0),
+            // As good as none, but for directions that nothing excites.
+            prior: PriorStrength::Fixed(1e3),
             max_rounds: 30,
             ..FitOptions::default()
         };
@@ -213,5 +214,29 @@ impl Ground<'_> {
             hidden,
             lambda,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_as_large_as_was_asked_for() {
+        for (cause, seed) in [(Cause::Shift, 1), (Cause::JointCompliance, 2)] {
+            let made = make(Some(cause), 2.0, seed).expect("a plant");
+            // λ = 30 · 2², reached within five per cent.
+            assert!((made.lambda / 120.0).ln().abs() < 0.05, "{}: {}", cause.word(), made.lambda);
+            assert!(made.hidden.is_some() && !made.seen.data.is_empty());
+        }
+    }
+
+    #[test]
+    fn the_declared_model_takes_in_all_that_a_null_has() {
+        for seed in [1, 3, 5] {
+            let null = make(None, 0.0, seed).expect("a plant");
+            // A sixth of what is detectable: micrometres, of second order in the errors.
+            assert!(null.lambda < 5.0, "{}: {}", null.robot, null.lambda);
+        }
     }
 }

@@ -189,7 +189,8 @@ pub fn commit() -> String {
         Some(String::from_utf8_lossy(&done.stdout).trim().to_owned())
     };
     let Some(head) = git(&["rev-parse", "HEAD"]) else { return "unknown".into() };
-    let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|list| !list.is_empty());
+    let changed =
+        git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|list| !list.is_empty());
     if changed { format!("{head}-changed") } else { head }
 }
 

@@ -222,12 +222,8 @@ impl Robot {
     /// Visits within the limits, a tenth of them made twice, with a payload each; a thermometer and three columns that
     /// have nothing to do with the robot, one of them a temperature.
     pub fn campaign(&self, chain: &Chain, visits: usize, seed: u64) -> Result<Campaign, Box<dyn Error>> {
-        let mut campaign = Campaign::random(chain, visits, seed)?.with_some_payload(
-            self.payloads,
-            self.com,
-            0.02,
-            seed + 1,
-        );
+        let mut campaign =
+            Campaign::random(chain, visits, seed)?.with_some_payload(self.payloads, self.com, 0.02, seed + 1);
         let mut again = campaign.clone();
         again.visits.truncate(visits / 10);
         campaign = campaign.then(again);

@@ -10,9 +10,10 @@ pub fn uniformity(values: &[f64]) -> (f64, f64) {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let n = sorted.len() as f64;
-    let distance = sorted.iter().enumerate().fold(0.0f64, |most, (k, &p)| {
-        most.max((p - k as f64 / n).abs()).max(((k + 1) as f64 / n - p).abs())
-    });
+    let distance = sorted
+        .iter()
+        .enumerate()
+        .fold(0.0f64, |most, (k, &p)| most.max((p - k as f64 / n).abs()).max(((k + 1) as f64 / n - p).abs()));
     let x = distance * (n.sqrt() + 0.12 + 0.11 / n.sqrt());
     let terms = (1..=100).map(|k| {
         let k = f64::from(k);
@@ -43,8 +44,17 @@ pub fn nulls(records: &[Record]) -> Result<String, Error> {
     let mut text = String::new();
     let ended: Vec<&Record> = records.iter().filter(|r| r.ended()).collect();
     let alarm = |r: &&&Record| r.findings > 0 || r.significant;
-    writeln!(text, "Robots with nothing hidden: {} ({} ended in an error)", records.len(), records.len() - ended.len())?;
-    writeln!(text, "{:8} {:>6} {:>7} {:>9} {:>12} {:>10} {:>8}", "robot", "count", "alarms", "outliers", "λ, largest", "cpu s", "most")?;
+    writeln!(
+        text,
+        "Robots with nothing hidden: {} ({} ended in an error)",
+        records.len(),
+        records.len() - ended.len()
+    )?;
+    writeln!(
+        text,
+        "{:8} {:>6} {:>7} {:>9} {:>12} {:>10} {:>8}",
+        "robot", "count", "alarms", "outliers", "λ, largest", "cpu s", "most"
+    )?;
     let mut kinds: Vec<(&str, bool)> = ended.iter().map(|r| (r.robot.as_str(), r.heavy)).collect();
     kinds.sort_unstable();
     kinds.dedup();
@@ -72,7 +82,10 @@ pub fn nulls(records: &[Record]) -> Result<String, Error> {
     let p: Vec<f64> = ended.iter().map(|r| first_p(r)).collect();
     if !p.is_empty() {
         let (distance, probability) = uniformity(&p);
-        writeln!(text, "p of the first screen against the uniform law: D = {distance:.3}, p = {probability:.3}")?;
+        writeln!(
+            text,
+            "p of the first screen against the uniform law: D = {distance:.3}, p = {probability:.3}"
+        )?;
     }
     Ok(text)
 }
@@ -80,7 +93,10 @@ pub fn nulls(records: &[Record]) -> Result<String, Error> {
 /// Power by cause and multiple.
 pub fn power(records: &[Record], multiples: &[f64]) -> Result<String, Error> {
     let mut text = String::new();
-    writeln!(text, "Found with the right name and place, of those that were tried; multiples of the detectable size")?;
+    writeln!(
+        text,
+        "Found with the right name and place, of those that were tried; multiples of the detectable size"
+    )?;
     write!(text, "{:18}", "hidden")?;
     multiples.iter().try_for_each(|m| write!(text, " {m:>9}"))?;
     writeln!(text, " {:>10} {:>8} {:>9} {:>9} {:>8}", "first name", "listed", "extras", "ratio", "worst")?;
@@ -107,7 +123,10 @@ pub fn power(records: &[Record], multiples: &[f64]) -> Result<String, Error> {
             largest(clear.iter().map(|r| r.ratio)),
         )?;
     }
-    writeln!(text, "first name, listed (the truth an equivalent alternative of a wrong first find), extras and held-out")?;
+    writeln!(
+        text,
+        "first name, listed (the truth an equivalent alternative of a wrong first find), extras and held-out"
+    )?;
     writeln!(text, "RMS over the true plant's: at 2 and more times the detectable size")?;
     for r in records.iter().filter(|r| ["error", "panic", "no_plant"].contains(&r.first.as_str())) {
         writeln!(text, "  {} {} {}: {} {}", r.cause, r.seed, r.multiple, r.first, r.story)?;
@@ -129,8 +148,11 @@ pub fn confusion_text(records: &[Record]) -> Result<String, Error> {
     let mut text = String::from("What is named first, at 2 and more times the detectable size\n");
     let counts = confusion(records);
     for (_, word) in CAUSES {
-        let mut here: Vec<(&str, usize)> =
-            counts.iter().filter(|((cause, _), _)| cause == word).map(|((_, f), n)| (f.as_str(), *n)).collect();
+        let mut here: Vec<(&str, usize)> = counts
+            .iter()
+            .filter(|((cause, _), _)| cause == word)
+            .map(|((_, f), n)| (f.as_str(), *n))
+            .collect();
         here.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
         if !here.is_empty() {
             let list: Vec<String> = here.iter().map(|(family, n)| format!("{family} {n}")).collect();
@@ -142,7 +164,9 @@ pub fn confusion_text(records: &[Record]) -> Result<String, Error> {
 
 /// Intervals that hold the truth, at 4 and more times the detectable size and below.
 pub fn coverage(records: &[Record]) -> Result<String, Error> {
-    let mut text = String::from("95 % intervals that hold the truth (below 4 times the detectable size, selection biases them)\n");
+    let mut text = String::from(
+        "95 % intervals that hold the truth (below 4 times the detectable size, selection biases them)\n",
+    );
     writeln!(text, "{:18} {:>12} {:>12} {:>14}", "hidden", "4 and more", "below", "without width")?;
     let (mut inside, mut all) = (0, 0);
     for (_, word) in CAUSES {
@@ -161,7 +185,12 @@ pub fn coverage(records: &[Record]) -> Result<String, Error> {
         let (a, b) = (held(&clear), held(&small));
         (inside, all) = (inside + a.0, all + a.1);
         let empty = clear.iter().chain(&small).filter(|i| i.empty()).count();
-        writeln!(text, "{word:18} {:>12} {:>12} {empty:>14}", format!("{}/{}", a.0, a.1), format!("{}/{}", b.0, b.1))?;
+        writeln!(
+            text,
+            "{word:18} {:>12} {:>12} {empty:>14}",
+            format!("{}/{}", a.0, a.1),
+            format!("{}/{}", b.0, b.1)
+        )?;
     }
     let share = 100.0 * inside as f64 / f64::from(all.max(1) as u32);
     writeln!(text, "{:18} {:>12}  {share:.1} % (asked for: 93–97 %)", "all", format!("{inside}/{all}"))?;
@@ -181,7 +210,8 @@ pub fn without(records: &[Record]) -> Result<String, Error> {
             continue;
         }
         let of = |first: &str| mine.iter().filter(|r| r.first == first).count();
-        let mut names: Vec<String> = mine.iter().filter(|r| wrong(r)).map(|r| format!("{} ({})", r.first, r.seed)).collect();
+        let mut names: Vec<String> =
+            mine.iter().filter(|r| wrong(r)).map(|r| format!("{} ({})", r.first, r.seed)).collect();
         names.sort();
         writeln!(
             text,
