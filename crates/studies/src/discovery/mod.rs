@@ -6,7 +6,7 @@
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
 //! | without | the same, its family taken out of the library | is it called by a wrong name? |
 //!
-//! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--part NAME] [--folder NAME]` runs what is not
+//! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
 //! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
 mod causes;
@@ -36,6 +36,7 @@ struct Asked {
     nulls: u64,
     robots: u64,
     multiples: Vec<f64>,
+    causes: Vec<Cause>,
     part: Option<String>,
     folder: Option<String>,
     one: Option<Task>,
@@ -66,8 +67,9 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     if wanted("power") {
         // All cells first, then the next robot of each.
         let tasks = (0..asked.robots).flat_map(|seed| {
+            let causes = &asked.causes;
             asked.multiples.iter().flat_map(move |&multiple| {
-                CAUSES.map(|(cause, _)| Task { cause: Some(cause), multiple, seed, without: false })
+                causes.iter().map(move |&cause| Task { cause: Some(cause), multiple, seed, without: false })
             })
         });
         work(&mut ledger, tasks)?;
@@ -82,10 +84,8 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let mut ledger = Ledger::open(&folder, "without", &commit)?;
     if wanted("without") {
         let tasks = (0..asked.robots).flat_map(|seed| {
-            CAUSES
-                .into_iter()
-                .filter(|(cause, _)| !matches!(cause, Cause::Outliers | Cause::Wobble))
-                .map(move |(cause, _)| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
+            let causes = asked.causes.iter().filter(|c| !matches!(c, Cause::Outliers | Cause::Wobble));
+            causes.map(move |&cause| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
         });
         work(&mut ledger, tasks)?;
     }
@@ -123,7 +123,7 @@ fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let summary = DiscoverySummary::new(&diagnosis, settings);
     say(&summary.to_string());
     say(&serde_json::to_string_pretty(&summary)?);
-    say(&task.run().row());
+    say(&task.judged(&made, &diagnosis).row());
     Ok(())
 }
 
@@ -133,6 +133,7 @@ impl Asked {
             nulls: 1000,
             robots: 20,
             multiples: MULTIPLES.to_vec(),
+            causes: CAUSES.iter().map(|(cause, _)| *cause).collect(),
             part: None,
             folder: None,
             one: None,
@@ -148,6 +149,10 @@ impl Asked {
                 "--robots" => asked.robots = next()?.parse()?,
                 "--multiples" => {
                     asked.multiples = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
+                }
+                "--causes" => {
+                    let named = |word: &str| Cause::named(word).ok_or_else(|| unknown(word));
+                    asked.causes = next()?.split(',').map(named).collect::<Result<_, _>>()?;
                 }
                 "--part" => asked.part = Some(next()?.clone()),
                 "--folder" => asked.folder = Some(next()?.clone()),

@@ -49,13 +49,7 @@ impl Task {
 
     /// One line of the table. What the loop refuses, and where it panics, is a result as well.
     pub fn run(&self) -> Record {
-        let mut record = Record {
-            cause: self.cause.map_or("none", Cause::word).into(),
-            multiple: self.multiple,
-            seed: self.seed,
-            first: "none".into(),
-            ..Record::default()
-        };
+        let mut record = self.blank();
         let made = match make(self.cause, self.multiple, self.seed) {
             Ok(made) => made,
             Err(error) => {
@@ -64,10 +58,7 @@ impl Task {
                 return record;
             }
         };
-        record.robot = made.robot.into();
-        record.heavy = made.heavy;
-        record.visits = made.seen.data.visit.iter().max().map_or(0, |last| last + 1);
-        record.lambda = made.lambda;
+        self.describe(&made, &mut record);
         let (begun, spent) = (Instant::now(), processor_seconds());
         let looked = catch_unwind(AssertUnwindSafe(|| self.look(&made).map_err(|error| error.to_string())));
         record.seconds = begun.elapsed().as_secs_f64();
@@ -78,6 +69,31 @@ impl Task {
             Ok(Ok(diagnosis)) => self.judge(&made, &diagnosis, &mut record),
         }
         record
+    }
+
+    /// The line of a diagnosis.
+    pub fn judged(&self, made: &Made, diagnosis: &Diagnosis) -> Record {
+        let mut record = self.blank();
+        self.describe(made, &mut record);
+        self.judge(made, diagnosis, &mut record);
+        record
+    }
+
+    fn blank(&self) -> Record {
+        Record {
+            cause: self.cause.map_or("none", Cause::word).into(),
+            multiple: self.multiple,
+            seed: self.seed,
+            first: "none".into(),
+            ..Record::default()
+        }
+    }
+
+    fn describe(&self, made: &Made, record: &mut Record) {
+        record.robot = made.robot.into();
+        record.heavy = made.heavy;
+        record.visits = made.seen.data.visit.iter().max().map_or(0, |last| last + 1);
+        record.lambda = made.lambda;
     }
 
     fn judge(&self, made: &Made, diagnosis: &Diagnosis, record: &mut Record) {
