@@ -16,12 +16,9 @@ pub fn intervals(cause: Cause, made: &Made, found: &Finding) -> Vec<Interval> {
             let mut known = found.parameters.iter().filter(|parameter| parameter.name == name);
             let parameter = known.next()?;
             // Two of one name: nothing says which is which.
-            known.next().is_none().then(|| Interval {
-                name,
-                truth,
-                value: parameter.value,
-                ci95: parameter.ci95,
-            })
+            let alone = known.next().is_none();
+            let interval = Interval { name, truth, value: parameter.value, ci95: parameter.ci95 };
+            alone.then_some(interval)
         })
         .collect()
 }

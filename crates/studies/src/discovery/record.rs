@@ -220,7 +220,7 @@ mod tests {
         let mut file = fs::OpenOptions::new().append(true).open(&path).expect("the file");
         write!(file, "{half}").expect("half a line");
         let mut again = Ledger::open(&folder, "power", "abc").expect("a ledger");
-        assert_eq!(again.records, [record.clone()]);
+        assert_eq!(again.records, std::slice::from_ref(&record));
         assert!(again.knows("shift", 2.0, 3) && !again.knows("shift", 2.0, 4));
         again.add(Record { seed: 4, ..record }).expect("a line");
         assert_eq!(Ledger::open(&folder, "power", "abc").expect("a ledger").records.len(), 2);
