@@ -26,8 +26,11 @@ enum Verb {
     Tidy,
     /// A benchmark study, in release; leaves its table and figures in target/studies.
     Study {
-        /// Which: drive, pps, solvers.
+        /// Which: discovery, drive, pps, solvers.
         name: String,
+        /// Passed on to the study, e.g. `--short`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        rest: Vec<String>,
     },
     /// All benchmarks.
     Bench {
@@ -52,10 +55,11 @@ fn run(verb: Verb) -> Result<()> {
     match verb {
         Verb::Ci => ci::run(&root),
         Verb::Tidy => tidy::run(&root),
-        Verb::Study { name } => finished(
+        Verb::Study { name, rest } => finished(
             Command::new("cargo")
                 .args(["run", "--release", "--package", "truepose-studies", "--bin", "study", "--"])
                 .arg(name)
+                .args(rest)
                 .current_dir(&root),
         ),
         Verb::Bench { rest } => {

@@ -171,7 +171,8 @@ fn more_periods(scene: &Scene<'_>, candidate: &Candidate) -> Option<Candidate> {
         if gain < threshold {
             break;
         }
-        let one = refined(scene, &projection, &crate::library::transmission_at(scene.chain(), joint, &[period]));
+        let one =
+            refined(scene, &projection, &crate::library::transmission_at(scene.chain(), joint, &[period]));
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);
         }

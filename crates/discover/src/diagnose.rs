@@ -85,7 +85,7 @@ pub(crate) fn on_split(
         let rank = first.fit.reduction.rank();
         return Err(DiscoverError::TooFewVisits { have: Visits::of(&train).len(), rank, need });
     }
-    let untestable = conclude::untestable(&first)?;
+    let untestable = conclude::untestable(&first, &options.without)?;
     let declared_fit = first.fit.clone();
     let mut search = Search { ground, options, accepted: Vec::new(), refused: Vec::new(), now: first };
     let (stopped, last) = search.run(progress)?;
@@ -115,7 +115,7 @@ impl Search<'_> {
             progress(Progress::Screening(self.accepted.len()));
             let searched = sample(&self.now.data, self.options.seed.wrapping_add(round));
             let scene = Scene::new(&self.now.fit, &searched)?;
-            let screen = Screen::new(&scene);
+            let screen = Screen::new(&scene, &self.options.without);
             let null = screen.null(self.options.flips, self.options.seed);
             let p_value = null.p_value(screen.largest());
             let last = (p_value, seen_from(&null, self.options.alpha));
@@ -196,11 +196,7 @@ fn winner(
         let Some(doubt) = doubt else {
             let score = best.score;
             let others = rivals[1..].iter().map(|r| (r.candidate.clone(), r.score - score));
-            return Ok(Some(Accepted {
-                candidate: adopted(best),
-                evidence,
-                rivals: others.collect(),
-            }));
+            return Ok(Some(Accepted { candidate: adopted(best), evidence, rivals: others.collect() }));
         };
         if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
             refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });

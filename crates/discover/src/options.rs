@@ -1,6 +1,6 @@
 //! How to look.
 
-use crate::DiscoverError;
+use crate::{DiscoverError, Family};
 use truepose_identify::FitOptions;
 
 /// How a discovery looks, and when it believes.
@@ -16,6 +16,9 @@ pub struct DiscoverOptions {
     pub alpha: f64,
     /// Effects at most.
     pub most: usize,
+    /// Families that are not looked for: to see what the loop makes of a cause that it has no word for. Outliers are always
+    /// looked for, since they stand in the way of everything else.
+    pub without: Vec<Family>,
     /// How models are fitted.
     pub fit: FitOptions,
 }
@@ -28,6 +31,7 @@ impl Default for DiscoverOptions {
             flips: 999,
             alpha: 0.002,
             most: 24,
+            without: Vec::new(),
             fit: FitOptions::default(),
         }
     }

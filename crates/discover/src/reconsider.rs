@@ -27,7 +27,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
         let (data, fit) = search.ground.glance(&others, &search.now.outliers.suspects)?;
         let searched = sample(&data, search.options.seed.wrapping_add(at as u64));
         let scene = Scene::new(&fit, &searched)?;
-        let screen = Screen::new(&scene);
+        let screen = Screen::new(&scene, &search.options.without);
         let contest = contest(&scene, &screen, &others)?;
         let mine = &search.accepted[at].candidate;
         let Some(best) = contest.rivals.first().filter(|best| best.score < contest.present.deviance) else {

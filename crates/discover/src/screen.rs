@@ -38,9 +38,9 @@ pub(crate) fn price(numbers: usize) -> f64 {
 }
 
 impl Screen {
-    pub fn new(scene: &Scene<'_>) -> Self {
+    pub fn new(scene: &Scene<'_>, without: &[Family]) -> Self {
         let projection = Projection::new(scene);
-        let candidates = library::candidates(scene.chain(), scene.data)
+        let candidates = library::candidates(scene.chain(), scene.data, without)
             .into_par_iter()
             .map(|candidate| {
                 let score = candidate.columns(scene).ok().and_then(|columns| projection.score(&columns));
@@ -51,6 +51,7 @@ impl Screen {
             .chain()
             .movable()
             .iter()
+            .filter(|_| !without.contains(&Family::Transmission))
             .filter_map(|&joint| {
                 periodogram::scan(scene, &projection, joint, &periodogram::grid(scene, joint))
             })
@@ -94,10 +95,8 @@ impl Screen {
                 first += count;
             }
         }
-        let blocks: Vec<Block<'_>> = joined
-            .iter()
-            .map(|(by_unit, freedoms)| Block { by_unit, freedoms: freedoms.clone() })
-            .collect();
+        let blocks: Vec<Block<'_>> =
+            joined.iter().map(|(by_unit, freedoms)| Block { by_unit, freedoms: freedoms.clone() }).collect();
         NullDistribution::new(&self.projection, &blocks, flips, seed)
     }
 
@@ -134,11 +133,8 @@ impl Screen {
 
     /// How many separate questions were asked of a family.
     pub fn asked(&self, family: Family) -> usize {
-        let single = self
-            .candidates
-            .iter()
-            .filter(|s| s.score.is_some() && s.candidate.family == family)
-            .count();
+        let single =
+            self.candidates.iter().filter(|s| s.score.is_some() && s.candidate.family == family).count();
         let waves = if family == Family::Transmission {
             self.periods.iter().map(|p| p.periods.len() / 4).sum()
         } else {

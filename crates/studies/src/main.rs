@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod discovery;
 mod drive;
 mod pps;
 mod solvers;
@@ -24,10 +25,11 @@ fn say(text: &str) {
 fn main() -> ExitCode {
     let name = std::env::args().nth(1).unwrap_or_default();
     let done = match name.as_str() {
+        "discovery" => discovery::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         "drive" => drive::run(),
         "pps" => pps::run(),
         "solvers" => solvers::run(),
-        _ => Err(format!("unknown study `{name}`; there are: drive, pps, solvers").into()),
+        _ => Err(format!("unknown study `{name}`; there are: discovery, drive, pps, solvers").into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

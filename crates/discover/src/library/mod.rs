@@ -15,7 +15,7 @@ mod unmodelled;
 pub(crate) use motion::transmission_at;
 pub(crate) use time::{instants, shift_at};
 
-use crate::Candidate;
+use crate::{Candidate, Family};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, JointId, JointKind};
 
@@ -48,8 +48,8 @@ fn span(column: &[f64]) -> Option<[f64; 2]> {
     (upper - lower > 1e-9 * (lower.abs() + upper.abs() + 1.0)).then_some([lower, upper])
 }
 
-/// All candidates for this robot and data, named ones first.
-pub(crate) fn candidates(chain: &Chain, data: &Dataset) -> Vec<Candidate> {
+/// All candidates for this robot and data but those of some families, named ones first.
+pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> Vec<Candidate> {
     let setting = Setting { chain, data };
     let mut all = Vec::new();
     constant::add(&setting, &mut all);
@@ -60,7 +60,39 @@ pub(crate) fn candidates(chain: &Chain, data: &Dataset) -> Vec<Candidate> {
     thermal::add(&setting, &mut all);
     time::add(&setting, &mut all);
     unmodelled::add(&setting, &mut all);
+    all.retain(|candidate| !without.contains(&candidate.family));
     // What does not fit this robot (a link without a length) is no candidate.
     all.retain(|candidate| candidate.effects().iter().all(|effect| effect.validate(chain).is_ok()));
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::{Load, samples};
+
+    #[test]
+    fn a_family_that_is_not_looked_for_has_no_candidate() {
+        let chain = samples::scara();
+        let rows = 10;
+        let column = |joint: usize| (0..rows).map(|row| 0.02 * ((row + joint) as f64)).collect();
+        let data = Dataset {
+            joints: (0..chain.movable().len()).map(column).collect(),
+            position: vec![[0.0; 3]; rows],
+            target: vec![None; rows],
+            visit: (0..rows).collect(),
+            load: vec![Load::None; rows],
+            time: vec![0.0; rows],
+            approach: vec![vec![0.0; rows]; chain.movable().len()],
+            ..Dataset::default()
+        };
+        let families = |without: &[Family]| -> Vec<Family> {
+            candidates(&chain, &data, without).iter().map(|candidate| candidate.family).collect()
+        };
+        let all = families(&[]);
+        assert!(all.contains(&Family::Transmission) && all.contains(&Family::Guideway));
+        let fewer = families(&[Family::Transmission]);
+        assert!(!fewer.contains(&Family::Transmission) && fewer.contains(&Family::Guideway));
+        assert!(fewer.len() < all.len());
+    }
 }

@@ -1,0 +1,186 @@
+//! The closed loop of `discover`, calibrated on simulated robots: false alarms, power, names, intervals.
+//!
+//! | part | plants | asked |
+//! | --- | --- | --- |
+//! | nulls | nothing hidden; distractors, correlated visits, a third with heavy tails | how often is something found? |
+//! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
+//! | without | the same, its family taken out of the library | is it called by a wrong name? |
+//!
+//! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
+//! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
+
+mod causes;
+mod coverage;
+mod figures;
+mod plants;
+mod record;
+mod robots;
+mod summary;
+mod trial;
+
+use crate::{folder, say};
+use causes::{CAUSES, Cause};
+use record::{Ledger, commit};
+use std::error::Error;
+use std::path::Path;
+use trial::Task;
+use truepose_report::{DiscoverySummary, Settings};
+
+/// Multiples of the detectable size.
+const MULTIPLES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+/// At which a family is taken out.
+const WITHOUT: f64 = 4.0;
+
+/// What was asked for.
+struct Asked {
+    nulls: u64,
+    robots: u64,
+    multiples: Vec<f64>,
+    causes: Vec<Cause>,
+    part: Option<String>,
+    folder: Option<String>,
+    one: Option<Task>,
+}
+
+/// Runs the study.
+pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let asked = Asked::of(arguments)?;
+    if let Some(task) = &asked.one {
+        return one(task);
+    }
+    let commit = commit();
+    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
+    let folder = folder("discovery")?.join(into);
+    std::fs::create_dir_all(&folder)?;
+    say(&format!("commit {commit}; {}", folder.display()));
+    let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
+    let mut text = format!("commit {commit}\n\n");
+    let mut ledger = Ledger::open(&folder, "nulls", &commit)?;
+    if wanted("nulls") {
+        let task = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
+        work(&mut ledger, (0..asked.nulls).map(task))?;
+    }
+    text += &summary::nulls(&ledger.records)?;
+    figures::nulls(&folder.join("nulls.svg"), &ledger.records)?;
+
+    let mut ledger = Ledger::open(&folder, "power", &commit)?;
+    if wanted("power") {
+        // All cells first, then the next robot of each.
+        let tasks = (0..asked.robots).flat_map(|seed| {
+            let causes = &asked.causes;
+            asked.multiples.iter().flat_map(move |&multiple| {
+                causes.iter().map(move |&cause| Task { cause: Some(cause), multiple, seed, without: false })
+            })
+        });
+        work(&mut ledger, tasks)?;
+    }
+    text += &format!("\n{}", summary::power(&ledger.records, &asked.multiples)?);
+    text += &format!("\n{}", summary::confusion_text(&ledger.records)?);
+    text += &format!("\n{}", summary::coverage(&ledger.records)?);
+    figures::power(&folder.join("power.svg"), &ledger.records, &asked.multiples)?;
+    figures::matrix(&folder.join("confusion.svg"), &ledger.records)?;
+    figures::coverage(&folder.join("coverage.svg"), &ledger.records)?;
+
+    let mut ledger = Ledger::open(&folder, "without", &commit)?;
+    if wanted("without") {
+        let tasks = (0..asked.robots).flat_map(|seed| {
+            let causes = asked.causes.iter().filter(|c| !matches!(c, Cause::Outliers | Cause::Wobble));
+            causes.map(move |&cause| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
+        });
+        work(&mut ledger, tasks)?;
+    }
+    text += &format!("\n{}", summary::without(&ledger.records)?);
+    finish(&folder, &text)
+}
+
+fn finish(folder: &Path, text: &str) -> Result<(), Box<dyn Error>> {
+    say(text);
+    std::fs::write(folder.join("table.txt"), text)?;
+    say(&format!("tables and figures in {}", folder.display()));
+    Ok(())
+}
+
+/// Runs what is not yet in the table.
+fn work(ledger: &mut Ledger, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
+    for task in tasks {
+        let word = task.cause.map_or("none", Cause::word);
+        if ledger.knows(word, task.multiple, task.seed) {
+            continue;
+        }
+        let record = task.run();
+        say(&format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story));
+        ledger.add(record)?;
+    }
+    Ok(())
+}
+
+/// One robot, with all that the loop has to say.
+fn one(task: &Task) -> Result<(), Box<dyn Error>> {
+    let (made, diagnosis) = task.diagnosed()?;
+    let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
+    say(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
+    let settings = Settings { seed: plants::HOLDOUT.1, holdout: plants::HOLDOUT.0, flips: 999, alpha: 0.005 };
+    let summary = DiscoverySummary::new(&diagnosis, settings);
+    say(&summary.to_string());
+    say(&serde_json::to_string_pretty(&summary)?);
+    say(&task.judged(&made, &diagnosis).row());
+    Ok(())
+}
+
+impl Asked {
+    fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
+        let mut asked = Asked {
+            nulls: 1000,
+            robots: 20,
+            multiples: MULTIPLES.to_vec(),
+            causes: CAUSES.iter().map(|(cause, _)| *cause).collect(),
+            part: None,
+            folder: None,
+            one: None,
+        };
+        let mut rest = arguments.iter();
+        while let Some(word) = rest.next() {
+            let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
+            match word.as_str() {
+                "--short" => {
+                    (asked.nulls, asked.robots, asked.multiples) = (12, 1, vec![1.0, 4.0]);
+                }
+                "--nulls" => asked.nulls = next()?.parse()?,
+                "--robots" => asked.robots = next()?.parse()?,
+                "--multiples" => {
+                    asked.multiples = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
+                }
+                "--causes" => {
+                    let named = |word: &str| Cause::named(word).ok_or_else(|| unknown(word));
+                    asked.causes = next()?.split(',').map(named).collect::<Result<_, _>>()?;
+                }
+                "--part" => asked.part = Some(next()?.clone()),
+                "--folder" => asked.folder = Some(next()?.clone()),
+                "--one" => {
+                    let cause = match next()?.as_str() {
+                        "none" => None,
+                        word => Some(Cause::named(word).ok_or_else(|| unknown(word))?),
+                    };
+                    let (seed, multiple) = (next()?.parse()?, next()?.parse()?);
+                    asked.one = Some(Task { cause, multiple, seed, without: false });
+                }
+                "--without" => match &mut asked.one {
+                    Some(task) => task.without = true,
+                    None => return Err("`--without` follows `--one CAUSE SEED MULTIPLE`".into()),
+                },
+                word => return Err(format!("unknown option `{word}` of the study").into()),
+            }
+        }
+        if let Some(part) = &asked.part
+            && !["nulls", "power", "without"].contains(&part.as_str())
+        {
+            return Err(format!("unknown part `{part}`; there are: nulls, power, without").into());
+        }
+        Ok(asked)
+    }
+}
+
+fn unknown(word: &str) -> String {
+    let known: Vec<&str> = CAUSES.iter().map(|(_, word)| *word).collect();
+    format!("unknown cause `{word}`; there are: none, {}", known.join(", "))
+}
