@@ -5,7 +5,7 @@ use crate::candidate::{Candidate, Change};
 use crate::diagnose::{LastWord, Search};
 use crate::diagnosis::{Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable};
 use crate::evidence::{Evidence, Gain};
-use crate::outliers::outliers;
+use crate::outliers::{Outliers, outliers};
 use crate::projection::Projection;
 use crate::sample::sample;
 use crate::scene::Scene;
@@ -125,7 +125,13 @@ fn finish(
     }
     let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
     if !outside.certain.is_empty() {
-        findings.push(outlier_finding(&outside.certain, &after, noise_floor));
+        let judged = Residuals::of(&fit.fitted, whole.data)?;
+        let (out, good): (Vec<usize>, Vec<usize>) =
+            (0..judged.position.len()).partition(|row| outside.certain.contains(row));
+        let all: Vec<usize> = (0..judged.position.len()).collect();
+        let rms = (judged.positions_of(&all).rms, judged.positions_of(&good).rms);
+        let held = after.holdout.positions().rms;
+        findings.push(outlier_finding(&outside, out.len(), rms, (held, held)));
     }
     let variance = |errors: &Errors| errors.train.positions().rms.powi(2);
     let floor = noise_floor * noise_floor;
@@ -226,9 +232,9 @@ fn alternatives(
         .collect()
 }
 
-fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
-    let rms = (after.train.positions().rms, after.holdout.positions().rms);
-    let nothing = Gain { before: rms.0, after: rms.0, t: 0.0 };
+/// Rows that no repeatable effect explains, as a find: `rms` with them and without, m.
+fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
+    let gain = Gain { before: rms.0, after: rms.1, t: 0.0, won: 1.0 - rms.1 / rms.0.max(f64::MIN_POSITIVE) };
     Finding {
         candidate: Candidate {
             family: Family::Outlier,
@@ -237,21 +243,21 @@ fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
             width: None,
         },
         evidence: Evidence {
-            p_value: 0.002,
-            p_parametric: 0.002,
-            unknowns: rows.len(),
+            p_value: outside.p_value,
+            p_parametric: outside.p_value,
+            unknowns,
             gain: 0.0,
-            random: nothing,
+            random: gain,
             blocks: None,
             stability: 1.0,
             agreement: 1.0,
             share: 1.0,
         },
-        holdout: (rms.1, rms.1),
-        train: (rms.0, floor),
+        holdout,
+        train: rms,
         parameters: Vec::new(),
         alternatives: Vec::new(),
-        rows: rows.to_vec(),
+        rows: outside.certain.clone(),
     }
 }
 

@@ -119,7 +119,7 @@ pub(crate) fn contest(
     if let Some(best) = rivals.first().map(|r| r.score) {
         let tied = rivals.iter().take_while(|r| r.score < best + TIE).count();
         rivals[..tied].sort_by(|a, b| {
-            let key = |r: &Rival| (r.candidate.family, r.freedom);
+            let key = |r: &Rival| r.candidate.family.rank();
             key(a).cmp(&key(b)).then(a.score.total_cmp(&b.score))
         });
     }

@@ -8,14 +8,14 @@
 
 use crate::DiscoverError;
 use crate::contest::Rival;
-use crate::likelihood::Likelihood;
+use crate::likelihood::{Likelihood, distances};
 use crate::scene::Scene;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::configurations;
-use truepose_identify::{Folds, Split};
+use truepose_identify::{Folds, NoiseModel, Split};
 
 /// What speaks for an effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,6 +50,8 @@ pub struct Gain {
     /// Student's t of the paired difference over folds: of mean squares, or of their logarithms where that is clearer (an
     /// effect of which a few rows have most).
     pub t: f64,
+    /// Share of the held-out RMS of all measured numbers, in deviations, that it takes away.
+    pub won: f64,
 }
 
 /// Why a winner is not believed.
@@ -83,7 +85,7 @@ pub(crate) fn collect(
     let gain = |folds: &Folds| -> Result<Gain, DiscoverError> {
         let before = present.held_out(scene, folds)?;
         let after = rival.likelihood.held_out(scene, folds)?;
-        Ok(paired(scene, folds, &before, &after))
+        Ok(paired(scene, folds, rival.likelihood.noise, &before, &after))
     };
     let (stability, agreement) = halves(scene, rival, seed)?;
     Ok(Evidence {
@@ -103,12 +105,12 @@ impl Evidence {
     /// What speaks against it; none when it is believed.
     pub(crate) fn doubt(&self, alpha: f64, floor: f64, belongs_to_time: bool) -> Option<Doubt> {
         let won = self.random.before - self.random.after;
-        let blocks_agree = belongs_to_time || self.blocks.is_none_or(|b| b.after < b.before * 1.02);
+        let blocks_agree = belongs_to_time || self.blocks.is_none_or(|b| b.won > -0.02);
         if self.p_value > alpha {
             Some(Doubt::Chance)
         } else if self.random.t < 2.0 || !blocks_agree {
             Some(Doubt::NotPredictive)
-        } else if won < 0.02 * self.random.before && won < 0.1 * floor {
+        } else if self.random.won < 0.02 && won < 0.1 * floor {
             Some(Doubt::TooSmall)
         } else if self.stability < 0.8 {
             Some(Doubt::Unstable)
@@ -123,24 +125,35 @@ fn folds(scene: &Scene<'_>, most: usize) -> usize {
     most.min(count).max(2)
 }
 
-/// The paired difference of squared distances, fold by fold.
-fn paired(scene: &Scene<'_>, folds: &Folds, before: &[f64], after: &[f64]) -> Gain {
+/// The paired difference, fold by fold, over all measured numbers in deviations: an orientation counts as well.
+fn paired(scene: &Scene<'_>, folds: &Folds, noise: NoiseModel, before: &[f64], after: &[f64]) -> Gain {
     let mut by_fold = vec![(0.0, 0.0, 0usize); folds.count];
-    for row in 0..scene.data.len() {
-        if before[row].is_finite() && after[row].is_finite() {
-            let fold = &mut by_fold[folds.of_visit[scene.data.visit[row]]];
-            *fold = (fold.0 + before[row], fold.1 + after[row], fold.2 + 1);
+    for (at, o) in scene.observations.iter().enumerate() {
+        let variance = if o.component < 3 {
+            noise.position(scene.data.position_sd[o.row][o.component]).powi(2) + noise.visit_sd.powi(2)
+        } else {
+            noise.orientation(scene.data.orientation_sd[o.row][o.component - 3]).powi(2)
+        };
+        if before[at].is_finite() && after[at].is_finite() {
+            let fold = &mut by_fold[folds.of_visit[o.visit]];
+            fold.0 += before[at].powi(2) / variance;
+            fold.1 += after[at].powi(2) / variance;
+            fold.2 += 1;
         }
     }
-    let total = by_fold.iter().fold((0.0, 0.0, 0usize), |t, f| (t.0 + f.0, t.1 + f.1, t.2 + f.2));
     let filled: Vec<&(f64, f64, usize)> = by_fold.iter().filter(|f| f.2 > 0 && f.1 > 0.0).collect();
     let squares: Vec<f64> = filled.iter().map(|f| (f.0 - f.1) / f.2 as f64).collect();
     let ratios: Vec<f64> = filled.iter().map(|f| (f.0 / f.1).ln()).collect();
-    let n = total.2.max(1) as f64;
+    let rms = |residual: &[f64]| {
+        let whole: Vec<f64> = distances(scene, residual).into_iter().filter(|v| v.is_finite()).collect();
+        (whole.iter().sum::<f64>() / whole.len().max(1) as f64).sqrt()
+    };
+    let sums = by_fold.iter().fold((0.0, 0.0), |t, f| (t.0 + f.0, t.1 + f.1));
     Gain {
-        before: (total.0 / n).sqrt(),
-        after: (total.1 / n).sqrt(),
+        before: rms(before),
+        after: rms(after),
         t: students_t(&squares).max(students_t(&ratios)),
+        won: if sums.0 > 0.0 { 1.0 - (sums.1 / sums.0).sqrt() } else { 0.0 },
     }
 }
 

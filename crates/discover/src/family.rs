@@ -64,6 +64,11 @@ impl Family {
         }
     }
 
+    /// Its place in the order of simplicity; causes that follow time in one way or another share one.
+    pub(crate) fn rank(self) -> Family {
+        if self.belongs_to_time() { Family::Shift } else { self }
+    }
+
     /// Whether the effect belongs to a stretch of time, so that contiguous blocks cannot predict each other.
     pub fn belongs_to_time(self) -> bool {
         matches!(self, Family::Shift | Family::Drift | Family::Thermal)

@@ -97,8 +97,7 @@ impl Likelihood {
         }
     }
 
-    /// Squared 3-D distances of every row, each predicted by a fit that did not see its fold; NaN where a position was not
-    /// measured whole.
+    /// Residuals of every measured number by a fit that did not see its fold, m or rad.
     pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds) -> Result<Vec<f64>, DiscoverError> {
         let n = self.columns.ncols() - 1;
         let white = self.whitener.of(&self.columns);
@@ -117,7 +116,7 @@ impl Likelihood {
                 residual[at] = row[n] - predicted;
             }
         }
-        Ok(distances(scene, &residual))
+        Ok(residual)
     }
 
     /// γ from these visits only, with its covariance.

@@ -17,6 +17,8 @@ pub(crate) struct Outliers {
     pub suspects: Vec<usize>,
     /// Rows that are reported.
     pub certain: Vec<usize>,
+    /// How many good rows would be expected beyond the least of those: the family-wise p; 1 without any.
+    pub p_value: f64,
     /// Standardised distance of every row of the data, in robust deviations of one axis; NaN where nothing was measured.
     pub distance: Vec<f64>,
 }
@@ -64,8 +66,12 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
             }
             if expected < CERTAIN {
                 found.certain.push(row);
+                found.p_value = found.p_value.max(expected);
             }
         }
+    }
+    if found.certain.is_empty() {
+        found.p_value = 1.0;
     }
     if found.suspects.len() as f64 > MOST * whole.len() as f64 {
         found.suspects.clear();

@@ -11,6 +11,8 @@ struct Covariate {
     input: Input,
     range: [f64; 2],
     joint: bool,
+    /// It has two values: no curve, only a difference.
+    side: bool,
 }
 
 fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
@@ -19,13 +21,20 @@ fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
     for &joint in chain.movable() {
         if let Some(range) = setting.range(joint) {
             let name = chain.joint(joint).name.clone();
-            list.push(Covariate { name, input: Input::Joint(joint), range, joint: true });
+            list.push(Covariate { name, input: Input::Joint(joint), range, joint: true, side: false });
         }
     }
     for (k, channel) in setting.data.schema.channels.iter().enumerate() {
         if let (Some(range), false) = (setting.channel_range(k), channel.name.contains('~')) {
             let input = Input::Channel(channel.name.clone());
-            list.push(Covariate { name: channel.name.clone(), input, range, joint: false });
+            list.push(Covariate { name: channel.name.clone(), input, range, joint: false, side: false });
+        }
+    }
+    if setting.data.schema.approach {
+        for &joint in chain.movable() {
+            let name = format!("approach_{}", chain.joint(joint).name);
+            let input = Input::Approach(joint);
+            list.push(Covariate { name, input, range: [-1.0, 1.0], joint: false, side: true });
         }
     }
     list
@@ -61,16 +70,18 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             for axis in Axis::ALL {
                 put(frame, vec![axis], vec![covariate.polynomial(vec![1])], &[covariate]);
                 for pieces in [2, 5, 10, 18] {
-                    if covariate.joint || pieces < 8 {
+                    if !covariate.side && (covariate.joint || pieces < 8) {
                         put(frame, vec![axis], vec![covariate.spline(pieces)], &[covariate]);
                     }
                 }
             }
-            put(frame, Axis::ALL.to_vec(), vec![covariate.spline(3)], &[covariate]);
+            if !covariate.side {
+                put(frame, Axis::ALL.to_vec(), vec![covariate.spline(3)], &[covariate]);
+            }
         }
     }
     for (k, first) in covariates.iter().enumerate() {
-        for second in &covariates[k + 1..] {
+        for second in covariates[k + 1..].iter().filter(|second| !first.side && !second.side) {
             for &frame in &frames {
                 for axis in Axis::ALL {
                     let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
