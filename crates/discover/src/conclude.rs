@@ -98,7 +98,9 @@ fn finish(
     fit.fitted.loads = found
         .iter()
         .filter_map(|candidate| match candidate.change {
-            Change::CorrectLoad { level, mass, .. } => Some(LoadCorrection { declared: level, carried: mass }),
+            Change::CorrectLoad { level, mass, .. } => {
+                Some(LoadCorrection { declared: level, carried: mass })
+            }
             Change::Add(_) => None,
         })
         .collect();

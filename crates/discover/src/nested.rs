@@ -7,7 +7,7 @@
 use crate::diagnose::on_split;
 use crate::{Diagnosis, DiscoverError, DiscoverOptions, Progress, lags};
 use truepose_errormodel::{AnyEffect, Dataset};
-use truepose_identify::{Folds, Residuals, Spread, Split};
+use truepose_identify::{Folds, Residuals, Split, Spread};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -43,7 +43,8 @@ pub fn nested(
     for fold in 0..folds.count {
         let rows = (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);
         let run = on_split(chain, declared, (data, rows), solver, options, &|step| progress(fold, step))?;
-        let distances = |r: &Residuals| (0..r.position.len()).filter_map(|k| r.distance(k)).collect::<Vec<_>>();
+        let distances =
+            |r: &Residuals| (0..r.position.len()).filter_map(|k| r.distance(k)).collect::<Vec<_>>();
         before.extend(distances(&run.before.holdout));
         after.extend(distances(&run.after.holdout));
         runs.push(run);

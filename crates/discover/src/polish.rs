@@ -30,8 +30,11 @@ pub(crate) fn polished(
     let count = found[which].effects().len();
     let effects: Option<Vec<Box<dyn AnyEffect>>> =
         model.effects()[first..first + count].iter().map(|effect| fixed(&**effect, ground.chain)).collect();
-    let better = fit.chi_square.is_finite() && fit.residuals.positions().rms <= now.fit.residuals.positions().rms;
-    Ok(effects.filter(|_| better).map(|effects| Candidate { change: Change::Add(effects), ..now.found[which].clone() }))
+    let better =
+        fit.chi_square.is_finite() && fit.residuals.positions().rms <= now.fit.residuals.positions().rms;
+    Ok(effects
+        .filter(|_| better)
+        .map(|effects| Candidate { change: Change::Add(effects), ..now.found[which].clone() }))
 }
 
 /// The find with a range for each of its shapes.
@@ -83,7 +86,10 @@ fn ranged(effect: &dyn AnyEffect, chain: &Chain, data: &Dataset) -> Option<Box<d
 fn fixed(effect: &dyn AnyEffect, chain: &Chain) -> Option<Box<dyn AnyEffect>> {
     let mut parameters = effect.parameters();
     if let Some(map) = parameters.as_object_mut() {
-        map.retain(|key, _| !(key.ends_with("_range") && ["period", "time_constant", "flank"].iter().any(|k| key.starts_with(k))));
+        map.retain(|key, _| {
+            !(key.ends_with("_range")
+                && ["period", "time_constant", "flank"].iter().any(|k| key.starts_with(k)))
+        });
     }
     EffectRegistry::builtin().build(effect.kind(), parameters, chain).ok()
 }

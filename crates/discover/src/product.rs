@@ -1,6 +1,6 @@
 //! `Aᵀ B` through the blocked kernel: the library's own takes one dot product at a time.
 
-use nalgebra::{Dim, DMatrix, Matrix, RawStorage};
+use nalgebra::{DMatrix, Dim, Matrix, RawStorage};
 
 /// `Aᵀ B`.
 pub(crate) fn cross<R1, C1, S1, R2, C2, S2>(

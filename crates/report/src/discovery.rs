@@ -4,9 +4,7 @@ mod text;
 
 use crate::PositionSpread;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{
-    Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Stop,
-};
+use truepose_discover::{Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Stop};
 use truepose_errormodel::Visits;
 
 /// The ledger of a discovery: `discovery.json`.

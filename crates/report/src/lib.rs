@@ -10,8 +10,8 @@ mod words;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary, NestedSummary, Reference,
-    RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
+    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary,
+    NestedSummary, Reference, RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
 };
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};

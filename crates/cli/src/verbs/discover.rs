@@ -47,11 +47,9 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     };
     let solver = args.solver.build();
     let bar = Bar::spinner();
-    let mut found =
-        diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
+    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
     drop(bar);
-    let settings =
-        Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(folds) = args.nested {
         let Some(split) = super::identify::split(usize::from(folds), args.split, args.seed, &data)? else {

@@ -6,7 +6,9 @@ use crate::failure::Failure;
 use crate::terminal;
 use truepose_errormodel::EffectRegistry;
 use truepose_identify::{PlanOptions, plan};
-use truepose_io::{MeasurementsOptions, PlannedVisit, check_writable, read_fit, read_measurements, write_plan};
+use truepose_io::{
+    MeasurementsOptions, PlannedVisit, check_writable, read_fit, read_measurements, write_plan,
+};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload};
 use truepose_report::PlanSummary;

@@ -195,5 +195,8 @@ pub(super) fn judged(
     let n = values.len() as f64;
     let mean = (values.iter().map(|v| v.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / n).exp();
     let harmonic = 1.0 / values.iter().map(|v| 1.0 / v.max(f64::MIN_POSITIVE)).sum::<f64>();
-    Ok((accuracy, [(1.0, mean), (1.0, last / first), (1.0, last), (1.0, last * last / first), (1.0 / n, harmonic)]))
+    Ok((
+        accuracy,
+        [(1.0, mean), (1.0, last / first), (1.0, last), (1.0, last * last / first), (1.0 / n, harmonic)],
+    ))
 }

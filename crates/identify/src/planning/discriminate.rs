@@ -61,8 +61,10 @@ pub(super) fn choose(
         )
         .collect::<Result<_, _>>()?;
     let variance = fitted.noise.position_sd.max(1e-9).powi(2);
-    let (mut p_a, mut p_b) =
-        (DMatrix::identity(root_a.ncols(), root_a.ncols()), DMatrix::identity(root_b.ncols(), root_b.ncols()));
+    let (mut p_a, mut p_b) = (
+        DMatrix::identity(root_a.ncols(), root_a.ncols()),
+        DMatrix::identity(root_b.ncols(), root_b.ncols()),
+    );
     let mut chosen: Vec<(usize, f64)> = Vec::new();
     for _ in 0..count {
         let worth: Vec<f64> = contrasts
