@@ -10,6 +10,7 @@ use crate::evidence::{Evidence, Gain};
 use crate::outliers::outliers;
 use crate::projection::Projection;
 use crate::scene::Scene;
+use crate::trace::trace;
 use crate::working::{Working, with_loads};
 use crate::{Family, Place, contest::TIE, lags, library, payload};
 use rayon::prelude::*;
@@ -114,6 +115,7 @@ fn finish(
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
+        let first = ground.declared.len() + found[..k].iter().map(|c| c.effects().len()).sum::<usize>();
         let alternatives = alternatives(&ground, &now, &found, k, &accepted.rivals, held)?;
         findings.push(Finding {
             parameters: parameters(&fit, &found, ground.declared.len(), k),
@@ -126,6 +128,7 @@ fn finish(
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives,
+            trace: trace(&fit, &data, &accepted.candidate, first)?,
         });
     }
     let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
@@ -256,6 +259,7 @@ fn outlier_finding(rows: &[usize], after: &Errors, floor: f64) -> Finding {
         parameters: Vec::new(),
         alternatives: Vec::new(),
         rows: rows.to_vec(),
+        trace: None,
     }
 }
 

@@ -23,6 +23,7 @@ mod reconsider;
 mod scene;
 mod screen;
 mod shape;
+mod trace;
 mod whitener;
 mod working;
 
@@ -36,3 +37,4 @@ pub use evidence::{Doubt, Evidence, Gain};
 pub use family::Family;
 pub use options::DiscoverOptions;
 pub use place::Place;
+pub use trace::{Trace, TracePoint};
