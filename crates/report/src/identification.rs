@@ -128,6 +128,24 @@ pub struct GroupSummary {
     pub against_expected: f64,
 }
 
+/// The grouped errors of a fit.
+pub(crate) fn groups(fit: &truepose_identify::Fit) -> Vec<GroupSummary> {
+    let model = fit.fitted.model();
+    let half = fit.half_widths();
+    let group = |group: &truepose_identify::reduction::Group| {
+        let column = &model.columns()[group.column];
+        let variance = fit.fitted.covariance()[(group.column, group.column)];
+        GroupSummary {
+            words: group_words(model, group),
+            value: fit.fitted.coefficients()[group.column],
+            half_width: half[group.column],
+            unit: column.unit.clone(),
+            against_expected: variance.max(0.0).sqrt() / column.scale,
+        }
+    };
+    fit.reduction.groups.iter().map(group).collect()
+}
+
 fn shapes(fit: &truepose_identify::Fit) -> Vec<ShapeSummary> {
     let effects = fit.fitted.model().effects();
     let shape = |shape: &truepose_identify::FittedShape| ShapeSummary {
@@ -167,23 +185,7 @@ impl IdentificationSummary {
         let chain = &found.placement.chain;
         let fit = &found.fit;
         let model = fit.fitted.model();
-        let half = fit.half_widths();
-        let groups = fit
-            .reduction
-            .groups
-            .iter()
-            .map(|group| {
-                let column = &model.columns()[group.column];
-                GroupSummary {
-                    words: group_words(model, group),
-                    value: fit.fitted.coefficients()[group.column],
-                    half_width: half[group.column],
-                    unit: column.unit.clone(),
-                    against_expected: fit.fitted.covariance()[(group.column, group.column)].max(0.0).sqrt()
-                        / column.scale,
-                }
-            })
-            .collect();
+        let groups = groups(fit);
         let dropped = |cause: Cause| fit.reduction.dropped.iter().filter(|d| d.cause == cause).count();
         let gap = |g: f64| g.is_finite().then_some(g);
         let residuals = &found.declared.train;
