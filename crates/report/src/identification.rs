@@ -70,6 +70,9 @@ pub struct IdentificationSummary {
     pub rounds: usize,
     /// Whether they came to rest.
     pub converged: bool,
+    /// Poses that the judged fit did not see against a specification, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specification: Option<crate::SpecificationSummary>,
 }
 
 /// Where base, tool and targets were found.
@@ -241,6 +244,7 @@ impl IdentificationSummary {
             warnings: fit.warnings.iter().map(warning_words).collect(),
             rounds: fit.rounds,
             converged: fit.converged,
+            specification: None,
         };
         IdentificationSummary { limit: limit(&summary), ..summary }
     }

@@ -112,22 +112,6 @@ impl Plot {
         }
     }
 
-    /// A level across the plot with its name.
-    pub(crate) fn level(&mut self, y: f64, name: &str) {
-        if y < self.y[0] || y > self.y[1] {
-            return;
-        }
-        let at = self.down(y);
-        let _ = write!(
-            self.body,
-            "<path class=\"ink thinline dash\" d=\"M{LEFT} {at:.1}H{:.1}\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-            self.width - RIGHT,
-            self.width - RIGHT - 4.0,
-            at - 4.0,
-            escape(name)
-        );
-    }
-
     /// Marks that could not be shown where they are.
     pub(crate) fn outside(&self) -> usize {
         self.outside

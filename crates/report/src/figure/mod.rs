@@ -11,7 +11,7 @@ pub(crate) use axes::Plot;
 pub(crate) use bars::{Bar, bars};
 pub(crate) use cloud::cloud;
 pub(crate) use heat::heat_map;
-pub(crate) use thin::{Bin, bins, quantile, thin};
+pub(crate) use thin::{bins, quantile, thin};
 pub(crate) use trace::trace_figure;
 
 /// Colours of figures, as the page and the files have them.
