@@ -3,9 +3,7 @@
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
 use crate::diagnose::{LastWord, Search};
-use crate::diagnosis::{
-    Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable,
-};
+use crate::diagnosis::{Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable};
 use crate::evidence::{Evidence, Gain};
 use crate::outliers::outliers;
 use crate::projection::Projection;
@@ -15,7 +13,9 @@ use crate::working::{Working, with_loads};
 use crate::{Family, Place, contest::TIE, lags, library, payload};
 use rayon::prelude::*;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection};
-use truepose_identify::{Fit, FitOptions, NoiseSource, Placement, Residuals, refit, repeats, student_quantile};
+use truepose_identify::{
+    Fit, FitOptions, NoiseSource, Placement, Residuals, refit, repeats, student_quantile,
+};
 
 /// The data as a whole, and what was known before the loop.
 pub(crate) struct Whole<'a> {
@@ -92,14 +92,8 @@ fn finish(
         data.orientation[row] = None;
     }
     let frozen = FitOptions { noise: NoiseSource::Fixed(now.fit.noise), ..ground.fit.clone() };
-    let mut fit = refit(
-        now.fit.fitted.model(),
-        &data,
-        ground.solver,
-        &frozen,
-        &now.fit.reduction,
-        &now.fit.prior,
-    )?;
+    let mut fit =
+        refit(now.fit.fitted.model(), &data, ground.solver, &frozen, &now.fit.reduction, &now.fit.prior)?;
 
     fit.fitted.loads = found
         .iter()
@@ -279,7 +273,8 @@ pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError
             let columns = candidate.columns(&scene).ok();
             let share = columns.as_ref().and_then(|c| projection.score(c)).map_or(0.0, |s| s.share);
             // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
-            let rms = (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
+            let rms =
+                (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
             let does = columns.is_some_and(|c| c.norm() > 0.0);
             Some((candidate, share, does.then_some(rms)))
         })
@@ -296,4 +291,3 @@ pub(crate) fn untestable(now: &Working) -> Result<Vec<Untestable>, DiscoverError
     list.retain(|u| u.share < LEFT);
     Ok(list)
 }
-

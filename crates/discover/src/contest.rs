@@ -85,7 +85,8 @@ pub(crate) fn contest(
                 let shaped = refined(scene, &screen.projection, candidate);
                 rivals.extend(rival(scene, screen, &visits, shaped)?);
             }
-            let more: Vec<Candidate> = rivals.iter().filter_map(|r| more_periods(scene, &r.candidate)).collect();
+            let more: Vec<Candidate> =
+                rivals.iter().filter_map(|r| more_periods(scene, &r.candidate)).collect();
             for candidate in more {
                 rivals.extend(rival(scene, screen, &visits, candidate)?);
             }
@@ -160,7 +161,8 @@ fn more_periods(scene: &Scene<'_>, candidate: &Candidate) -> Option<Candidate> {
         if gain < threshold {
             break;
         }
-        let one = refined(scene, &projection, &crate::library::transmission_at(scene.chain(), joint, &[period]));
+        let one =
+            refined(scene, &projection, &crate::library::transmission_at(scene.chain(), joint, &[period]));
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);
         }

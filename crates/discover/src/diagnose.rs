@@ -157,11 +157,7 @@ fn winner(
         let Some(doubt) = doubt else {
             let score = best.score;
             let others = rivals[1..].iter().map(|r| (r.candidate.clone(), r.score - score));
-            return Ok(Some(Accepted {
-                candidate: adopted(best),
-                evidence,
-                rivals: others.collect(),
-            }));
+            return Ok(Some(Accepted { candidate: adopted(best), evidence, rivals: others.collect() }));
         };
         if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
             refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });

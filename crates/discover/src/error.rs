@@ -22,7 +22,9 @@ pub enum DiscoverError {
         expected: &'static str,
     },
     /// Too little data for the question.
-    #[error("{have} visits are too few to look for what a model of rank {rank} lacks; at least {need} are needed")]
+    #[error(
+        "{have} visits are too few to look for what a model of rank {rank} lacks; at least {need} are needed"
+    )]
     TooFewVisits {
         /// Visits in the data.
         have: usize,

@@ -170,10 +170,7 @@ pub(crate) fn as_residuals(scene: &Scene<'_>, residual: &DVector<f64>) -> Residu
 }
 
 /// Least squares from the Gram matrix of [A | y], scaled, with a prior's precision.
-fn solved(
-    gram: &DMatrix<f64>,
-    prior: &DMatrix<f64>,
-) -> Result<(DVector<f64>, Scaled), DiscoverError> {
+fn solved(gram: &DMatrix<f64>, prior: &DMatrix<f64>) -> Result<(DVector<f64>, Scaled), DiscoverError> {
     let n = gram.ncols() - 1;
     let scale: Vec<f64> = (0..n)
         .map(|k| {

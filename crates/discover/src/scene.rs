@@ -123,11 +123,8 @@ impl<'a> Scene<'a> {
                                 entry.value * matrix[(component, chain.site_index(entry.site))];
                         }
                     }
-                    let explained: f64 = flat[start..]
-                        .iter()
-                        .zip(kept)
-                        .map(|(a, &c)| a * fit.fitted.coefficients()[c])
-                        .sum();
+                    let explained: f64 =
+                        flat[start..].iter().zip(kept).map(|(a, &c)| a * fit.fitted.coefficients()[c]).sum();
                     y.push(residual + explained);
                 }
                 let count = scene.observations.len() - first;
@@ -185,7 +182,9 @@ impl<'a> Scene<'a> {
         let mut predictor = fitted.bind(&self.data.schema)?;
         let mut column = DMatrix::zeros(self.len(), 1);
         for row in &self.rows {
-            let Some(changed) = crate::payload::changed(&row.conditions, level, level + STEP) else { continue };
+            let Some(changed) = crate::payload::changed(&row.conditions, level, level + STEP) else {
+                continue;
+            };
             let target = self.data.target[self.observations[row.first].row];
             let before = predictor.predict(&row.conditions, target);
             let after = predictor.predict(&changed, target);

@@ -94,10 +94,8 @@ impl Screen {
                 first += count;
             }
         }
-        let blocks: Vec<Block<'_>> = joined
-            .iter()
-            .map(|(by_unit, freedoms)| Block { by_unit, freedoms: freedoms.clone() })
-            .collect();
+        let blocks: Vec<Block<'_>> =
+            joined.iter().map(|(by_unit, freedoms)| Block { by_unit, freedoms: freedoms.clone() }).collect();
         NullDistribution::new(&self.projection, &blocks, flips, seed)
     }
 
@@ -134,11 +132,8 @@ impl Screen {
 
     /// How many separate questions were asked of a family.
     pub fn asked(&self, family: Family) -> usize {
-        let single = self
-            .candidates
-            .iter()
-            .filter(|s| s.score.is_some() && s.candidate.family == family)
-            .count();
+        let single =
+            self.candidates.iter().filter(|s| s.score.is_some() && s.candidate.family == family).count();
         let waves = if family == Family::Transmission {
             self.periods.iter().map(|p| p.periods.len() / 4).sum()
         } else {

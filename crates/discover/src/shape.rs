@@ -6,8 +6,8 @@ use crate::candidate::Candidate;
 use crate::library::{instants, shift_at, transmission_at};
 use crate::projection::Projection;
 use crate::scene::Scene;
-use truepose_errormodel::effects::{Backlash, Drift, Shift, Transmission};
 use truepose_errormodel::AnyEffect;
+use truepose_errormodel::effects::{Backlash, Drift, Shift, Transmission};
 
 /// What a shape is worth: the gain in the screen's units.
 fn gain(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
@@ -34,9 +34,8 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
         // In frequency: a quarter of a cycle over the range to either side.
         let centre = 1.0 / period;
         let half = 0.25 / range.max(1e-9);
-        let value = |frequency: f64| {
-            gain(scene, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]))
-        };
+        let value =
+            |frequency: f64| gain(scene, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]));
         let best = climb(centre - half.min(0.5 * centre), centre + half, value);
         return transmission_at(chain, wave.joint, &[1.0 / best]);
     }
@@ -101,4 +100,3 @@ fn climb(lower: f64, upper: f64, value: impl Fn(f64) -> f64) -> f64 {
     }
     0.5 * (a + b)
 }
-

@@ -92,7 +92,8 @@ pub(crate) fn trace(
     let approach = joint
         .filter(|_| candidate.family == Family::Backlash && data.schema.approach)
         .and_then(|joint| chain.coordinate(joint));
-    let covariance = fit.fitted.covariance().view((columns.start, columns.start), (columns.len(), columns.len()));
+    let covariance =
+        fit.fitted.covariance().view((columns.start, columns.start), (columns.len(), columns.len()));
 
     let bound = model.bind(&data.schema)?;
     let mut rest = Rest::new(model);
@@ -115,7 +116,8 @@ pub(crate) fn trace(
         if square.sqrt() < 1e-9 {
             continue;
         }
-        let fitted = shape.iter().zip(columns.clone()).map(|(s, c)| s * fit.fitted.coefficients()[c]).sum::<f64>();
+        let fitted =
+            shape.iter().zip(columns.clone()).map(|(s, c)| s * fit.fitted.coefficients()[c]).sum::<f64>();
         let after = moved.dot(&difference) / square;
         buffer.update(chain, &conditions);
         let posture = buffer.settle(chain, &conditions, |frame| *rest.real().after(frame));
@@ -208,7 +210,8 @@ impl Own {
             Own::Motion(motion) => {
                 let first = first_axis(motion);
                 for k in 0..3 {
-                    moved += motion.axis[k] * jacobian.position(Site::Frame(motion.frame, Axis::ALL[first + k]));
+                    moved +=
+                        motion.axis[k] * jacobian.position(Site::Frame(motion.frame, Axis::ALL[first + k]));
                 }
                 for entry in emission.entries().iter().filter(|e| columns.contains(&e.column)) {
                     if let Site::Frame(frame, axis) = entry.site
@@ -216,7 +219,8 @@ impl Own {
                         && axis.index() >= first
                         && axis.index() < first + 3
                     {
-                        shape[entry.column - columns.start] += entry.value * motion.axis[axis.index() - first];
+                        shape[entry.column - columns.start] +=
+                            entry.value * motion.axis[axis.index() - first];
                     }
                 }
             }
@@ -261,7 +265,11 @@ fn own(
     let chain = model.chain();
     let of_a_joint = matches!(
         candidate.family,
-        Family::Backlash | Family::Transmission | Family::Coupling | Family::JointCompliance | Family::LoadNonlinearity
+        Family::Backlash
+            | Family::Transmission
+            | Family::Coupling
+            | Family::JointCompliance
+            | Family::LoadNonlinearity
     );
     let motion = candidate
         .place
@@ -372,7 +380,16 @@ fn load_trace(fit: &Fit, data: &Dataset, candidate: &Candidate) -> Result<Option
         let (after, fitted) = (moved.dot(&difference) / square, mass - level);
         let driver = if data.schema.time { data.time[row] } else { data.visit[row] as f64 + 1.0 };
         let lever = square.sqrt();
-        points.push(TracePoint { row, driver, before: after + fitted, after, fitted, sd: 0.0, lever, class: 0 });
+        points.push(TracePoint {
+            row,
+            driver,
+            before: after + fitted,
+            after,
+            fitted,
+            sd: 0.0,
+            lever,
+            class: 0,
+        });
     }
     let (driver, unit) = if data.schema.time { ("time", "s") } else { ("visit", "") };
     Ok((!points.is_empty()).then(|| Trace {

@@ -44,7 +44,11 @@ fn roots(power: f64, count: usize) -> Vec<u32> {
         .map(|prime| {
             // The root to 32 bits behind the point, in whole numbers: no rounding of floats.
             let whole = |guess: u128| -> bool {
-                if power > 0.4 { guess * guess <= u128::from(prime) << 64 } else { guess * guess * guess <= u128::from(prime) << 96 }
+                if power > 0.4 {
+                    guess * guess <= u128::from(prime) << 64
+                } else {
+                    guess * guess * guess <= u128::from(prime) << 96
+                }
             };
             let near = (f64::from(prime).powf(power) * 4_294_967_296.0) as u128;
             let mut root = near.saturating_sub(64);

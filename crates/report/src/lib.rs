@@ -13,13 +13,14 @@ mod words;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary, Reference,
-    RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
+    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary,
+    Reference, RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
 };
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandsView, Report, commands_report, comparison_report, discovery_report, identification_report, worst_of_poses,
+    CommandsView, Report, commands_report, comparison_report, discovery_report, identification_report,
+    worst_of_poses,
 };
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};

@@ -81,11 +81,15 @@ impl SpecificationSummary {
         let answer = match self.verdict {
             Verdict::Pass => "pass".to_owned(),
             Verdict::Fail => "fail".to_owned(),
-            Verdict::CannotTell if self.poses < 59 => "cannot tell (at least 59 held-out poses are needed)".to_owned(),
+            Verdict::CannotTell if self.poses < 59 => {
+                "cannot tell (at least 59 held-out poses are needed)".to_owned()
+            }
             Verdict::CannotTell => "cannot tell".to_owned(),
         };
         let limit = match self.tolerance_mm {
-            Some(mm) => format!(" 95 % of all poses are within {} mm, with the same confidence.", significant(mm, 3)),
+            Some(mm) => {
+                format!(" 95 % of all poses are within {} mm, with the same confidence.", significant(mm, 3))
+            }
             None => String::new(),
         };
         format!(

@@ -34,7 +34,11 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         let view = CommandsView {
             robot: fitted.chain().name().into(),
-            status: words.iter().map(|s| (s.word().into(), of(*s))).filter(|s: &(String, usize)| s.1 > 0).collect(),
+            status: words
+                .iter()
+                .map(|s| (s.word().into(), of(*s)))
+                .filter(|s: &(String, usize)| s.1 > 0)
+                .collect(),
             extrapolating: beyond,
             commands: corrections(&fitted, &poses, &commands)?,
         };

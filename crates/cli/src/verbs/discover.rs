@@ -38,11 +38,9 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     };
     let bar = Bar::spinner();
     let solver = args.solver.build();
-    let mut found =
-        diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
+    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
     drop(bar);
-    let settings =
-        Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(limit) = args.spec {
         summary = summary.against(limit, &found, &data);

@@ -42,7 +42,8 @@ impl Folder {
             })
             .collect::<Result<Vec<_>, Failure>>()?;
         let arguments = std::env::args().skip(1).collect();
-        let record = FileRecord { file: self.result.into(), bytes: bytes.len() as u64, sha256: sha256(&bytes) };
+        let record =
+            FileRecord { file: self.result.into(), bytes: bytes.len() as u64, sha256: sha256(&bytes) };
         let run = RunRecord::new(PROGRAM, arguments, inputs, record);
         let report = page(&run)?;
         write_whole(self.path.join(self.result), &bytes)?;

@@ -16,7 +16,8 @@ const SAME: f64 = 1e-9;
 pub fn run(args: &Verify) -> Result<(), Failure> {
     let file = args.run.display();
     let text = read_text(&args.run)?;
-    let record: RunRecord = serde_json::from_str(&text).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+    let record: RunRecord =
+        serde_json::from_str(&text).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
     if record.format != RunRecord::FORMAT || record.version != 1 {
         return Err(Failure::Input(format!(
             "{file}: `{}` version {} is not a record that this program reads",
@@ -35,7 +36,10 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     let folder = args.run.parent().unwrap_or(Path::new("."));
     let result = Path::new(&record.result.file);
     if result.components().count() != 1 {
-        return Err(Failure::Input(format!("{file}: the result `{}` is no file beside it", record.result.file)));
+        return Err(Failure::Input(format!(
+            "{file}: the result `{}` is no file beside it",
+            record.result.file
+        )));
     }
     let then = folder.join(result);
     if file_digest(&then)?.1 != record.result.sha256 {

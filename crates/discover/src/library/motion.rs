@@ -13,7 +13,8 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
         let place = Place::joint(chain, joint);
         let turns = !setting.slides(joint);
         if turns {
-            for harmonics in [vec![1], vec![2], vec![1, 2], vec![1, 2, 3], vec![1, 2, 3, 4], vec![3], vec![4]] {
+            for harmonics in [vec![1], vec![2], vec![1, 2], vec![1, 2, 3], vec![1, 2, 3, 4], vec![3], vec![4]]
+            {
                 let effect = Transmission { joint, harmonics, period: Some(TAU), period_range: None };
                 all.push(Candidate::new(Family::Transmission, place.clone(), effect));
             }

@@ -48,5 +48,8 @@ pub(crate) fn instants(data: &Dataset) -> Vec<f64> {
     let mut times: Vec<f64> = Visits::of(data).rows.iter().map(|rows| data.time[rows[0]]).collect();
     times.sort_by(f64::total_cmp);
     let last = times.len().saturating_sub(EDGE);
-    (EDGE..last.max(EDGE)).filter(|&k| times[k] > times[k - 1]).map(|k| 0.5 * (times[k] + times[k - 1])).collect()
+    (EDGE..last.max(EDGE))
+        .filter(|&k| times[k] > times[k - 1])
+        .map(|k| 0.5 * (times[k] + times[k - 1]))
+        .collect()
 }

@@ -75,7 +75,8 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
                 for axis in Axis::ALL {
                     let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
                     put(frame, vec![axis], product, &[first, second]);
-                    let surface = vec![first.polynomial(vec![0, 1, 2, 3]), second.polynomial(vec![0, 1, 2, 3])];
+                    let surface =
+                        vec![first.polynomial(vec![0, 1, 2, 3]), second.polynomial(vec![0, 1, 2, 3])];
                     put(frame, vec![axis], surface, &[first, second]);
                 }
             }

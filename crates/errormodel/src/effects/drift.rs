@@ -69,11 +69,7 @@ impl Effect for Drift {
         let mut columns = Vec::new();
         for part in self.spot.parts(self.components.as_deref(), chain) {
             if self.time_constant.is_some() {
-                columns.push(Column::new(
-                    format!("drift {}", part.word),
-                    part.unit(),
-                    part.expected(chain),
-                ));
+                columns.push(Column::new(format!("drift {}", part.word), part.unit(), part.expected(chain)));
                 continue;
             }
             for k in 2..=self.basis().len() {
@@ -118,7 +114,8 @@ impl Effect for Drift {
 
     fn shape(&self) -> Vec<Shape> {
         let range = self.time_constant_range;
-        self.time_constant.map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range, Search::Smooth))
+        self.time_constant
+            .map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range, Search::Smooth))
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {

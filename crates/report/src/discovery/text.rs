@@ -138,7 +138,12 @@ impl FindingSummary {
         for other in self.alternatives.iter().take(2) {
             let words = format!("{} {}", other.family, other.place.words());
             let told = if other.equivalent { "this data cannot tell it from" } else { "rival:" };
-            writeln!(f, "   {told} {} ({} mm held out)", words.trim_end(), significant(other.holdout_rms_mm, 3))?;
+            writeln!(
+                f,
+                "   {told} {} ({} mm held out)",
+                words.trim_end(),
+                significant(other.holdout_rms_mm, 3)
+            )?;
         }
         Ok(())
     }
@@ -159,25 +164,33 @@ pub(super) fn meaning(finding: &Finding) -> String {
     let place = &finding.candidate.place;
     let joint = place.joint.as_deref().unwrap_or("the robot");
     match finding.candidate.family {
-        Family::Outlier => "These rows are explained by no repeatable effect: look at the instrument's log.".into(),
+        Family::Outlier => {
+            "These rows are explained by no repeatable effect: look at the instrument's log.".into()
+        }
         Family::Target => format!(
             "Target {} is not where the description has it: measure it again.",
             place.target.as_deref().unwrap_or("")
         ),
         Family::Geometric => format!("The frame of {joint} is not where the description has it."),
         Family::JointCompliance => {
-            format!("{joint} yields in proportion to the load about its axis: gear, bearing or drive stiffness.")
+            format!(
+                "{joint} yields in proportion to the load about its axis: gear, bearing or drive stiffness."
+            )
         }
         Family::BaseCompliance => "The base tilts or sinks under the load: look at its anchoring.".into(),
         Family::Backlash => format!("{joint} has play: its error switches with the side it comes from."),
         Family::Transmission => {
-            format!("The drive of {joint} errs periodically: eccentric wheel, gear mesh, strain wave or screw.")
+            format!(
+                "The drive of {joint} errs periodically: eccentric wheel, gear mesh, strain wave or screw."
+            )
         }
         Family::Coupling => format!(
             "{} drags {joint} along: belts, wrist gears or a calibration of coupled axes.",
             place.driver.as_deref().unwrap_or("another joint")
         ),
-        Family::Guideway => format!("The rail of {joint} is not straight, or its carriage turns as it travels."),
+        Family::Guideway => {
+            format!("The rail of {joint} is not straight, or its carriage turns as it travels.")
+        }
         Family::Payload => format!(
             "The payload declared as {} kg is another one: weigh it.",
             place.level.unwrap_or_default()

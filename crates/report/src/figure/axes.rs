@@ -79,13 +79,8 @@ impl Plot {
         let mut path = String::new();
         for (k, (x, y)) in points.iter().enumerate() {
             let y = y.clamp(self.y[0], self.y[1]);
-            let _ = write!(
-                path,
-                "{}{:.1} {:.1}",
-                if k == 0 { "M" } else { "L" },
-                self.across(*x),
-                self.down(y)
-            );
+            let _ =
+                write!(path, "{}{:.1} {:.1}", if k == 0 { "M" } else { "L" }, self.across(*x), self.down(y));
         }
         if !path.is_empty() {
             let _ = write!(self.body, "<path class=\"{class}\" d=\"{path}\"/>");
@@ -182,9 +177,10 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        assert_eq!(ticks([0.0, 1.0], 5).iter().map(|t| number(*t)).collect::<Vec<_>>(), [
-            "0", "0.2", "0.4", "0.6", "0.8", "1"
-        ]);
+        assert_eq!(
+            ticks([0.0, 1.0], 5).iter().map(|t| number(*t)).collect::<Vec<_>>(),
+            ["0", "0.2", "0.4", "0.6", "0.8", "1"]
+        );
         for t in ticks([-3.3, 17.2], 5) {
             assert!((-3.3..=17.2).contains(&t));
         }

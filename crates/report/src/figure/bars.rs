@@ -22,7 +22,8 @@ pub(crate) fn bars(about: &str, list: &[Bar], level: Option<(f64, String)>) -> S
     const ROW: f64 = 30.0;
     const NAMES: f64 = 230.0;
     const LABELS: f64 = 130.0;
-    let most = list.iter().flat_map(|b| b.range).chain(level.iter().map(|l| l.0)).fold(f64::MIN_POSITIVE, f64::max);
+    let most =
+        list.iter().flat_map(|b| b.range).chain(level.iter().map(|l| l.0)).fold(f64::MIN_POSITIVE, f64::max);
     let across = |v: f64| NAMES + v / most * (WIDTH - NAMES - LABELS);
     let height = ROW * list.len() as f64 + 28.0;
     let mut body = String::new();

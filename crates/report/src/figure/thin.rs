@@ -63,7 +63,8 @@ pub(crate) fn bins(points: &[(f64, f64, f64)], count: usize) -> Vec<Bin> {
         .filter(|part| !part.is_empty())
         .map(|part| {
             let weight: f64 = part.iter().map(|p| p.2).sum();
-            let mean = |f: &dyn Fn(&(f64, f64, f64)) -> f64| part.iter().map(|p| p.2 * f(p)).sum::<f64>() / weight;
+            let mean =
+                |f: &dyn Fn(&(f64, f64, f64)) -> f64| part.iter().map(|p| p.2 * f(p)).sum::<f64>() / weight;
             let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
             let spread = mean(&|p| (p.1 - y).powi(2)).sqrt();
             // Kish: as many equal weights as would know the mean as well.
@@ -80,7 +81,8 @@ mod tests {
 
     #[test]
     fn all_outliers_are_kept() {
-        let sizes: Vec<f64> = (0..10_000).map(|k| if k % 1999 == 7 { 9.0 } else { f64::from(k % 10) * 0.1 }).collect();
+        let sizes: Vec<f64> =
+            (0..10_000).map(|k| if k % 1999 == 7 { 9.0 } else { f64::from(k % 10) * 0.1 }).collect();
         let drawn = thin(&sizes, 1000, |k| k == 4242);
         assert!(drawn.len() < 1300 && drawn.contains(&4242));
         assert!((0..10_000).filter(|k| k % 1999 == 7).all(|k| drawn.contains(&k)));

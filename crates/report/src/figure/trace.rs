@@ -14,7 +14,8 @@ const STEPS: usize = 160;
 /// The figure, and what has to be said about it.
 pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (String, Vec<String>) {
     let mut notes = Vec::new();
-    let (factor, unit) = shown(trace.unit, quantile(trace.points.iter().map(|p| p.before.abs()).collect(), 0.5));
+    let (factor, unit) =
+        shown(trace.unit, quantile(trace.points.iter().map(|p| p.before.abs()).collect(), 0.5));
     let folded = fold(trace, period);
     let (x_factor, x_unit) = match trace.driver_unit.as_str() {
         "rad" => (1f64.to_degrees(), "°"),
@@ -26,7 +27,9 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (
         x_factor * folded.map_or(x, |p| x.rem_euclid(p))
     };
     let x_name = match folded {
-        Some(p) => format!("{} within its period of {} {x_unit}", trace.driver, crate::significant(p * x_factor, 4)),
+        Some(p) => {
+            format!("{} within its period of {} {x_unit}", trace.driver, crate::significant(p * x_factor, 4))
+        }
         None if x_unit.is_empty() => trace.driver.clone(),
         None => format!("{}, {x_unit}", trace.driver),
     };
@@ -58,7 +61,10 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (
     let margin = 0.06 * (high - low);
     let y = [low - margin, high + margin];
     let xs: Vec<f64> = (0..trace.points.len()).map(x_of).collect();
-    let x = [xs.iter().copied().fold(f64::INFINITY, f64::min), xs.iter().copied().fold(f64::NEG_INFINITY, f64::max)];
+    let x = [
+        xs.iter().copied().fold(f64::INFINITY, f64::min),
+        xs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    ];
 
     let mut body = String::new();
     let mut outside = 0;
@@ -113,7 +119,8 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (
 /// Draws what the model says; true when it is not a curve of this input alone.
 fn curve(plot: &mut Plot, trace: &Trace, xs: &[f64], factor: f64, class: usize) -> bool {
     let mine = || (0..trace.points.len()).filter(|k| trace.points[*k].class == class);
-    let fitted: Vec<(f64, f64, f64)> = mine().map(|k| (xs[k], factor * trace.points[k].fitted, 1.0)).collect();
+    let fitted: Vec<(f64, f64, f64)> =
+        mine().map(|k| (xs[k], factor * trace.points[k].fitted, 1.0)).collect();
     let doubt: Vec<(f64, f64, f64)> = mine().map(|k| (xs[k], factor * trace.points[k].sd, 1.0)).collect();
     let line = bins(&fitted, STEPS);
     let mean = fitted.iter().map(|f| f.1).sum::<f64>() / fitted.len().max(1) as f64;

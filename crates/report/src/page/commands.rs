@@ -55,8 +55,14 @@ pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
         "pose, in the order of the file",
         "correction, mm",
     );
-    plot.dots("after dots", drawn.iter().filter(|&&k| view.commands[k].1 == "ok").map(|&k| (view.commands[k].0 as f64, sizes[k])));
-    plot.dots("before dots", drawn.iter().filter(|&&k| view.commands[k].1 != "ok").map(|&k| (view.commands[k].0 as f64, sizes[k])));
+    plot.dots(
+        "after dots",
+        drawn.iter().filter(|&&k| view.commands[k].1 == "ok").map(|&k| (view.commands[k].0 as f64, sizes[k])),
+    );
+    plot.dots(
+        "before dots",
+        drawn.iter().filter(|&&k| view.commands[k].1 != "ok").map(|&k| (view.commands[k].0 as f64, sizes[k])),
+    );
     page.figure(
         "corrections",
         &plot.finish("Size of the correction of every pose"),
@@ -77,7 +83,12 @@ pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
         .map(|c| vec![c.0.to_string(), c.1.clone(), significant(c.2, 3)])
         .collect();
     if !missed.is_empty() {
-        page.table("Poses that are not reached (the first 100), with what the nearest command leaves", &["pose", "status", "mm"], &missed, true);
+        page.table(
+            "Poses that are not reached (the first 100), with what the nearest command leaves",
+            &["pose", "status", "mm"],
+            &missed,
+            true,
+        );
     }
     page.section("Files");
     page.repeat(run);

@@ -12,7 +12,16 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
     let mut rows = Vec::new();
     for strategy in &summary.strategies {
         match &strategy.outcome {
-            StrategyOutcome::Fitted { train, held_out, rank, nonzero, rounds, converged, seconds, p_value } => {
+            StrategyOutcome::Fitted {
+                train,
+                held_out,
+                rank,
+                nonzero,
+                rounds,
+                converged,
+                seconds,
+                p_value,
+            } => {
                 fitted.push((strategy.solver.clone(), held_out.rms_mm, *p_value));
                 rows.push(vec![
                     strategy.solver.clone(),
@@ -45,7 +54,8 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
         })
         .collect();
     if !list.is_empty() {
-        let words = format!("RMS of the 3-D position error on held-out configurations ({}).", summary.held_out_by);
+        let words =
+            format!("RMS of the 3-D position error on held-out configurations ({}).", summary.held_out_by);
         page.figure("strategies", &bars("Held-out error of each strategy", &list, None), &words);
     }
     page.table(
@@ -74,7 +84,8 @@ fn verdict(best: Option<&(String, f64, Option<f64>)>, first: Option<&(String, f6
             significant(first.1, 3),
             first.0,
             match best.2 {
-                Some(p) if p < LEVEL => format!("a difference that chance makes with p = {} only", significant(p, 2)),
+                Some(p) if p < LEVEL =>
+                    format!("a difference that chance makes with p = {} only", significant(p, 2)),
                 Some(p) => format!("chance would do as much (p = {})", significant(p, 2)),
                 None => "not tested".into(),
             }

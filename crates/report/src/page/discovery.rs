@@ -58,7 +58,8 @@ pub fn discovery_report(
 /// Rows in the order of the data, those that took part in nothing among them.
 fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
     let train = complement(data, &found.holdout_rows);
-    let mut order: Vec<(usize, bool, usize)> = train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
+    let mut order: Vec<(usize, bool, usize)> =
+        train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
     order.extend(found.holdout_rows.iter().enumerate().map(|(k, &row)| (row, true, k)));
     order.sort_unstable();
     let chosen: Vec<usize> = order.iter().map(|o| o.0).collect();
@@ -111,16 +112,29 @@ pub(super) fn specification(page: &mut Page, of: Option<&SpecificationSummary>) 
 fn waterfall(page: &mut Page, summary: &DiscoverySummary) {
     let mm = |v: f64| format!("{} mm", significant(v, 3));
     let bar = |name: &str, range, class, label| Bar { name: name.into(), range, class, label };
-    let mut list =
-        vec![bar("declared model", [0.0, summary.before.holdout.rms_mm], "bar-before", mm(summary.before.holdout.rms_mm))];
+    let mut list = vec![bar(
+        "declared model",
+        [0.0, summary.before.holdout.rms_mm],
+        "bar-before",
+        mm(summary.before.holdout.rms_mm),
+    )];
     for effect in summary.effects.iter().filter(|e| e.family != Family::Outlier.word()) {
         let change = effect.holdout_rms_mm;
         let label = format!("{} → {}", significant(change.before, 3), mm(change.after));
         list.push(bar(&effect.words(), [change.before, change.after], "bar-gain", label));
     }
-    list.push(bar("left", [0.0, summary.after.holdout.rms_mm], "bar-after", mm(summary.after.holdout.rms_mm)));
+    list.push(bar(
+        "left",
+        [0.0, summary.after.holdout.rms_mm],
+        "bar-after",
+        mm(summary.after.holdout.rms_mm),
+    ));
     let floor = format!("noise floor {}", mm(summary.noise_floor_mm));
-    let svg = bars("What each effect took away from the held-out error", &list, Some((summary.noise_floor_mm, floor)));
+    let svg = bars(
+        "What each effect took away from the held-out error",
+        &list,
+        Some((summary.noise_floor_mm, floor)),
+    );
     page.figure(
         "waterfall",
         &svg,
@@ -196,7 +210,12 @@ fn rivals(page: &mut Page, effect: &FindingSummary) {
     rows.extend(effect.alternatives.iter().map(|a| {
         let words = format!("{} {}", a.family, a.place.words());
         let told = if a.equivalent { "this data cannot tell it from the find" } else { "less likely" };
-        vec![words.trim_end().to_owned(), significant(a.holdout_rms_mm, 3), significant(a.behind, 3), told.into()]
+        vec![
+            words.trim_end().to_owned(),
+            significant(a.holdout_rms_mm, 3),
+            significant(a.behind, 3),
+            told.into(),
+        ]
     }));
     page.table(
         "Rivals: held-out RMS with each in place of the find (all later finds in), and how much less likely it makes the data (−2 ln L)",

@@ -28,7 +28,12 @@ impl Page {
             .iter()
             .map(|group| {
                 let (value, half, unit) = value_with_interval(group.value, group.half_width, &group.unit);
-                vec![group.words.clone(), format!("{value} ± {half}"), unit, significant(group.against_expected, 2)]
+                vec![
+                    group.words.clone(),
+                    format!("{value} ± {half}"),
+                    unit,
+                    significant(group.against_expected, 2),
+                ]
             })
             .collect();
         self.raw("<details><summary>All groups with their values</summary>");
@@ -57,9 +62,8 @@ impl Page {
         let correlation = |a: usize, b: usize| {
             covariance[(a, b)] / (covariance[(a, a)] * covariance[(b, b)]).max(f64::MIN_POSITIVE).sqrt()
         };
-        let strongest = |a: usize| {
-            kept.iter().filter(|&&b| b != a).map(|&b| correlation(a, b).abs()).fold(0.0, f64::max)
-        };
+        let strongest =
+            |a: usize| kept.iter().filter(|&&b| b != a).map(|&b| correlation(a, b).abs()).fold(0.0, f64::max);
         let mut order: Vec<(usize, f64)> = kept.iter().map(|&c| (c, strongest(c))).collect();
         order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         let mut shown: Vec<usize> = order.iter().take(SHOWN).map(|o| o.0).collect();
@@ -74,12 +78,15 @@ impl Page {
         } else {
             "Correlations of all coefficients.".into()
         };
-        let svg = heat_map("Correlations between coefficients", &names, |a, b| correlation(shown[a], shown[b]));
+        let svg =
+            heat_map("Correlations between coefficients", &names, |a, b| correlation(shown[a], shown[b]));
         self.figure("correlations", &svg, &words);
     }
 
     fn indices(&mut self, o: &Observability, fit: &Fit) {
-        let row = |name: &str, value: f64, words: &str| vec![name.to_owned(), significant(value, 3), words.to_owned()];
+        let row = |name: &str, value: f64, words: &str| {
+            vec![name.to_owned(), significant(value, 3), words.to_owned()]
+        };
         let rows = [
             row("O1", o.o1, "geometric mean of the singular values, per root of visits"),
             row("O2", o.o2, "inverse of the condition number"),
@@ -87,10 +94,18 @@ impl Page {
             row("O4", o.o4, "smallest, squared, over the largest: amplification of noise"),
             row("O5", o.o5, "harmonic sum: average variance"),
         ];
-        self.table("Observability of the configurations; larger is better", &["index", "value", "what it is"], &rows, false);
+        self.table(
+            "Observability of the configurations; larger is better",
+            &["index", "value", "what it is"],
+            &rows,
+            false,
+        );
         let columns = fit.fitted.model().columns();
-        let weakest: Vec<String> =
-            o.weakest.iter().filter_map(|(c, share)| Some(format!("{} ({share:.2})", columns.get(*c)?.name))).collect();
+        let weakest: Vec<String> = o
+            .weakest
+            .iter()
+            .filter_map(|(c, share)| Some(format!("{} ({share:.2})", columns.get(*c)?.name)))
+            .collect();
         if !weakest.is_empty() {
             self.note(&format!("The weakest direction is mostly: {}.", weakest.join(", ")));
         }

@@ -20,7 +20,8 @@ impl IdentificationSummary {
             // Residuals of a fit on the same rows prove nothing about others.
             (None, None) => return self,
         };
-        self.specification = Some(SpecificationSummary::new(limit, &crate::worst_of_poses(data, &rows, errors)));
+        self.specification =
+            Some(SpecificationSummary::new(limit, &crate::worst_of_poses(data, &rows, errors)));
         self
     }
 }
@@ -62,9 +63,15 @@ pub fn identification_report(
     let settings = [
         row("solver", summary.solver.clone()),
         row("held out by", summary.held_out_by.clone().unwrap_or_else(|| "nothing".into())),
-        row("width of the prior, expected sizes", summary.prior.map_or_else(|| "none".into(), |p| significant(p, 3))),
+        row(
+            "width of the prior, expected sizes",
+            summary.prior.map_or_else(|| "none".into(), |p| significant(p, 3)),
+        ),
         row("rounds", format!("{}{}", summary.rounds, if summary.converged { "" } else { ", still moving" })),
-        row("rows, visits, configurations", format!("{}, {}, {}", summary.rows, summary.visits, summary.configurations)),
+        row(
+            "rows, visits, configurations",
+            format!("{}, {}, {}", summary.rows, summary.visits, summary.configurations),
+        ),
     ];
     page.table("Settings", &["setting", "value"], &settings, true);
     page.repeat(run);
@@ -123,7 +130,8 @@ fn rows(found: &Identification, data: &Dataset, labels: &[i64], locked: &[usize]
     let others = found.locked.as_ref().unwrap_or(&none);
     let locked = if found.locked.is_some() { locked } else { &[] };
     let train = complement(data, locked);
-    let mut order: Vec<(usize, bool, usize)> = train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
+    let mut order: Vec<(usize, bool, usize)> =
+        train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
     order.extend(locked.iter().enumerate().map(|(k, &row)| (row, true, k)));
     order.sort_unstable();
     let chosen: Vec<usize> = order.iter().map(|o| o.0).collect();

@@ -125,7 +125,10 @@ impl Page {
 
     /// Program, command, files.
     pub(crate) fn repeat(&mut self, run: &RunRecord) {
-        self.text(&format!("Made by {}. The command, typed in the same folder, gives the same bytes:", run.program));
+        self.text(&format!(
+            "Made by {}. The command, typed in the same folder, gives the same bytes:",
+            run.program
+        ));
         let words: Vec<String> = run.arguments.iter().map(|a| quoted(a)).collect();
         let _ = write!(self.body, "<pre tabindex=\"0\">truepose {}</pre>", escape(&words.join(" ")));
         self.text("truepose verify run.json (beside this page) repeats the run and compares.");
@@ -162,7 +165,11 @@ impl Page {
 /// A word as a shell takes it.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    if !word.is_empty() && word.chars().all(plain) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }
 
 #[cfg(test)]

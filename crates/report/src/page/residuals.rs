@@ -27,14 +27,16 @@ impl Page {
                 let rms = (values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
                 let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
                 let mut cells = vec![format!("{name}, {title}")];
-                let shown = [mean, rms, quantile(sizes.clone(), 0.95), sizes.iter().copied().fold(0.0, f64::max)];
+                let shown =
+                    [mean, rms, quantile(sizes.clone(), 0.95), sizes.iter().copied().fold(0.0, f64::max)];
                 cells.extend(shown.map(|v| significant(v, 3)));
                 table.push(cells);
             }
         }
         self.table("Errors by axis over all rows, mm", &["axis", "mean", "RMS", "95 %", "max"], &table, true);
         self.raw("<div class=\"grid2\">");
-        let sizes: Vec<f64> = (0..rows.len()).map(|k| largest(&rows.before[k]).max(largest(&rows.after[k]))).collect();
+        let sizes: Vec<f64> =
+            (0..rows.len()).map(|k| largest(&rows.before[k]).max(largest(&rows.after[k]))).collect();
         let drawn = thin(&sizes, 2 * DRAWN, |_| false);
         for (k, name) in ["x", "y", "z"].iter().enumerate() {
             let values: Vec<f64> = axis(&rows.before, k).into_iter().chain(axis(&rows.after, k)).collect();
@@ -85,8 +87,10 @@ impl Page {
             plot.dots(&format!("{class} dots"), drawn.iter().map(|&r| (input.values[r], list[r])));
         }
         for (class, list) in ["before", "after"].iter().zip(errors) {
-            let squares: Vec<(f64, f64, f64)> =
-                (0..list.len()).filter(|&r| input.values[r].is_finite()).map(|r| (input.values[r], list[r] * list[r], 1.0)).collect();
+            let squares: Vec<(f64, f64, f64)> = (0..list.len())
+                .filter(|&r| input.values[r].is_finite())
+                .map(|r| (input.values[r], list[r] * list[r], 1.0))
+                .collect();
             let line: Vec<(f64, f64)> =
                 bins(&squares, 16).iter().filter(|b| b.count > 1).map(|b| (b.x, b.y.sqrt())).collect();
             plot.line(&format!("{class} curve"), &line);
@@ -172,13 +176,19 @@ impl Page {
             let inputs: Vec<String> = rows
                 .inputs
                 .iter()
-                .map(|i| format!("{} {} {}", i.name, significant(i.values[k], 5), i.unit).trim_end().to_owned())
+                .map(|i| {
+                    format!("{} {} {}", i.name, significant(i.values[k], 5), i.unit).trim_end().to_owned()
+                })
                 .collect();
             let error = rows.after[k].map(|v| significant(v, 3)).join(", ");
             self.raw(&format!(
                 "<li id=\"row-{}\">{}</li>",
                 rows.row[k] + 1,
-                crate::figure::escape(&format!("row {}: error ({error}) mm; {}", rows.row[k] + 1, inputs.join(", ")))
+                crate::figure::escape(&format!(
+                    "row {}: error ({error}) mm; {}",
+                    rows.row[k] + 1,
+                    inputs.join(", ")
+                ))
             ));
         }
         self.raw("</ul>");

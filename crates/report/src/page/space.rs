@@ -30,9 +30,16 @@ impl Page {
             let low = place.iter().map(|v| v[axis]).fold(f64::INFINITY, f64::min);
             *middle = 0.5 * (low + place.iter().map(|v| v[axis]).fold(f64::NEG_INFINITY, f64::max));
         }
-        let size = place.iter().map(|v| length(&[v[0] - middle[0], v[1] - middle[1], v[2] - middle[2]])).fold(1e-9, f64::max);
+        let size = place
+            .iter()
+            .map(|v| length(&[v[0] - middle[0], v[1] - middle[1], v[2] - middle[2]]))
+            .fold(1e-9, f64::max);
         let words = match limit {
-            Some(limit) => format!("sphere: specification {} mm; axes to {} mm", significant(limit, 3), significant(0.95 * reach, 3)),
+            Some(limit) => format!(
+                "sphere: specification {} mm; axes to {} mm",
+                significant(limit, 3),
+                significant(0.95 * reach, 3)
+            ),
             None => format!("axes to {} mm", significant(0.95 * reach, 3)),
         };
         let inside = |list: &[[f64; 3]]| {
@@ -84,7 +91,11 @@ impl Page {
             );
         }
         if whole.len() < rows.len() {
-            let _ = write!(said, "{} without a complete position are not drawn.", count(rows.len() - whole.len(), "row"));
+            let _ = write!(
+                said,
+                "{} without a complete position are not drawn.",
+                count(rows.len() - whole.len(), "row")
+            );
         }
         if !said.is_empty() {
             self.note(&said);
