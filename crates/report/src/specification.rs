@@ -95,7 +95,7 @@ impl SpecificationSummary {
         format!(
             "Specification {} mm: {answer}. {} of {} are inside; with 95 % confidence, between {} and {} of all \
              poses are (each bound by itself; 95 % are asked for).{limit}",
-            significant(self.limit_mm, 4),
+            significant(self.limit_mm, 3),
             self.inside,
             count(self.poses, "held-out pose"),
             percent(self.share_at_least),

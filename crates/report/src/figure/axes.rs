@@ -136,7 +136,9 @@ impl Plot {
 pub(crate) fn frame(width: f64, height: f64, about: &str, body: &str) -> String {
     let about = escape(about);
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{about}\"><title>{about}</title>{body}</svg>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" style=\"max-width:{:.0}px;min-width:{:.0}px\" role=\"img\" aria-label=\"{about}\"><title>{about}</title>{body}</svg>",
+        1.12 * width,
+        if width > 500.0 { 0.75 * width } else { 0.0 }
     )
 }
 

@@ -35,7 +35,7 @@ pub fn discovery_report(
         page.text("None was found: what the declared model leaves is what chance leaves. This is an answer, not a failure.");
     }
     for (number, effect) in (1..).zip(&summary.effects) {
-        finding(&mut page, number, effect, found);
+        finding(&mut page, number, effect, found, summary.after.holdout.rms_mm);
     }
     page.section("Residuals");
     page.by_axis(&rows, TITLES);
@@ -72,16 +72,22 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
 fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     let (before, after) = (summary.before.holdout, summary.after.holdout);
     let mm = |v: f64| significant(v, 3);
-    page.raw(&format!(
-        "<p class=\"verdict\">{}</p>",
-        escape(&format!(
-            "On {} that took part in nothing, the position error went from {} to {} mm (3-D RMS); a perfect model would leave {} mm.",
-            count(after.count, "row"),
+    let rows = count(after.count, "row");
+    let floor = format!("a perfect model would leave {} mm", mm(summary.noise_floor_mm));
+    let sentence = if summary.effects.is_empty() {
+        format!(
+            "Nothing was found that the declared model lacks: on {rows} that took part in nothing the position error is {} mm \
+             (3-D RMS); {floor}.",
+            mm(after.rms_mm)
+        )
+    } else {
+        format!(
+            "On {rows} that took part in nothing, the position error went from {} to {} mm (3-D RMS); {floor}.",
             mm(before.rms_mm),
-            mm(after.rms_mm),
-            mm(summary.noise_floor_mm)
-        ))
-    ));
+            mm(after.rms_mm)
+        )
+    };
+    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&sentence)));
     page.raw("<div class=\"numbers4\">");
     for (value, words) in [
         (mm(before.rms_mm), "mm RMS before, held out"),
@@ -142,7 +148,7 @@ fn waterfall(page: &mut Page, summary: &DiscoverySummary) {
     );
 }
 
-fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diagnosis) {
+fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diagnosis, after: f64) {
     page.title(&format!("{number}. {}", effect.words()));
     page.text(&effect.meaning);
     if effect.family == Family::Outlier.word() {
@@ -157,10 +163,13 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         let legend = if trace.classes.is_empty() {
             "Marks with bars: means with their 95 % intervals.".to_owned()
         } else {
-            format!(
-                "Orange: {}; violet: {}; blue: {}. Marks with bars: means with their 95 % intervals.",
-                trace.classes[0], trace.classes[1], trace.classes[2]
-            )
+            let present = |class: usize| trace.points.iter().any(|p| p.class == class);
+            let colours = ["orange", "violet", "blue"].iter().zip(&trace.classes).enumerate();
+            let named: Vec<String> = colours
+                .filter(|(k, _)| present(*k))
+                .map(|(_, (colour, name))| format!("{colour}: {name}"))
+                .collect();
+            format!("Colours: {}. Marks with bars: means with their 95 % intervals.", named.join("; "))
         };
         let words = format!(
             "Residual traced to this effect (all others stay in the model). Black: what the model says, with its 95 % band. {legend} {}",
@@ -193,20 +202,16 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         significant(effect.holdout_rms_mm.before, 3),
         significant(effect.holdout_rms_mm.after, 3)
     ));
-    rivals(page, effect);
+    rivals(page, effect, after);
 }
 
-fn rivals(page: &mut Page, effect: &FindingSummary) {
+fn rivals(page: &mut Page, effect: &FindingSummary, after: f64) {
     if effect.alternatives.is_empty() {
         page.note("No other explanation came near.");
         return;
     }
-    let mut rows = vec![vec![
-        format!("{} (found)", effect.words()),
-        significant(effect.holdout_rms_mm.after, 3),
-        "0".into(),
-        String::new(),
-    ]];
+    let mut rows =
+        vec![vec![format!("{} (found)", effect.words()), significant(after, 3), "0".into(), String::new()]];
     rows.extend(effect.alternatives.iter().map(|a| {
         let words = format!("{} {}", a.family, a.place.words());
         let told = if a.equivalent { "this data cannot tell it from the find" } else { "less likely" };
@@ -218,7 +223,7 @@ fn rivals(page: &mut Page, effect: &FindingSummary) {
         ]
     }));
     page.table(
-        "Rivals: held-out RMS with each in place of the find (all later finds in), and how much less likely it makes the data (−2 ln L)",
+        "Rivals: held-out RMS with each in place of the find (all other finds in), and how much less likely it makes the data (−2 ln L)",
         &["explanation", "held out, mm", "behind", ""],
         &rows,
         true,

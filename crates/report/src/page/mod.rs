@@ -106,7 +106,7 @@ impl Page {
         let file = format!("{name}.svg");
         let _ = write!(
             self.body,
-            "<figure>{svg}<figcaption>{} <a href=\"{file}\">{file}</a></figcaption></figure>",
+            "<figure><div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"{file}\">{svg}</div><figcaption>{} <a href=\"{file}\">{file}</a></figcaption></figure>",
             escape(words)
         );
         self.figures.push((file, standalone(svg)));
