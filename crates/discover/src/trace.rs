@@ -401,3 +401,28 @@ fn load_trace(fit: &Fit, data: &Dataset, candidate: &Candidate) -> Result<Option
         points,
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_component_that_goes_with_the_effect_is_chosen() {
+        let wave = |k: usize| (0.7 * k as f64).sin();
+        let points: Vec<TracePoint> = (0..40)
+            .map(|row| TracePoint {
+                row,
+                driver: 0.0,
+                before: 0.0,
+                after: 0.0,
+                fitted: 3.0 + wave(row),
+                sd: 0.0,
+                lever: 1.0,
+                class: 0,
+            })
+            .collect();
+        let wrenches: Vec<[f64; 6]> =
+            (0..40).map(|k| [9.0, (1.9 * k as f64).cos(), k as f64, 0.0, -50.0 * wave(k), 2.0]).collect();
+        assert_eq!(strongest(&points, &wrenches), 4);
+    }
+}

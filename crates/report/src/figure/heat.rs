@@ -12,9 +12,9 @@ pub(crate) fn heat_map(about: &str, names: &[String], value: impl Fn(usize, usiz
     let mut body = String::new();
     let side = CELL * n as f64;
     let _ = write!(body, "<rect class=\"tile\" x=\"{NAMES}\" y=\"4\" width=\"{side}\" height=\"{side}\"/>");
-    for row in 0..n {
+    for (row, name) in names.iter().enumerate() {
         let top = 4.0 + CELL * row as f64;
-        let name: String = names[row].chars().take(32).collect();
+        let name: String = name.chars().take(32).collect();
         let _ = write!(
             body,
             "<text style=\"font-size:10.5px\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{} · {}</text>",

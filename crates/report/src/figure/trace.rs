@@ -171,3 +171,55 @@ fn shown(unit: &str, typical: f64) -> (f64, &'static str) {
         _ => (1.0, ""),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_discover::TracePoint;
+
+    fn wave(turns: f64, class: impl Fn(usize) -> usize) -> Trace {
+        let point = |row: usize| {
+            let driver = row as f64 / 500.0 * turns * std::f64::consts::TAU;
+            let fitted = 1e-3 * driver.sin();
+            let after = 1e-5 * ((row * 7919) % 13) as f64;
+            let lever = if row % 50 == 0 { 1e-3 } else { 1.0 };
+            TracePoint {
+                row,
+                driver,
+                before: fitted + after,
+                after,
+                fitted,
+                sd: 1e-5,
+                lever,
+                class: class(row),
+            }
+        };
+        Trace {
+            what: "a <b> about its axis".into(),
+            unit: "rad",
+            driver: "a <b>".into(),
+            driver_unit: "rad".into(),
+            classes: Vec::new(),
+            points: (0..500).map(point).collect(),
+        }
+    }
+
+    #[test]
+    fn both_panels_are_drawn_and_what_is_left_out_is_said() {
+        let (svg, notes) = trace_figure(&wave(1.0, |_| 0), "wave", None);
+        assert!(!svg.contains("NaN") && !svg.contains("<b>") && svg.contains("mrad"));
+        assert!(svg.contains("before dots") && svg.contains("after dots") && svg.contains("ink curve"));
+        assert!(notes.iter().any(|n| n.starts_with("10 of 500 rows")), "{notes:?}");
+        assert!(!notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
+    }
+
+    #[test]
+    fn waves_of_many_turns_are_laid_on_top_of_each_other() {
+        let (svg, notes) = trace_figure(&wave(9.0, |_| 0), "wave", Some(std::f64::consts::TAU));
+        assert!(svg.contains("within its period of 360.0 °"));
+        assert!(!notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
+        // At half the period the curve is none of this input alone.
+        let (_, notes) = trace_figure(&wave(9.0, |_| 0), "wave", Some(0.7 * std::f64::consts::TAU));
+        assert!(notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
+    }
+}

@@ -22,7 +22,7 @@ pub fn discovery_report(
     labels: &[i64],
     run: &RunRecord,
 ) -> Result<Report, IdentifyError> {
-    let mut page = Page::new(&format!("{}: what the model lacked", summary.robot));
+    let mut page = Page::new(&format!("{}: what the declared model lacks", summary.robot));
     page.section("Verdict");
     verdict(&mut page, summary);
     let rows = rows(found, data, labels);
@@ -224,7 +224,7 @@ fn rivals(page: &mut Page, effect: &FindingSummary, after: f64) {
     }));
     page.table(
         "Rivals: held-out RMS with each in place of the find (all other finds in), and how much less likely it makes the data (−2 ln L)",
-        &["explanation", "held out, mm", "behind", ""],
+        &["explanation", "held out, mm", "behind", "told apart"],
         &rows,
         true,
     );

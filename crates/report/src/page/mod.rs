@@ -81,7 +81,7 @@ impl Page {
         let class = if numbers { " class=\"numbers\"" } else { "" };
         let _ = write!(
             self.body,
-            "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table{class}><caption>{0}</caption><thead><tr>",
+            "<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table{class}><caption>{0}</caption><thead><tr>",
             escape(caption)
         );
         for cell in head {

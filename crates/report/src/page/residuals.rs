@@ -28,7 +28,10 @@ impl Page {
                 let mut cells = vec![format!("{name}, {title}")];
                 let shown =
                     [mean, rms, quantile(sizes.clone(), 0.95), sizes.iter().copied().fold(0.0, f64::max)];
-                cells.extend(shown.map(|v| significant(v, 3)));
+                // As many decimals as give the RMS three digits.
+                let decimals =
+                    if rms > 0.0 { (2.0 - rms.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
+                cells.extend(shown.map(|v| format!("{v:.decimals$}")));
                 table.push(cells);
             }
         }
@@ -155,7 +158,7 @@ impl Page {
                 break;
             }
         }
-        self.raw("<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Worst visits\"><table class=\"numbers\"><caption>Worst visits, by their worst row; mm</caption><thead><tr>");
+        self.raw("<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Worst visits\"><table class=\"numbers\"><caption>Worst visits, by their worst row; mm</caption><thead><tr>");
         for head in ["visit", "row", "before", "after", "held out"] {
             self.raw(&format!("<th scope=\"col\">{head}</th>"));
         }
@@ -200,7 +203,7 @@ fn normal_quantile(p: f64) -> f64 {
         -39.69683028665376,
         220.9460984245205,
         -275.9285104469687,
-        138.3577518672690,
+        138.357751867269,
         -30.66479806614716,
         2.506628277459239,
     ];

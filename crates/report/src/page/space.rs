@@ -85,7 +85,7 @@ impl Page {
         if drawn.len() < whole.len() {
             let _ = write!(
                 said,
-                "{} of {} are drawn: the hundredth with the largest errors, and every k-th of the others. ",
+                "{} of {} are drawn: the hundredth with the largest errors, and the others at equal steps. ",
                 drawn.len(),
                 count(whole.len(), "row")
             );
