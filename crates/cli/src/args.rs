@@ -41,6 +41,8 @@ pub enum Verb {
     Effects(Effects),
     /// Measure a simulated robot with real physics, and write what a laser tracker would have written
     Simulate(Simulate),
+    /// Repeat a run from the run.json of its report, and compare the results
+    Verify(Verify),
 }
 
 /// Which robot.
@@ -101,6 +103,12 @@ pub struct Identify {
     /// The paper's single linear step, without refinement at the exact model
     #[arg(long)]
     pub linear: bool,
+    /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Specification to hold poses against that the fit did not see, e.g. 0.5mm
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    pub spec: Option<f64>,
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
     #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
     pub require: Option<f64>,
@@ -123,9 +131,12 @@ pub struct Discover {
     /// Where to write the enlarged fit
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Folder for the ledger `discovery.json`
+    /// Folder for the report: `index.html`, its figures, `discovery.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Specification to hold held-out poses against, e.g. 0.5mm
+    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    pub spec: Option<f64>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
@@ -218,6 +229,9 @@ pub struct Compensate {
     /// Where to write the commands
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Folder for the report: `index.html`, its figures, `compensation.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
@@ -329,6 +343,9 @@ pub struct Compare {
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]
     pub positions_only: bool,
+    /// Folder for the report: `index.html`, its figures, `comparison.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// A prior on top of every strategy: evidence, none, or a number of expected sizes
     #[arg(long, default_value = "none", value_parser = parse_prior)]
     pub prior: truepose_identify::PriorStrength,
@@ -393,6 +410,14 @@ pub struct Simulate {
     /// Visit other configurations than the plant's own, drawn from this seed; the robot stays the same
     #[arg(long, value_name = "SEED")]
     pub campaign_seed: Option<u64>,
+}
+
+/// `truepose verify`
+#[derive(Debug, clap::Args)]
+pub struct Verify {
+    /// The record of the run, `run.json` in its report's folder; run it in the folder in which the run was made
+    #[arg(value_name = "FILE")]
+    pub run: PathBuf,
 }
 
 fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {

@@ -31,6 +31,7 @@ fn main() -> ExitCode {
         Verb::Check(verb) => verbs::check::run(verb),
         Verb::Effects(verb) => verbs::effects::run(verb),
         Verb::Simulate(verb) => verbs::simulate::run(verb),
+        Verb::Verify(verb) => verbs::verify::run(verb),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -9,6 +9,7 @@ use crate::outliers::{Outliers, outliers};
 use crate::projection::Projection;
 use crate::sample::sample;
 use crate::scene::Scene;
+use crate::trace::trace;
 use crate::working::{Working, with_loads};
 use crate::{Family, Place, contest::TIE, lags, library, payload};
 use rayon::prelude::*;
@@ -111,6 +112,7 @@ fn finish(
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
+        let first = ground.declared.len() + found[..k].iter().map(|c| c.effects().len()).sum::<usize>();
         let alternatives = alternatives(&ground, &now, &found, k, &accepted.rivals, held)?;
         findings.push(Finding {
             parameters: parameters(&fit, &found, ground.declared.len(), k),
@@ -123,6 +125,7 @@ fn finish(
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives,
+            trace: trace(&fit, &data, &accepted.candidate, first)?,
         });
     }
     let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
@@ -260,6 +263,7 @@ fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout
         parameters: Vec::new(),
         alternatives: Vec::new(),
         rows: outside.certain.clone(),
+        trace: None,
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a discovery found: the ledger.
 
 use crate::evidence::{Doubt, Evidence};
-use crate::{Candidate, Family, Place};
+use crate::{Candidate, Family, Place, Trace};
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, Placement, Repeats, Residuals, Spread};
@@ -74,6 +74,8 @@ pub struct Finding {
     pub alternatives: Vec<Alternative>,
     /// Rows (0-based, of the whole data) that it is about: outliers, or a wrong payload.
     pub rows: Vec<usize>,
+    /// What is left, traced to it and set against what drives it; none of outliers.
+    pub trace: Option<Trace>,
 }
 
 /// A size with its interval.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod digest;
 mod error;
 mod export;
 mod fit;
@@ -17,6 +18,7 @@ mod toml_tree;
 mod unit;
 mod write_whole;
 
+pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, read_fit, write_fit};

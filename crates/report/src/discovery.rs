@@ -2,10 +2,10 @@
 
 mod text;
 
-use crate::PositionSpread;
+use crate::{PositionSpread, SpecificationSummary};
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Stop};
-use truepose_errormodel::Visits;
+use truepose_errormodel::{Dataset, Visits};
 
 /// The ledger of a discovery: `discovery.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,9 @@ pub struct DiscoverySummary {
     /// The loop itself, judged on every row by a run that did not see it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nested: Option<NestedSummary>,
+    /// Held-out poses against a specification, where one was given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub specification: Option<SpecificationSummary>,
     /// Seed, flips, level.
     pub settings: Settings,
 }
@@ -273,8 +276,18 @@ impl DiscoverySummary {
             },
             stopped: found.stopped,
             nested: None,
+            specification: None,
             settings,
         }
+    }
+}
+
+impl DiscoverySummary {
+    /// With the held-out poses of `data`, as it was read, against a limit of the 3-D position error (m).
+    pub fn against(mut self, limit: f64, found: &Diagnosis, data: &Dataset) -> Self {
+        let worst = crate::worst_of_poses(data, &found.holdout_rows, &found.after.holdout);
+        self.specification = Some(SpecificationSummary::new(limit, &worst));
+        self
     }
 }
 

@@ -70,6 +70,9 @@ pub struct IdentificationSummary {
     pub rounds: usize,
     /// Whether they came to rest.
     pub converged: bool,
+    /// Poses that the judged fit did not see against a specification, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specification: Option<crate::SpecificationSummary>,
 }
 
 /// Where base, tool and targets were found.
@@ -128,6 +131,24 @@ pub struct GroupSummary {
     pub against_expected: f64,
 }
 
+/// The grouped errors of a fit.
+pub(crate) fn groups(fit: &truepose_identify::Fit) -> Vec<GroupSummary> {
+    let model = fit.fitted.model();
+    let half = fit.half_widths();
+    let group = |group: &truepose_identify::reduction::Group| {
+        let column = &model.columns()[group.column];
+        let variance = fit.fitted.covariance()[(group.column, group.column)];
+        GroupSummary {
+            words: group_words(model, group),
+            value: fit.fitted.coefficients()[group.column],
+            half_width: half[group.column],
+            unit: column.unit.clone(),
+            against_expected: variance.max(0.0).sqrt() / column.scale,
+        }
+    };
+    fit.reduction.groups.iter().map(group).collect()
+}
+
 fn shapes(fit: &truepose_identify::Fit) -> Vec<ShapeSummary> {
     let effects = fit.fitted.model().effects();
     let shape = |shape: &truepose_identify::FittedShape| ShapeSummary {
@@ -167,23 +188,7 @@ impl IdentificationSummary {
         let chain = &found.placement.chain;
         let fit = &found.fit;
         let model = fit.fitted.model();
-        let half = fit.half_widths();
-        let groups = fit
-            .reduction
-            .groups
-            .iter()
-            .map(|group| {
-                let column = &model.columns()[group.column];
-                GroupSummary {
-                    words: group_words(model, group),
-                    value: fit.fitted.coefficients()[group.column],
-                    half_width: half[group.column],
-                    unit: column.unit.clone(),
-                    against_expected: fit.fitted.covariance()[(group.column, group.column)].max(0.0).sqrt()
-                        / column.scale,
-                }
-            })
-            .collect();
+        let groups = groups(fit);
         let dropped = |cause: Cause| fit.reduction.dropped.iter().filter(|d| d.cause == cause).count();
         let gap = |g: f64| g.is_finite().then_some(g);
         let residuals = &found.declared.train;
@@ -239,6 +244,7 @@ impl IdentificationSummary {
             warnings: fit.warnings.iter().map(warning_words).collect(),
             rounds: fit.rounds,
             converged: fit.converged,
+            specification: None,
         };
         IdentificationSummary { limit: limit(&summary), ..summary }
     }

@@ -2,9 +2,13 @@
 
 mod comparison;
 mod discovery;
+mod figure;
 mod identification;
 mod layout;
+mod page;
 mod plan;
+mod run;
+mod specification;
 mod spread;
 mod words;
 
@@ -15,7 +19,13 @@ pub use discovery::{
 };
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};
+pub use page::{
+    CommandsView, Report, commands_report, comparison_report, discovery_report, identification_report,
+    worst_of_poses,
+};
 pub use plan::PlanSummary;
+pub use run::{FileRecord, RunRecord};
+pub use specification::{SpecificationSummary, Verdict};
 pub use spread::{PositionSpread, RotationSpread};
 pub use words::{
     advice_words, count, millimetres, milliradians, significant, value_with_interval, warning_words,

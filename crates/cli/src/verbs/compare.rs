@@ -1,7 +1,8 @@
 //! `truepose compare`: solver strategies side by side on one data set.
 
 use super::identify::{split, split_words};
-use super::{print_json, robot};
+use super::reporting::Folder;
+use super::{print_json, read_files, robot};
 use crate::args::Compare;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -10,10 +11,11 @@ use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, EffectRegistry, ErrorModel};
 use truepose_identify::{FitOptions, Folds, compare, place};
 use truepose_io::{MeasurementsOptions, read_measurements, read_model};
-use truepose_report::ComparisonSummary;
+use truepose_report::{ComparisonSummary, comparison_report};
 
 /// Runs the verb.
 pub fn run(args: &Compare) -> Result<(), Failure> {
+    let folder = Folder::prepare(args.report.as_ref(), "comparison.json")?;
     let chain = robot(&args.robot)?;
     let effects: Vec<Box<dyn AnyEffect>> = match &args.model {
         Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
@@ -36,6 +38,10 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     let compared = compare(&model, &data, &solvers, &options, &folds, &|name| progress.begin(name));
     drop(progress);
     let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &compared);
+    if let Some(folder) = &folder {
+        let inputs = read_files(&args.robot.robot, &args.data, args.model.as_ref());
+        folder.write(&summary, &inputs, |run| Ok(comparison_report(&summary, run)))?;
+    }
     if args.json {
         return print_json(&summary);
     }

@@ -1,5 +1,6 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
+use super::reporting::Folder;
 use super::{print_json, status};
 use crate::args::Compensate;
 use crate::failure::Failure;
@@ -10,7 +11,7 @@ use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Targ
 use truepose_errormodel::{EffectRegistry, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
 use truepose_kinematics::Conditions;
-use truepose_report::{count, millimetres};
+use truepose_report::{CommandsView, commands_report, count, millimetres};
 
 /// Poses that one thread takes at a time.
 const CHUNK: usize = 2048;
@@ -18,6 +19,7 @@ const CHUNK: usize = 2048;
 /// Runs the verb.
 pub fn run(args: &Compensate) -> Result<(), Failure> {
     check_writable(&args.out)?;
+    let folder = Folder::prepare(args.report.as_ref(), "compensation.json")?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let (poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
     terminal::warn(&warnings);
@@ -29,6 +31,19 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
     let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
     let words = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
     let beyond = commands.iter().filter(|c| c.status == Status::Ok && c.extrapolation.any()).count();
+    if let Some(folder) = &folder {
+        let view = CommandsView {
+            robot: fitted.chain().name().into(),
+            status: words
+                .iter()
+                .map(|s| (s.word().into(), of(*s)))
+                .filter(|s: &(String, usize)| s.1 > 0)
+                .collect(),
+            extrapolating: beyond,
+            commands: corrections(&fitted, &poses, &commands)?,
+        };
+        folder.write(&view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
+    }
     if args.json {
         let counts: serde_json::Map<_, _> = words.iter().map(|s| (s.word().into(), of(*s).into())).collect();
         return print_json(
@@ -58,6 +73,26 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Row, status, what is left and how far each command corrects, mm.
+fn corrections(
+    fitted: &FittedModel,
+    poses: &Poses,
+    commands: &[Command],
+) -> Result<Vec<(usize, String, f64, f64)>, Failure> {
+    let inputs = poses.rows.derived_for(fitted.model())?;
+    let mut predictor = fitted.bind(&inputs.schema)?;
+    let mut conditions = Conditions::default();
+    let one = |(row, command): (usize, &Command)| {
+        inputs.conditions_into(row, &mut conditions);
+        conditions.joints.clear();
+        conditions.joints.extend_from_slice(&command.joints);
+        let nominal = predictor.nominal(&conditions, poses.rows.target[row]).translation;
+        let correction = (nominal - poses.rows.measured_position(row)).norm();
+        (row + 1, command.status.word().into(), command.position_error * 1e3, correction * 1e3)
+    };
+    Ok(commands.iter().enumerate().map(one).collect())
 }
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.

@@ -1,6 +1,7 @@
 //! `truepose discover`: find what a declared model lacks, add it, and prove the gain.
 
-use super::{print_json, robot};
+use super::reporting::Folder;
+use super::{print_json, read_files, robot};
 use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
@@ -8,31 +9,21 @@ use crate::terminal;
 use truepose_discover::{DiscoverOptions, Progress, diagnose, nested};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, EffectRegistry};
-use truepose_io::{
-    MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit, write_whole,
-};
-use truepose_report::{DiscoverySummary, NestedSummary, Settings};
+use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
+use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
 
 /// Runs the verb.
 pub fn run(args: &Discover) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         check_writable(out)?;
     }
-    let ledger = match &args.report {
-        Some(folder) => {
-            make_folder(folder)?;
-            let ledger = folder.join("discovery.json");
-            check_writable(&ledger)?;
-            Some(ledger)
-        }
-        None => None,
-    };
+    let folder = Folder::prepare(args.report.as_ref(), "discovery.json")?;
     let chain = robot(&args.robot)?;
     let declared: Vec<Box<dyn AnyEffect>> = match &args.model {
         Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
         None => vec![Box::new(Geometric::default())],
     };
-    let (mut data, _, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    let (mut data, info, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
     if args.positions_only {
         data.orientation.fill(None);
@@ -61,14 +52,19 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         })?;
         summary.nested = Some(NestedSummary::new(&judged, super::identify::split_words(&split)));
     }
+    if let Some(limit) = args.spec {
+        summary = summary.against(limit, &found, &data);
+    }
     if args.json {
         print_json(&summary)?;
     } else {
         terminal::print(&summary.to_string());
     }
-    if let Some(ledger) = &ledger {
-        write_whole(ledger, (serde_json::to_string_pretty(&summary)? + "\n").as_bytes())?;
-        terminal::log(&format!("wrote {}", ledger.display()));
+    if let Some(folder) = &folder {
+        let inputs = read_files(&args.robot.robot, &args.data, args.model.as_ref());
+        folder.write(&summary, &inputs, |run| {
+            Ok(discovery_report(&summary, &found, &data, &info.visit_labels, run)?)
+        })?;
     }
     if let Some(out) = &args.out {
         let provenance = &mut found.fit.fitted.provenance;

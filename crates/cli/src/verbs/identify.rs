@@ -1,21 +1,23 @@
 //! `truepose identify`: fit a declared error model, and say what it is worth.
 
-use super::{print_json, robot};
+use super::reporting::Folder;
+use super::{print_json, read_files, robot};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Visits};
-use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, identify};
+use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
-use truepose_report::{IdentificationSummary, millimetres};
+use truepose_report::{IdentificationSummary, identification_report, millimetres};
 
 /// Runs the verb.
 pub fn run(args: &Identify) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         check_writable(out)?;
     }
+    let folder = Folder::prepare(args.report.as_ref(), "identification.json")?;
     let chain = robot(&args.robot)?;
     let effects: Vec<Box<dyn AnyEffect>> = match &args.model {
         Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
@@ -42,13 +44,26 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         .map_err(|error| refused(args, error))?;
     drop(progress);
 
-    let summary = IdentificationSummary::new(
+    let mut summary = IdentificationSummary::new(
         &found,
         &data,
         &info.visit_labels,
         &args.solver.to_string(),
         options.split.as_ref().map(split_words),
     );
+    let locked = match args.holdout {
+        Some(share) => hold_out(&data, share, args.seed)?.1,
+        None => Vec::new(),
+    };
+    if let Some(limit) = args.spec {
+        summary = summary.against(limit, &found, &data, &locked);
+    }
+    if let Some(folder) = &folder {
+        let inputs = read_files(&args.robot.robot, &args.data, args.model.as_ref());
+        folder.write(&summary, &inputs, |run| {
+            Ok(identification_report(&summary, &found, &data, &info.visit_labels, &locked, run)?)
+        })?;
+    }
     if args.json {
         print_json(&summary)?;
     } else {

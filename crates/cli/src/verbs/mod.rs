@@ -10,11 +10,14 @@ pub mod identify;
 pub mod map;
 pub mod plan;
 pub mod predict;
+mod reporting;
 pub mod simulate;
+pub mod verify;
 
 use crate::args::Robot;
 use crate::failure::Failure;
 use crate::terminal;
+use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
 use truepose_io::{CommandStatus, RobotOptions, read_robot};
 use truepose_kinematics::{Chain, TargetId};
@@ -37,6 +40,11 @@ fn target(chain: &Chain, name: Option<&str>) -> Result<Option<TargetId>, Failure
             known.join(", ")
         ))
     })
+}
+
+/// Files that a run on measurements read.
+fn read_files<'a>(robot: &'a Path, data: &'a Path, model: Option<&'a PathBuf>) -> Vec<&'a Path> {
+    [Some(robot), Some(data), model.map(PathBuf::as_path)].into_iter().flatten().collect()
 }
 
 /// A value as JSON on stdout.

@@ -11,4 +11,6 @@ mod example;
 mod export;
 mod folder;
 mod output;
+mod page;
+mod report;
 mod round_trip;

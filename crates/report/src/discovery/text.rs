@@ -55,7 +55,7 @@ impl fmt::Display for DiscoverySummary {
 
 impl DiscoverySummary {
     /// Is anything left after the declared model?
-    fn question(&self) -> String {
+    pub(crate) fn question(&self) -> String {
         match (self.lack_of_fit.against, self.lack_of_fit.before, self.lack_of_fit.pure_error_mm) {
             (Reference::Repeats, Some(p), Some(pure)) => format!(
                 "The declared model leaves {} mm; a repeated visit scatters by {} mm (lack of fit p = {}).",
@@ -97,13 +97,19 @@ impl DiscoverySummary {
     }
 
     fn ending(&self) -> String {
-        let found = self.effects.len();
         let result = format!(
             "{} → {} mm on held-out visits; noise floor {} mm.",
             significant(self.before.holdout.rms_mm, 3),
             significant(self.after.holdout.rms_mm, 3),
             significant(self.noise_floor_mm, 3)
         );
+        let verdict = self.specification.map_or_else(String::new, |s| format!("\n{}", s.words()));
+        format!("{result}{verdict}\n{}", self.why())
+    }
+
+    /// Why the loop stopped.
+    pub(crate) fn why(&self) -> String {
+        let found = self.effects.len();
         let why = match self.stopped {
             Stop::NothingLeft if found == 0 => {
                 "Nothing was found: what the declared model leaves is what chance leaves".to_owned()
@@ -115,7 +121,7 @@ impl DiscoverySummary {
             ),
             Stop::Limit => "As many effects as were allowed; something may be left".to_owned(),
         };
-        format!("{result}\n{why} (p = {}).", significant(self.unexplained.p_value, 2))
+        format!("{why} (p = {}).", significant(self.unexplained.p_value, 2))
     }
 }
 

@@ -1,0 +1,58 @@
+//! Writing a report's folder: page, figures, the result and what makes the run repeatable.
+
+use crate::failure::Failure;
+use crate::terminal;
+use std::path::{Path, PathBuf};
+use truepose_io::{check_writable, file_digest, make_folder, sha256, write_whole};
+use truepose_report::{FileRecord, Report, RunRecord};
+
+/// The program with its version.
+pub const PROGRAM: &str = concat!("truepose ", env!("CARGO_PKG_VERSION"));
+
+/// A folder that a report will be written into.
+pub struct Folder {
+    path: PathBuf,
+    result: &'static str,
+}
+
+impl Folder {
+    /// Makes it and sees that files can be written there, before long work begins.
+    pub fn prepare(path: Option<&PathBuf>, result: &'static str) -> Result<Option<Self>, Failure> {
+        let Some(path) = path else { return Ok(None) };
+        make_folder(path)?;
+        for file in [result, "index.html", "run.json"] {
+            check_writable(path.join(file))?;
+        }
+        Ok(Some(Folder { path: path.clone(), result }))
+    }
+
+    /// Writes the result, the record of the run, and the page that `page` makes of the record.
+    pub fn write(
+        &self,
+        result: &impl serde::Serialize,
+        inputs: &[&Path],
+        page: impl FnOnce(&RunRecord) -> Result<Report, Failure>,
+    ) -> Result<(), Failure> {
+        let bytes = (serde_json::to_string_pretty(result)? + "\n").into_bytes();
+        let inputs = inputs
+            .iter()
+            .map(|file| {
+                let (bytes, sha256) = file_digest(file)?;
+                Ok(FileRecord { file: file.to_string_lossy().into_owned(), bytes, sha256 })
+            })
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let arguments = std::env::args().skip(1).collect();
+        let record =
+            FileRecord { file: self.result.into(), bytes: bytes.len() as u64, sha256: sha256(&bytes) };
+        let run = RunRecord::new(PROGRAM, arguments, inputs, record);
+        let report = page(&run)?;
+        write_whole(self.path.join(self.result), &bytes)?;
+        for (name, svg) in &report.figures {
+            write_whole(self.path.join(name), svg.as_bytes())?;
+        }
+        write_whole(self.path.join("run.json"), (serde_json::to_string_pretty(&run)? + "\n").as_bytes())?;
+        write_whole(self.path.join("index.html"), report.html.as_bytes())?;
+        terminal::log(&format!("wrote {}", self.path.join("index.html").display()));
+        Ok(())
+    }
+}

@@ -1,0 +1,149 @@
+//! Reports: one source of numbers, names that are shown and not run, runs that repeat.
+
+use crate::folder::{Folder, ROBOT};
+use serde_json::Value;
+use truepose_report::significant;
+
+const EVIL: &str = "<img src=x onerror=alert(1)>";
+
+/// A robot with a wave in its first joint that the declared model lacks.
+const PLANT: &str = r#"robot = "robot.toml"
+seed = 3
+
+[errors.geometric]
+position_mm = 0.3
+angle_mrad = 0.4
+
+[[errors.transmission]]
+joint = "J1"
+amplitude_mrad = 0.8
+
+[instrument]
+sd_um = 20
+
+[campaign]
+postures = "random"
+visits = 60
+"#;
+
+/// With a report of a discovery in `page`.
+pub fn discovered(robot: &str, joint: &str) -> Folder {
+    let folder = Folder::empty();
+    let text = ROBOT.replace("\"small\"", &format!("{robot:?}")).replace("\"j1\"", &format!("{joint:?}"));
+    folder.write("robot.toml", &text);
+    folder.write("plant.toml", &PLANT.replace("\"J1\"", &format!("{joint:?}")));
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder
+        .run(&[
+            "discover",
+            "--robot",
+            "robot.toml",
+            "--data",
+            "data.csv",
+            "--report",
+            "page",
+            "--spec",
+            "0.2mm",
+            "--flips",
+            "199",
+        ])
+        .ended(0);
+    folder
+}
+
+#[test]
+fn page_ledger_and_terminal_have_the_same_numbers() {
+    let folder = discovered("small", "j1");
+    let same =
+        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--flips", "199"];
+    let terminal = folder.run(&same).ended(0).out;
+    let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
+    let ledger: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(&json).unwrap(), ledger);
+
+    let page = folder.read("page/index.html");
+    let number = |pointer: &str| significant(ledger.pointer(pointer).unwrap().as_f64().unwrap(), 3);
+    for pointer in ["/before/holdout/rms_mm", "/after/holdout/rms_mm"] {
+        assert!(page.contains(&format!("<b>{}</b>", number(pointer))), "{pointer}");
+        assert!(terminal.contains(&number(pointer)), "{pointer}");
+    }
+    let floor = number("/noise_floor_mm");
+    assert!(
+        page.contains(&format!("would leave {floor} mm"))
+            && terminal.contains(&format!("noise floor {floor} mm"))
+    );
+    let inside = format!("{} of", ledger.pointer("/specification/inside").unwrap());
+    assert!(page.contains(&inside) && terminal.contains(&inside));
+    let effects = ledger["effects"].as_array().unwrap();
+    assert!(!effects.is_empty(), "the wave was not found:\n{terminal}");
+    for (k, effect) in effects.iter().enumerate() {
+        let after = significant(effect["holdout_rms_mm"]["after"].as_f64().unwrap(), 3);
+        assert!(page.contains(&after) && terminal.contains(&after));
+        assert!(folder.read(&format!("page/effect_{}.svg", k + 1)).starts_with("<svg"));
+    }
+}
+
+#[test]
+fn names_are_shown_and_not_run() {
+    let folder = discovered(EVIL, EVIL);
+    let page = folder.read("page/index.html");
+    assert!(!page.contains("<img") && page.contains("&lt;img src=x onerror=alert(1)&gt;"));
+    for name in std::fs::read_dir(folder.file("page")).unwrap().map(|e| e.unwrap().path()) {
+        if name.extension().is_some_and(|e| e == "svg") {
+            assert!(!std::fs::read_to_string(&name).unwrap().contains("<img"), "{}", name.display());
+        }
+    }
+}
+
+#[test]
+fn a_run_repeats_and_a_changed_file_is_told() {
+    let folder = discovered("small", "j1");
+    let said = folder.run(&["verify", "page/run.json"]).ended(0).out;
+    assert!(said.contains("the same on repetition"), "{said}");
+    let before = folder.names();
+
+    let ledger = folder.read("page/discovery.json");
+    folder.write("page/discovery.json", &ledger.replacen("\"rows\": ", "\"rows\": 1", 1));
+    assert!(folder.run(&["verify", "page/run.json"]).ended(1).log.contains("was changed since the run"));
+    folder.write("page/discovery.json", &ledger);
+
+    let data = folder.read("data.csv");
+    folder.write("data.csv", &format!("{data}\n"));
+    assert!(folder.run(&["verify", "page/run.json"]).ended(1).log.contains("data.csv is not the file"));
+    folder.write("data.csv", &data);
+
+    folder.write("page/run.json", "{\"format\": 3}");
+    assert!(folder.run(&["verify", "page/run.json"]).ended(2).log.contains("page/run.json"));
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
+fn every_verb_with_a_report_writes_one_that_repeats() {
+    let folder = Folder::with_data();
+    let inputs = ["--robot", "robot.toml", "--data", "data.csv"];
+    let with = |verb: &'static str, more: &[&'static str]| [&[verb], &inputs[..], more].concat();
+    folder.run(&with("identify", &["--out", "fit.json", "--report", "i", "--spec", "0.2mm"])).ended(0);
+    folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
+    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "poses.csv"]).ended(0);
+    folder
+        .run(&[
+            "compensate",
+            "--fit",
+            "fit.json",
+            "--poses",
+            "poses.csv",
+            "--out",
+            "commands.csv",
+            "--report",
+            "k",
+        ])
+        .ended(0);
+    for (page, result) in [("i", "identification"), ("c", "comparison"), ("k", "compensation")] {
+        let html = folder.read(&format!("{page}/index.html"));
+        assert!(html.contains("<svg") && !html.contains("NaN"), "{page}");
+        assert!(serde_json::from_str::<Value>(&folder.read(&format!("{page}/{result}.json"))).is_ok());
+        folder.run(&["verify", &format!("{page}/run.json")]).ended(0);
+    }
+    let judged: Value = serde_json::from_str(&folder.read("i/identification.json")).unwrap();
+    assert_eq!(judged["specification"]["poses"], 40);
+}

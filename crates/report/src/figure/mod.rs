@@ -1,0 +1,45 @@
+//! Figures as SVG text: drawn with classes, coloured by the page's style or by [`standalone`].
+
+mod axes;
+mod bars;
+mod cloud;
+mod heat;
+mod thin;
+mod trace;
+
+pub(crate) use axes::Plot;
+pub(crate) use bars::{Bar, bars};
+pub(crate) use cloud::cloud;
+pub(crate) use heat::heat_map;
+pub(crate) use thin::{bins, quantile, thin};
+pub(crate) use trace::trace_figure;
+
+/// Colours of figures, as the page and the files have them.
+pub(crate) const COLOURS: &str = include_str!("colours.css");
+
+/// Text that may stand between tags and in attributes.
+pub(crate) fn escape(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            // No control characters: they are no XML.
+            c if c.is_control() && c != '\n' && c != '\t' => safe.push('\u{fffd}'),
+            c => safe.push(c),
+        }
+    }
+    safe
+}
+
+/// A figure as a file of its own: with its colours, light and dark.
+pub(crate) fn standalone(svg: &str) -> String {
+    let style = format!("<style>{COLOURS}\nsvg{{background:var(--paper)}}</style>");
+    match svg.find('>') {
+        Some(end) => format!("{}{style}{}\n", &svg[..=end], &svg[end + 1..]),
+        None => svg.into(),
+    }
+}

@@ -1,0 +1,225 @@
+//! The residual traced to one effect against what drives it: with the effect out of the model, and with it in.
+
+use super::axes::frame;
+use super::{Plot, bins, quantile, thin};
+use truepose_discover::Trace;
+
+/// Points that are drawn.
+const DRAWN: usize = 2500;
+/// Means with their intervals.
+const MEANS: usize = 24;
+/// Steps of the curve.
+const STEPS: usize = 160;
+
+/// The figure, and what has to be said about it.
+pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (String, Vec<String>) {
+    let mut notes = Vec::new();
+    let (factor, unit) =
+        shown(trace.unit, quantile(trace.points.iter().map(|p| p.before.abs()).collect(), 0.5));
+    let folded = fold(trace, period);
+    let (x_factor, x_unit) = match trace.driver_unit.as_str() {
+        "rad" => (1f64.to_degrees(), "°"),
+        "m" => (1e3, "mm"),
+        other => (1.0, other),
+    };
+    let x_of = |k: usize| {
+        let x = trace.points[k].driver;
+        x_factor * folded.map_or(x, |p| x.rem_euclid(p))
+    };
+    let x_name = match folded {
+        Some(p) => {
+            format!("{} within its period of {} {x_unit}", trace.driver, crate::significant(p * x_factor, 4))
+        }
+        None if x_unit.is_empty() => trace.driver.clone(),
+        None => format!("{}, {x_unit}", trace.driver),
+    };
+    // Rows with a short lever say little and scatter much.
+    let lever = quantile(trace.points.iter().map(|p| p.lever).collect(), 0.9);
+    let strong: Vec<usize> =
+        (0..trace.points.len()).filter(|&k| trace.points[k].lever >= 0.25 * lever).collect();
+    if strong.len() < trace.points.len() {
+        notes.push(format!(
+            "{} of {} rows, whose position hardly depends on this error, are not drawn; they count in the means by their lever.",
+            trace.points.len() - strong.len(),
+            trace.points.len()
+        ));
+    }
+    let sizes: Vec<f64> =
+        strong.iter().map(|&k| trace.points[k].before.abs().max(trace.points[k].after.abs())).collect();
+    let drawn: Vec<usize> = thin(&sizes, DRAWN, |_| false).into_iter().map(|k| strong[k]).collect();
+    if drawn.len() < strong.len() {
+        notes.push(format!(
+            "{} of {} rows are drawn; the largest hundredth is among them.",
+            drawn.len(),
+            strong.len()
+        ));
+    }
+    let all = || strong.iter().flat_map(|&k| [trace.points[k].before, trace.points[k].after]);
+    let fits = trace.points.iter().map(|p| p.fitted);
+    let low = quantile(all().collect(), 0.005).min(fits.clone().fold(f64::INFINITY, f64::min)) * factor;
+    let high = quantile(all().collect(), 0.995).max(fits.fold(f64::NEG_INFINITY, f64::max)) * factor;
+    let margin = 0.06 * (high - low);
+    let y = [low - margin, high + margin];
+    let xs: Vec<f64> = (0..trace.points.len()).map(x_of).collect();
+    let x = [
+        xs.iter().copied().fold(f64::INFINITY, f64::min),
+        xs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    ];
+
+    let mut body = String::new();
+    let mut outside = 0;
+    for (panel, words) in ["effect out of the model", "effect in the model"].iter().enumerate() {
+        let of = |k: usize| {
+            let p = &trace.points[k];
+            factor * if panel == 0 { p.before } else { p.after }
+        };
+        let mut plot = Plot::new(760.0, 300.0, x, y).axes(
+            &format!("{title}: {words}"),
+            &x_name,
+            &format!("{}, {unit}", trace.what),
+        );
+        let groups = trace.classes.len().max(1);
+        for class in 0..groups {
+            let inside = |k: &&usize| trace.points[**k].class == class;
+            let colour = colour(panel, class, groups);
+            plot.dots(&format!("{colour} dots"), drawn.iter().filter(inside).map(|&k| (xs[k], of(k))));
+            let weighted: Vec<(f64, f64, f64)> = (0..trace.points.len())
+                .filter(|k| trace.points[*k].class == class)
+                .map(|k| (xs[k], of(k), trace.points[k].lever.powi(2)))
+                .collect();
+            for bin in bins(&weighted, MEANS).iter().filter(|b| b.count > 2 && b.error.is_finite()) {
+                let half = 2.0 * bin.error;
+                plot.line(&format!("{colour} curve"), &[(bin.x, bin.y - half), (bin.x, bin.y + half)]);
+                plot.dots(&format!("{colour} strong"), std::iter::once((bin.x, bin.y)));
+            }
+            if panel == 0 && curve(&mut plot, trace, &xs, factor, class) {
+                notes.push(
+                    "The effect depends on more than this input: the curve is its mean, the band 95 % of what it says there."
+                        .into(),
+                );
+            }
+        }
+        if panel == 1 {
+            plot.line("ink thinline", &[(x[0], 0.0), (x[1], 0.0)]);
+        }
+        outside += plot.outside();
+        body += &plot.panel(306.0 * panel as f64);
+    }
+    if outside > 0 {
+        notes.push(format!("{outside} marks beyond the scale stand at its edge."));
+    }
+    notes.dedup();
+    let about = format!(
+        "{title}: what is left, traced to {}, against {}; above with the effect out of the model, below with it in",
+        trace.what, trace.driver
+    );
+    (frame(760.0, 610.0, &about, &body), notes)
+}
+
+/// Draws what the model says; true when it is not a curve of this input alone.
+fn curve(plot: &mut Plot, trace: &Trace, xs: &[f64], factor: f64, class: usize) -> bool {
+    let mine = || (0..trace.points.len()).filter(|k| trace.points[*k].class == class);
+    let fitted: Vec<(f64, f64, f64)> =
+        mine().map(|k| (xs[k], factor * trace.points[k].fitted, 1.0)).collect();
+    let doubt: Vec<(f64, f64, f64)> = mine().map(|k| (xs[k], factor * trace.points[k].sd, 1.0)).collect();
+    let line = bins(&fitted, STEPS);
+    let mean = fitted.iter().map(|f| f.1).sum::<f64>() / fitted.len().max(1) as f64;
+    let whole = fitted.iter().map(|f| (f.1 - mean).powi(2)).sum::<f64>().sqrt();
+    let within = line.iter().map(|b| b.spread.powi(2) * b.count as f64).sum::<f64>().sqrt();
+    let loose = within > 0.3 * whole && whole > 0.0;
+    let line = if loose { bins(&fitted, MEANS) } else { line };
+    let sds = bins(&doubt, if loose { MEANS } else { STEPS });
+    let band: Vec<(f64, f64, f64)> = line
+        .iter()
+        .zip(&sds)
+        .map(|(b, sd)| {
+            let half = 1.96 * if loose { b.spread } else { sd.y };
+            (b.x, b.y - half, b.y + half)
+        })
+        .collect();
+    plot.band(&band);
+    plot.line("ink curve", &line.iter().map(|b| (b.x, b.y)).collect::<Vec<_>>());
+    loose
+}
+
+fn colour(panel: usize, class: usize, classes: usize) -> &'static str {
+    match (classes, panel, class) {
+        (1, 0, _) => "before",
+        (1, _, _) => "after",
+        (_, _, 0) => "c0",
+        (_, _, 1) => "c1",
+        _ => "c2",
+    }
+}
+
+/// The period at which a wave of many turns is laid on top of itself.
+fn fold(trace: &Trace, period: Option<f64>) -> Option<f64> {
+    const TURNS: f64 = 4.0;
+    let low = trace.points.iter().map(|p| p.driver).fold(f64::INFINITY, f64::min);
+    let high = trace.points.iter().map(|p| p.driver).fold(f64::NEG_INFINITY, f64::max);
+    period.filter(|p| *p > 0.0 && (high - low) / p > TURNS)
+}
+
+/// Factor and unit in which a size reads well.
+fn shown(unit: &str, typical: f64) -> (f64, &'static str) {
+    match unit {
+        "rad" if typical < 3e-4 => (1e6, "µrad"),
+        "rad" => (1e3, "mrad"),
+        "m" if typical < 3e-4 => (1e6, "µm"),
+        "m" => (1e3, "mm"),
+        "kg" => (1.0, "kg"),
+        _ => (1.0, ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_discover::TracePoint;
+
+    fn wave(turns: f64, class: impl Fn(usize) -> usize) -> Trace {
+        let point = |row: usize| {
+            let driver = row as f64 / 500.0 * turns * std::f64::consts::TAU;
+            let fitted = 1e-3 * driver.sin();
+            let after = 1e-5 * ((row * 7919) % 13) as f64;
+            let lever = if row % 50 == 0 { 1e-3 } else { 1.0 };
+            TracePoint {
+                row,
+                driver,
+                before: fitted + after,
+                after,
+                fitted,
+                sd: 1e-5,
+                lever,
+                class: class(row),
+            }
+        };
+        Trace {
+            what: "a <b> about its axis".into(),
+            unit: "rad",
+            driver: "a <b>".into(),
+            driver_unit: "rad".into(),
+            classes: Vec::new(),
+            points: (0..500).map(point).collect(),
+        }
+    }
+
+    #[test]
+    fn both_panels_are_drawn_and_what_is_left_out_is_said() {
+        let (svg, notes) = trace_figure(&wave(1.0, |_| 0), "wave", None);
+        assert!(!svg.contains("NaN") && !svg.contains("<b>") && svg.contains("mrad"));
+        assert!(svg.contains("before dots") && svg.contains("after dots") && svg.contains("ink curve"));
+        assert!(notes.iter().any(|n| n.starts_with("10 of 500 rows")), "{notes:?}");
+        assert!(!notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
+    }
+
+    #[test]
+    fn waves_of_many_turns_are_laid_on_top_of_each_other() {
+        let (svg, notes) = trace_figure(&wave(9.0, |_| 0), "wave", Some(std::f64::consts::TAU));
+        assert!(svg.contains("within its period of 360.0 °"));
+        assert!(!notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
+        // At half the period the curve is none of this input alone.
+        let (_, notes) = trace_figure(&wave(9.0, |_| 0), "wave", Some(0.7 * std::f64::consts::TAU));
+        assert!(notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
+    }
+}

@@ -1,0 +1,148 @@
+//! The page of an identification.
+
+use super::discovery::specification;
+use super::rows::{Rows, complement, merged};
+use super::{Page, Report};
+use crate::figure::{Bar, bars, escape};
+use crate::{IdentificationSummary, RunRecord, SpecificationSummary, significant};
+use truepose_errormodel::Dataset;
+use truepose_identify::{Identification, IdentifyError, Residuals, Stage};
+
+const TITLES: [&str; 2] = ["base, tool, targets alone", "declared model"];
+
+impl IdentificationSummary {
+    /// With poses of `data` that the judged fit did not see, against a limit of the 3-D position error (m); `locked` are the rows
+    /// that were locked away, if any were.
+    pub fn against(mut self, limit: f64, found: &Identification, data: &Dataset, locked: &[usize]) -> Self {
+        let (rows, errors) = match (&found.locked, &found.declared.held_out) {
+            (Some((_, errors)), _) => (locked.to_vec(), errors),
+            (None, Some(folds)) => ((0..data.len()).collect(), &folds.residuals),
+            // Residuals of a fit on the same rows prove nothing about others.
+            (None, None) => return self,
+        };
+        self.specification =
+            Some(SpecificationSummary::new(limit, &crate::worst_of_poses(data, &rows, errors)));
+        self
+    }
+}
+
+/// Forms the page; `data` and `labels` are as they were read, `locked` are the rows that were locked away.
+///
+/// # Errors
+/// When the observability of the fit cannot be worked out.
+pub fn identification_report(
+    summary: &IdentificationSummary,
+    found: &Identification,
+    data: &Dataset,
+    labels: &[i64],
+    locked: &[usize],
+    run: &RunRecord,
+) -> Result<Report, IdentifyError> {
+    let mut page = Page::new(&format!("{}: identification", summary.robot));
+    page.section("Verdict");
+    verdict(&mut page, summary);
+    let rows = rows(found, data, labels, locked);
+    page.section("Errors in space");
+    page.note(match found.declared.held_out {
+        Some(_) => "Every error is of a model that did not see its row.",
+        None => "Errors on the rows of the fit: nothing was held out.",
+    });
+    page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
+    page.section("Residuals");
+    page.by_axis(&rows, TITLES);
+    page.title("Against what the robot did");
+    page.against_inputs(&rows, TITLES);
+    page.title("Against the normal law");
+    page.quantiles(&rows, summary.noise.position_sd_mm.hypot(summary.noise.visit_sd_mm));
+    page.title("Worst visits");
+    page.worst(&rows, 8);
+    page.section("What the data determines");
+    page.identifiability(&found.fit, data)?;
+    page.section("Settings, files");
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let settings = [
+        row("solver", summary.solver.clone()),
+        row("held out by", summary.held_out_by.clone().unwrap_or_else(|| "nothing".into())),
+        row(
+            "width of the prior, expected sizes",
+            summary.prior.map_or_else(|| "none".into(), |p| significant(p, 3)),
+        ),
+        row("rounds", format!("{}{}", summary.rounds, if summary.converged { "" } else { ", still moving" })),
+        row(
+            "rows, visits, configurations",
+            format!("{}, {}, {}", summary.rows, summary.visits, summary.configurations),
+        ),
+    ];
+    page.table("Settings", &["setting", "value"], &settings, true);
+    page.repeat(run);
+    Ok(page.finish())
+}
+
+fn verdict(page: &mut Page, summary: &IdentificationSummary) {
+    let judged = |stage: &crate::StageSummary| stage.locked.or(stage.held_out).unwrap_or(stage.train);
+    let seen = match summary.stages.last() {
+        Some(last) if last.locked.is_some() => "on configurations that were locked away first",
+        Some(last) if last.held_out.is_some() => "on configurations that the fit did not see",
+        _ => "on the rows of the fit itself (nothing was held out)",
+    };
+    let mm = |v: f64| significant(v, 3);
+    let list: Vec<Bar> = summary
+        .stages
+        .iter()
+        .enumerate()
+        .map(|(k, stage)| Bar {
+            name: stage.name.clone(),
+            range: [0.0, judged(stage).rms_mm],
+            class: if k + 1 == summary.stages.len() { "bar-after" } else { "bar-before" },
+            label: format!("{} mm", mm(judged(stage).rms_mm)),
+        })
+        .collect();
+    if let [.., before, after] = &summary.stages[..] {
+        let (before, after) = (judged(before), judged(after));
+        page.raw(&format!(
+            "<p class=\"verdict\">{}</p>",
+            escape(&format!(
+                "The declared model brings the position error from {} to {} mm (3-D RMS), {seen}; 95 % of rows are below {} mm, the largest is {} mm.",
+                mm(before.rms_mm),
+                mm(after.rms_mm),
+                mm(after.p95_mm),
+                mm(after.max_mm)
+            ))
+        ));
+    }
+    specification(page, summary.specification.as_ref());
+    page.text(&format!("What limits it: {}.", summary.limit));
+    let svg = bars("RMS of the 3-D position error by model", &list, None);
+    page.figure("models", &svg, &format!("RMS of the 3-D position error, {seen}."));
+    let all: Vec<String> = summary.warnings.clone();
+    if !all.is_empty() {
+        page.list(&all);
+    }
+}
+
+/// Rows in the order of the data; each with the error of a model that did not see it, where there is one.
+fn rows(found: &Identification, data: &Dataset, labels: &[i64], locked: &[usize]) -> Rows {
+    let seen = |stage: &Stage| -> Residuals {
+        stage.held_out.as_ref().map_or_else(|| stage.train.clone(), |folds| folds.residuals.clone())
+    };
+    let (before, after) = (seen(&found.frames_only), seen(&found.declared));
+    let none = (Residuals::default(), Residuals::default());
+    let others = found.locked.as_ref().unwrap_or(&none);
+    let locked = if found.locked.is_some() { locked } else { &[] };
+    let train = complement(data, locked);
+    let mut order: Vec<(usize, bool, usize)> =
+        train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
+    order.extend(locked.iter().enumerate().map(|(k, &row)| (row, true, k)));
+    order.sort_unstable();
+    let chosen: Vec<usize> = order.iter().map(|o| o.0).collect();
+    let held: Vec<bool> = order.iter().map(|o| o.1).collect();
+    Rows::new(
+        &found.placement.chain,
+        data,
+        labels,
+        &chosen,
+        &held,
+        &merged(&order, &before, &others.0),
+        &merged(&order, &after, &others.1),
+    )
+}

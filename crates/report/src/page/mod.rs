@@ -1,0 +1,198 @@
+//! The report: one page that needs nothing else, and its figures as files.
+
+mod commands;
+mod comparison;
+mod discovery;
+mod identifiability;
+mod identification;
+mod residuals;
+mod rows;
+mod space;
+
+pub use commands::{CommandsView, commands_report};
+pub use comparison::comparison_report;
+pub use discovery::discovery_report;
+pub use identification::identification_report;
+pub use rows::worst_of_poses;
+
+use crate::RunRecord;
+use crate::figure::{COLOURS, escape, standalone};
+use std::fmt::Write;
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// A page and its figures, ready to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// `index.html`.
+    pub html: String,
+    /// Names and contents of the figures' files (SVG).
+    pub figures: Vec<(String, String)>,
+}
+
+/// A page that is being put together.
+pub(crate) struct Page {
+    title: String,
+    body: String,
+    contents: Vec<(String, String)>,
+    figures: Vec<(String, String)>,
+}
+
+impl Page {
+    /// With this title (text).
+    pub(crate) fn new(title: &str) -> Self {
+        Page { title: title.into(), body: String::new(), contents: Vec::new(), figures: Vec::new() }
+    }
+
+    /// A part of the page, which is in its contents.
+    pub(crate) fn section(&mut self, title: &str) {
+        let id = format!("part-{}", self.contents.len() + 1);
+        let _ = write!(self.body, "<h2 id=\"{id}\">{}</h2>", escape(title));
+        self.contents.push((id, title.into()));
+    }
+
+    /// A title within a part.
+    pub(crate) fn title(&mut self, title: &str) {
+        let _ = write!(self.body, "<h3>{}</h3>", escape(title));
+    }
+
+    /// A paragraph of text.
+    pub(crate) fn text(&mut self, text: &str) {
+        let _ = write!(self.body, "<p>{}</p>", escape(text));
+    }
+
+    /// A paragraph that is read last.
+    pub(crate) fn note(&mut self, text: &str) {
+        let _ = write!(self.body, "<p class=\"note\">{}</p>", escape(text));
+    }
+
+    /// Items of text.
+    pub(crate) fn list(&mut self, items: &[String]) {
+        self.body += "<ul>";
+        for item in items {
+            let _ = write!(self.body, "<li>{}</li>", escape(item));
+        }
+        self.body += "</ul>";
+    }
+
+    /// A table of texts; the first column is names, the others numbers where `numbers`.
+    pub(crate) fn table(&mut self, caption: &str, head: &[&str], rows: &[Vec<String>], numbers: bool) {
+        let class = if numbers { " class=\"numbers\"" } else { "" };
+        let _ = write!(
+            self.body,
+            "<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\"><table{class}><caption>{0}</caption><thead><tr>",
+            escape(caption)
+        );
+        for cell in head {
+            let _ = write!(self.body, "<th scope=\"col\">{}</th>", escape(cell));
+        }
+        self.body += "</tr></thead><tbody>";
+        for row in rows {
+            self.body += "<tr>";
+            for (k, cell) in row.iter().enumerate() {
+                let _ = match k {
+                    0 => write!(self.body, "<th scope=\"row\">{}</th>", escape(cell)),
+                    _ => write!(self.body, "<td>{}</td>", escape(cell)),
+                };
+            }
+            self.body += "</tr>";
+        }
+        self.body += "</tbody></table></div>";
+    }
+
+    /// A figure with its words; it also becomes a file.
+    pub(crate) fn figure(&mut self, name: &str, svg: &str, words: &str) {
+        let file = format!("{name}.svg");
+        let _ = write!(
+            self.body,
+            "<figure><div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"{file}\">{svg}</div><figcaption>{} <a href=\"{file}\">{file}</a></figcaption></figure>",
+            escape(words)
+        );
+        self.figures.push((file, standalone(svg)));
+    }
+
+    /// A figure that is a file, and on the page only where there is no script.
+    pub(crate) fn spare_figure(&mut self, name: &str, svg: &str) {
+        let _ = write!(self.body, "<noscript>{svg}</noscript>");
+        self.figures.push((format!("{name}.svg"), standalone(svg)));
+    }
+
+    /// Markup that was made with care.
+    pub(crate) fn raw(&mut self, html: &str) {
+        self.body += html;
+    }
+
+    /// Program, command, files.
+    pub(crate) fn repeat(&mut self, run: &RunRecord) {
+        self.text(&format!(
+            "Made by {}. The command, typed in the same folder, gives the same bytes:",
+            run.program
+        ));
+        let words: Vec<String> = run.arguments.iter().map(|a| quoted(a)).collect();
+        let _ = write!(self.body, "<pre tabindex=\"0\">truepose {}</pre>", escape(&words.join(" ")));
+        self.text("truepose verify run.json (beside this page) repeats the run and compares.");
+        let rows: Vec<Vec<String>> = run
+            .inputs
+            .iter()
+            .chain(std::iter::once(&run.result))
+            .map(|f| vec![f.file.clone(), f.bytes.to_string(), f.sha256.clone()])
+            .collect();
+        self.table("Files", &["file", "bytes", "SHA-256"], &rows, false);
+    }
+
+    /// The whole page.
+    pub(crate) fn finish(self) -> Report {
+        let title = escape(&self.title);
+        let mut contents = String::new();
+        for (id, name) in &self.contents {
+            let _ = write!(contents, "<a href=\"#{id}\">{}</a>", escape(name));
+        }
+        let html = format!(
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+             <meta name=\"color-scheme\" content=\"light dark\">\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\
+             <link rel=\"icon\" href=\"data:,\"><title>{title}</title><style>{COLOURS}\n{STYLE}</style></head>\
+             <body><header><h1>{title}</h1><nav aria-label=\"Parts\">{contents}</nav></header><main>{}</main>\
+             <script>{SCRIPT}</script></body></html>\n",
+            self.body
+        );
+        Report { html, figures: self.figures }
+    }
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.into()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_shown_and_not_run() {
+        let evil = "<img src=x onerror=alert(1)>";
+        let mut page = Page::new(evil);
+        page.section(evil);
+        page.text(evil);
+        page.list(&[evil.into()]);
+        page.table(evil, &[evil], &[vec![evil.into(), evil.into()]], true);
+        let report = page.finish();
+        assert!(!report.html.contains("<img"));
+        assert!(report.html.matches("&lt;img src=x onerror=alert(1)&gt;").count() >= 8);
+    }
+
+    #[test]
+    fn words_for_a_shell() {
+        assert_eq!(quoted("--data=a/b.csv"), "--data=a/b.csv");
+        assert_eq!(quoted("huber(qr)"), "'huber(qr)'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
+}

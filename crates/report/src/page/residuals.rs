@@ -1,0 +1,256 @@
+//! Residuals by axis, against every input, against the normal law, and the worst visits.
+
+use super::Page;
+use super::rows::{Input, Rows, length};
+use crate::figure::{Plot, bins, quantile, thin};
+use crate::significant;
+
+/// Points of a panel that are drawn.
+const DRAWN: usize = 1500;
+
+impl Page {
+    /// Statistics and pictures by axis.
+    pub(crate) fn by_axis(&mut self, rows: &Rows, titles: [&str; 2]) {
+        let axis = |list: &[[f64; 3]], k: usize| {
+            list.iter().map(|v| v[k]).filter(|v| v.is_finite()).collect::<Vec<f64>>()
+        };
+        let mut table = Vec::new();
+        for (k, name) in ["x", "y", "z"].iter().enumerate() {
+            for (title, list) in titles.iter().zip([&rows.before, &rows.after]) {
+                let values = axis(list, k);
+                if values.is_empty() {
+                    continue;
+                }
+                let n = values.len() as f64;
+                let mean = values.iter().sum::<f64>() / n;
+                let rms = (values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
+                let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
+                let mut cells = vec![format!("{name}, {title}")];
+                let shown =
+                    [mean, rms, quantile(sizes.clone(), 0.95), sizes.iter().copied().fold(0.0, f64::max)];
+                // As many decimals as give the RMS three digits.
+                let decimals =
+                    if rms > 0.0 { (2.0 - rms.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
+                cells.extend(shown.map(|v| format!("{v:.decimals$}")));
+                table.push(cells);
+            }
+        }
+        self.table("Errors by axis over all rows, mm", &["axis", "mean", "RMS", "95 %", "max"], &table, true);
+        self.raw("<div class=\"grid2\">");
+        let sizes: Vec<f64> =
+            (0..rows.len()).map(|k| largest(&rows.before[k]).max(largest(&rows.after[k]))).collect();
+        let drawn = thin(&sizes, 2 * DRAWN, |_| false);
+        for (k, name) in ["x", "y", "z"].iter().enumerate() {
+            let values: Vec<f64> = axis(&rows.before, k).into_iter().chain(axis(&rows.after, k)).collect();
+            let top = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
+            if values.is_empty() {
+                continue;
+            }
+            let mut plot = Plot::new(340.0, 220.0, [1.0, rows.len() as f64], [-1.05 * top, 1.05 * top]).axes(
+                &format!("error in {name}"),
+                "row, in the order of the data",
+                "mm",
+            );
+            plot.dots("before dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.before[r][k])));
+            plot.dots("after dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.after[r][k])));
+            let about = format!("Errors in {name} of every row, before and after");
+            self.figure(&format!("errors_{name}"), &plot.finish(&about), "");
+        }
+        self.raw("</div>");
+        self.legend(titles, drawn.len(), rows.len());
+    }
+
+    /// The 3-D error against each input.
+    pub(crate) fn against_inputs(&mut self, rows: &Rows, titles: [&str; 2]) {
+        let before: Vec<f64> = rows.before.iter().map(length).collect();
+        let after: Vec<f64> = rows.after.iter().map(length).collect();
+        let sizes: Vec<f64> = before.iter().zip(&after).map(|(b, a)| 1e-3 * b + a).collect();
+        let drawn = thin(&sizes, DRAWN, |_| false);
+        let top = before.iter().chain(&after).copied().filter(|v| v.is_finite()).fold(1e-12, f64::max);
+        self.raw("<div class=\"grid2\">");
+        for (number, input) in (1..).zip(&rows.inputs) {
+            self.input(number, input, [&before, &after], top, &drawn);
+        }
+        self.raw("</div>");
+        self.note("Lines: RMS in bins of equal width. What is left should be level; a wave, a slope or a step is an effect that is not in the model.");
+        self.legend(titles, drawn.len(), rows.len());
+    }
+
+    fn input(&mut self, number: usize, input: &Input, errors: [&[f64]; 2], top: f64, drawn: &[usize]) {
+        let finite = || input.values.iter().copied().filter(|v| v.is_finite());
+        let range = [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)];
+        let unit = if input.unit.is_empty() { String::new() } else { format!(", {}", input.unit) };
+        let mut plot = Plot::new(340.0, 220.0, range, [0.0, 1.05 * top]).axes(
+            &format!("against {}", input.name),
+            &format!("{}{unit}", input.name),
+            "3-D error, mm",
+        );
+        for (class, list) in ["before", "after"].iter().zip(errors) {
+            plot.dots(&format!("{class} dots"), drawn.iter().map(|&r| (input.values[r], list[r])));
+        }
+        for (class, list) in ["before", "after"].iter().zip(errors) {
+            let squares: Vec<(f64, f64, f64)> = (0..list.len())
+                .filter(|&r| input.values[r].is_finite())
+                .map(|r| (input.values[r], list[r] * list[r], 1.0))
+                .collect();
+            let line: Vec<(f64, f64)> =
+                bins(&squares, 16).iter().filter(|b| b.count > 1).map(|b| (b.x, b.y.sqrt())).collect();
+            plot.line(&format!("{class} curve"), &line);
+        }
+        let about = format!("3-D position errors against {}, before and after", input.name);
+        self.figure(&format!("against_input_{number}"), &plot.finish(&about), "");
+    }
+
+    fn legend(&mut self, titles: [&str; 2], drawn: usize, rows: usize) {
+        let thinned = if drawn < rows {
+            format!(" {drawn} of {rows} rows are drawn, with the hundredth of the largest errors.")
+        } else {
+            String::new()
+        };
+        self.note(&format!("Orange: {}; blue: {}.{thinned}", titles[0], titles[1]));
+    }
+
+    /// Components of what is left against the normal law; `sd` is the standard deviation that noise would have, mm.
+    pub(crate) fn quantiles(&mut self, rows: &Rows, sd: f64) {
+        let mut values: Vec<f64> = rows.after.iter().flatten().copied().filter(|v| v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        let n = values.len();
+        if n < 5 {
+            return;
+        }
+        // All of both tails, and the middle at equal steps.
+        let step = (n / 400).max(1);
+        let shown: Vec<(f64, f64)> = (0..n)
+            .filter(|&k| k < 60 || k + 60 >= n || k % step == 0)
+            .map(|k| (normal_quantile((k as f64 + 0.5) / n as f64), values[k]))
+            .collect();
+        let reach = shown.iter().map(|p| p.0.abs()).fold(0.0, f64::max);
+        let top = values[n - 1].abs().max(values[0].abs()).max(sd * reach);
+        let mut plot = Plot::new(560.0, 380.0, [-reach, reach], [-1.05 * top, 1.05 * top]).axes(
+            "quantiles of what is left",
+            "quantile of the normal law",
+            "residual of a component, mm",
+        );
+        plot.line("ink thinline dash", &[(-reach, -reach * sd), (reach, reach * sd)]);
+        plot.dots("after dots", shown.iter().copied());
+        self.figure(
+            "quantiles",
+            &plot.finish("Quantiles of residual components against those of a normal law"),
+            &format!(
+                "Dashed: noise of {} mm a component. Tails above the line are outliers or an effect that acts rarely; a steeper line is more than noise.",
+                significant(sd, 3)
+            ),
+        );
+    }
+
+    /// The visits with the largest errors, with what their rows were measured under.
+    pub(crate) fn worst(&mut self, rows: &Rows, count: usize) {
+        let mut order: Vec<usize> = (0..rows.len()).filter(|&k| length(&rows.after[k]).is_finite()).collect();
+        order.sort_by(|&a, &b| length(&rows.after[b]).total_cmp(&length(&rows.after[a])).then(a.cmp(&b)));
+        let mut seen: Vec<&str> = Vec::new();
+        let mut worst = Vec::new();
+        for k in order {
+            if !seen.contains(&rows.visit[k].as_str()) {
+                seen.push(&rows.visit[k]);
+                worst.push(k);
+            }
+            if worst.len() == count {
+                break;
+            }
+        }
+        self.raw("<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Worst visits\"><table class=\"numbers\"><caption>Worst visits, by their worst row; mm</caption><thead><tr>");
+        for head in ["visit", "row", "before", "after", "held out"] {
+            self.raw(&format!("<th scope=\"col\">{head}</th>"));
+        }
+        self.raw("</tr></thead><tbody>");
+        for &k in &worst {
+            let number = rows.row[k] + 1;
+            self.raw(&format!(
+                "<tr><th scope=\"row\">{}</th><td><a href=\"#row-{number}\">{number}</a></td><td>{}</td><td>{}</td><td>{}</td></tr>",
+                crate::figure::escape(&rows.visit[k]),
+                significant(length(&rows.before[k]), 3),
+                significant(length(&rows.after[k]), 3),
+                if rows.held_out[k] { "yes" } else { "no" }
+            ));
+        }
+        self.raw("</tbody></table></div><ul>");
+        for &k in &worst {
+            let inputs: Vec<String> = rows
+                .inputs
+                .iter()
+                .map(|i| {
+                    format!("{} {} {}", i.name, significant(i.values[k], 5), i.unit).trim_end().to_owned()
+                })
+                .collect();
+            let error = rows.after[k].map(|v| significant(v, 3)).join(", ");
+            self.raw(&format!(
+                "<li id=\"row-{}\">{}</li>",
+                rows.row[k] + 1,
+                crate::figure::escape(&format!(
+                    "row {}: error ({error}) mm; {}",
+                    rows.row[k] + 1,
+                    inputs.join(", ")
+                ))
+            ));
+        }
+        self.raw("</ul>");
+    }
+}
+
+/// Quantile of the standard normal law; relative error below 2e-9 (Acklam's rational functions).
+fn normal_quantile(p: f64) -> f64 {
+    const A: [f64; 6] = [
+        -39.69683028665376,
+        220.9460984245205,
+        -275.9285104469687,
+        138.357751867269,
+        -30.66479806614716,
+        2.506628277459239,
+    ];
+    const B: [f64; 5] =
+        [-54.47609879822406, 161.5858368580409, -155.6989798598866, 66.80131188771972, -13.28068155288572];
+    const C: [f64; 6] = [
+        -7.784894002430293e-3,
+        -0.3223964580411365,
+        -2.400758277161838,
+        -2.549732539343734,
+        4.374664141464968,
+        2.938163982698783,
+    ];
+    const D: [f64; 4] = [7.784695709041462e-3, 0.3224671290700398, 2.445134137142996, 3.754408661907416];
+    let horner = |c: &[f64], x: f64| c.iter().fold(0.0, |sum, c| sum * x + c);
+    let tail = |p: f64| {
+        let q = (-2.0 * p.ln()).sqrt();
+        horner(&C, q) / (horner(&D, q) * q + 1.0)
+    };
+    if p < 0.02425 {
+        tail(p)
+    } else if p > 1.0 - 0.02425 {
+        -tail(1.0 - p)
+    } else {
+        let (q, r) = (p - 0.5, (p - 0.5).powi(2));
+        horner(&A, r) * q / (horner(&B, r) * r + 1.0)
+    }
+}
+
+fn largest(v: &[f64; 3]) -> f64 {
+    v.iter().copied().filter(|x| x.is_finite()).map(f64::abs).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_the_normal_law() {
+        for (p, z) in [
+            (0.5, 0.0),
+            (0.975, 1.959963985),
+            (0.01, -2.326347874),
+            (0.999, 3.090232306),
+            (0.4, -0.253347103),
+        ] {
+            assert!((normal_quantile(p) - z).abs() < 1e-8, "{p}");
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What a page shows of every row: its errors before and after, and the inputs under which it was measured.
+
+use std::collections::BTreeSet;
+use truepose_errormodel::{Dataset, configurations};
+use truepose_identify::Residuals;
+use truepose_kinematics::{Chain, Load};
+
+/// Rows of a data set with their errors; all columns have one length.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rows {
+    /// Measured − predicted before, mm; NaN where not measured.
+    pub before: Vec<[f64; 3]>,
+    /// The same after.
+    pub after: Vec<[f64; 3]>,
+    /// Measured position, mm.
+    pub place: Vec<[f64; 3]>,
+    /// Rows that took part in nothing.
+    pub held_out: Vec<bool>,
+    /// Number of the row in the data (0-based).
+    pub row: Vec<usize>,
+    /// What the file calls its visit.
+    pub visit: Vec<String>,
+    /// Joints, load, time, channels.
+    pub inputs: Vec<Input>,
+}
+
+/// An input in the unit in which it is shown.
+#[derive(Debug, Clone)]
+pub(crate) struct Input {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// A value a row.
+    pub values: Vec<f64>,
+}
+
+impl Rows {
+    /// Of these rows of the data; residuals are in the order of `rows`.
+    pub(crate) fn new(
+        chain: &Chain,
+        data: &Dataset,
+        labels: &[i64],
+        rows: &[usize],
+        held_out: &[bool],
+        before: &Residuals,
+        after: &Residuals,
+    ) -> Self {
+        let mm = |r: &Residuals| r.position.iter().map(|v| [v.x * 1e3, v.y * 1e3, v.z * 1e3]).collect();
+        let visit = |row: usize| {
+            let k = data.visit[row];
+            labels.get(k).map_or_else(|| (k + 1).to_string(), ToString::to_string)
+        };
+        Rows {
+            before: mm(before),
+            after: mm(after),
+            place: rows.iter().map(|&row| data.position[row].map(|v| v * 1e3)).collect(),
+            held_out: held_out.to_vec(),
+            row: rows.to_vec(),
+            visit: rows.iter().map(|&row| visit(row)).collect(),
+            inputs: inputs(chain, data, rows),
+        }
+    }
+
+    /// How many.
+    pub(crate) fn len(&self) -> usize {
+        self.row.len()
+    }
+}
+
+/// Length of an error.
+pub(crate) fn length(v: &[f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The largest error of each configuration among these rows, m: what a specification is held against.
+pub fn worst_of_poses(data: &Dataset, rows: &[usize], errors: &Residuals) -> Vec<f64> {
+    let configuration = configurations(data);
+    let mut worst = vec![f64::NAN; configuration.iter().max().map_or(0, |last| last + 1)];
+    for (k, &row) in rows.iter().enumerate() {
+        if let Some(distance) = errors.distance(k) {
+            let at = &mut worst[configuration[data.visit[row]]];
+            *at = at.max(distance);
+        }
+    }
+    worst.retain(|v| v.is_finite());
+    worst
+}
+
+fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> Vec<Input> {
+    let pick = |column: &[f64], factor: f64| rows.iter().map(|&row| column[row] * factor).collect::<Vec<_>>();
+    let mut list = Vec::new();
+    for (column, &joint) in data.joints.iter().zip(chain.movable()) {
+        let joint = chain.joint(joint);
+        let (factor, unit) = if joint.unit() == "m" { (1e3, "mm") } else { (1f64.to_degrees(), "°") };
+        list.push(Input { name: joint.name.clone(), unit: unit.into(), values: pick(column, factor) });
+    }
+    let mass: Vec<f64> = data
+        .load
+        .iter()
+        .map(|load| match load {
+            Load::Payload(payload) => payload.mass,
+            Load::Wrench(_) => f64::NAN,
+            Load::None => 0.0,
+        })
+        .collect();
+    list.push(Input { name: "payload".into(), unit: "kg".into(), values: pick(&mass, 1.0) });
+    if data.schema.time {
+        list.push(Input { name: "time".into(), unit: "s".into(), values: pick(&data.time, 1.0) });
+    } else {
+        let order: Vec<f64> = data.visit.iter().map(|v| (v + 1) as f64).collect();
+        list.push(Input { name: "order of visits".into(), unit: String::new(), values: pick(&order, 1.0) });
+    }
+    for (channel, column) in data.schema.channels.iter().zip(&data.channels) {
+        if !channel.name.contains("~lag=") {
+            let (name, unit) = (channel.name.clone(), channel.unit.clone());
+            list.push(Input { name, unit, values: pick(column, 1.0) });
+        }
+    }
+    // What never changes drives nothing.
+    list.retain(|input| {
+        let mut values = input.values.iter().filter(|v| v.is_finite());
+        let first = values.next().copied();
+        first.is_some_and(|first| values.any(|v| (v - first).abs() > 0.0))
+    });
+    list
+}
+
+/// Rows of the data that are not among these, ascending.
+pub(crate) fn complement(data: &Dataset, rows: &[usize]) -> Vec<usize> {
+    let out: BTreeSet<usize> = rows.iter().copied().collect();
+    (0..data.len()).filter(|row| !out.contains(row)).collect()
+}
+
+/// Residuals of two parts as one: (row, whether of the second part, number in its part).
+pub(crate) fn merged(order: &[(usize, bool, usize)], first: &Residuals, second: &Residuals) -> Residuals {
+    let part = |second_part: bool| if second_part { second } else { first };
+    Residuals {
+        position: order.iter().map(|&(_, of_second, k)| part(of_second).position[k]).collect(),
+        orientation: order.iter().map(|&(_, of_second, k)| part(of_second).orientation[k]).collect(),
+    }
+}
