@@ -182,7 +182,7 @@ mod tests {
             let driver = row as f64 / 500.0 * turns * std::f64::consts::TAU;
             let fitted = 1e-3 * driver.sin();
             let after = 1e-5 * ((row * 7919) % 13) as f64;
-            let lever = if row % 50 == 0 { 1e-3 } else { 1.0 };
+            let lever = if row.is_multiple_of(50) { 1e-3 } else { 1.0 };
             TracePoint {
                 row,
                 driver,
