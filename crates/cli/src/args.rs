@@ -188,10 +188,10 @@ pub struct Plan {
     #[arg(long, default_value_t = 30)]
     pub count: usize,
     /// Payloads that can be put on, kg [default: none]
-    #[arg(long, value_name = "KG", value_delimiter = ',')]
+    #[arg(long, value_name = "KG", value_delimiter = ',', allow_negative_numbers = true)]
     pub loads: Vec<f64>,
     /// Their centre of gravity in the tool frame, mm
-    #[arg(long, value_name = "MM", num_args = 3, value_delimiter = ',', default_values_t = [0.0, 0.0, 0.0])]
+    #[arg(long, value_name = "MM", num_args = 3, value_delimiter = ',', allow_negative_numbers = true, default_values_t = [0.0, 0.0, 0.0])]
     pub com: Vec<f64>,
     /// Configurations among which is chosen
     #[arg(long, default_value_t = 400)]
@@ -303,7 +303,7 @@ pub struct Map {
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub points: u16,
     /// Mass carried, kg
-    #[arg(long, value_name = "KG")]
+    #[arg(long, allow_negative_numbers = true, value_name = "KG")]
     pub payload: Option<f64>,
     /// Its centre of gravity in the tool's frame, e.g. 0mm,0mm,80mm
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "payload", allow_hyphen_values = true)]

@@ -7,6 +7,7 @@
 //! The smallest score wins; among those that the data cannot tell from it, the simplest one.
 
 use crate::candidate::{Candidate, Change};
+use crate::library::richer;
 use crate::likelihood::Likelihood;
 use crate::periodogram;
 use crate::projection::Projection;
@@ -86,6 +87,9 @@ pub(crate) fn contest(
                 freedoms.push(*freedom);
                 let shaped = refined(scene, &screen.projection, candidate);
                 rivals.extend(rival(scene, screen, &visits, shaped)?);
+            }
+            if let Some(more) = causes[k].variants.first().and_then(|(candidate, ..)| richer(candidate)) {
+                rivals.extend(rival(scene, screen, &visits, more)?);
             }
             Ok(rivals)
         })

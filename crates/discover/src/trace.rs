@@ -15,7 +15,7 @@ use crate::{DiscoverError, Family};
 use nalgebra::{DVector, Vector3};
 use truepose_errormodel::{Dataset, Emission, ErrorJacobian, ErrorModel, Rest};
 use truepose_identify::Fit;
-use truepose_kinematics::{Axis, Chain, JointId, JointKind, JointMotion, Load, PostureBuffer, Site};
+use truepose_kinematics::{Axis, Chain, JointId, JointKind, JointMotion, Load, Site};
 
 /// One effect against its driver, row by row.
 #[derive(Debug, Clone, PartialEq)]

@@ -28,6 +28,9 @@ pub fn run(args: &Plan) -> Result<(), Failure> {
         }
         None => None,
     };
+    if let Some(mass) = args.loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
+        return Err(Failure::Input(format!("--loads: {mass} is no mass; give kilograms, 0 or more")));
+    }
     let com = Vector3::from_column_slice(&args.com) * 1e-3;
     let options = PlanOptions {
         count: args.count,

@@ -14,6 +14,7 @@ mod unmodelled;
 
 pub(crate) use motion::transmission_at;
 pub(crate) use time::{instants, shift_at};
+pub(crate) use unmodelled::richer;
 
 use crate::{Candidate, Family};
 use truepose_errormodel::Dataset;

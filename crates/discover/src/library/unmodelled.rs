@@ -86,11 +86,25 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
                 for axis in Axis::ALL {
                     let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
                     put(frame, vec![axis], product, &[first, second]);
-                    let surface =
-                        vec![first.polynomial(vec![0, 1, 2, 3]), second.polynomial(vec![0, 1, 2, 3])];
+                    let surface = vec![first.polynomial(vec![1, 2]), second.polynomial(vec![1, 2])];
                     put(frame, vec![axis], surface, &[first, second]);
                 }
             }
         }
     }
+}
+
+/// The same dependence on two inputs with everything up to the third degree; none of a candidate that depends on one.
+pub(crate) fn richer(candidate: &Candidate) -> Option<Candidate> {
+    let [effect] = candidate.effects() else { return None };
+    let mut series = crate::shape::seen_as::<Expansion>(&**effect)?;
+    if candidate.family != Family::Unmodelled || series.factors.len() != 2 {
+        return None;
+    }
+    for factor in &mut series.factors {
+        if let Basis::Chebyshev { degrees, .. } = &mut factor.basis {
+            *degrees = vec![0, 1, 2, 3];
+        }
+    }
+    Some(Candidate::new(candidate.family, candidate.place.clone(), series))
 }
