@@ -81,7 +81,7 @@ impl Likelihood {
                 continue;
             }
             let squares = gram[(n, n)] - 2.0 * gram.view((0, n), (n, 1)).dot(&solution)
-                + (&gram.view((0, 0), (n, n)) * &solution).dot(&solution);
+                + (gram.view((0, 0), (n, n)) * &solution).dot(&solution);
             let penalty = (&prior * &solution).dot(&solution);
             let inverse = factor.inverse();
             let deviations = DVector::from_fn(k, |j, _| inverse[(r + j, r + j)].max(0.0).sqrt());
