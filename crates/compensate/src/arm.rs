@@ -328,7 +328,7 @@ mod tests {
         let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &vec![false; 6 * frames]);
         assert_eq!(arm.factors.len(), 6 + 7);
         // A frame that yields about z costs a turn of two columns on either side of one more turn.
-        let moves: Vec<bool> = (0..6 * frames).map(|k| k == 6 * 2 + 5).collect();
+        let moves: Vec<bool> = (0..6 * frames).map(|k| k == 6 + 5).collect();
         let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &moves);
         assert_eq!(arm.factors.len(), 6 + 7 + 2);
     }

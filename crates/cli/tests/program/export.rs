@@ -194,7 +194,7 @@ fn a_map_is_written_place_by_place() {
         (vec!["--from", "1,2,3", "--to", "1m,2m,3m"], "needs a unit"),
         (vec!["--from", "1m,2m", "--to", "1m,2m,3m"], "three values"),
         (vec!["--target", "P9"], "has no target `P9`"),
-        (vec!["--payload", "-3"], "is no mass"),
+        (vec!["--payload=-3"], "is no mass"),
     ] {
         let wrong =
             folder.run(&[&["map", "--fit", "fit.json", "--out", "x.csv"][..], &wrong].concat()).ended(2);

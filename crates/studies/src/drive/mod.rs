@@ -58,6 +58,9 @@ pub fn run() -> Result<(), Box<dyn Error>> {
             let d = trial.drive()?;
             drive_line(&mut drives, &mut drive_csv, robot.name, plant, &d)?;
             say(drives.lines().last().unwrap_or_default());
+            if d.ratio() > robot.within {
+                say(&format!("{}: more than {} times its repeatability", robot.name, robot.within));
+            }
             rows += d.rows;
             within += d.within;
             if plant > 0 {
