@@ -200,6 +200,20 @@ fn two_at_once_from_wrong_starts_with_wrong_rows() {
 }
 
 #[test]
+fn of_an_effect_that_was_left_out_nothing_is_known() {
+    // A gear without waves, under a penalty that leaves the effect out as a whole.
+    let data = measure(&plant(|_| (), Shop::steady(20.0).unwrap()), 80, Vec::new());
+    let effects: Vec<Box<dyn AnyEffect>> =
+        vec![Box::new(Geometric::default()), Box::new(wave(0.31, [0.2, 0.5]))];
+    let model = ErrorModel::new(chain(), effects).unwrap();
+    let solver = "group_lasso(ratio=0.2)".parse::<SolverSpec>().unwrap().build();
+    let found = fit(&model, &data, &*solver, &FitOptions::default()).unwrap();
+    assert!(found.warnings.iter().any(|w| matches!(w, Warning::LeftOut { .. })), "{:?}", found.warnings);
+    let [lower, upper] = found.shapes[0].interval;
+    assert!((lower - 0.2).abs() < 1e-15 && (upper - 0.5).abs() < 1e-15, "{:?}", found.shapes);
+}
+
+#[test]
 fn a_range_without_the_truth_in_it_says_so() {
     let data = mesh();
     let truth = std::f64::consts::TAU / 61.0;

@@ -98,7 +98,9 @@ pub(super) fn judge(
         let interval = match known.smooth.iter().position(|&s| s == k) {
             Some(place) => {
                 let half = quantile * known.covariance[(place, place)].sqrt();
-                [theta[k] - half, theta[k] + half]
+                // Of an effect that explains nothing, or was left out, the data says nothing: the whole range.
+                let nothing = half.is_nan() || half > shape.upper - shape.lower;
+                if nothing { [shape.lower, shape.upper] } else { [theta[k] - half, theta[k] + half] }
             }
             None => instant(picture, shape, theta, k)?,
         };

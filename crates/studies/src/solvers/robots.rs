@@ -11,15 +11,17 @@ use truepose_errormodel::effects::{Geometric, JointCompliance};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
 use truepose_identify::{Fit, FitOptions, Folds, Paired, PriorStrength, Residuals, Split, fit};
 use truepose_simulate::{Campaign, Plant, SimulateError, robots};
-use truepose_solvers::{PivotedQr, Solver};
+use truepose_solvers::{Need, PivotedQr, Solver};
 
 /// Configurations measured.
 const CONFIGURATIONS: usize = 70;
 /// Size of a wrong row, m.
 const WRONG: f64 = 2e-3;
 
-/// Rounds of a fit at most: what a penalty chooses hardly changes from round to round, and each round chooses anew.
-const ROUNDS: usize = 3;
+/// Rounds of a fit at most with a penalty: what it chooses hardly changes from round to round, and each round chooses
+/// anew. Plain least squares takes steps back and needs all of its rounds; robust fits settle in between.
+const PENALISED: usize = 4;
+const ROBUST: usize = 10;
 
 /// Which plants, by name.
 pub const PLANTS: [&str; 2] = ["ur10", "heavy"];
@@ -106,13 +108,19 @@ impl Calibration {
         let effects: Vec<Box<dyn AnyEffect>> =
             vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
         // No prior: what is compared is what the solvers do about weak directions.
-        let options = FitOptions { prior: PriorStrength::None, max_rounds: ROUNDS, ..FitOptions::default() };
+        let options = FitOptions { prior: PriorStrength::None, ..FitOptions::default() };
         let folds = Folds::new(&seen.data, &Split::Random { folds: super::trial::FOLDS, seed })?;
         Ok(Calibration { model: ErrorModel::new(chain, effects)?, data: seen.data, wrong, folds, options })
     }
 
     fn fit(&self, solver: &dyn Solver, rows: &[usize]) -> Result<Fit, truepose_identify::IdentifyError> {
-        fit(&self.model, &self.data.select(rows), solver, &self.options)
+        let max_rounds = match (solver.supports(Need::Unpenalised), solver.supports(Need::Outliers)) {
+            (true, false) => self.options.max_rounds,
+            (true, true) => ROBUST,
+            (false, _) => PENALISED,
+        };
+        let options = FitOptions { max_rounds, ..self.options.clone() };
+        fit(&self.model, &self.data.select(rows), solver, &options)
     }
 
     /// Held-out squares of every fold; `told` leaves wrong rows out of the fits.
