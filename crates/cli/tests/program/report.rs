@@ -45,7 +45,7 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
             "--spec",
             "0.2mm",
             "--flips",
-            "199",
+            "499",
         ])
         .ended(0);
     folder
@@ -55,7 +55,7 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
 fn page_ledger_and_terminal_have_the_same_numbers() {
     let folder = discovered("small", "j1");
     let same =
-        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--flips", "199"];
+        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--flips", "499"];
     let terminal = folder.run(&same).ended(0).out;
     let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
     let ledger: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
