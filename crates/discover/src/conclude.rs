@@ -256,7 +256,6 @@ fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout
             blocks: None,
             stability: 1.0,
             agreement: 1.0,
-            share: 1.0,
         },
         holdout,
         train: rms,

@@ -36,8 +36,6 @@ pub struct Evidence {
     pub stability: f64,
     /// Share of pairs of halves whose sizes agree.
     pub agreement: f64,
-    /// Share of the effect that the model before could not imitate.
-    pub share: f64,
 }
 
 /// Held-out error without and with an effect, m.
@@ -97,7 +95,6 @@ pub(crate) fn collect(
         blocks: gain(&blocks).ok(),
         stability,
         agreement,
-        share: 0.0,
     })
 }
 
