@@ -282,12 +282,12 @@ pub(crate) fn untestable(now: &Working, without: &[Family]) -> Result<Vec<Untest
         .into_par_iter()
         .filter(|candidate| candidate.family != Family::Unmodelled)
         .filter_map(|candidate| {
-            let columns = candidate.columns(&scene).ok();
-            let share = columns.as_ref().and_then(|c| projection.score(c)).map_or(0.0, |s| s.share);
+            let sums = projection.sums(&scene, &candidate).ok();
+            let share = sums.as_ref().and_then(|sums| projection.score(sums)).map_or(0.0, |s| s.share);
             // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
             let rms =
                 (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
-            let does = columns.is_some_and(|c| c.norm() > 0.0);
+            let does = sums.is_some_and(|sums| sums.raw.trace() > 0.0);
             Some((candidate, share, does.then_some(rms)))
         })
         .collect();

@@ -36,7 +36,7 @@ impl NullDistribution {
             if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }
         });
         // ‖P S r̃‖² = ‖r̃‖² − ‖Q_1ᵀ S r̃‖².
-        let absorbed = &signs * projection.by_unit(&projection.q).map(|v| v as f32);
+        let absorbed = &signs * projection.q_by_unit.map(|v| v as f32);
         let whole = projection.residual.norm_squared();
         let rss: Vec<f64> = (0..flips)
             .map(|b| {

@@ -1,23 +1,21 @@
 //! `Aᵀ B` through the blocked kernel: the library's own takes one dot product at a time.
 
-use nalgebra::{DMatrix, Dim, Matrix, RawStorage};
+use nalgebra::{DMatrix, Dyn, Matrix, Storage};
 
 /// `Aᵀ B`.
-pub(crate) fn cross<R1, C1, S1, R2, C2, S2>(
-    a: &Matrix<f64, R1, C1, S1>,
-    b: &Matrix<f64, R2, C2, S2>,
-) -> DMatrix<f64>
+pub(crate) fn cross<A, B>(a: &Matrix<f64, Dyn, Dyn, A>, b: &Matrix<f64, Dyn, Dyn, B>) -> DMatrix<f64>
 where
-    R1: Dim,
-    C1: Dim,
-    S1: RawStorage<f64, R1, C1>,
-    R2: Dim,
-    C2: Dim,
-    S2: RawStorage<f64, R2, C2>,
+    A: Storage<f64, Dyn, Dyn>,
+    B: Storage<f64, Dyn, Dyn>,
 {
-    let (m, k, n) = (a.nrows(), a.ncols(), b.ncols());
-    debug_assert_eq!(m, b.nrows());
-    let left = DMatrix::from_fn(k, m, |i, j| a[(j, i)]);
-    let right = DMatrix::from_fn(m, n, |i, j| b[(i, j)]);
-    left * right
+    /// Up to so many columns, dot products are faster than packing.
+    const THIN: usize = 5;
+    let (k, n) = (a.ncols(), b.ncols());
+    let mut out = DMatrix::zeros(k, n);
+    if k > THIN && n > THIN && a.nrows() > THIN {
+        out.gemm(1.0, &a.transpose(), b, 0.0);
+    } else {
+        out.gemm_tr(1.0, a, b, 0.0);
+    }
+    out
 }

@@ -13,6 +13,7 @@
 
 use crate::DiscoverError;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use truepose_errormodel::{
     AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, Rest, Visits,
 };
@@ -42,19 +43,19 @@ pub(crate) struct Scene<'a> {
     pub noise: NoiseModel,
     sites: Vec<f64>,
     site_count: usize,
-    rows: Vec<Row>,
+    stations: Vec<Station>,
 }
 
-/// One row's inputs and postures.
+/// Where the robot stood while some targets of one visit were measured: everything that an effect can depend on.
 #[derive(Debug, Clone)]
-struct Row {
+pub(crate) struct Station {
+    pub visit: usize,
     conditions: Conditions,
     nominal: PostureBuffer,
     /// Frames and wrenches where the real robot comes to rest.
     settled: PostureBuffer,
-    /// First observation of the row, and how many.
-    first: usize,
-    count: usize,
+    /// Its observations.
+    pub numbers: Range<usize>,
 }
 
 impl<'a> Scene<'a> {
@@ -80,7 +81,7 @@ impl<'a> Scene<'a> {
             noise: fit.noise,
             sites: Vec::new(),
             site_count,
-            rows: Vec::new(),
+            stations: Vec::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Rest::new(model);
@@ -91,18 +92,29 @@ impl<'a> Scene<'a> {
                     continue;
                 }
                 let conditions = data.conditions(row);
-                rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                let first = scene.observations.len();
+                let stands =
+                    scene.stations.last().is_some_and(|s| s.visit == visit && s.conditions == conditions);
+                if !stands {
+                    rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                    let mut nominal = PostureBuffer::new(chain);
+                    nominal.update(chain, &conditions);
+                    let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
+                    scene.stations.push(Station {
+                        visit,
+                        conditions,
+                        nominal,
+                        settled,
+                        numbers: first..first,
+                    });
+                }
                 let (real, errors) = (rest.real(), rest.errors());
-                let mut nominal = PostureBuffer::new(chain);
-                nominal.update(chain, &conditions);
-                let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
                 let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
                 let matrix = jacobian.matrix(chain);
                 let difference = data.measured_position(row) - jacobian.point();
                 let turn = data
                     .measured_rotation(row)
                     .map(|measured| rotation_log(&(measured * real.tool().rotation.transpose())));
-                let first = scene.observations.len();
                 for component in 0..6 {
                     let residual = match component {
                         0..3 if seen.position[component] => difference[component],
@@ -126,8 +138,9 @@ impl<'a> Scene<'a> {
                         flat[start..].iter().zip(kept).map(|(a, &c)| a * fit.fitted.coefficients()[c]).sum();
                     y.push(residual + explained);
                 }
-                let count = scene.observations.len() - first;
-                scene.rows.push(Row { conditions, nominal, settled, first, count });
+                if let Some(station) = scene.stations.last_mut() {
+                    station.numbers.end = scene.observations.len();
+                }
             }
         }
         scene.base = DMatrix::from_row_slice(scene.observations.len(), kept.len(), &flat);
@@ -150,26 +163,40 @@ impl<'a> Scene<'a> {
         DVector::from_vec(self.fit.reduction.grouped(self.fit.fitted.coefficients()))
     }
 
-    /// What an effect's unknowns do to every measured number, in m or rad per expected size; m × k.
-    pub fn columns(&self, effect: &dyn AnyEffect) -> Result<DMatrix<f64>, DiscoverError> {
-        let model = ErrorModel::new(self.chain().clone(), vec![effect.boxed()])?;
-        let bound = model.bind(&self.data.schema)?;
-        let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-        let mut columns = DMatrix::zeros(self.len(), scales.len());
-        let mut emission = Emission::new();
-        let settles = effect.settles();
-        for row in &self.rows {
-            let buffer = if settles { &row.settled } else { &row.nominal };
-            let posture = buffer.view(self.chain(), &row.conditions);
-            bound.emit(&posture, &mut emission);
-            for entry in emission.entries() {
-                let site = self.chain().site_index(entry.site);
-                let value = entry.value * scales[entry.column];
-                for at in row.first..row.first + row.count {
-                    columns[(at, entry.column)] += value * self.sites[at * self.site_count + site];
+    /// Where the robot stood, visit by visit.
+    pub fn stations(&self) -> &[Station] {
+        &self.stations
+    }
+
+    /// How many sites the robot has.
+    pub fn site_count(&self) -> usize {
+        self.site_count
+    }
+
+    /// J of one measured number: what an error at each site does to it.
+    pub fn sites(&self, at: usize) -> &[f64] {
+        &self.sites[at * self.site_count..(at + 1) * self.site_count]
+    }
+
+    /// What these effects say, their unknowns side by side.
+    pub fn ask(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Asked<'_>, DiscoverError> {
+        let model = ErrorModel::new(self.chain().clone(), effects.to_vec())?;
+        let scales = model.columns().iter().map(|column| column.scale).collect();
+        Ok(Asked { scene: self, model, scales })
+    }
+
+    /// What effects' unknowns do to every measured number, in m or rad per expected size; m × k.
+    pub fn columns(&self, effects: &[Box<dyn AnyEffect>]) -> Result<DMatrix<f64>, DiscoverError> {
+        let asked = self.ask(effects)?;
+        let mut columns = DMatrix::zeros(self.len(), asked.width());
+        asked.each(0..self.stations.len(), &mut |station, entries| {
+            for at in self.stations[station].numbers.clone() {
+                let sites = self.sites(at);
+                for &(column, site, value) in entries {
+                    columns[(at, column)] += value * sites[site];
                 }
             }
-        }
+        })?;
         Ok(columns)
     }
 
@@ -180,41 +207,78 @@ impl<'a> Scene<'a> {
         let fitted: &FittedModel = &self.fit.fitted;
         let mut predictor = fitted.bind(&self.data.schema)?;
         let mut column = DMatrix::zeros(self.len(), 1);
-        for row in &self.rows {
-            let Some(changed) = crate::payload::changed(&row.conditions, level, level + STEP) else {
+        for station in &self.stations {
+            let Some(changed) = crate::payload::changed(&station.conditions, level, level + STEP) else {
                 continue;
             };
-            let target = self.data.target[self.observations[row.first].row];
-            let before = predictor.predict(&row.conditions, target);
-            let after = predictor.predict(&changed, target);
-            let moved = (after.translation - before.translation) / STEP;
-            let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
-            for at in row.first..row.first + row.count {
-                let component = self.observations[at].component;
-                column[(at, 0)] = if component < 3 { moved[component] } else { turned[component - 3] };
+            let mut at = station.numbers.start;
+            for row in self.observations[station.numbers.clone()].chunk_by(|a, b| a.row == b.row) {
+                let target = self.data.target[row[0].row];
+                let before = predictor.predict(&station.conditions, target);
+                let after = predictor.predict(&changed, target);
+                let moved = (after.translation - before.translation) / STEP;
+                let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
+                for o in row {
+                    column[(at, 0)] =
+                        if o.component < 3 { moved[o.component] } else { turned[o.component - 3] };
+                    at += 1;
+                }
             }
         }
         Ok(column)
     }
 
-    /// Displacement of every measured number per unit of a joint's own motion (m), and the joint's value there.
-    pub fn motion(&self, joint: JointId) -> Option<(DVector<f64>, Vec<f64>)> {
+    /// The sites that a joint's own motion touches, with the share of each, and the joint's value at every station.
+    pub fn motion(&self, joint: JointId) -> Option<(Vec<(usize, f64)>, Vec<f64>)> {
         let motion = self.chain().joint_motion(joint)?;
         let coordinate = self.chain().coordinate(joint)?;
         let mut emission = Emission::new();
         emission.along(0, &motion, 1.0);
-        let mut moved = DVector::zeros(self.len());
-        let mut values = vec![0.0; self.len()];
-        for row in &self.rows {
-            for at in row.first..row.first + row.count {
-                values[at] = row.conditions.joints[coordinate];
-                moved[at] = emission
+        let shares = emission.entries().iter().map(|e| (self.chain().site_index(e.site), e.value)).collect();
+        let values = self.stations.iter().map(|station| station.conditions.joints[coordinate]).collect();
+        Some((shares, values))
+    }
+}
+
+/// Effects, asked at every station.
+pub(crate) struct Asked<'s> {
+    scene: &'s Scene<'s>,
+    model: ErrorModel,
+    scales: Vec<f64>,
+}
+
+impl Asked<'_> {
+    /// How many unknowns there are.
+    pub fn width(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// Calls `each(k, entries)` for the k-th of some stations, entries being (unknown, site, error per expected size).
+    pub fn each(
+        &self,
+        stations: impl Iterator<Item = usize>,
+        each: &mut dyn FnMut(usize, &[(usize, usize, f64)]),
+    ) -> Result<(), DiscoverError> {
+        let chain = self.scene.chain();
+        let bound = self.model.bind(&self.scene.data.schema)?;
+        let mut emission = Emission::new();
+        let mut entries = Vec::new();
+        for (k, station) in stations.enumerate() {
+            let station = &self.scene.stations[station];
+            emission.clear();
+            for (settle, buffer) in [(true, &station.settled), (false, &station.nominal)] {
+                bound.emit_those(settle, &buffer.view(chain, &station.conditions), &mut emission);
+            }
+            entries.clear();
+            entries.extend(
+                emission
                     .entries()
                     .iter()
-                    .map(|e| e.value * self.sites[at * self.site_count + self.chain().site_index(e.site)])
-                    .sum();
-            }
+                    .filter(|e| e.value != 0.0)
+                    .map(|e| (e.column, chain.site_index(e.site), e.value * self.scales[e.column])),
+            );
+            each(k, &entries);
         }
-        Some((moved, values))
+        Ok(())
     }
 }

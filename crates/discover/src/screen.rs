@@ -2,6 +2,7 @@
 
 use crate::candidate::Candidate;
 use crate::flips::{Block, NullDistribution};
+use crate::functions::Functions;
 use crate::library::{self, transmission_at};
 use crate::periodogram::{self, Periodogram};
 use crate::projection::{Projection, Score, quantile};
@@ -40,10 +41,14 @@ pub(crate) fn price(numbers: usize) -> f64 {
 impl Screen {
     pub fn new(scene: &Scene<'_>, without: &[Family]) -> Self {
         let projection = Projection::new(scene);
-        let candidates = library::candidates(scene.chain(), scene.data, without)
+        let all = library::candidates(scene.chain(), scene.data, without);
+        // Without them every candidate is taken for itself.
+        let functions = Functions::new(scene, &projection, &all).ok();
+        let candidates: Vec<Screened> = all
             .into_par_iter()
             .map(|candidate| {
-                let score = candidate.columns(scene).ok().and_then(|columns| projection.score(&columns));
+                let known = functions.as_ref().and_then(|functions| functions.score(scene, &candidate));
+                let score = known.unwrap_or_else(|| projection.judge(scene, &candidate));
                 Screened { candidate, score }
             })
             .collect();

@@ -6,16 +6,13 @@ use crate::candidate::Candidate;
 use crate::library::{instants, shift_at, transmission_at};
 use crate::projection::Projection;
 use crate::scene::Scene;
+use std::any::Any;
 use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Backlash, Drift, Shift, Transmission};
 
 /// What a shape is worth: the gain in the screen's units.
 fn gain(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
-    candidate
-        .columns(scene)
-        .ok()
-        .and_then(|columns| projection.score(&columns))
-        .map_or(f64::NEG_INFINITY, |score| score.gain)
+    projection.judge(scene, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
 }
 
 /// The candidate with its shape refined.
@@ -73,12 +70,9 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
     candidate.clone()
 }
 
-/// An effect as what it is, through its parameters.
-pub(crate) fn seen_as<E: truepose_errormodel::Effect>(effect: &dyn AnyEffect) -> Option<E> {
-    if effect.kind() != E::KIND {
-        return None;
-    }
-    serde_json::from_value(effect.parameters()).ok()
+/// An effect as what it is.
+pub(crate) fn seen_as<E: truepose_errormodel::Effect>(effect: &dyn AnyEffect) -> Option<&E> {
+    (effect as &dyn Any).downcast_ref()
 }
 
 /// Maximum of a function with one peak in [lower, upper], by golden section.
