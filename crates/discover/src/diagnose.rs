@@ -90,7 +90,7 @@ pub(crate) fn on_split(
     let mut search = Search { ground, options, accepted: Vec::new(), refused: Vec::new(), now: first };
     let (stopped, last) = search.run(progress)?;
     progress(Progress::Judging);
-    let whole = conclude::Whole { data, holdout_rows, placement: placement.clone(), untestable };
+    let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone(), untestable };
     conclude::conclude(search, whole, declared_fit, stopped, last)
 }
 

@@ -11,7 +11,7 @@
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
-use crate::product::cross;
+use crate::product::{cross, orthonormal};
 use crate::scene::Scene;
 use crate::tables::Tables;
 use crate::whitener::Whitener;
@@ -74,13 +74,13 @@ impl Projection {
         let mut joined = scene.base.clone();
         whitener.apply(&mut joined);
         let y = whitener.of(&DMatrix::from_column_slice(scene.len(), 1, scene.y.as_slice()));
-        let (m, r) = joined.shape();
+        let m = scene.len();
         let extra = scene.prior.as_ref().map_or(0, DMatrix::nrows);
         joined = joined.resize_vertically(m + extra, 0.0);
         if let Some(prior) = &scene.prior {
             joined.rows_mut(m, extra).copy_from(prior);
         }
-        let q = if r == 0 { joined } else { joined.qr().q() };
+        let q = orthonormal(joined);
         let (top, bottom) = (q.rows(0, m).into_owned(), q.rows(m, extra).into_owned());
         let y = y.column(0).into_owned();
         let along = top.tr_mul(&y);

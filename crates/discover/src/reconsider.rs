@@ -5,7 +5,7 @@
 
 use crate::DiscoverError;
 use crate::candidate::Candidate;
-use crate::contest::{TIE, contest};
+use crate::contest::{Contest, TIE, contest};
 use crate::diagnose::{Search, adopted};
 use crate::sample::sample;
 use crate::scene::Scene;
@@ -24,11 +24,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
             .filter(|(k, _)| *k != at)
             .map(|(_, a)| a.candidate.clone())
             .collect();
-        let (data, fit) = search.ground.glance(&others, &search.now.outliers.suspects)?;
-        let searched = sample(&data, search.options.seed.wrapping_add(at as u64));
-        let scene = Scene::new(&fit, &searched)?;
-        let screen = Screen::new(&scene, &search.options.without);
-        let contest = contest(&scene, &screen, &others)?;
+        let contest = without(search, at, &others)?;
         let mine = &search.accepted[at].candidate;
         let Some(best) = contest.rivals.first().filter(|best| best.score < contest.present.deviance) else {
             // The others explain it.
@@ -61,6 +57,27 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
         at += 1;
     }
     Ok(moved)
+}
+
+/// The contest for the place of a find.
+fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
+    let seed = search.options.seed.wrapping_add(at as u64);
+    let held = |scene: &Scene<'_>| {
+        let screen = Screen::new(scene, &search.options.without);
+        contest(scene, &screen, others)
+    };
+    let Search { ground, now, .. } = search;
+    // A corrected load is in the data itself.
+    if !now.found[at].effects().is_empty() {
+        let searched = sample(&now.data, seed);
+        let scene = Scene::new(&now.fit, &searched)?;
+        if let Some(scene) = scene.without(ground.effects_of(&now.found, at))? {
+            return held(&scene);
+        }
+    }
+    let (data, fit) = ground.glance(others, &now.outliers.suspects)?;
+    let searched = sample(&data, seed);
+    held(&Scene::new(&fit, &searched)?)
 }
 
 /// Whether both change the model in the same way.

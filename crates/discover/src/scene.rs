@@ -12,6 +12,7 @@
 //! robot carries, else at the nominal one.
 
 use crate::DiscoverError;
+use crate::likelihood::Likelihood;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use truepose_errormodel::{
@@ -41,6 +42,8 @@ pub(crate) struct Scene<'a> {
     pub y: DVector<f64>,
     pub prior: Option<DMatrix<f64>>,
     pub noise: NoiseModel,
+    /// Columns of the model that are not in `base`, though they are in the fit.
+    muted: Range<usize>,
     sites: Vec<f64>,
     site_count: usize,
     stations: Vec<Station>,
@@ -79,6 +82,7 @@ impl<'a> Scene<'a> {
             y: DVector::zeros(0),
             prior: fit.prior.rows(),
             noise: fit.noise,
+            muted: 0..0,
             sites: Vec::new(),
             site_count,
             stations: Vec::new(),
@@ -158,9 +162,42 @@ impl<'a> Scene<'a> {
         self.fit.fitted.chain()
     }
 
-    /// The present model's coefficients, kept ones only.
+    /// Whether columns of other effects were dropped because those of these effects stand for them.
+    pub fn entangled(&self, effects: Range<usize>) -> bool {
+        let model = self.fit.fitted.model();
+        let own = |column: usize| effects.contains(&model.effect_of(column));
+        self.fit
+            .reduction
+            .dropped
+            .iter()
+            .any(|dropped| !own(dropped.column) && dropped.relation.iter().any(|&(kept, _)| own(kept)))
+    }
+
+    /// The same data and the same real robot, as a model sees it that lacks some of its effects; the noise is estimated again. None when
+    /// the effects that stay are entangled with those that go.
+    pub fn without(mut self, effects: Range<usize>) -> Result<Option<Self>, DiscoverError> {
+        let model = self.fit.fitted.model();
+        if effects.is_empty() {
+            return Ok(None);
+        }
+        let muted = model.columns_of(effects.start).start..model.columns_of(effects.end - 1).end;
+        if self.entangled(effects) {
+            return Ok(None);
+        }
+        let kept = &self.fit.reduction.kept;
+        let out: Vec<usize> = (0..kept.len()).filter(|&k| muted.contains(&kept[k])).collect();
+        self.base = self.base.remove_columns_at(&out);
+        self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
+        self.muted = muted;
+        let nothing = DMatrix::zeros(self.len(), 0);
+        self.noise = Likelihood::new(&self, &nothing, &Visits::of(self.data))?.noise;
+        Ok(Some(self))
+    }
+
+    /// The present model's coefficients, those of the columns of `base`.
     pub fn coefficients(&self) -> DVector<f64> {
-        DVector::from_vec(self.fit.reduction.grouped(self.fit.fitted.coefficients()))
+        let kept = self.fit.reduction.kept.iter().filter(|column| !self.muted.contains(column));
+        DVector::from_iterator(self.base.ncols(), kept.map(|&column| self.fit.fitted.coefficients()[column]))
     }
 
     /// Where the robot stood, visit by visit.
@@ -204,7 +241,10 @@ impl<'a> Scene<'a> {
     /// a difference of predictions, m or rad per kg; m × 1.
     pub fn heavier(&self, level: f64) -> Result<DMatrix<f64>, DiscoverError> {
         const STEP: f64 = 1e-2;
-        let fitted: &FittedModel = &self.fit.fitted;
+        let mut coefficients = self.fit.fitted.coefficients().to_vec();
+        coefficients[self.muted.clone()].fill(0.0);
+        let model = self.fit.fitted.model().clone();
+        let fitted = FittedModel::new(model, coefficients, self.fit.fitted.covariance().clone())?;
         let mut predictor = fitted.bind(&self.data.schema)?;
         let mut column = DMatrix::zeros(self.len(), 1);
         for station in &self.stations {

@@ -20,10 +20,7 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
     let [effect] = candidate.effects() else { return candidate.clone() };
     let chain = scene.chain();
     if let Some(wave) = seen_as::<Transmission>(&**effect) {
-        // A turn of the joint is known.
-        let Some(period) = wave.period.filter(|p| (p - std::f64::consts::TAU).abs() > 1e-9) else {
-            return candidate.clone();
-        };
+        let Some(period) = free_period(wave) else { return candidate.clone() };
         let Some(coordinate) = chain.coordinate(wave.joint) else { return candidate.clone() };
         let column = &scene.data.joints[coordinate];
         let range = column.iter().copied().fold(f64::NEG_INFINITY, f64::max)
@@ -68,6 +65,21 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
         return with(log);
     }
     candidate.clone()
+}
+
+/// Whether a candidate of one effect has a shape to refine.
+pub(crate) fn has_shape(candidate: &Candidate) -> bool {
+    let [effect] = candidate.effects() else { return false };
+    let effect = &**effect;
+    seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
+        || seen_as::<Shift>(effect).is_some()
+        || seen_as::<Backlash>(effect).is_some_and(|play| play.flank_load.is_some())
+        || seen_as::<Drift>(effect).is_some_and(|drift| drift.time_constant.is_some())
+}
+
+/// A period that is not known; a turn of the joint is.
+fn free_period(wave: &Transmission) -> Option<f64> {
+    wave.period.filter(|p| (p - std::f64::consts::TAU).abs() > 1e-9)
 }
 
 /// An effect as what it is.
