@@ -111,20 +111,31 @@ impl Prior {
         let mut inner = factor.clone();
         inner.r = &factor.r * spread;
         let turned = inner.directions(ColumnScale::Unit)?;
+        let pairs: Vec<(f64, f64)> =
+            turned.values.iter().zip(&turned.projections).map(|(d, t)| (d * d, t * t)).collect();
         let deviance = |log_kappa: f64| -> f64 {
             let square = (2.0 * log_kappa).exp();
-            turned
-                .values
-                .iter()
-                .zip(&turned.projections)
-                .map(|(d, t)| {
-                    let variance = 1.0 + square * d * d;
-                    variance.ln() + t * t / variance
+            // Logarithms of products: of so many factors that none is beyond what a number can hold.
+            pairs
+                .chunks(8)
+                .map(|some| {
+                    let (mut product, mut sum) = (1.0, 0.0);
+                    for (d, t) in some {
+                        let variance = 1.0 + square * d;
+                        product *= variance;
+                        sum += t / variance;
+                    }
+                    if product.is_finite() { product.ln() + sum } else { exact(some, square) }
                 })
                 .sum()
         };
         Ok(Prior { kappa: minimum(LEAST.ln(), MOST.ln(), deviance).exp(), ..self.clone() })
     }
+}
+
+/// Minus twice the logarithm of some directions' evidence, factor by factor.
+fn exact(pairs: &[(f64, f64)], square: f64) -> f64 {
+    pairs.iter().map(|(d, t)| (1.0 + square * d).ln() + t / (1.0 + square * d)).sum()
 }
 
 /// κ before the data has been looked at, and the range in which it is looked for.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod clock;
 mod discovery;
 mod drive;
 mod pps;
@@ -27,7 +28,7 @@ fn main() -> ExitCode {
     let done = match name.as_str() {
         "discovery" => discovery::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         "drive" => drive::run(),
-        "pps" => pps::run(),
+        "pps" => pps::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         "solvers" => solvers::run(),
         _ => Err(format!("unknown study `{name}`; there are: discovery, drive, pps, solvers").into()),
     };

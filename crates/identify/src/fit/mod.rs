@@ -227,16 +227,19 @@ pub(crate) fn fit_fixed(
 ) -> Result<Fit, IdentifyError> {
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
-    let factor = state.linearise()?;
+    let factor = state.linearise(None)?;
     let mut reduction = reduce(model, data, &factor, options.rank, &state.coefficients)?;
     state.prior = Prior::new(model, &reduction, options.prior);
-    let mut outcome = state.rounds(&reduction, factor)?;
+    let mut outcome = state.rounds(&reduction, factor.select(&reduction.kept))?;
     if options.refine
         && let Some(more) = state.looked_at_again(&reduction, &outcome)?
     {
         reduction = more;
+        // The same width as before, until the data is asked again.
+        let kappa = state.prior.kappa;
         state.prior = Prior::new(model, &reduction, options.prior);
-        let factor = state.linearise()?;
+        state.prior.kappa = kappa;
+        let factor = state.linearise(Some(&reduction.kept))?;
         outcome = state.rounds(&reduction, factor)?;
     }
     state.finish(reduction, outcome)
@@ -260,7 +263,7 @@ pub fn refit(
     let mut state = State::new(model, data, &visits, solver, options)?;
     state.prior = prior.clone();
     state.options.prior = PriorStrength::Fixed(prior.kappa);
-    let factor = state.linearise()?;
+    let factor = state.linearise(Some(&reduction.kept))?;
     let outcome = state.rounds(reduction, factor)?;
     state.finish(reduction.clone(), outcome)
 }

@@ -166,7 +166,7 @@ fn reduce_in_order(
     order: &[usize],
 ) -> Result<Reduction, IdentifyError> {
     let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-    let spread = spread_factor(model, data, postures(scales.len()), coefficients)?;
+    let spread = spread_factor(model, data, factor, postures(scales.len()), coefficients)?;
     let structural = spread.null_space(ColumnScale::Given(&scales), rule)?;
     let mut dropped = relations(&structural.basis, order, &scales, Cause::Structural);
 
@@ -303,7 +303,7 @@ mod tests {
     fn reduced(model: &ErrorModel, data: &Dataset) -> Reduction {
         let zero = vec![0.0; model.columns().len()];
         let factor =
-            crate::factorise(model, data, &Visits::of(data), crate::NoiseModel::default(), &zero).unwrap();
+            crate::factorise(model, data, &Visits::of(data), crate::NoiseModel::default(), &zero, None).unwrap();
         reduce(model, data, &factor, RankRule::Default, &zero).unwrap()
     }
 
