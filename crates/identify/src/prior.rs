@@ -34,6 +34,8 @@ pub enum PriorStrength {
 pub struct Prior {
     /// L⁻¹ of `G S² Gᵀ = L Lᵀ`, r × r, for κ = 1.
     unit: DMatrix<f64>,
+    /// L.
+    spread: DMatrix<f64>,
     /// κ; infinite without a prior.
     pub kappa: f64,
 }
@@ -57,15 +59,16 @@ impl Prior {
             }
         }
         let covariance = &grouped * grouped.transpose();
-        let inverse = covariance
-            .cholesky()
-            .and_then(|c| c.l().solve_lower_triangular(&DMatrix::identity(rank, rank)))
+        let mut spread =
+            covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
+        let mut unit = spread
+            .solve_lower_triangular(&DMatrix::identity(rank, rank))
             .unwrap_or_else(|| DMatrix::identity(rank, rank));
-        let mut unit = inverse;
         for (k, group) in reduction.groups.iter().enumerate() {
             unit.column_mut(k).scale_mut(1.0 / scale(group.column));
+            spread.row_mut(k).scale_mut(scale(group.column));
         }
-        Prior { unit, kappa }
+        Prior { unit, spread, kappa }
     }
 
     /// W, r × r; none without a prior.
@@ -107,9 +110,8 @@ impl Prior {
     /// When a factorisation fails.
     pub fn from_evidence(&self, factor: &Factor) -> Result<Self, IdentifyError> {
         // R L: columns of data in prior units.
-        let Some(spread) = self.unit.clone().try_inverse() else { return Ok(self.clone()) };
         let mut inner = factor.clone();
-        inner.r = &factor.r * spread;
+        inner.r = &factor.r * &self.spread;
         let turned = inner.directions(ColumnScale::Unit)?;
         let pairs: Vec<(f64, f64)> =
             turned.values.iter().zip(&turned.projections).map(|(d, t)| (d * d, t * t)).collect();

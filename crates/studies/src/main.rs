@@ -3,6 +3,7 @@
 mod clock;
 mod discovery;
 mod drive;
+mod orders;
 mod pps;
 mod solvers;
 
@@ -28,9 +29,10 @@ fn main() -> ExitCode {
     let done = match name.as_str() {
         "discovery" => discovery::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         "drive" => drive::run(),
+        "orders" => orders::run(),
         "pps" => pps::run(&std::env::args().skip(2).collect::<Vec<_>>()),
         "solvers" => solvers::run(),
-        _ => Err(format!("unknown study `{name}`; there are: discovery, drive, pps, solvers").into()),
+        _ => Err(format!("unknown study `{name}`; there are: discovery, drive, orders, pps, solvers").into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

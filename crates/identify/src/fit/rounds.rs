@@ -108,10 +108,11 @@ impl<'a> State<'a> {
             let (solution, target) = self.solve(reduction, &factor, &scales, damping)?;
             let mut moved = self.step(reduction, &factor, &target);
             let start = std::mem::replace(&mut self.coefficients, target);
-            // Where the noise will be looked at, rows are whitened only then; elsewhere the new factor says what is left.
+            // Where the noise will be looked at, and where a step may well be taken back, residuals come first; elsewhere the new
+            // factor says what is left.
             let last = rounds >= limit;
             let look = moved < near || last || flat + 1 >= MOST_FLAT;
-            let (residuals, next, squares) = if look {
+            let (residuals, next, squares) = if look || damping > 0.0 {
                 let (residuals, squares) = self.misfit()?;
                 (Some(residuals), None, squares)
             } else {
@@ -133,8 +134,11 @@ impl<'a> State<'a> {
             if flat >= MOST_FLAT {
                 moved = 0.0;
             }
-            let Some(residuals) = residuals else {
-                factor = next.unwrap_or(factor);
+            let Some(residuals) = residuals.filter(|_| look) else {
+                factor = match next {
+                    Some(next) => next,
+                    None => self.linearise(Some(&reduction.kept))?,
+                };
                 continue;
             };
             near = NEAR.min(near);

@@ -14,11 +14,13 @@
 //! leaves unexcited.
 
 mod echelon;
+mod grouped;
 mod priority;
 mod structural;
 mod words;
 
 pub use echelon::{Echelon, echelon};
+pub use grouped::grouped;
 pub use priority::{column_word, preference};
 pub use structural::{joint_ranges, spread_factor};
 pub use words::group_words;
@@ -360,6 +362,30 @@ mod tests {
                 assert!(sum.norm() < 1e-9 * size * (rows.a.nrows() as f64), "{} {}", chain.name(), d.column);
             }
         }
+    }
+
+    /// The paper's order has all that the other one has.
+    #[test]
+    fn what_every_error_has_its_grouped_ones_have() {
+        use truepose_errormodel::effects::{Order, Polynomial, WrenchComponent};
+        let chain = samples::pps();
+        let mut data = postures(&chain, 150, false, &[Some(TargetId(0)), Some(TargetId(1)), Some(TargetId(2))]);
+        for (row, load) in data.load.iter_mut().enumerate() {
+            let mass = 20.0 * (row / 3 % 4) as f64;
+            *load = Load::Payload(truepose_kinematics::Payload { mass, com: Vector3::new(0.0, -0.1, -0.8) });
+        }
+        let first = Polynomial::of(2, vec![WrenchComponent::Fy]);
+        let second = Polynomial { order: Order::ReduceFirst, ..first.clone() };
+        let rank = |effects: Vec<Polynomial>| {
+            let effects = effects.into_iter().map(|e| Box::new(e) as Box<dyn truepose_errormodel::AnyEffect>);
+            let model = ErrorModel::new(chain.clone(), effects.collect()).unwrap();
+            let model = grouped(&model, &data, RankRule::Default).unwrap().into_owned();
+            (model.columns().len(), reduced(&model, &data).rank())
+        };
+        let (each, paper) = (rank(vec![first.clone()]), rank(vec![second.clone()]));
+        let both = rank(vec![first, second]);
+        assert!(paper.0 < each.0, "{paper:?} {each:?}");
+        assert_eq!(both.1, paper.1, "{paper:?} {each:?} {both:?}");
     }
 
     #[test]

@@ -7,8 +7,10 @@
 //! | in band | measured rows of those visits that lie within their 95 % band |
 //! | round trip | the model's own prediction at the command against the desired pose |
 
-mod robots;
+pub mod robots;
 mod trial;
+
+pub use robots::Robot;
 
 use crate::{folder, say};
 use std::error::Error;

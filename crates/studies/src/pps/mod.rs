@@ -16,13 +16,16 @@ mod figures;
 mod models;
 mod trial;
 
+pub use models::Strategy;
+pub use trial::Experiment;
+
 use crate::clock::least;
 use crate::{folder, say};
-use models::{Strategy, strategies};
+use models::strategies;
 use rayon::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
-use trial::{Experiment, Radii};
+use trial::Radii;
 
 /// How many plants, and at how many of them the identification is timed.
 const PLANTS: u64 = 20;

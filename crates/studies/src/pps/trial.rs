@@ -46,6 +46,7 @@ pub struct Radii {
     pub driven: f64,
     /// Check configurations whose command is `ok`.
     pub reached: usize,
+    pub columns: usize,
     pub rank: usize,
     pub rounds: usize,
     /// Measured less predicted treatment points, m.
@@ -118,6 +119,7 @@ impl Experiment {
             noise_free: 0.0,
             driven,
             reached,
+            columns: fit.fitted.coefficients().len(),
             rank: fit.reduction.rank(),
             rounds: fit.rounds,
             errors: Vec::new(),
