@@ -26,11 +26,12 @@ fn say(text: &str) {
 
 fn main() -> ExitCode {
     let name = std::env::args().nth(1).unwrap_or_default();
+    let rest: Vec<String> = std::env::args().skip(2).collect();
     let done = match name.as_str() {
-        "discovery" => discovery::run(&std::env::args().skip(2).collect::<Vec<_>>()),
-        "drive" => drive::run(),
+        "discovery" => discovery::run(&rest),
+        "drive" => drive::run(&rest),
         "orders" => orders::run(),
-        "pps" => pps::run(&std::env::args().skip(2).collect::<Vec<_>>()),
+        "pps" => pps::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!("unknown study `{name}`; there are: discovery, drive, orders, pps, solvers").into()),
     };

@@ -11,13 +11,13 @@
 
 use crate::clock::least;
 use crate::drive::{Robot, robots};
-use crate::pps::{Experiment, Strategy};
+use crate::pps::{Experiment, Strategy, polynomial, reduced_first};
 use crate::{folder, say};
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::error::Error;
 use std::fmt::Write;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, ErrorModel, ModelError, Visits};
+use truepose_errormodel::{Dataset, EffectRegistry, ErrorModel, Visits};
 use truepose_identify::{Fit, FitOptions, PriorStrength, fit};
 use truepose_kinematics::Chain;
 use truepose_simulate::{Campaign, Plant};
@@ -53,8 +53,9 @@ pub fn run() -> Result<(), Box<dyn Error>> {
     let arms: Vec<Robot> =
         robots::all().into_iter().filter(|robot| matches!(robot.name, "heavy" | "ur10")).collect();
     for (words, prior) in [("none", PriorStrength::None), ("evidence", PriorStrength::Evidence)] {
-        for (order, effects) in ORDERS.into_iter().zip([first_expanded as fn(&Chain) -> _, first_reduced]) {
-            let strategy = Strategy { name: order.into(), effects, prior, solver: SolverSpec::default() };
+        for (order, effects) in ORDERS.into_iter().zip([polynomial as fn(&Chain) -> _, reduced_first]) {
+            let solver = SolverSpec::default();
+            let strategy = Strategy { name: order.into(), effects, prior, solver, refine: true };
             let shown: Vec<Shown> = experiments
                 .par_iter()
                 .map(|e| couch(e, &strategy).map_err(|error| error.to_string()))
@@ -111,25 +112,6 @@ fn couch(experiment: &Experiment, strategy: &Strategy) -> Result<Shown, Box<dyn 
     Ok(Shown { columns: radii.columns, rank: radii.rank, error: radii.noise_free })
 }
 
-fn first_expanded(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
-    let paper = json!({"degree": 3, "small": [5, 6], "wrench": ["fy"], "order": ORDERS[0]});
-    declared(chain, json!([0, 7, "targets"]), paper)
-}
-
-fn first_reduced(chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
-    let paper = json!({"degree": 3, "small": [5, 6], "wrench": ["fy"], "order": ORDERS[1]});
-    declared(chain, json!([0, 7, "targets"]), paper)
-}
-
-/// Constant errors of these frames, and a polynomial.
-fn declared(chain: &Chain, frames: Value, polynomial: Value) -> Result<Vec<Box<dyn AnyEffect>>, ModelError> {
-    let registry = EffectRegistry::builtin();
-    Ok(vec![
-        registry.build("geometric", json!({ "frames": frames }), chain)?,
-        registry.build("polynomial", polynomial, chain)?,
-    ])
-}
-
 /// An arm's measurements, and the visits that took no part.
 struct Measured {
     plant: Plant,
@@ -160,7 +142,11 @@ impl Measured {
         let polynomial =
             json!({"degree": 1, "wrench": ["mx", "my", "mz"], "wrench_of": "frame", "order": order});
         let last = self.chain.tool_frame().0;
-        let effects = declared(&self.chain, json!([0, last - 1, last]), polynomial)?;
+        let registry = EffectRegistry::builtin();
+        let effects = vec![
+            registry.build("geometric", json!({"frames": [0, last - 1, last]}), &self.chain)?,
+            registry.build("polynomial", polynomial, &self.chain)?,
+        ];
         let model = ErrorModel::new(self.chain.clone(), effects)?;
         let options = FitOptions { prior, max_rounds: 25, ..FitOptions::default() };
         Ok(fit(&model, &self.used, &PivotedQr::default(), &options)?)

@@ -16,7 +16,7 @@ mod figures;
 mod models;
 mod trial;
 
-pub use models::Strategy;
+pub use models::{Strategy, polynomial, reduced_first};
 pub use trial::Experiment;
 
 use crate::clock::least;
