@@ -41,6 +41,11 @@ pub struct Prior {
 }
 
 impl Prior {
+    /// No prior, before there is a reduction.
+    pub(crate) fn none() -> Self {
+        Prior { unit: DMatrix::zeros(0, 0), spread: DMatrix::zeros(0, 0), kappa: f64::INFINITY }
+    }
+
     /// The prior over a reduction's groups, with κ still at its start.
     pub fn new(model: &ErrorModel, reduction: &Reduction, strength: PriorStrength) -> Self {
         let rank = reduction.rank();
@@ -59,8 +64,7 @@ impl Prior {
             }
         }
         let covariance = &grouped * grouped.transpose();
-        let mut spread =
-            covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
+        let mut spread = covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
         let mut unit = spread
             .solve_lower_triangular(&DMatrix::identity(rank, rank))
             .unwrap_or_else(|| DMatrix::identity(rank, rank));

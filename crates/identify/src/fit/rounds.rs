@@ -52,8 +52,7 @@ impl<'a> State<'a> {
             NoiseSource::Fixed(noise) => noise,
         };
         let coefficients = vec![0.0; model.columns().len()];
-        let prior = Prior::new(model, &Reduction::none(coefficients.len()), PriorStrength::None);
-        let options = options.clone();
+        let (prior, options) = (Prior::none(), options.clone());
         Ok(State { model, data, visits, solver, options, observations, noise, prior, coefficients })
     }
 
@@ -302,7 +301,9 @@ impl<'a> State<'a> {
         let grouped = DVector::from_vec(reduction.grouped(&self.coefficients));
         let chi_square = absolute.residual_norm(0, &grouped).powi(2);
         let joined = self.prior.joined(&absolute, &vec![0.0; reduction.rank()])?;
-        let covariance = spread_out(&inverse_gram(&joined.r), &reduction.kept, columns);
+        let inverse =
+            joined.inverse_gram().unwrap_or_else(|| DMatrix::zeros(reduction.rank(), reduction.rank()));
+        let covariance = spread_out(&inverse, &reduction.kept, columns);
         let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
         fitted.channels = self.data.schema.channels.clone();
         fitted.domain = Domain::of(self.data);
@@ -353,13 +354,6 @@ fn alike(old: &NoiseModel, new: &NoiseModel) -> bool {
     close(old.position_sd, new.position_sd)
         && close(old.visit_sd, new.visit_sd)
         && close(old.orientation_sd, new.orientation_sd)
-}
-
-/// (RᵀR)⁻¹ by solving with the triangle; never by an inverse of a Gram matrix.
-fn inverse_gram(r: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = r.ncols();
-    let inverse = r.solve_upper_triangular(&DMatrix::identity(n, n)).unwrap_or_else(|| DMatrix::zeros(n, n));
-    &inverse * inverse.transpose()
 }
 
 /// A matrix over the kept columns, among all columns.

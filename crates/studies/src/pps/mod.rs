@@ -65,8 +65,11 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
             .par_iter()
             .map(|e| e.identify(&strategy).map_err(|error| error.to_string()))
             .collect::<Result<_, _>>()?;
-        let times: Vec<f64> =
-            experiments.iter().take(TIMED).map(|e| least(2, || e.fit(&strategy))).collect::<Result<_, _>>()?;
+        let times: Vec<f64> = experiments
+            .iter()
+            .take(TIMED)
+            .map(|e| least(2, || e.fit(&strategy)))
+            .collect::<Result<_, _>>()?;
         line(&mut text, &strategy, &radii, &times)?;
         say(text.lines().last().unwrap_or_default());
         let median = quantile(&radii.iter().map(|r| r.noise_free).collect::<Vec<_>>(), 0.5);

@@ -170,8 +170,9 @@ fn predicted(
     chain: &Chain,
     conditions: &Conditions,
 ) -> Result<Vector3<f64>, Box<dyn Error>> {
-    let seen: Vec<Vector3<f64>> =
-        (0..chain.targets().len()).map(|t| predictor.predict(conditions, Some(TargetId(t))).translation).collect();
+    let seen: Vec<Vector3<f64>> = (0..chain.targets().len())
+        .map(|t| predictor.predict(conditions, Some(TargetId(t))).translation)
+        .collect();
     Ok(robots::treatment_point(chain, &seen)?)
 }
 

@@ -147,7 +147,9 @@ impl Polynomial {
     /// The errors that have terms when each has its own, base to tip.
     pub fn errors(&self, chain: &Chain) -> Vec<(FrameId, Axis)> {
         let mut errors = Vec::new();
-        self.for_each_place(chain, |place| errors.extend(place.components.iter().map(|&axis| (place.frame, axis))));
+        self.for_each_place(chain, |place| {
+            errors.extend(place.components.iter().map(|&axis| (place.frame, axis)))
+        });
         errors
     }
 
@@ -192,7 +194,10 @@ impl Polynomial {
         match self.wrench_of {
             WrenchOf::Tool => elastic(place.of.iter().map(|frame| frame.0).min().unwrap_or(0), None),
             WrenchOf::Frame => {
-                place.of.iter().for_each(|&frame| elastic(frame.0, Some(frame).filter(|&f| f != place.frame)));
+                place
+                    .of
+                    .iter()
+                    .for_each(|&frame| elastic(frame.0, Some(frame).filter(|&f| f != place.frame)));
             }
         }
         count

@@ -103,5 +103,8 @@ fn a_grouped_error_has_the_union_of_its_members_terms() {
     let frames = Polynomial { wrench_of: WrenchOf::Frame, ..grouped };
     check_effect(&frames, &chain);
     let names: Vec<String> = Effect::columns(&frames, &chain).into_iter().map(|c| c.name).collect();
-    assert!(names.contains(&"y@theta · fy(d2)".to_string()) && names.contains(&"y@theta · fy".to_string()), "{names:?}");
+    assert!(
+        names.contains(&"y@theta · fy(d2)".to_string()) && names.contains(&"y@theta · fy".to_string()),
+        "{names:?}"
+    );
 }
