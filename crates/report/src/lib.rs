@@ -20,8 +20,8 @@ pub use discovery::{
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandsView, Report, commands_report, comparison_report, discovery_report, identification_report,
-    worst_of_poses,
+    CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,
+    identification_report, worst_of_poses,
 };
 pub use plan::PlanSummary;
 pub use run::{FileRecord, RunRecord};
