@@ -6,13 +6,12 @@ use crate::diagnose::{LastWord, Search};
 use crate::diagnosis::{Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable};
 use crate::evidence::{Evidence, Gain};
 use crate::outliers::{Outliers, outliers};
-use crate::projection::Projection;
-use crate::sample::sample;
 use crate::scene::Scene;
+use crate::screen::Screen;
 use crate::trace::trace;
 use crate::trial::Trial;
-use crate::working::{Working, with_loads};
-use crate::{Family, Place, contest::TIE, lags, library, payload};
+use crate::working::with_loads;
+use crate::{Family, Place, contest::TIE, lags, payload};
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection};
@@ -26,7 +25,6 @@ pub(crate) struct Whole<'a> {
     pub train_rows: Vec<usize>,
     pub holdout_rows: Vec<usize>,
     pub placement: Placement,
-    pub untestable: Vec<Untestable>,
 }
 
 /// Forms the ledger.
@@ -38,7 +36,7 @@ pub(crate) fn conclude(
     (p_value, detectable_gain): LastWord,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = whole.data.select(&whole.holdout_rows);
-    let Search { ground, accepted, refused, now, .. } = search;
+    let Search { ground, accepted, refused, untestable, now, .. } = search;
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let first = ground.prepared(&[], &now.outliers.suspects);
     let before = errors(&ground.fitted(&[], &first)?, ground.data, &held)?;
@@ -129,7 +127,7 @@ pub(crate) fn conclude(
         fit,
         declared,
         data,
-        untestable: whole.untestable,
+        untestable,
         holdout_rows: whole.holdout_rows,
     })
 }
@@ -231,40 +229,27 @@ fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout
 }
 
 /// Causes that this data cannot test, with the size that could have been seen.
-pub(crate) fn untestable(now: &Working, without: &[Family]) -> Result<Vec<Untestable>, DiscoverError> {
+pub(crate) fn untestable(scene: &Scene<'_>, screen: &Screen) -> Vec<Untestable> {
     /// Less of a cause than this is left by the declared model.
     const LEFT: f64 = 0.05;
     /// Less than this is left only of what the declared model has itself.
     const DECLARED: f64 = 1e-4;
     /// Noncentrality at which the screen finds one unknown four times in five.
     const POWER: f64 = 30.0;
-    let searched = sample(&now.data, 0);
-    let scene = Scene::new(&now.fit, &searched)?;
-    let projection = Projection::new(&scene);
-    let all = library::candidates(scene.chain(), scene.data, without);
-    let judged: Vec<(Candidate, f64, Option<f64>)> = all
-        .into_par_iter()
-        .filter(|candidate| candidate.family != Family::Unmodelled)
-        .filter_map(|candidate| {
-            let sums = projection.sums(&scene, &candidate).ok();
-            let share = sums.as_ref().and_then(|sums| projection.score(sums)).map_or(0.0, |s| s.share);
-            // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
-            let rms =
-                (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
-            let does = sums.is_some_and(|sums| sums.raw.trace() > 0.0);
-            Some((candidate, share, does.then_some(rms)))
-        })
-        .collect();
     let mut list: Vec<Untestable> = Vec::new();
-    for (candidate, share, detectable) in judged {
-        let place = candidate.place.clone();
-        match list.iter_mut().find(|u| u.family == candidate.family && u.place == place) {
+    for screened in screen.candidates.iter().filter(|s| s.candidate.family != Family::Unmodelled) {
+        let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
+        let share = screened.score.as_ref().map_or(0.0, |score| score.share);
+        // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
+        let rms = (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
+        let detectable = screened.acts.then_some(rms);
+        match list.iter_mut().find(|u| u.family == family && u.place == place) {
             Some(known) if known.share < share => (known.share, known.detectable) = (share, detectable),
             Some(_) => {}
-            None => list.push(Untestable { family: candidate.family, place, share, detectable }),
+            None => list.push(Untestable { family, place, share, detectable }),
         }
     }
     // What is declared already is no question; what does nothing at all here is one that other data could answer.
     list.retain(|u| u.detectable.is_none() || (u.share < LEFT && u.share > DECLARED));
-    Ok(list)
+    list
 }

@@ -11,6 +11,7 @@
 use crate::candidate::Candidate;
 use crate::contest::{Rival, TIE};
 use crate::likelihood::Likelihood;
+use crate::projection::Heard;
 use crate::scene::Scene;
 use crate::screen::{Cause, Screen, price};
 use crate::{DiscoverError, Family};
@@ -35,12 +36,16 @@ pub(crate) fn first(
         return Ok(0);
     }
     let price = price(scene.len());
-    let partners: Vec<&Candidate> = causes
+    let first: Vec<&Candidate> = causes
         .iter()
         .filter(|cause| cause.family != Family::Unmodelled)
         .take(PARTNERS)
         .map(|cause| &cause.variants[0].0)
         .collect();
+    let partners: Vec<(&Candidate, Heard)> = first
+        .into_par_iter()
+        .map(|candidate| Ok((candidate, screen.projection.hear(scene, candidate)?)))
+        .collect::<Result<_, DiscoverError>>()?;
     let named: Vec<usize> = (0..rivals.len())
         .filter(|&k| k == 0 || rivals[k].candidate.family != Family::Unmodelled)
         .take(RIVALS)
@@ -49,13 +54,16 @@ pub(crate) fn first(
         .par_iter()
         .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {
             let rival = &rivals[k];
-            let Some(projection) = screen.projection.with(&rival.columns) else { return Ok(None) };
-            let best = partners
+            let others: Vec<&(&Candidate, Heard)> =
+                partners.iter().filter(|(partner, _)| !partner.same_cause(&rival.candidate)).collect();
+            let heard: Vec<&Heard> = others.iter().map(|(_, heard)| heard).collect();
+            let Some(gains) = screen.projection.beside(&rival.columns, &heard) else { return Ok(None) };
+            let best = others
                 .iter()
-                .filter(|partner| !partner.same_cause(&rival.candidate))
-                .filter_map(|partner| {
-                    let score = projection.judge(scene, partner)?;
-                    Some((score.gain - price * score.freedom as f64, score.freedom, partner))
+                .zip(gains)
+                .filter_map(|((partner, _), gain)| {
+                    let (gain, freedom) = gain?;
+                    Some((gain - price * freedom as f64, freedom, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
@@ -69,7 +77,7 @@ pub(crate) fn first(
             let asked = 2.0 * (screen.asked(partner.family) as f64).ln();
             let alone = rival.score - rival.likelihood.deviance;
             let score = likelihood.deviance + alone + price * freedom as f64 + asked;
-            Ok(Some((score.min(rival.score), (*partner).clone(), worth)))
+            Ok(Some((score.min(rival.score), partner.clone(), worth)))
         })
         .collect::<Result<_, _>>()?;
     let mut best: Option<(usize, f64)> = None;

@@ -50,6 +50,16 @@ pub(crate) struct Sums {
     pub by_unit: DMatrix<f64>,
 }
 
+/// A candidate, heard once.
+#[derive(Debug, Clone)]
+pub(crate) struct Heard {
+    sums: Sums,
+    /// (visit, column, site, value).
+    said: Vec<(usize, usize, usize, f64)>,
+    /// Whitened columns of what is no effect.
+    dense: Option<DMatrix<f64>>,
+}
+
 /// How a candidate does against what is left.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
@@ -96,14 +106,7 @@ impl Projection {
 
     /// With further raw columns (m × k) in the present model; none when nothing of them is left.
     pub fn with(&self, more: &DMatrix<f64>) -> Option<Self> {
-        let x = self.whitener.of(more);
-        let along = cross(&self.q, &x);
-        let raw = cross(&x, &x);
-        let basis = basis(&raw, &(&raw - cross(&along, &along)))?;
-        // The new directions of Q. With what they have in the prior's rows they are orthogonal to the known ones, so that
-        // y, which has nothing there, tells what they explain.
-        let new = (x - &self.q * along) * basis;
-        let explained = new.tr_mul(&self.y);
+        let (new, explained) = self.directions(more)?;
         let residual = &self.residual - &new * &explained;
         let r = self.q.ncols();
         let mut q = self.q.clone().resize_horizontally(r + new.ncols(), 0.0);
@@ -119,6 +122,65 @@ impl Projection {
             y: self.y.clone(),
             residual,
         })
+    }
+
+    /// Directions that raw columns (m × k) add to Q_1, and what they explain of y.
+    fn directions(&self, more: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let x = self.whitener.of(more);
+        let along = cross(&self.q, &x);
+        let raw = cross(&x, &x);
+        let basis = basis(&raw, &(&raw - cross(&along, &along)))?;
+        // With what they have in the prior's rows they are orthogonal to the known ones, so that y, which has nothing
+        // there, tells what they explain.
+        let new = (x - &self.q * along) * basis;
+        let explained = new.tr_mul(&self.y);
+        Some((new, explained))
+    }
+
+    /// What is needed of a candidate to ask for its gain beside others, again and again.
+    pub fn hear(&self, scene: &Scene<'_>, candidate: &Candidate) -> Result<Heard, DiscoverError> {
+        let mut heard = Heard { sums: self.sums(scene, candidate)?, said: Vec::new(), dense: None };
+        match &candidate.change {
+            Change::Add(effects) => {
+                let stations = self.tables.stations.iter().copied();
+                scene.ask(effects)?.each(stations, &mut |visit, entries| {
+                    heard
+                        .said
+                        .extend(entries.iter().map(|&(column, site, value)| (visit, column, site, value)));
+                })?;
+            }
+            Change::CorrectLoad { .. } => {
+                heard.dense = Some(self.whitener.of(&candidate.columns(scene)?));
+            }
+        }
+        Ok(heard)
+    }
+
+    /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
+    pub fn beside(&self, more: &DMatrix<f64>, heard: &[&Heard]) -> Option<Vec<Option<(f64, usize)>>> {
+        let (new, explained) = self.directions(more)?;
+        let extension = self.tables.extension(&new);
+        let residual = &self.residual - &new * &explained;
+        let rss = self.rss - explained.norm_squared();
+        // Columns of Q_1 are orthogonal to r̃ only together with the prior's rows.
+        let (known, added) = (self.q.tr_mul(&residual), new.tr_mul(&residual));
+        let gain = |heard: &&Heard| {
+            let along = match &heard.dense {
+                Some(columns) => cross(&new, columns),
+                None => extension.along(&heard.said, heard.sums.raw.ncols()),
+            };
+            let Sums { along: before, raw, by_unit } = &heard.sums;
+            let left = raw - cross(before, before) - cross(&along, &along);
+            let basis = basis(raw, &left)?;
+            // X̃ᵀ r̃ with the new r̃.
+            let score = by_unit.row_sum().transpose()
+                - along.tr_mul(&explained)
+                - before.tr_mul(&known)
+                - along.tr_mul(&added);
+            let squares = basis.tr_mul(&score).norm_squared();
+            Some((self.gain(squares, rss), basis.ncols()))
+        };
+        Some(heard.iter().map(gain).collect())
     }
 
     /// How many numbers were measured.

@@ -63,7 +63,8 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
 fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
     let seed = search.options.seed.wrapping_add(at as u64);
     let held = |scene: &Scene<'_>| {
-        let screen = Screen::new(scene, &search.options.without);
+        let shortlist = &search.accepted[at].shortlist;
+        let screen = Screen::again(scene, &search.options.without, shortlist, &search.asked);
         contest(scene, &screen, others)
     };
     let Search { ground, now, .. } = search;

@@ -77,13 +77,13 @@ impl Tables {
 
     /// With further columns of Q_1 (m × k), which leave this of r̃.
     pub fn with(&self, new: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let mut along = Vec::with_capacity(self.along.len() / self.rank.max(1) * (self.rank + new.ncols()));
-        for (visit, own) in self.numbers.iter().enumerate() {
-            let sees = self.jacobian.rows(own.start, own.len());
-            let more = cross(&new.rows(own.start, own.len()), &sees);
+        let more = self.extension(new);
+        let mut along = Vec::with_capacity(self.along.len() + more.along.len());
+        for visit in 0..self.numbers.len() {
             for site in 0..self.sites {
                 along.extend_from_slice(self.along(visit, site));
-                along.extend(more.column(site).iter());
+                let first = (visit * self.sites + site) * more.rank;
+                along.extend_from_slice(&more.along[first..first + more.rank]);
             }
         }
         Tables {
@@ -110,6 +110,16 @@ impl Tables {
         self.squares[(visit * self.sites + a) * self.sites + b]
     }
 
+    /// H of further columns of Q_1 (m × k): what [`Tables::with`] would append.
+    pub fn extension(&self, new: &DMatrix<f64>) -> Extension {
+        let mut along = Vec::with_capacity(self.numbers.len() * self.sites * new.ncols());
+        for own in &self.numbers {
+            let sees = self.jacobian.rows(own.start, own.len());
+            along.extend_from_slice(cross(&new.rows(own.start, own.len()), &sees).as_slice());
+        }
+        Extension { sites: self.sites, rank: new.ncols(), along }
+    }
+
     /// Adds what a visit's entries (column, site, value) say.
     pub fn add(&self, visit: usize, entries: &[(usize, usize, f64)], sums: &mut Sums) {
         let scores = &self.scores[visit * self.sites..(visit + 1) * self.sites];
@@ -126,6 +136,23 @@ impl Tables {
                 sums.raw[(other, column)] += both;
             }
         }
+    }
+
+    /// XᵀX of functions of the visit (visits × k) at each of these sites, site by site.
+    pub fn products(&self, sites: &[usize], functions: &DMatrix<f64>) -> DMatrix<f64> {
+        let (visits, k) = functions.shape();
+        let mut products = DMatrix::zeros(sites.len() * k, sites.len() * k);
+        for (a, &first) in sites.iter().enumerate() {
+            for (b, &second) in sites.iter().enumerate().skip(a) {
+                let weights = DVector::from_fn(visits, |visit, _| self.square(visit, first, second));
+                let mut weighed = functions.clone();
+                weighed.column_iter_mut().for_each(|mut column| column.component_mul_assign(&weights));
+                let block = cross(functions, &weighed);
+                products.view_mut((a * k, b * k), (k, k)).copy_from(&block);
+                products.view_mut((b * k, a * k), (k, k)).copy_from(&block);
+            }
+        }
+        products
     }
 
     /// What one function of the visit does that acts at these sites (site, share).
@@ -153,6 +180,28 @@ impl Tables {
         }
         pulses.along = DMatrix::from_vec(self.rank, visits, along);
         pulses
+    }
+}
+
+/// H of columns that come to Q_1.
+#[derive(Debug)]
+pub(crate) struct Extension {
+    sites: usize,
+    rank: usize,
+    along: Vec<f64>,
+}
+
+impl Extension {
+    /// Their product with a candidate's columns, k × width, from its entries (visit, column, site, value).
+    pub fn along(&self, said: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f64> {
+        let mut along = DMatrix::zeros(self.rank, width);
+        for &(visit, column, site, value) in said {
+            let first = (visit * self.sites + site) * self.rank;
+            for (sum, h) in along.column_mut(column).iter_mut().zip(&self.along[first..first + self.rank]) {
+                *sum += value * h;
+            }
+        }
+        along
     }
 }
 
