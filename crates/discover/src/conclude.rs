@@ -31,15 +31,14 @@ pub(crate) struct Whole<'a> {
 pub(crate) fn conclude(
     search: Search<'_>,
     whole: Whole<'_>,
-    declared: Fit,
     stopped: Stop,
     (p_value, detectable_gain): LastWord,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = whole.data.select(&whole.holdout_rows);
     let Search { ground, accepted, refused, untestable, now, .. } = search;
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
-    let first = ground.prepared(&[], &now.outliers.suspects);
-    let before = errors(&ground.fitted(&[], &first)?, ground.data, &held)?;
+    let declared = ground.fitted(&[], &ground.prepared(&[], &now.outliers.suspects))?;
+    let before = errors(&declared, ground.data, &held)?;
     let after = errors(&now.fit, &with_loads(ground.data, &found), &with_loads(&held, &found))?;
 
     let all = with_loads(whole.data, &found);

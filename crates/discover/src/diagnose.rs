@@ -76,8 +76,9 @@ pub(crate) fn on_split(
     let train = data.select(&train_rows);
     progress(Progress::Fitting);
     let placement = place(chain, &train)?;
+    let part = sample(&train, options.seed);
     let mut ground =
-        Ground { chain: &placement.chain, declared, data: &train, solver, fit: options.fit.clone() };
+        Ground { chain: &placement.chain, declared, data: &part, solver, fit: options.fit.clone() };
     let first = ground.working(Vec::new(), &[])?;
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     if ground.fit.prior == PriorStrength::Evidence {
@@ -88,7 +89,6 @@ pub(crate) fn on_split(
         let rank = first.fit.reduction.rank();
         return Err(DiscoverError::TooFewVisits { have: Visits::of(&train).len(), rank, need });
     }
-    let declared_fit = first.fit.clone();
     let mut search = Search {
         ground,
         options,
@@ -100,8 +100,14 @@ pub(crate) fn on_split(
     };
     let (stopped, last) = search.run(progress)?;
     progress(Progress::Judging);
+    if part.len() < train.len() {
+        // What was found in a part of the data is fitted to all of it.
+        search.ground.data = &train;
+        search.now.outliers.suspects.clear();
+        search.refit()?;
+    }
     let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
-    conclude::conclude(search, whole, declared_fit, stopped, last)
+    conclude::conclude(search, whole, stopped, last)
 }
 
 /// The loop's state.
@@ -127,8 +133,7 @@ impl Search<'_> {
         let mut settled = false;
         for round in 0.. {
             progress(Progress::Screening(self.accepted.len()));
-            let searched = sample(&self.now.data, self.options.seed.wrapping_add(round));
-            let scene = Scene::new(&self.now.fit, &searched)?;
+            let scene = Scene::new(&self.now.fit, &self.now.data)?;
             let screen = Screen::new(&scene, &self.options.without);
             self.asked.clone_from(screen.questions());
             if round == 0 {

@@ -6,7 +6,6 @@
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
 use crate::projection::Projection;
-use crate::sample::sample;
 use crate::scene::Scene;
 use crate::shape::{has_shape, refined};
 use crate::working::{Ground, Working};
@@ -28,9 +27,8 @@ pub(crate) fn polished(
     if !parts.iter().any(has_shape) {
         return Ok(None);
     }
-    let searched = sample(&now.data, 0);
     let own = ground.effects_of(&now.found, which);
-    let Some(mut scene) = Scene::new(&now.fit, &searched)?.without(own)? else { return Ok(None) };
+    let Some(mut scene) = Scene::new(&now.fit, &now.data)?.without(own)? else { return Ok(None) };
     scene.noise = now.fit.noise;
     let present = Projection::new(&scene);
     let mut gained = false;

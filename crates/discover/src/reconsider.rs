@@ -7,7 +7,6 @@ use crate::DiscoverError;
 use crate::candidate::Candidate;
 use crate::contest::{Contest, TIE, contest};
 use crate::diagnose::{Search, adopted};
-use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
 
@@ -61,7 +60,6 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
 
 /// The contest for the place of a find.
 fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
-    let seed = search.options.seed.wrapping_add(at as u64);
     let held = |scene: &Scene<'_>| {
         let shortlist = &search.accepted[at].shortlist;
         let screen = Screen::again(scene, &search.options.without, shortlist, &search.asked);
@@ -70,15 +68,13 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Conte
     let Search { ground, now, .. } = search;
     // A corrected load is in the data itself.
     if !now.found[at].effects().is_empty() {
-        let searched = sample(&now.data, seed);
-        let scene = Scene::new(&now.fit, &searched)?;
+        let scene = Scene::new(&now.fit, &now.data)?;
         if let Some(scene) = scene.without(ground.effects_of(&now.found, at))? {
             return held(&scene);
         }
     }
     let (data, fit) = ground.glance(others, &now.outliers.suspects)?;
-    let searched = sample(&data, seed);
-    held(&Scene::new(&fit, &searched)?)
+    held(&Scene::new(&fit, &data)?)
 }
 
 /// Whether both change the model in the same way.
