@@ -9,6 +9,7 @@ use crate::polish::polished;
 use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
+use crate::surprise::gain_of_one;
 use crate::working::{Ground, Working};
 use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, reconsider};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -256,7 +257,5 @@ pub(crate) fn parametric(screen: &Screen, rival: &Rival) -> f64 {
 
 /// The gain of a single unknown that would have passed as no chance.
 fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
-    let critical = null.critical(alpha);
-    let spread = 2.0f64 / 9.0;
-    (critical * spread.sqrt() + 1.0 - spread).max(0.0).powi(3)
+    gain_of_one(null.critical(alpha))
 }

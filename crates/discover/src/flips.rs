@@ -1,7 +1,7 @@
 //! Family-wise p-values by sign-flipping whole units: visits, or neighbouring visits together.
 //!
 //! ```text
-//! T  = max over all candidates of the normal quantile of −m ln(1 − SS/RSS)
+//! T  = max over all candidates of the surprise of −m ln(1 − SS/RSS)
 //! T* = the same of P S r̃, S a random sign for each unit
 //! p  = (1 + #{T* ≥ T}) / (B + 1)
 //! ```
@@ -9,7 +9,8 @@
 //! RSS is that of the flipped residual after the present model has been projected out of it, so that the statistic is normalised.
 //! Source: Freedman and Lane (1983); Winkler et al. (2014) for exchangeable blocks.
 
-use crate::projection::{Projection, quantile};
+use crate::projection::Projection;
+use crate::surprise::surprise;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -44,7 +45,7 @@ impl NullDistribution {
                 (1.0 / (whole - gone).max(1e-3 * whole)) as f32
             })
             .collect();
-        // The quantile grows with the share: only the largest share of each number of unknowns has to be turned into one.
+        // The surprise grows with the share: only the largest share of each number of unknowns has to be turned into one.
         let widest = blocks.iter().flat_map(|block| block.freedoms.iter().copied()).max().unwrap_or(0);
         let shares = blocks
             .par_iter()
@@ -77,7 +78,7 @@ impl NullDistribution {
                 row.iter()
                     .enumerate()
                     .filter(|(_, share)| **share > 0.0)
-                    .map(|(freedom, &share)| quantile(projection.gain(f64::from(share), 1.0), freedom))
+                    .map(|(freedom, &share)| surprise(projection.gain(f64::from(share), 1.0), freedom))
                     .fold(f64::NEG_INFINITY, f64::max)
             })
             .collect();

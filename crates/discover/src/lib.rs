@@ -29,6 +29,7 @@ mod sample;
 mod scene;
 mod screen;
 mod shape;
+mod surprise;
 mod tables;
 mod trace;
 mod trial;

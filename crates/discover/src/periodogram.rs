@@ -3,8 +3,9 @@
 //! The joint's motion is the same for all periods: it is projected once, and a period costs a product over the visits. Frequencies are as
 //! dense as the visited range can tell apart, four to a cycle over it.
 
-use crate::projection::{Projection, basis, quantile};
+use crate::projection::{Projection, basis};
 use crate::scene::Scene;
+use crate::surprise::surprise;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -15,7 +16,7 @@ pub(crate) struct Periodogram {
     pub joint: JointId,
     pub periods: Vec<f64>,
     pub gains: Vec<f64>,
-    pub quantiles: Vec<f64>,
+    pub surprises: Vec<f64>,
     /// Units × 2 columns a period.
     pub by_unit: DMatrix<f32>,
 }
@@ -69,7 +70,7 @@ pub(crate) fn scan(
                 }
             }
             let (along, sums) = pulses.through(&waves, projection);
-            let (mut gains, mut quantiles) = (Vec::new(), Vec::new());
+            let (mut gains, mut surprises) = (Vec::new(), Vec::new());
             let mut by_unit = DMatrix::<f32>::zeros(projection.units, 2 * batch.len());
             for k in 0..batch.len() {
                 let raw = pulses.products(&waves.columns(2 * k, 2));
@@ -77,32 +78,32 @@ pub(crate) fn scan(
                 let left = &raw - pair.tr_mul(&pair);
                 let Some(turn) = basis(&raw, &left) else {
                     gains.push(0.0);
-                    quantiles.push(f64::NEG_INFINITY);
+                    surprises.push(f64::NEG_INFINITY);
                     continue;
                 };
                 let scores = sums.columns(2 * k, 2) * &turn;
                 let squares: f64 = scores.column_iter().map(|c| c.sum().powi(2)).sum();
                 let gain = projection.gain(squares, projection.rss);
                 gains.push(gain);
-                quantiles.push(quantile(gain, 2));
+                surprises.push(surprise(gain, 2));
                 for (j, column) in scores.column_iter().enumerate() {
                     by_unit.column_mut(2 * k + j).copy_from(&column.map(|v| v as f32));
                 }
             }
-            (gains, quantiles, by_unit)
+            (gains, surprises, by_unit)
         })
         .collect();
     let mut whole = Periodogram {
         joint,
         periods: periods.to_vec(),
         gains: Vec::new(),
-        quantiles: Vec::new(),
+        surprises: Vec::new(),
         by_unit: DMatrix::zeros(projection.units, 2 * periods.len()),
     };
-    for (gains, quantiles, by_unit) in parts {
+    for (gains, surprises, by_unit) in parts {
         whole.by_unit.columns_mut(2 * whole.gains.len(), by_unit.ncols()).copy_from(&by_unit);
         whole.gains.extend(gains);
-        whole.quantiles.extend(quantiles);
+        whole.surprises.extend(surprises);
     }
     Some(whole)
 }

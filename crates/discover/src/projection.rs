@@ -6,13 +6,14 @@
 //!
 //! all whitened. With an orthonormal basis T of the projected candidate, `SS = ‖Tᵀ Xᵀ r̃‖²` is what it would take from
 //! the sum of squares RSS (score test, no refit), and `LR = −m ln(1 − SS/RSS)`. Statistics of different numbers of
-//! unknowns are compared on the scale of a normal quantile (Wilson and Hilferty 1931). A direction of which the present model already
+//! unknowns are compared by how surprising they are. A direction of which the present model already
 //! explains nearly all is left out: there the data cannot speak for the candidate.
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
 use crate::product::{cross, orthonormal};
 use crate::scene::Scene;
+use crate::surprise::surprise;
 use crate::tables::Tables;
 use crate::whitener::Whitener;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
@@ -67,8 +68,8 @@ pub(crate) struct Score {
     pub freedom: usize,
     /// −m ln(1 − SS/RSS).
     pub gain: f64,
-    /// Normal quantile of the gain.
-    pub quantile: f64,
+    /// How surprising that is.
+    pub surprise: f64,
     /// Share of the candidate that the present model does not absorb, ‖X̃‖²/‖X‖².
     pub share: f64,
     /// Scores of the units along the orthonormal basis, units × freedom.
@@ -246,7 +247,7 @@ impl Projection {
         Some(Score {
             freedom,
             gain,
-            quantile: quantile(gain, freedom),
+            surprise: surprise(gain, freedom),
             share: left.trace() / total,
             by_unit: by_unit.map(|v| v as f32),
         })
@@ -288,11 +289,4 @@ pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>) -> Option<DMatrix<f
         }
     }
     Some(basis)
-}
-
-/// The normal quantile of a χ² of so many degrees of freedom (Wilson and Hilferty): never out of range.
-pub(crate) fn quantile(chi_square: f64, freedom: usize) -> f64 {
-    let k = freedom.max(1) as f64;
-    let spread = 2.0 / (9.0 * k);
-    ((chi_square.max(0.0) / k).cbrt() - (1.0 - spread)) / spread.sqrt()
 }

@@ -5,8 +5,9 @@ use crate::flips::{Block, NullDistribution};
 use crate::functions::Functions;
 use crate::library::{self, transmission_at};
 use crate::periodogram::{self, Periodogram};
-use crate::projection::{Projection, Score, quantile};
+use crate::projection::{Projection, Score};
 use crate::scene::Scene;
+use crate::surprise::surprise;
 use crate::{Family, Place};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -97,8 +98,8 @@ impl Screen {
 
     /// The largest statistic over everything that was looked at.
     pub fn largest(&self) -> f64 {
-        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.quantile);
-        let waves = self.periods.iter().flat_map(|p| p.quantiles.iter().copied());
+        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprise);
+        let waves = self.periods.iter().flat_map(|p| p.surprises.iter().copied());
         single.chain(waves).fold(f64::NEG_INFINITY, f64::max)
     }
 
@@ -190,6 +191,6 @@ impl Screen {
 
     /// The statistic of a gain.
     pub fn statistic(gain: f64, freedom: usize) -> f64 {
-        quantile(gain, freedom)
+        surprise(gain, freedom)
     }
 }
