@@ -1,10 +1,10 @@
 //! The closed loop on simulated robots: it finds what was hidden, at its place, and nothing where nothing is.
 
 use crate::plants::with_three_targets;
-use truepose_discover::{Diagnosis, DiscoverOptions, Stop, diagnose};
-use truepose_errormodel::effects::Geometric;
+use truepose_discover::{Diagnosis, DiscoverOptions, Family, Stop, diagnose};
+use truepose_errormodel::effects::{Geometric, JointCompliance};
 use truepose_errormodel::{AnyEffect, Dataset};
-use truepose_kinematics::{Chain, samples};
+use truepose_kinematics::{Chain, JointId, samples};
 use truepose_simulate::description::RepeatabilitySize;
 use truepose_simulate::{Campaign, Flaws, Plant, PlantOptions, flaws};
 use truepose_solvers::PivotedQr;
@@ -66,4 +66,38 @@ fn play_is_found_named_and_sized_and_the_ledger_is_the_same_again() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let again = pool.install(|| found(&chain, &[Box::new(Geometric::default())], &data, 1));
     assert_eq!(again.fit.fitted.coefficients(), found_once.fit.fitted.coefficients());
+}
+
+#[test]
+fn a_wrong_payload_is_weighed() {
+    let chain = with_three_targets(&samples::heavy());
+    let springs = [("a2", 2.0e6), ("a3", 1.5e6), ("a5", 5.0e5)]
+        .map(|(joint, stiffness)| flaws::JointCompliance {
+            joint: joint.into(),
+            stiffness: Some(stiffness),
+            ..flaws::JointCompliance::default()
+        })
+        .to_vec();
+    let errors = Flaws { joint_compliance: springs, ..constants() };
+    let mut data = measured(&chain, errors, 30, &[0.0, 60.0, 120.0], 7);
+    // The label on the weight was wrong: 120 kg carried, 100 kg declared.
+    for load in &mut data.load {
+        if let truepose_kinematics::Load::Payload(payload) = load
+            && (payload.mass - 120.0).abs() < 1e-9
+        {
+            payload.mass = 100.0;
+        }
+    }
+    let joints = [2, 3, 5].map(JointId).to_vec();
+    let declared: Vec<Box<dyn AnyEffect>> = vec![
+        Box::new(Geometric::default()),
+        Box::new(JointCompliance { joints: Some(joints), ..JointCompliance::default() }),
+    ];
+    let found = found(&chain, &declared, &data, 0);
+    assert_eq!(found.findings[0].candidate.family, Family::Payload, "{:?}", words(&found));
+    assert_eq!(found.findings.len(), 1, "{:?}", words(&found));
+    let carried = found.fit.fitted.loads[0];
+    assert!((carried.declared - 100.0).abs() < 1e-6, "{carried:?}");
+    assert!((carried.carried - 120.0).abs() < 2.0, "{carried:?}");
+    assert_eq!(found.findings[0].rows.len(), 90);
 }

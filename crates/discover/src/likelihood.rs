@@ -18,6 +18,7 @@ use crate::product::cross;
 use crate::scene::Scene;
 use crate::whitener::Whitener;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+use std::sync::OnceLock;
 use truepose_errormodel::Visits;
 use truepose_identify::{Folds, NoiseModel, Residuals, estimate_noise};
 
@@ -40,6 +41,8 @@ pub(crate) struct Likelihood {
     /// Precision that the priors add.
     prior: DMatrix<f64>,
     whitener: Whitener,
+    /// The same, whitened, once it is asked for.
+    white: OnceLock<DMatrix<f64>>,
 }
 
 /// [A | X | y], raw.
@@ -93,14 +96,19 @@ impl Likelihood {
                 columns,
                 prior,
                 whitener,
+                white: OnceLock::new(),
             });
         }
+    }
+
+    fn white(&self) -> &DMatrix<f64> {
+        self.white.get_or_init(|| self.whitener.of(&self.columns))
     }
 
     /// Residuals of every measured number by a fit that did not see its fold, m or rad.
     pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds) -> Result<Vec<f64>, DiscoverError> {
         let n = self.columns.ncols() - 1;
-        let white = self.whitener.of(&self.columns);
+        let white = self.white();
         let mut by_fold = vec![Vec::new(); folds.count];
         for (at, o) in scene.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
@@ -128,7 +136,7 @@ impl Likelihood {
     ) -> Result<(DVector<f64>, DMatrix<f64>), DiscoverError> {
         let members: Vec<usize> =
             (0..scene.len()).filter(|&at| visits[scene.observations[at].visit]).collect();
-        let white = self.whitener.of(&self.columns).select_rows(&members);
+        let white = self.white().select_rows(&members);
         let (solution, factor) = solved(&cross(&white, &white), &self.prior)?;
         let first = self.columns.ncols() - 1 - unknowns;
         let inverse = factor.inverse();

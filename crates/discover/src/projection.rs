@@ -160,7 +160,7 @@ impl Projection {
     /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
     pub fn beside(&self, more: &DMatrix<f64>, heard: &[&Heard]) -> Option<Vec<Option<(f64, usize)>>> {
         let (new, explained) = self.directions(more)?;
-        let extension = self.tables.extension(&new);
+        let band = self.tables.band(&new);
         let residual = &self.residual - &new * &explained;
         let rss = self.rss - explained.norm_squared();
         // Columns of Q_1 are orthogonal to r̃ only together with the prior's rows.
@@ -168,7 +168,7 @@ impl Projection {
         let gain = |heard: &&Heard| {
             let along = match &heard.dense {
                 Some(columns) => cross(&new, columns),
-                None => extension.along(&heard.said, heard.sums.raw.ncols()),
+                None => band.along(&heard.said, heard.sums.raw.ncols()),
             };
             let Sums { along: before, raw, by_unit } = &heard.sums;
             let left = raw - cross(before, before) - cross(&along, &along);

@@ -33,7 +33,8 @@ pub(crate) struct Tables {
     jacobian: Arc<DMatrix<f64>>,
     /// The numbers of each visit.
     numbers: Vec<Range<usize>>,
-    along: Vec<f64>,
+    /// H, in bands of its rows.
+    along: Vec<Arc<Band>>,
     squares: Arc<Vec<f64>>,
     scores: Vec<f64>,
 }
@@ -69,7 +70,7 @@ impl Tables {
             unit,
             jacobian: Arc::new(jacobian),
             numbers,
-            along,
+            along: vec![Arc::new(Band { sites, rank, along })],
             squares: Arc::new(squares),
             scores,
         }
@@ -77,15 +78,8 @@ impl Tables {
 
     /// With further columns of Q_1 (m × k), which leave this of r̃.
     pub fn with(&self, new: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let more = self.extension(new);
-        let mut along = Vec::with_capacity(self.along.len() + more.along.len());
-        for visit in 0..self.numbers.len() {
-            for site in 0..self.sites {
-                along.extend_from_slice(self.along(visit, site));
-                let first = (visit * self.sites + site) * more.rank;
-                along.extend_from_slice(&more.along[first..first + more.rank]);
-            }
-        }
+        let mut along = self.along.clone();
+        along.push(Arc::new(self.band(new)));
         Tables {
             sites: self.sites,
             rank: self.rank + new.ncols(),
@@ -99,34 +93,32 @@ impl Tables {
         }
     }
 
-    /// H of one site of a visit, r.
-    fn along(&self, visit: usize, site: usize) -> &[f64] {
-        let first = (visit * self.sites + site) * self.rank;
-        &self.along[first..first + self.rank]
-    }
-
     /// M between two sites of a visit.
     fn square(&self, visit: usize, a: usize, b: usize) -> f64 {
         self.squares[(visit * self.sites + a) * self.sites + b]
     }
 
-    /// H of further columns of Q_1 (m × k): what [`Tables::with`] would append.
-    pub fn extension(&self, new: &DMatrix<f64>) -> Extension {
+    /// H of further columns of Q_1 (m × k): what [`Tables::with`] appends.
+    pub fn band(&self, new: &DMatrix<f64>) -> Band {
         let mut along = Vec::with_capacity(self.numbers.len() * self.sites * new.ncols());
         for own in &self.numbers {
             let sees = self.jacobian.rows(own.start, own.len());
             along.extend_from_slice(cross(&new.rows(own.start, own.len()), &sees).as_slice());
         }
-        Extension { sites: self.sites, rank: new.ncols(), along }
+        Band { sites: self.sites, rank: new.ncols(), along }
     }
 
     /// Adds what a visit's entries (column, site, value) say.
     pub fn add(&self, visit: usize, entries: &[(usize, usize, f64)], sums: &mut Sums) {
         let scores = &self.scores[visit * self.sites..(visit + 1) * self.sites];
         for (k, &(column, site, value)) in entries.iter().enumerate() {
-            let along = self.along(visit, site);
-            for (sum, h) in sums.along.column_mut(column).iter_mut().zip(along) {
-                *sum += value * h;
+            let mut first = 0;
+            for band in &self.along {
+                let mut rows = sums.along.column_mut(column);
+                for (sum, h) in rows.rows_mut(first, band.rank).iter_mut().zip(band.at(visit, site)) {
+                    *sum += value * h;
+                }
+                first += band.rank;
             }
             sums.by_unit[(self.unit[visit], column)] += value * scores[site];
             sums.raw[(column, column)] += value * value * self.square(visit, site, site);
@@ -167,8 +159,8 @@ impl Tables {
         };
         for visit in 0..visits {
             for &(site, share) in shares {
-                let sums = &mut along[visit * self.rank..(visit + 1) * self.rank];
-                for (sum, h) in sums.iter_mut().zip(self.along(visit, site)) {
+                let h = self.along.iter().flat_map(|band| band.at(visit, site));
+                for (sum, h) in along[visit * self.rank..(visit + 1) * self.rank].iter_mut().zip(h) {
                     *sum += share * h;
                 }
                 pulses.score[visit] += share * self.scores[visit * self.sites + site];
@@ -183,21 +175,26 @@ impl Tables {
     }
 }
 
-/// H of columns that come to Q_1.
+/// H of some columns of Q_1.
 #[derive(Debug)]
-pub(crate) struct Extension {
+pub(crate) struct Band {
     sites: usize,
     rank: usize,
     along: Vec<f64>,
 }
 
-impl Extension {
-    /// Their product with a candidate's columns, k × width, from its entries (visit, column, site, value).
+impl Band {
+    /// Of one site of a visit.
+    fn at(&self, visit: usize, site: usize) -> &[f64] {
+        let first = (visit * self.sites + site) * self.rank;
+        &self.along[first..first + self.rank]
+    }
+
+    /// The product of these columns with a candidate's, k × width, from its entries (visit, column, site, value).
     pub fn along(&self, said: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(self.rank, width);
         for &(visit, column, site, value) in said {
-            let first = (visit * self.sites + site) * self.rank;
-            for (sum, h) in along.column_mut(column).iter_mut().zip(&self.along[first..first + self.rank]) {
+            for (sum, h) in along.column_mut(column).iter_mut().zip(self.at(visit, site)) {
                 *sum += value * h;
             }
         }
