@@ -17,6 +17,7 @@ pub mod reduction;
 mod repeats;
 mod residuals;
 mod shapes;
+mod suspicion;
 mod variance;
 
 pub use comparison::{Compared, Paired, Trial, compare};
@@ -36,4 +37,5 @@ pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
 pub use shapes::{FittedShape, Shapes};
+pub use suspicion::{Cause, Suspicion, suspicion};
 pub use variance::estimate_noise;

@@ -10,6 +10,7 @@ mod plan;
 mod run;
 mod specification;
 mod spread;
+mod suspicion;
 mod words;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
@@ -20,13 +21,14 @@ pub use discovery::{
 pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandsView, Report, commands_report, comparison_report, discovery_report, identification_report,
-    worst_of_poses,
+    CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,
+    identification_report, worst_of_poses,
 };
 pub use plan::PlanSummary;
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};
 pub use spread::{PositionSpread, RotationSpread};
+pub use suspicion::suspicion_words;
 pub use words::{
     advice_words, count, millimetres, milliradians, significant, value_with_interval, warning_words,
 };

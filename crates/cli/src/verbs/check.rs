@@ -1,6 +1,6 @@
 //! `truepose check`: read files and say what was understood.
 
-use super::{print_json, robot};
+use super::{print_json, robot, suspected};
 use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
@@ -25,6 +25,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let options = MeasurementsOptions { measured_required: false };
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
+            terminal::warn(suspected(&chain, &data, path).as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
             }

@@ -2,7 +2,7 @@
 
 use super::identify::{split, split_words};
 use super::reporting::Folder;
-use super::{print_json, read_files, robot};
+use super::{print_json, read_files, robot, suspected};
 use crate::args::Compare;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -23,6 +23,7 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     };
     let (mut data, _, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
+    terminal::warn(suspected(&chain, &data, &args.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }

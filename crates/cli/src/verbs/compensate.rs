@@ -7,11 +7,11 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use rayon::prelude::*;
-use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Target};
+use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Target, predicted_error};
 use truepose_errormodel::{EffectRegistry, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
 use truepose_kinematics::Conditions;
-use truepose_report::{CommandsView, commands_report, count, millimetres};
+use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
 /// Poses that one thread takes at a time.
 const CHUNK: usize = 2048;
@@ -40,7 +40,7 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
                 .filter(|s: &(String, usize)| s.1 > 0)
                 .collect(),
             extrapolating: beyond,
-            commands: corrections(&fitted, &poses, &commands)?,
+            commands: views(&fitted, &poses, &commands)?,
         };
         folder.write(&view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
     }
@@ -75,12 +75,8 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Row, status, what is left and how far each command corrects, mm.
-fn corrections(
-    fitted: &FittedModel,
-    poses: &Poses,
-    commands: &[Command],
-) -> Result<Vec<(usize, String, f64, f64)>, Failure> {
+/// What the page and its JSON have of every command.
+fn views(fitted: &FittedModel, poses: &Poses, commands: &[Command]) -> Result<Vec<CommandView>, Failure> {
     let inputs = poses.rows.derived_for(fitted.model())?;
     let mut predictor = fitted.bind(&inputs.schema)?;
     let mut conditions = Conditions::default();
@@ -88,9 +84,18 @@ fn corrections(
         inputs.conditions_into(row, &mut conditions);
         conditions.joints.clear();
         conditions.joints.extend_from_slice(&command.joints);
-        let nominal = predictor.nominal(&conditions, poses.rows.target[row]).translation;
-        let correction = (nominal - poses.rows.measured_position(row)).norm();
-        (row + 1, command.status.word().into(), command.position_error * 1e3, correction * 1e3)
+        let target = poses.rows.target[row];
+        let wanted = poses.rows.measured_position(row);
+        let nominal = predictor.nominal(&conditions, target).translation;
+        CommandView {
+            row: row + 1,
+            status: command.status.word().into(),
+            at_mm: (wanted * 1e3).into(),
+            left_mm: command.position_error * 1e3,
+            correction_mm: (nominal - wanted).norm() * 1e3,
+            within_95_mm: predicted_error(fitted, &mut predictor, &conditions, target).measured_95 * 1e3,
+            extrapolates: command.extrapolation.any(),
+        }
     };
     Ok(commands.iter().enumerate().map(one).collect())
 }

@@ -1,7 +1,7 @@
 //! `truepose discover`: find what a declared model lacks, add it, and prove the gain.
 
 use super::reporting::Folder;
-use super::{print_json, read_files, robot};
+use super::{print_json, read_files, robot, suspected};
 use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
@@ -25,6 +25,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     };
     let (mut data, info, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
+    terminal::warn(suspected(&chain, &data, &args.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }

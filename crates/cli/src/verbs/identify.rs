@@ -1,7 +1,7 @@
 //! `truepose identify`: fit a declared error model, and say what it is worth.
 
 use super::reporting::Folder;
-use super::{print_json, read_files, robot};
+use super::{print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -38,10 +38,15 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         holdout: args.holdout,
         seed: args.seed,
     };
+    // Said with the result, or with the error where there is none.
+    let suspected = suspected(&chain, &data, &args.data);
     let progress = Progress::steps(Step::ALL.len());
     let solver = args.solver.build();
     let mut found = identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(word(step)))
-        .map_err(|error| refused(args, error))?;
+        .map_err(|error| {
+            terminal::warn(suspected.as_slice());
+            refused(args, error)
+        })?;
     drop(progress);
 
     let mut summary = IdentificationSummary::new(
@@ -51,6 +56,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         &args.solver.to_string(),
         options.split.as_ref().map(split_words),
     );
+    summary.warnings.splice(0..0, suspected);
     let locked = match args.holdout {
         Some(share) => hold_out(&data, share, args.seed)?.1,
         None => Vec::new(),

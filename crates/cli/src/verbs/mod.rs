@@ -19,8 +19,11 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
+use truepose_errormodel::Dataset;
+use truepose_identify::suspicion;
 use truepose_io::{CommandStatus, RobotOptions, read_robot};
 use truepose_kinematics::{Chain, TargetId};
+use truepose_report::suspicion_words;
 
 /// Reads a robot and passes on what is suspicious about it.
 fn robot(args: &Robot) -> Result<Chain, Failure> {
@@ -28,6 +31,12 @@ fn robot(args: &Robot) -> Result<Chain, Failure> {
     let (chain, warnings) = read_robot(&args.robot, &options)?;
     terminal::warn(&warnings);
     Ok(chain)
+}
+
+/// What looks like a mistake in a table as a whole, in words that begin with its file.
+fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Option<String> {
+    let found = suspicion(chain, data)?;
+    Some(format!("{}: {}", file.display(), suspicion_words(chain, &found)))
 }
 
 /// The declared target of this name.

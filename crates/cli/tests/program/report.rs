@@ -2,7 +2,7 @@
 
 use crate::folder::{Folder, ROBOT};
 use serde_json::Value;
-use truepose_report::significant;
+use truepose_report::{significant, value_with_interval};
 
 const EVIL: &str = "<img src=x onerror=alert(1)>";
 
@@ -79,20 +79,72 @@ fn page_ledger_and_terminal_have_the_same_numbers() {
     for (k, effect) in effects.iter().enumerate() {
         let after = significant(effect["holdout_rms_mm"]["after"].as_f64().unwrap(), 3);
         assert!(page.contains(&after) && terminal.contains(&after));
+        for (key, share) in [("p_value", 1.0), ("stability", 100.0)] {
+            let digits = if key == "p_value" { 2 } else { 3 };
+            let shown = significant(share * effect[key].as_f64().unwrap(), digits);
+            let words = if key == "p_value" { format!("p = {shown}") } else { format!("there in {shown} %") };
+            assert!(page.contains(&words) && terminal.contains(&words), "{words}");
+        }
+        for (parameter, first) in effect["parameters"].as_array().unwrap().iter().zip(0..) {
+            let number = |key: &str| parameter.pointer(key).unwrap().as_f64().unwrap();
+            let half = 0.5 * (number("/ci95/1") - number("/ci95/0"));
+            assert!(half > 0.0, "a parameter without its interval: {parameter}");
+            let (value, half, _) =
+                value_with_interval(number("/value"), half, parameter["unit"].as_str().unwrap());
+            let words = format!("{value} ± {half}");
+            assert!(page.contains(&words), "{words}");
+            assert!(terminal.contains(&words) || first >= 4, "{words}");
+        }
+        for (rival, first) in effect["alternatives"].as_array().unwrap().iter().zip(0..) {
+            let held_out = significant(rival["holdout_rms_mm"].as_f64().unwrap(), 3);
+            assert!(page.contains(&format!("<td>{held_out}</td>")), "{held_out}");
+            assert!(terminal.contains(&format!("({held_out} mm held out)")) || first >= 2, "{held_out}");
+        }
+        let meaning = effect["meaning"].as_str().unwrap();
+        assert!(page.contains(meaning) && terminal.contains(meaning), "{meaning}");
         assert!(folder.read(&format!("page/effect_{}.svg", k + 1)).starts_with("<svg"));
     }
 }
 
 #[test]
 fn names_are_shown_and_not_run() {
+    const FILE: &str = "<img src=x onerror=alert(1)>.csv";
+    const CHANNEL: &str = "<img src=y onerror=alert(2)>";
     let folder = discovered(EVIL, EVIL);
-    let page = folder.read("page/index.html");
-    assert!(!page.contains("<img") && page.contains("&lt;img src=x onerror=alert(1)&gt;"));
-    for name in std::fs::read_dir(folder.file("page")).unwrap().map(|e| e.unwrap().path()) {
-        if name.extension().is_some_and(|e| e == "svg") {
-            assert!(!std::fs::read_to_string(&name).unwrap().contains("<img"), "{}", name.display());
+    let robot = folder.read("robot.toml").replace("\"T1\"", &format!("{EVIL:?}"));
+    folder.write("robot.toml", &robot);
+    // A channel and a file of that name as well.
+    let rows: Vec<String> = folder
+        .read("data.csv")
+        .lines()
+        .zip(0..)
+        .map(|(line, k)| match k {
+            0 => format!("{line},{CHANNEL}[degC]"),
+            _ => format!("{},{}", line.replace(",T1,", &format!(",{EVIL},")), 20 + k % 7),
+        })
+        .collect();
+    folder.write(FILE, &(rows.join("\n") + "\n"));
+    let inputs = ["--robot", "robot.toml", "--data", FILE];
+    let with = |verb: &'static str, more: &[&'static str]| [&[verb], &inputs[..], more].concat();
+    folder.run(&with("discover", &["--report", "d", "--flips", "499"])).ended(0);
+    folder.run(&with("identify", &["--report", "i", "--out", "fit.json"])).ended(0);
+    folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
+    folder.run(&["predict", "--fit", "fit.json", "--data", FILE, "--out", FILE]).ended(0);
+    folder
+        .run(&["compensate", "--fit", "fit.json", "--poses", FILE, "--out", "q.csv", "--report", "k"])
+        .ended(0);
+    for page in ["page", "d", "i", "c", "k"] {
+        let html = folder.read(&format!("{page}/index.html"));
+        assert!(html.matches("&lt;img src=x onerror=alert(1)&gt;").count() > 2, "{page}");
+        for name in std::fs::read_dir(folder.file(page)).unwrap().map(|e| e.unwrap().path()) {
+            if name.extension().is_some_and(|e| e == "svg" || e == "html") {
+                assert!(!std::fs::read_to_string(&name).unwrap().contains("<img"), "{}", name.display());
+            }
         }
     }
+    let html = folder.read("d/index.html");
+    let label = format!("against {CHANNEL}").replace('<', "&lt;").replace('>', "&gt;");
+    assert!(html.contains(&label), "the channel is shown");
 }
 
 #[test]

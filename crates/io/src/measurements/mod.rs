@@ -7,9 +7,11 @@
 
 pub(crate) mod cells;
 pub(crate) mod columns;
+mod copies;
 pub(crate) mod header;
 mod info;
 mod lines;
+mod mixed;
 mod plausible;
 mod reader;
 mod row;

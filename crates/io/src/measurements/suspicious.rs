@@ -1,11 +1,12 @@
 //! What is not wrong in a table but looks as if something were.
 
+use super::copies::copies;
 use super::header::Needs;
 use super::plausible::rounded;
 use super::reader::MeasurementsReader;
 use crate::{Quantity, Unit, Warning};
 use truepose_errormodel::Dataset;
-use truepose_kinematics::Chain;
+use truepose_kinematics::{Chain, Load};
 
 /// Positions spread over more than this many lengths of the robot are in another unit.
 const TOO_FAR: f64 = 20.0;
@@ -91,6 +92,21 @@ pub(super) fn look(
             header.warn(warnings, Some(slots[0]), message);
         }
     }
+    if needs.measured && data.len() >= 5 {
+        unvaried(reader, data, warnings);
+        if let Some((row, of, count)) = copies(data) {
+            let message = format!(
+                "is an exact copy of line {}{}; a copied row is no repeated measurement, and makes the noise look smaller than it is",
+                data.line[of],
+                match count {
+                    1 => String::new(),
+                    2 => ", and another row is a copy too".into(),
+                    n => format!(", and {} other rows are copies too", n - 1),
+                }
+            );
+            warnings.push(at(data.line[row], None, message));
+        }
+    }
     if needs.measured {
         let empty = (0..data.len()).filter(|&row| data.seen(row).count() == 0);
         let mut empty = empty.peekable();
@@ -100,6 +116,37 @@ pub(super) fn look(
                 format!("nothing was measured in this row{}; it takes no part in a fit", more(count));
             warnings.push(at(data.line[first], None, message));
         }
+    }
+}
+
+/// Columns that should change and do not.
+fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warning>) {
+    let header = &reader.rows.header;
+    let still = |column: &[f64]| column.iter().all(|q| q.to_bits() == column[0].to_bits());
+    if let Some(slots) = &header.slots.joints {
+        let fixed: Vec<usize> =
+            data.joints.iter().zip(slots).filter(|(column, _)| still(column)).map(|(_, &k)| k).collect();
+        if !fixed.is_empty() && fixed.len() == slots.len() {
+            let message = "no joint moves: all rows are one configuration, which tells nothing about the arm";
+            header.warn(warnings, None, message);
+        } else {
+            for k in fixed {
+                header.warn(
+                    warnings,
+                    Some(k),
+                    "never changes: the data says nothing about this joint's motion",
+                );
+            }
+        }
+    }
+    let unloaded =
+        |load: &Load| matches!(load, Load::Payload(payload) if payload.mass.abs() < f64::MIN_POSITIVE);
+    if let Some(k) = header.slots.payload
+        && data.load.iter().all(unloaded)
+    {
+        let message = "is zero in every row: what yields under a payload cannot be told from this data; if something was carried, \
+                       declare it";
+        header.warn(warnings, Some(k), message);
     }
 }
 

@@ -184,14 +184,18 @@ pub(super) fn meaning(finding: &Finding) -> String {
             "Target {} is not where the description has it: measure it again.",
             place.target.as_deref().unwrap_or("")
         ),
-        Family::Geometric => format!("The frame of {joint} is not where the description has it."),
+        Family::Geometric => format!(
+            "The frame of {joint} is not where the description has it: look at its seat and dowels, or correct the description."
+        ),
         Family::JointCompliance => {
             format!(
                 "{joint} yields in proportion to the load about its axis: gear, bearing or drive stiffness."
             )
         }
         Family::BaseCompliance => "The base tilts or sinks under the load: look at its anchoring.".into(),
-        Family::Backlash => format!("{joint} has play: its error switches with the side it comes from."),
+        Family::Backlash => format!(
+            "{joint} has play: its error switches with the side it comes from. Look at gear backlash, belt tension and preload."
+        ),
         Family::Transmission => {
             format!(
                 "The drive of {joint} errs periodically: eccentric wheel, gear mesh, strain wave or screw."
@@ -202,20 +206,30 @@ pub(super) fn meaning(finding: &Finding) -> String {
             place.driver.as_deref().unwrap_or("another joint")
         ),
         Family::Guideway => {
-            format!("The rail of {joint} is not straight, or its carriage turns as it travels.")
+            format!(
+                "The rail of {joint} is not straight, or its carriage turns as it travels: look at its bolts, shims and carriage."
+            )
         }
         Family::Payload => format!(
             "The payload declared as {} kg is another one: weigh it.",
             place.level.unwrap_or_default()
         ),
-        Family::LinkCompliance => format!("The link behind {joint} bends or twists under what it carries."),
-        Family::LoadNonlinearity => format!("{joint} does not yield in proportion to its load."),
-        Family::Shift => format!("{joint} jumped once: something was bumped, changed or mounted anew."),
+        Family::LinkCompliance => format!(
+            "The link behind {joint} bends or twists under what it carries: look at its flange bolts and bearings; else it is its stiffness."
+        ),
+        Family::LoadNonlinearity => format!(
+            "{joint} does not yield in proportion to its load: a bearing or gear that takes up play, or a strain wave that stiffens."
+        ),
+        Family::Shift => format!(
+            "{joint} jumped once: something was bumped, changed or mounted anew. Look at what the log has at that time."
+        ),
         Family::Thermal => format!(
-            "{joint} follows {}: it grows or moves with temperature.",
+            "{joint} follows {}: it grows or moves with temperature. Warm up, shield, or read the sensor when commanding.",
             place.channel.as_deref().unwrap_or("a temperature")
         ),
-        Family::Drift => format!("{joint} moves slowly with time: warming up, settling, or the instrument."),
+        Family::Drift => format!(
+            "{joint} moves slowly with time: warming up, settling, or the instrument. Warm up longer, or measure a fixed point between."
+        ),
         Family::Unmodelled => format!(
             "Something at {joint} depends on {} in a way that has no name here.",
             [place.covariate.as_deref(), place.covariate2.as_deref()]

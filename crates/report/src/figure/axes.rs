@@ -1,6 +1,6 @@
 //! A plot: two linear axes, and marks in the units of the data.
 
-use super::escape;
+use super::{cut, escape};
 use std::fmt::Write;
 
 const LEFT: f64 = 58.0;
@@ -27,6 +27,8 @@ impl Plot {
     /// Grid, numbers and names of the axes.
     pub(crate) fn axes(mut self, title: &str, x: &str, y: &str) -> Self {
         let (right, bottom) = (self.width - RIGHT, self.height - BOTTOM);
+        // Letters of 12 px that find room along an axis.
+        let [along, up] = [right - LEFT, bottom - TOP].map(|length| (length / 6.4) as usize);
         for tick in ticks(self.y, 5) {
             let at = self.down(tick);
             let _ = write!(
@@ -52,11 +54,11 @@ impl Plot {
             "<path class=\"axis\" d=\"M{LEFT} {TOP}V{bottom}H{right}\"/><text x=\"{LEFT}\" y=\"14\" font-weight=\"600\">{}</text>\
              <text class=\"soft\" x=\"{right}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>\
              <text class=\"soft\" transform=\"translate(12 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            escape(title),
+            escape(&cut(title, along)),
             bottom + 33.0,
-            escape(x),
+            escape(&cut(x, along)),
             0.5 * (TOP + bottom),
-            escape(y)
+            escape(&cut(y, up))
         );
         self
     }
@@ -112,9 +114,21 @@ impl Plot {
         self.outside
     }
 
-    /// The panel without its frame, shifted down by so many pixels.
-    pub(crate) fn panel(&self, down: f64) -> String {
-        format!("<g transform=\"translate(0 {down})\">{}</g>", self.body)
+    /// A cell between two corners, the stronger the larger `strength` (0…1).
+    pub(crate) fn cell(&mut self, class: &str, [low, high]: [[f64; 2]; 2], strength: f64) {
+        let (left, right) = (self.across(low[0]), self.across(high[0]));
+        let (bottom, top) = (self.down(low[1]), self.down(high[1]));
+        let _ = write!(
+            self.body,
+            "<rect class=\"{class}\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" opacity=\"{strength:.2}\"/>",
+            right - left,
+            bottom - top
+        );
+    }
+
+    /// The panel without its frame, shifted right and down by so many pixels.
+    pub(crate) fn panel(&self, [right, down]: [f64; 2]) -> String {
+        format!("<g transform=\"translate({right} {down})\">{}</g>", self.body)
     }
 
     /// The figure; `about` says to who cannot see it what it shows.
@@ -137,7 +151,7 @@ pub(crate) fn frame(width: f64, height: f64, about: &str, body: &str) -> String 
     let about = escape(about);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" style=\"max-width:{:.0}px;min-width:{:.0}px\" role=\"img\" aria-label=\"{about}\"><title>{about}</title>{body}</svg>",
-        1.12 * width,
+        1.2 * width,
         if width > 500.0 { 0.75 * width } else { 0.0 }
     )
 }
@@ -154,14 +168,20 @@ fn opened([low, high]: [f64; 2]) -> [f64; 2] {
     [low - by, high + by]
 }
 
-/// Round numbers in a range.
+/// Round numbers in a range: as many as are nearest to `about`, and never a single one.
 fn ticks([low, high]: [f64; 2], about: usize) -> Vec<f64> {
-    let raw = (high - low) / about.max(1) as f64;
-    let power = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|k| k * power).into_iter().find(|s| *s >= raw).unwrap_or(raw);
-    let first = (low / step - 1e-9).ceil() as i64;
-    let last = (high / step + 1e-9).floor() as i64;
-    (first..=last.min(first + 40)).map(|k| k as f64 * step).collect()
+    let about = about.max(2) as i64;
+    let power = 10f64.powf(((high - low) / about as f64).log10().floor());
+    let spanned = |step: f64| ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    let number = |step: f64| spanned(step).1.saturating_sub(spanned(step).0) + 1;
+    let step = [0.5, 1.0, 2.0, 5.0, 10.0]
+        .map(|k| k * power)
+        .into_iter()
+        .filter(|step| number(*step) > 1)
+        .min_by_key(|step| (number(*step) - about).abs())
+        .unwrap_or(power);
+    let (first, last) = spanned(step);
+    (first..=last.min(first.saturating_add(40))).map(|k| k as f64 * step).collect()
 }
 
 fn number(value: f64) -> String {
@@ -185,6 +205,11 @@ mod tests {
         );
         for t in ticks([-3.3, 17.2], 5) {
             assert!((-3.3..=17.2).contains(&t));
+        }
+        // A narrow panel has more than one number on its axis.
+        for range in [[1.0, 360.0], [-57.0, 72.0], [19.6, 21.3], [1.0, 11911.0], [-181.0, 46.0]] {
+            let count = ticks(range, 3).len();
+            assert!((2..=5).contains(&count), "{range:?}: {count}");
         }
     }
 

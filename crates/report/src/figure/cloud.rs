@@ -4,11 +4,11 @@ use super::axes::frame;
 use super::escape;
 use std::fmt::Write;
 
-/// Two clouds of error vectors (mm) in one scale, each with the sphere of the specification (mm).
+/// Clouds of error vectors (mm) in one scale, each with the sphere of the specification (mm).
 pub(crate) fn cloud(
     about: &str,
-    titles: [&str; 2],
-    clouds: [&[[f64; 3]]; 2],
+    titles: &[String],
+    clouds: &[&[[f64; 3]]],
     sphere: Option<(f64, String)>,
 ) -> String {
     const SIDE: f64 = 380.0;
@@ -45,11 +45,11 @@ pub(crate) fn cloud(
             );
         }
         let mut path = String::new();
-        for point in points {
+        for point in points.iter() {
             let (x, y) = project(*point);
             let _ = write!(path, "M{:.1} {:.1}h0", cx + x, cy + y);
         }
-        let class = if k == 0 { "before" } else { "after" };
+        let class = if k + 1 == clouds.len() { "after" } else { "before" };
         let _ = write!(body, "<path class=\"{class} dots\" d=\"{path}\"/>");
         if let Some((radius, name)) = &sphere {
             let r = radius * scale;
@@ -61,5 +61,5 @@ pub(crate) fn cloud(
             );
         }
     }
-    frame(2.0 * SIDE, SIDE + 34.0, about, &body)
+    frame(SIDE * clouds.len() as f64, SIDE + 34.0, about, &body)
 }

@@ -1,7 +1,7 @@
 //! A heat map of correlations between coefficients.
 
 use super::axes::frame;
-use super::escape;
+use super::{cut, escape};
 use std::fmt::Write;
 
 /// Square of values −1…1 with names; strength is opacity, sign is colour.
@@ -14,7 +14,7 @@ pub(crate) fn heat_map(about: &str, names: &[String], value: impl Fn(usize, usiz
     let _ = write!(body, "<rect class=\"tile\" x=\"{NAMES}\" y=\"4\" width=\"{side}\" height=\"{side}\"/>");
     for (row, name) in names.iter().enumerate() {
         let top = 4.0 + CELL * row as f64;
-        let name: String = name.chars().take(32).collect();
+        let name = cut(name, 32);
         let _ = write!(
             body,
             "<text style=\"font-size:10.5px\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{} · {}</text>",

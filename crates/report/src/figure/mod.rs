@@ -2,13 +2,15 @@
 
 mod axes;
 mod bars;
+mod chart;
 mod cloud;
 mod heat;
 mod thin;
 mod trace;
 
 pub(crate) use axes::Plot;
-pub(crate) use bars::{Bar, bars};
+pub(crate) use bars::{Bar, bars, waterfall};
+pub(crate) use chart::{Chart, cell, cells_for, chart, range};
 pub(crate) use cloud::cloud;
 pub(crate) use heat::heat_map;
 pub(crate) use thin::{bins, quantile, thin};
@@ -33,6 +35,19 @@ pub(crate) fn escape(text: &str) -> String {
         }
     }
     safe
+}
+
+/// A text of at most so many letters; what is longer ends in an ellipsis.
+pub(crate) fn cut(text: &str, letters: usize) -> String {
+    if text.chars().count() <= letters {
+        return text.into();
+    }
+    text.chars().take(letters.saturating_sub(1)).chain(['…']).collect()
+}
+
+/// A unit as people write it.
+pub(crate) fn unit_words(unit: &str) -> String {
+    unit.replace("degC", "°C").replace("N*m", "N·m")
 }
 
 /// A figure as a file of its own: with its colours, light and dark.

@@ -1,7 +1,7 @@
 //! The residual traced to one effect against what drives it: with the effect out of the model, and with it in.
 
 use super::axes::frame;
-use super::{Plot, bins, quantile, thin};
+use super::{Plot, bins, cut, quantile, thin, unit_words};
 use truepose_discover::Trace;
 
 /// Points that are drawn.
@@ -11,8 +11,21 @@ const MEANS: usize = 24;
 /// Steps of the curve.
 const STEPS: usize = 160;
 
-/// The figure, and what has to be said about it.
-pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (String, Vec<String>) {
+/// Width and height of a panel.
+const PANEL: [f64; 2] = [400.0, 300.0];
+
+/// An effect before and after.
+pub(crate) struct TraceFigure {
+    /// Without the effect, and with it: one SVG each, so that they stand beside each other or under each other.
+    pub panels: [String; 2],
+    /// Both in one, for the file.
+    pub whole: String,
+    /// What has to be said about them.
+    pub notes: Vec<String>,
+}
+
+/// The figure of one effect.
+pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> TraceFigure {
     let mut notes = Vec::new();
     let (factor, unit) =
         shown(trace.unit, quantile(trace.points.iter().map(|p| p.before.abs()).collect(), 0.5));
@@ -22,16 +35,18 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (
         "m" => (1e3, "mm"),
         other => (1.0, other),
     };
+    let x_unit = unit_words(x_unit);
+    let name = cut(&trace.driver, 28);
     let x_of = |k: usize| {
         let x = trace.points[k].driver;
         x_factor * folded.map_or(x, |p| x.rem_euclid(p))
     };
     let x_name = match folded {
         Some(p) => {
-            format!("{} within its period of {} {x_unit}", trace.driver, crate::significant(p * x_factor, 4))
+            format!("{name} within its period of {} {x_unit}", crate::significant(p * x_factor, 4))
         }
-        None if x_unit.is_empty() => trace.driver.clone(),
-        None => format!("{}, {x_unit}", trace.driver),
+        None if x_unit.is_empty() => name,
+        None => format!("{name}, {x_unit}"),
     };
     // Rows with a short lever say little and scatter much.
     let lever = quantile(trace.points.iter().map(|p| p.lever).collect(), 0.9);
@@ -66,17 +81,17 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (
         xs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     ];
 
-    let mut body = String::new();
+    let mut panels = Vec::new();
     let mut outside = 0;
-    for (panel, words) in ["effect out of the model", "effect in the model"].iter().enumerate() {
+    for (panel, words) in ["without this effect", "with it"].iter().enumerate() {
         let of = |k: usize| {
             let p = &trace.points[k];
             factor * if panel == 0 { p.before } else { p.after }
         };
-        let mut plot = Plot::new(760.0, 300.0, x, y).axes(
-            &format!("{title}: {words}"),
+        let mut plot = Plot::new(PANEL[0], PANEL[1], x, y).axes(
+            words,
             &x_name,
-            &format!("{}, {unit}", trace.what),
+            &format!("{}, {unit}", cut(&trace.what, 28)),
         );
         let groups = trace.classes.len().max(1);
         for class in 0..groups {
@@ -103,17 +118,29 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> (
             plot.line("ink thinline", &[(x[0], 0.0), (x[1], 0.0)]);
         }
         outside += plot.outside();
-        body += &plot.panel(306.0 * panel as f64);
+        panels.push(plot);
     }
     if outside > 0 {
         notes.push(format!("{outside} marks beyond the scale stand at its edge."));
     }
     notes.dedup();
-    let about = format!(
-        "{title}: what is left, traced to {}, against {}; above with the effect out of the model, below with it in",
-        trace.what, trace.driver
-    );
-    (frame(760.0, 610.0, &about, &body), notes)
+    let about = |words: &str| {
+        format!("{title}: what is left, traced to {}, against {}; {words}", trace.what, trace.driver)
+    };
+    let both: String =
+        panels.iter().enumerate().map(|(k, plot)| plot.panel([PANEL[0] * k as f64, 0.0])).collect();
+    TraceFigure {
+        panels: ["without the effect in the model", "with the effect in the model"]
+            .map(&about)
+            .map(|words| panels.remove(0).finish(&words)),
+        whole: frame(
+            2.0 * PANEL[0],
+            PANEL[1],
+            &about("on the left without the effect in the model, on the right with it"),
+            &both,
+        ),
+        notes,
+    }
 }
 
 /// Draws what the model says; true when it is not a curve of this input alone.
@@ -206,7 +233,9 @@ mod tests {
 
     #[test]
     fn both_panels_are_drawn_and_what_is_left_out_is_said() {
-        let (svg, notes) = trace_figure(&wave(1.0, |_| 0), "wave", None);
+        let TraceFigure { panels, whole: svg, notes } = trace_figure(&wave(1.0, |_| 0), "wave", None);
+        assert!(panels[0].contains("before dots") && !panels[0].contains("after dots"));
+        assert!(panels[1].contains("after dots") && !panels[1].contains("before dots"));
         assert!(!svg.contains("NaN") && !svg.contains("<b>") && svg.contains("mrad"));
         assert!(svg.contains("before dots") && svg.contains("after dots") && svg.contains("ink curve"));
         assert!(notes.iter().any(|n| n.starts_with("10 of 500 rows")), "{notes:?}");
@@ -215,11 +244,13 @@ mod tests {
 
     #[test]
     fn waves_of_many_turns_are_laid_on_top_of_each_other() {
-        let (svg, notes) = trace_figure(&wave(9.0, |_| 0), "wave", Some(std::f64::consts::TAU));
+        let TraceFigure { whole: svg, notes, .. } =
+            trace_figure(&wave(9.0, |_| 0), "wave", Some(std::f64::consts::TAU));
         assert!(svg.contains("within its period of 360.0 °"));
         assert!(!notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
         // At half the period the curve is none of this input alone.
-        let (_, notes) = trace_figure(&wave(9.0, |_| 0), "wave", Some(0.7 * std::f64::consts::TAU));
+        let TraceFigure { notes, .. } =
+            trace_figure(&wave(9.0, |_| 0), "wave", Some(0.7 * std::f64::consts::TAU));
         assert!(notes.iter().any(|n| n.contains("more than this input")), "{notes:?}");
     }
 }

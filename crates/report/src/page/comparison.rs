@@ -70,26 +70,58 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
     page.finish()
 }
 
+/// Which strategy to take, and whether it matters.
 fn verdict(best: Option<&(String, f64, Option<f64>)>, first: Option<&(String, f64, Option<f64>)>) -> String {
     /// Below it, a difference is taken for one.
     const LEVEL: f64 = 0.05;
-    match (best, first) {
-        (Some(best), Some(first)) if best.0 == first.0 => {
-            format!("{} is the best on held-out configurations: {} mm.", best.0, significant(best.1, 3))
-        }
-        (Some(best), Some(first)) => format!(
-            "{} has the smallest held-out error, {} mm, against {} mm of {}: {}.",
+    let (Some(best), Some(first)) = (best, first) else { return "No strategy gave an answer.".into() };
+    // As many digits as tell the two apart.
+    let mm = |digits| (significant(best.1, digits), significant(first.1, digits));
+    let (smallest, reference) = (3..8).map(mm).find(|(a, b)| a != b).unwrap_or_else(|| mm(3));
+    if best.0 == first.0 {
+        return format!(
+            "No strategy predicts held-out configurations better than {}: {smallest} mm.",
+            best.0
+        );
+    }
+    match best.2 {
+        Some(p) if p < LEVEL => format!(
+            "{} predicts held-out configurations better than {}: {smallest} mm against {reference} mm (p = {}).",
             best.0,
-            significant(best.1, 3),
-            significant(first.1, 3),
             first.0,
-            match best.2 {
-                Some(p) if p < LEVEL =>
-                    format!("a difference that chance makes with p = {} only", significant(p, 2)),
-                Some(p) => format!("chance would do as much (p = {})", significant(p, 2)),
-                None => "not tested".into(),
-            }
+            significant(p, 2)
         ),
-        _ => "No strategy gave an answer.".into(),
+        p => format!(
+            "No strategy predicts held-out configurations better than {}, {reference} mm, by more than chance: the smallest error \
+             is that of {}, {smallest} mm{}.",
+            first.0,
+            best.0,
+            p.map_or_else(String::new, |p| format!(" (p = {})", significant(p, 2)))
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_that_chance_makes_is_no_difference() {
+        let qr = ("qr".to_owned(), 0.134_31, None);
+        let lucky = ("ridge".to_owned(), 0.134_29, Some(0.68));
+        let better = ("huber(qr)".to_owned(), 0.1, Some(0.001));
+        assert_eq!(
+            verdict(Some(&lucky), Some(&qr)),
+            "No strategy predicts held-out configurations better than qr, 0.13431 mm, by more than chance: the smallest error \
+             is that of ridge, 0.13429 mm (p = 0.68)."
+        );
+        assert_eq!(
+            verdict(Some(&better), Some(&qr)),
+            "huber(qr) predicts held-out configurations better than qr: 0.100 mm against 0.134 mm (p = 0.0010)."
+        );
+        assert_eq!(
+            verdict(Some(&qr), Some(&qr)),
+            "No strategy predicts held-out configurations better than qr: 0.134 mm."
+        );
     }
 }

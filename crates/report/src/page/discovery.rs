@@ -3,9 +3,9 @@
 use super::rows::{Rows, complement, merged};
 use super::{Page, Report};
 use crate::discovery::{DiscoverySummary, FindingSummary};
-use crate::figure::{Bar, bars, escape, trace_figure};
+use crate::figure::{Bar, escape, trace_figure, unit_words, waterfall};
 use crate::{RunRecord, SpecificationSummary, count, significant, value_with_interval};
-use truepose_discover::{Diagnosis, Family};
+use truepose_discover::{Diagnosis, Family, Stop};
 use truepose_errormodel::Dataset;
 use truepose_identify::IdentifyError;
 
@@ -28,11 +28,11 @@ pub fn discovery_report(
     let rows = rows(found, data, labels);
     page.section("Errors in space");
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
-    page.section("What each effect took away");
-    waterfall(&mut page, summary);
-    page.section("Each effect");
-    if summary.effects.is_empty() {
-        page.text("None was found: what the declared model leaves is what chance leaves. This is an answer, not a failure.");
+    page.joint_space(&rows, TITLES);
+    if !summary.effects.is_empty() {
+        page.section("What each effect took away");
+        steps(&mut page, summary);
+        page.section("Each effect");
     }
     for (number, effect) in (1..).zip(&summary.effects) {
         finding(&mut page, number, effect, found, summary.after.holdout.rms_mm);
@@ -72,32 +72,46 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
 fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     let (before, after) = (summary.before.holdout, summary.after.holdout);
     let mm = |v: f64| significant(v, 3);
-    let rows = count(after.count, "row");
+    let rows = count(after.count, "held-out row");
     let floor = format!("a perfect model would leave {} mm", mm(summary.noise_floor_mm));
-    let sentence = if summary.effects.is_empty() {
-        format!(
-            "Nothing was found that the declared model lacks: on {rows} that took part in nothing the position error is {} mm \
-             (3-D RMS); {floor}.",
-            mm(after.rms_mm)
-        )
+    let named: Vec<String> = summary.effects.iter().map(FindingSummary::words).collect();
+    let sentence = if named.is_empty() {
+        let answer = match summary.stopped {
+            Stop::NothingLeft => "The declared model is enough: nothing was found that it lacks",
+            _ => "Nothing was found that can be added to the declared model with confidence",
+        };
+        format!("{answer}. On {rows} the position error is {} mm (3-D RMS); {floor}.", mm(after.rms_mm))
     } else {
         format!(
-            "On {rows} that took part in nothing, the position error went from {} to {} mm (3-D RMS); {floor}.",
+            "The declared model lacks {}: {}. With {}, the position error on {rows} goes from {} to {} mm (3-D RMS); {floor}.",
+            if named.len() == 1 { "one effect".into() } else { count(named.len(), "effect") },
+            named.join(", "),
+            if named.len() == 1 { "it" } else { "them" },
             mm(before.rms_mm),
             mm(after.rms_mm)
         )
     };
     page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&sentence)));
     page.raw("<div class=\"numbers4\">");
-    for (value, words) in [
-        (mm(before.rms_mm), "mm RMS before, held out"),
-        (mm(after.rms_mm), "mm RMS after, held out"),
+    let tail = [
         (mm(after.p95_mm), "mm: 95 % of held-out rows are below"),
         (mm(after.max_mm), "mm largest, held out"),
-    ] {
+    ];
+    let head = if named.is_empty() {
+        [
+            (mm(after.rms_mm), "mm RMS, held out"),
+            (mm(summary.noise_floor_mm), "mm RMS that noise alone leaves"),
+        ]
+    } else {
+        [(mm(before.rms_mm), "mm RMS before, held out"), (mm(after.rms_mm), "mm RMS after, held out")]
+    };
+    for (value, words) in head.into_iter().chain(tail) {
         page.raw(&format!("<div><b>{}</b><span>{words}</span></div>", escape(&value)));
     }
     page.raw("</div>");
+    page.note(
+        "Held-out rows were drawn before anything was fitted, and took part in no fit and in no choice.",
+    );
     specification(page, summary.specification.as_ref());
     page.text(&summary.question());
     page.text(&summary.why());
@@ -109,13 +123,16 @@ pub(super) fn specification(page: &mut Page, of: Option<&SpecificationSummary>) 
         None => page.note("No specification was given: --spec 0.5mm holds the held-out poses against one."),
         Some(spec) => {
             let word = spec.verdict.words();
-            page.raw(&format!("<p><span class=\"badge {}\">{word}</span></p>", word.replace(' ', "_")));
-            page.text(&spec.words());
+            page.raw(&format!(
+                "<p><span class=\"badge {}\">{word}</span> {}</p>",
+                word.replace(' ', "_"),
+                escape(&spec.words())
+            ));
         }
     }
 }
 
-fn waterfall(page: &mut Page, summary: &DiscoverySummary) {
+fn steps(page: &mut Page, summary: &DiscoverySummary) {
     let mm = |v: f64| format!("{} mm", significant(v, 3));
     let bar = |name: &str, range, class, label| Bar { name: name.into(), range, class, label };
     let mut list = vec![bar(
@@ -136,7 +153,7 @@ fn waterfall(page: &mut Page, summary: &DiscoverySummary) {
         mm(summary.after.holdout.rms_mm),
     ));
     let floor = format!("noise floor {}", mm(summary.noise_floor_mm));
-    let svg = bars(
+    let svg = waterfall(
         "What each effect took away from the held-out error",
         &list,
         Some((summary.noise_floor_mm, floor)),
@@ -144,7 +161,7 @@ fn waterfall(page: &mut Page, summary: &DiscoverySummary) {
     page.figure(
         "waterfall",
         &svg,
-        "RMS of the 3-D position error on rows that took part in nothing, in the order in which effects were added.",
+        "RMS of the 3-D position error on held-out rows, in the order in which effects were added. Dashed: what noise alone leaves.",
     );
 }
 
@@ -159,7 +176,7 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         return;
     }
     if let Some(trace) = found.findings.get(number - 1).and_then(|f| f.trace.as_ref()) {
-        let (svg, notes) = trace_figure(trace, &effect.words(), effect.period);
+        let drawn = trace_figure(trace, &effect.words(), effect.period);
         let legend = if trace.classes.is_empty() {
             "Marks with bars: means with their 95 % intervals.".to_owned()
         } else {
@@ -173,16 +190,16 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         };
         let words = format!(
             "Residual traced to this effect (all others stay in the model). Black: what the model says, with its 95 % band. {legend} {}",
-            notes.join(" ")
+            drawn.notes.join(" ")
         );
-        page.figure(&format!("effect_{number}"), &svg, words.trim());
+        page.figure_of_two(&format!("effect_{number}"), &drawn.panels, &drawn.whole, words.trim());
     }
     let rows: Vec<Vec<String>> = effect
         .parameters
         .iter()
         .map(|p| {
             let (value, half, unit) = value_with_interval(p.value, 0.5 * (p.ci95[1] - p.ci95[0]), &p.unit);
-            vec![p.name.clone(), format!("{value} ± {half}"), unit]
+            vec![p.name.clone(), format!("{value} ± {half}"), unit_words(&unit)]
         })
         .collect();
     let folded = rows.len() > 6;

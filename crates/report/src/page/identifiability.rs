@@ -1,7 +1,7 @@
 //! What the data determines: groups in words, correlations, what is not excited, O1–O5.
 
 use super::Page;
-use crate::figure::heat_map;
+use crate::figure::{heat_map, unit_words};
 use crate::identification::groups;
 use crate::{advice_words, significant, value_with_interval};
 use truepose_errormodel::Dataset;
@@ -31,7 +31,7 @@ impl Page {
                 vec![
                     group.words.clone(),
                     format!("{value} ± {half}"),
-                    unit,
+                    unit_words(&unit),
                     significant(group.against_expected, 2),
                 ]
             })

@@ -48,6 +48,7 @@ pub fn identification_report(
         None => "Errors on the rows of the fit: nothing was held out.",
     });
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
+    page.joint_space(&rows, TITLES);
     page.section("Residuals");
     page.by_axis(&rows, TITLES);
     page.title("Against what the robot did");

@@ -5,11 +5,12 @@ mod comparison;
 mod discovery;
 mod identifiability;
 mod identification;
+mod joint_space;
 mod residuals;
 mod rows;
 mod space;
 
-pub use commands::{CommandsView, commands_report};
+pub use commands::{CommandView, CommandsView, commands_report};
 pub use comparison::comparison_report;
 pub use discovery::discovery_report;
 pub use identification::identification_report;
@@ -62,8 +63,11 @@ impl Page {
         let _ = write!(self.body, "<p>{}</p>", escape(text));
     }
 
-    /// A paragraph that is read last.
+    /// A paragraph that is read last, if there is anything to say.
     pub(crate) fn note(&mut self, text: &str) {
+        if text.is_empty() {
+            return;
+        }
         let _ = write!(self.body, "<p class=\"note\">{}</p>", escape(text));
     }
 
@@ -112,6 +116,32 @@ impl Page {
         self.figures.push((file, standalone(svg)));
     }
 
+    /// Figures beside each other, or under each other where the page is narrow; each becomes a file.
+    pub(crate) fn figures(&mut self, name: &str, svgs: &[String], words: &str) {
+        let named = svgs.iter().enumerate().map(|(k, svg)| (format!("{name}_{}", k + 1), standalone(svg)));
+        let files: Vec<(String, String)> = named.map(|(name, svg)| (format!("{name}.svg"), svg)).collect();
+        self.beside(svgs, words, &files.iter().map(|f| f.0.clone()).collect::<Vec<_>>());
+        self.figures.extend(files);
+    }
+
+    /// Figures beside each other, of which one file shows all.
+    pub(crate) fn figure_of_two(&mut self, name: &str, svgs: &[String], whole: &str, words: &str) {
+        let file = format!("{name}.svg");
+        self.beside(svgs, words, std::slice::from_ref(&file));
+        self.figures.push((file, standalone(whole)));
+    }
+
+    fn beside(&mut self, svgs: &[String], words: &str, files: &[String]) {
+        let links: Vec<String> = files.iter().map(|file| format!("<a href=\"{file}\">{file}</a>")).collect();
+        let _ = write!(
+            self.body,
+            "<figure><div class=\"pair\">{}</div><figcaption>{} {}</figcaption></figure>",
+            svgs.concat(),
+            escape(words),
+            links.join(" ")
+        );
+    }
+
     /// A figure that is a file, and on the page only where there is no script.
     pub(crate) fn spare_figure(&mut self, name: &str, svg: &str) {
         let _ = write!(self.body, "<noscript>{svg}</noscript>");
@@ -132,6 +162,7 @@ impl Page {
         let words: Vec<String> = run.arguments.iter().map(|a| quoted(a)).collect();
         let _ = write!(self.body, "<pre tabindex=\"0\">truepose {}</pre>", escape(&words.join(" ")));
         self.text("truepose verify run.json (beside this page) repeats the run and compares.");
+        self.raw("<div class=\"files\">");
         let rows: Vec<Vec<String>> = run
             .inputs
             .iter()
@@ -139,6 +170,7 @@ impl Page {
             .map(|f| vec![f.file.clone(), f.bytes.to_string(), f.sha256.clone()])
             .collect();
         self.table("Files", &["file", "bytes", "SHA-256"], &rows, false);
+        self.raw("</div>");
     }
 
     /// The whole page.

@@ -2,7 +2,7 @@
 
 use super::Page;
 use super::rows::{Input, Rows, length};
-use crate::figure::{Plot, bins, quantile, thin};
+use crate::figure::{Plot, bins, quantile, range, thin};
 use crate::significant;
 
 /// Points of a panel that are drawn.
@@ -16,7 +16,7 @@ impl Page {
         };
         let mut table = Vec::new();
         for (k, name) in ["x", "y", "z"].iter().enumerate() {
-            for (title, list) in titles.iter().zip([&rows.before, &rows.after]) {
+            for (title, list) in rows.shown(titles) {
                 let values = axis(list, k);
                 if values.is_empty() {
                     continue;
@@ -25,17 +25,22 @@ impl Page {
                 let mean = values.iter().sum::<f64>() / n;
                 let rms = (values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
                 let sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
-                let mut cells = vec![format!("{name}, {title}")];
+                let mut cells = vec![if rows.same { (*name).to_owned() } else { format!("{name}, {title}") }];
                 let shown =
                     [mean, rms, quantile(sizes.clone(), 0.95), sizes.iter().copied().fold(0.0, f64::max)];
                 // As many decimals as give the RMS three digits.
                 let decimals =
                     if rms > 0.0 { (2.0 - rms.log10().floor()).clamp(0.0, 9.0) as usize } else { 3 };
-                cells.extend(shown.map(|v| format!("{v:.decimals$}")));
+                cells.extend(shown.map(|v| rounded(v, decimals)));
                 table.push(cells);
             }
         }
-        self.table("Errors by axis over all rows, mm", &["axis", "mean", "RMS", "95 %", "max"], &table, true);
+        self.table(
+            "Errors by axis over all rows, mm",
+            &["axis", "mean", "RMS", "95 % below", "largest"],
+            &table,
+            true,
+        );
         self.raw("<div class=\"grid2\">");
         let sizes: Vec<f64> =
             (0..rows.len()).map(|k| largest(&rows.before[k]).max(largest(&rows.after[k]))).collect();
@@ -51,13 +56,15 @@ impl Page {
                 "row, in the order of the data",
                 "mm",
             );
-            plot.dots("before dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.before[r][k])));
+            if !rows.same {
+                plot.dots("before dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.before[r][k])));
+            }
             plot.dots("after dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.after[r][k])));
             let about = format!("Errors in {name} of every row, before and after");
             self.figure(&format!("errors_{name}"), &plot.finish(&about), "");
         }
         self.raw("</div>");
-        self.legend(titles, drawn.len(), rows.len());
+        self.legend(rows, titles, drawn.len());
     }
 
     /// The 3-D error against each input.
@@ -69,26 +76,26 @@ impl Page {
         let top = before.iter().chain(&after).copied().filter(|v| v.is_finite()).fold(1e-12, f64::max);
         self.raw("<div class=\"grid2\">");
         for (number, input) in (1..).zip(&rows.inputs) {
-            self.input(number, input, [&before, &after], top, &drawn);
+            let errors =
+                [("before", &before), ("after", &after)].map(|(class, list)| (class, list.as_slice()));
+            self.input(number, input, if rows.same { &errors[1..] } else { &errors }, top, &drawn);
         }
         self.raw("</div>");
         self.note("Lines: RMS in bins of equal width. What is left should be level; a wave, a slope or a step is an effect that is not in the model.");
-        self.legend(titles, drawn.len(), rows.len());
+        self.legend(rows, titles, drawn.len());
     }
 
-    fn input(&mut self, number: usize, input: &Input, errors: [&[f64]; 2], top: f64, drawn: &[usize]) {
-        let finite = || input.values.iter().copied().filter(|v| v.is_finite());
-        let range = [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)];
+    fn input(&mut self, number: usize, input: &Input, errors: &[(&str, &[f64])], top: f64, drawn: &[usize]) {
         let unit = if input.unit.is_empty() { String::new() } else { format!(", {}", input.unit) };
-        let mut plot = Plot::new(340.0, 220.0, range, [0.0, 1.05 * top]).axes(
+        let mut plot = Plot::new(340.0, 220.0, range(&input.values), [0.0, 1.05 * top]).axes(
             &format!("against {}", input.name),
             &format!("{}{unit}", input.name),
             "3-D error, mm",
         );
-        for (class, list) in ["before", "after"].iter().zip(errors) {
+        for (class, list) in errors {
             plot.dots(&format!("{class} dots"), drawn.iter().map(|&r| (input.values[r], list[r])));
         }
-        for (class, list) in ["before", "after"].iter().zip(errors) {
+        for (class, list) in errors {
             let squares: Vec<(f64, f64, f64)> = (0..list.len())
                 .filter(|&r| input.values[r].is_finite())
                 .map(|r| (input.values[r], list[r] * list[r], 1.0))
@@ -101,13 +108,17 @@ impl Page {
         self.figure(&format!("against_input_{number}"), &plot.finish(&about), "");
     }
 
-    fn legend(&mut self, titles: [&str; 2], drawn: usize, rows: usize) {
-        let thinned = if drawn < rows {
-            format!(" {drawn} of {rows} rows are drawn, with the hundredth of the largest errors.")
+    fn legend(&mut self, rows: &Rows, titles: [&str; 2], drawn: usize) {
+        let thinned = if drawn < rows.len() {
+            format!(" {drawn} of {} rows are drawn, with the hundredth of the largest errors.", rows.len())
         } else {
             String::new()
         };
-        self.note(&format!("Orange: {}; blue: {}.{thinned}", titles[0], titles[1]));
+        if rows.same {
+            self.note(thinned.trim_start());
+        } else {
+            self.note(&format!("Orange: {}; blue: {}.{thinned}", titles[0], titles[1]));
+        }
     }
 
     /// Components of what is left against the normal law; `sd` is the standard deviation that noise would have, mm.
@@ -126,7 +137,7 @@ impl Page {
             .collect();
         let reach = shown.iter().map(|p| p.0.abs()).fold(0.0, f64::max);
         let top = values[n - 1].abs().max(values[0].abs()).max(sd * reach);
-        let mut plot = Plot::new(560.0, 380.0, [-reach, reach], [-1.05 * top, 1.05 * top]).axes(
+        let mut plot = Plot::new(420.0, 320.0, [-reach, reach], [-1.05 * top, 1.05 * top]).axes(
             "quantiles of what is left",
             "quantile of the normal law",
             "residual of a component, mm",
@@ -159,16 +170,21 @@ impl Page {
             }
         }
         self.raw("<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Worst visits\"><table class=\"numbers\"><caption>Worst visits, by their worst row; mm</caption><thead><tr>");
-        for head in ["visit", "row", "before", "after", "held out"] {
+        let heads = ["visit", "row", "before", "after", "held out"];
+        for head in heads.iter().filter(|head| !rows.same || **head != "before") {
             self.raw(&format!("<th scope=\"col\">{head}</th>"));
         }
         self.raw("</tr></thead><tbody>");
         for &k in &worst {
             let number = rows.row[k] + 1;
             self.raw(&format!(
-                "<tr><th scope=\"row\">{}</th><td><a href=\"#row-{number}\">{number}</a></td><td>{}</td><td>{}</td><td>{}</td></tr>",
+                "<tr><th scope=\"row\">{}</th><td><a href=\"#row-{number}\">{number}</a></td>{}<td>{}</td><td>{}</td></tr>",
                 crate::figure::escape(&rows.visit[k]),
-                significant(length(&rows.before[k]), 3),
+                if rows.same {
+                    String::new()
+                } else {
+                    format!("<td>{}</td>", significant(length(&rows.before[k]), 3))
+                },
                 significant(length(&rows.after[k]), 3),
                 if rows.held_out[k] { "yes" } else { "no" }
             ));
@@ -195,6 +211,13 @@ impl Page {
         }
         self.raw("</ul>");
     }
+}
+
+/// With so many decimals, and no minus before a zero.
+fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let nothing = text.chars().all(|c| "-0.".contains(c));
+    if nothing { text.trim_start_matches('-').into() } else { text }
 }
 
 /// Quantile of the standard normal law; relative error below 2e-9 (Acklam's rational functions).

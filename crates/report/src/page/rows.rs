@@ -1,5 +1,6 @@
 //! What a page shows of every row: its errors before and after, and the inputs under which it was measured.
 
+use crate::figure::unit_words;
 use std::collections::BTreeSet;
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::Residuals;
@@ -22,6 +23,10 @@ pub(crate) struct Rows {
     pub visit: Vec<String>,
     /// Joints, load, time, channels.
     pub inputs: Vec<Input>,
+    /// How many of the inputs, the first ones, are joints.
+    pub joints: usize,
+    /// Nothing was added: before and after are the same.
+    pub same: bool,
 }
 
 /// An input in the unit in which it is shown.
@@ -33,6 +38,15 @@ pub(crate) struct Input {
     pub unit: String,
     /// A value a row.
     pub values: Vec<f64>,
+}
+
+impl Input {
+    /// What never changes drives nothing.
+    fn varies(&self) -> bool {
+        let mut values = self.values.iter().filter(|v| v.is_finite());
+        let first = values.next().copied();
+        first.is_some_and(|first| values.any(|v| (v - first).abs() > 0.0))
+    }
 }
 
 impl Rows {
@@ -51,15 +65,27 @@ impl Rows {
             let k = data.visit[row];
             labels.get(k).map_or_else(|| (k + 1).to_string(), ToString::to_string)
         };
+        let (before, after): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (mm(before), mm(after));
+        let bits = |list: &[[f64; 3]]| list.iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>();
+        let same = bits(&before) == bits(&after);
+        let (inputs, joints) = inputs(chain, data, rows);
         Rows {
-            before: mm(before),
-            after: mm(after),
+            before,
+            after,
             place: rows.iter().map(|&row| data.position[row].map(|v| v * 1e3)).collect(),
             held_out: held_out.to_vec(),
             row: rows.to_vec(),
             visit: rows.iter().map(|&row| visit(row)).collect(),
-            inputs: inputs(chain, data, rows),
+            inputs,
+            joints,
+            same,
         }
+    }
+
+    /// What is shown with its title: before and after, or the one that there is.
+    pub(crate) fn shown<'a>(&'a self, titles: [&'a str; 2]) -> Vec<(&'a str, &'a [[f64; 3]])> {
+        let both = [(titles[0], self.before.as_slice()), (titles[1], self.after.as_slice())];
+        both.into_iter().take(if self.same { 1 } else { 2 }).collect()
     }
 
     /// How many.
@@ -87,7 +113,8 @@ pub fn worst_of_poses(data: &Dataset, rows: &[usize], errors: &Residuals) -> Vec
     worst
 }
 
-fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> Vec<Input> {
+/// What the robot did, and how many of the inputs are joints.
+fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) {
     let pick = |column: &[f64], factor: f64| rows.iter().map(|&row| column[row] * factor).collect::<Vec<_>>();
     let mut list = Vec::new();
     for (column, &joint) in data.joints.iter().zip(chain.movable()) {
@@ -95,6 +122,8 @@ fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> Vec<Input> {
         let (factor, unit) = if joint.unit() == "m" { (1e3, "mm") } else { (1f64.to_degrees(), "°") };
         list.push(Input { name: joint.name.clone(), unit: unit.into(), values: pick(column, factor) });
     }
+    list.retain(Input::varies);
+    let joints = list.len();
     let mass: Vec<f64> = data
         .load
         .iter()
@@ -113,17 +142,12 @@ fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> Vec<Input> {
     }
     for (channel, column) in data.schema.channels.iter().zip(&data.channels) {
         if !channel.name.contains("~lag=") {
-            let (name, unit) = (channel.name.clone(), channel.unit.clone());
+            let (name, unit) = (channel.name.clone(), unit_words(&channel.unit));
             list.push(Input { name, unit, values: pick(column, 1.0) });
         }
     }
-    // What never changes drives nothing.
-    list.retain(|input| {
-        let mut values = input.values.iter().filter(|v| v.is_finite());
-        let first = values.next().copied();
-        first.is_some_and(|first| values.any(|v| (v - first).abs() > 0.0))
-    });
-    list
+    list.retain(Input::varies);
+    (list, joints)
 }
 
 /// Rows of the data that are not among these, ascending.

@@ -1,4 +1,13 @@
 "use strict";
+// Paper has nothing to click on: what is folded is printed.
+(function () {
+  var opened = [];
+  window.addEventListener("beforeprint", function () {
+    opened = Array.prototype.filter.call(document.querySelectorAll("details"), function (d) { return !d.open; });
+    opened.forEach(function (d) { d.open = true; });
+  });
+  window.addEventListener("afterprint", function () { opened.forEach(function (d) { d.open = false; }); });
+})();
 (function () {
   var holder = document.getElementById("space-data"), canvas = document.getElementById("space");
   if (!holder || !canvas) return;
@@ -9,13 +18,15 @@
   function dark() { return matchMedia("(prefers-color-scheme: dark)").matches && !matchMedia("print").matches; }
   function draw() {
     var box = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio || 1, stacked = box.width < 560;
-    var w = Math.max(200, box.width), h = stacked ? w * 2 : w * 0.5;
+    var many = data.clouds.length, w = Math.max(200, box.width), h = stacked ? w * many : w * 0.5;
     canvas.width = Math.round(w * ratio); canvas.height = Math.round(h * ratio);
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     ctx.fillStyle = colour("--paper"); ctx.fillRect(0, 0, w, h);
     var side = stacked ? w : w / 2;
-    panel(0, 0, side, data.titles[0], data.before, "--before");
-    panel(stacked ? 0 : side, stacked ? side : 0, side, data.titles[1], data.after, "--after");
+    var first = many === 1 && !stacked ? w / 4 : 0;
+    data.clouds.forEach(function (cloud, k) {
+      panel(stacked ? 0 : first + k * side, stacked ? k * side : 0, side, data.titles[k], cloud, data.colours[k]);
+    });
     canvas.dataset.azimuth = azimuth.toFixed(3); canvas.dataset.height = height.toFixed(3);
   }
   function panel(left, top, side, title, list, name) {

@@ -48,20 +48,32 @@ impl Page {
                 format!(" ({} of {} inside)", n, whole.len())
             })
         };
-        let named = [
-            format!("{}{}", titles[0], inside(&rows.before).unwrap_or_default()),
-            format!("{}{}", titles[1], inside(&rows.after).unwrap_or_default()),
-        ];
-        let about = format!(
-            "Position errors as vectors from one origin, {} on the left, {} on the right, in one scale; largest {} and {} mm",
-            titles[0],
-            titles[1],
-            significant(before.iter().map(length).fold(0.0, f64::max), 3),
-            significant(after.iter().map(length).fold(0.0, f64::max), 3)
-        );
+        let title =
+            |(title, list): (&str, &[[f64; 3]])| format!("{title}{}", inside(list).unwrap_or_default());
+        let named: Vec<String> = rows.shown(titles).into_iter().map(title).collect();
+        let largest = |list: &[[f64; 3]]| significant(list.iter().map(length).fold(0.0, f64::max), 3);
+        let about = if rows.same {
+            format!(
+                "Position errors as vectors from one origin, {}; largest {} mm",
+                titles[0],
+                largest(&after)
+            )
+        } else {
+            format!(
+                "Position errors as vectors from one origin, {} first, then {}, in one scale; largest {} and {} mm",
+                titles[0],
+                titles[1],
+                largest(&before),
+                largest(&after)
+            )
+        };
+        let clouds: Vec<&[[f64; 3]]> =
+            [before.as_slice(), after.as_slice()].into_iter().take(named.len()).collect();
         let data = serde_json::json!({
-            "titles": named, "before": flat(&before), "after": flat(&after), "place": flat(&place), "reach": short(reach),
-            "size": short(size), "middle": middle.map(short), "limit": limit, "words": words,
+            "titles": named, "clouds": clouds.iter().map(|c| flat(c)).collect::<Vec<_>>(),
+            "colours": if rows.same { vec!["--after"] } else { vec!["--before", "--after"] },
+            "place": flat(&place), "reach": short(reach), "size": short(size), "middle": middle.map(short), "limit": limit,
+            "words": words,
             "placeWords": format!("where it was measured; blue: no error, red: {} mm", significant(reach, 3)),
         });
         // A closing tag within a name must not end the script.
@@ -76,8 +88,8 @@ impl Page {
         ));
         let svg = cloud(
             &about,
-            [&named[0], &named[1]],
-            [&before, &after],
+            &named,
+            &clouds,
             limit.map(|limit| (limit, format!("specification {} mm", significant(limit, 3)))),
         );
         self.spare_figure("errors_in_space", &svg);

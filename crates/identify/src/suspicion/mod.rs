@@ -1,0 +1,238 @@
+//! What may be wrong with a table as a whole: columns swapped, a unit, an order, a sign, rows that belong to each other.
+//!
+//! A calibration moves a robot's prediction by millimetres. Where the robot as described misses the measured positions by
+//! a good part of its own size, however its base is placed, and one of the mistakes that people make, undone, brings that
+//! down to a fifth or less, that mistake is the likely cause. Nothing is changed: it is said.
+
+mod hypotheses;
+mod registration;
+
+use nalgebra::Vector3;
+use registration::{Offset, Point};
+use serde::{Deserialize, Serialize};
+use truepose_errormodel::{Dataset, Visits, configurations};
+use truepose_kinematics::{Chain, JointKind, Placed};
+
+/// What was probably done.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "cause", rename_all = "snake_case")]
+pub enum Cause {
+    /// Two coordinates of the measured positions (0 x, 1 y, 2 z) are swapped: the frame is left-handed.
+    SwappedAxes {
+        /// One.
+        a: usize,
+        /// The other.
+        b: usize,
+    },
+    /// One coordinate has the wrong sign: the frame is left-handed.
+    MirroredAxis {
+        /// Which.
+        axis: usize,
+    },
+    /// Positions are in another unit; the factor puts it right.
+    PositionUnit {
+        /// Of all coordinates.
+        factor: f64,
+    },
+    /// Joint values of one kind are in another unit; the factor puts it right.
+    JointUnit {
+        /// Turns or slides.
+        kind: JointKind,
+        /// Of their values.
+        factor: f64,
+    },
+    /// Each joint's values are those of the joint so many places further on (around the end).
+    ShiftedJoints {
+        /// Places.
+        by: usize,
+    },
+    /// The joints are in the order from tip to base.
+    ReversedJoints,
+    /// Two joints' columns (numbers of movable joints) are swapped.
+    SwappedJoints {
+        /// One.
+        a: usize,
+        /// The other.
+        b: usize,
+    },
+    /// A joint counts the other way.
+    NegatedJoint {
+        /// Which.
+        joint: usize,
+    },
+    /// A joint's zero is elsewhere.
+    OffsetJoint {
+        /// Which.
+        joint: usize,
+        /// What has to be added, rad.
+        by: f64,
+    },
+    /// Joint values are those of the visit before (`late`) or after.
+    StaleJoints {
+        /// Values of the visit before.
+        late: bool,
+    },
+    /// Two targets' names are swapped.
+    SwappedTargets {
+        /// One.
+        a: usize,
+        /// The other.
+        b: usize,
+    },
+    /// The base is not where the description has it.
+    BaseElsewhere,
+}
+
+/// A likely mistake, and what says so.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Suspicion {
+    /// What was probably done.
+    pub cause: Cause,
+    /// 3-D RMS that the registration leaves with the table as it is, m.
+    pub before: f64,
+    /// With the mistake undone, m.
+    pub after: f64,
+}
+
+/// Rows that are looked at.
+const ROWS: usize = 240;
+/// Configurations below which a registration fits anything.
+const CONFIGURATIONS: usize = 6;
+/// A registration that leaves less than this share of the robot's length is none of these mistakes.
+const NEGLIGIBLE: f64 = 2e-3;
+/// Undone, a mistake leaves no more than this share of what it left.
+const GAIN: f64 = 0.2;
+/// Undone, a mistake leaves no more than this share of the robot's length.
+const GOOD: f64 = 0.02;
+/// A base that is off by more than this share of the robot's length is elsewhere.
+const ELSEWHERE: f64 = 0.1;
+
+/// The likeliest mistake of a table as a whole, if there is any: about a thousandth of a second where nothing is wrong.
+pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
+    if data.validate(chain).is_err()
+        || configurations(data).iter().max().is_none_or(|last| last + 1 < CONFIGURATIONS)
+    {
+        return None;
+    }
+    let sampled = Sample::of(chain, data)?;
+    let base = chain.base();
+    let length = chain.characteristic_length();
+    let asis = sampled.points(None);
+    let free = registration::anywhere(&asis, &sampled.offsets);
+    let fixed = base.known.then(|| registration::at(&asis, &sampled.offsets, &base.pose));
+    if !free.is_finite() {
+        return None;
+    }
+    if free < NEGLIGIBLE * length {
+        // The shape is right: only the place of the base can be wrong.
+        return fixed
+            .filter(|fixed| *fixed > ELSEWHERE * length && sampled.placeable())
+            .map(|before| Suspicion { cause: Cause::BaseElsewhere, before, after: free });
+    }
+    let mut best: Option<(f64, f64, Cause)> = None;
+    for cause in hypotheses::causes(chain) {
+        let points = sampled.points(Some(&cause));
+        let after = registration::anywhere(&points, &sampled.offsets);
+        if !(after < GAIN * free && after < GOOD * length) {
+            continue;
+        }
+        // Of mirror images, which are all alike for a base that may stand anywhere, the one with the base where it is declared.
+        let told = if base.known { registration::at(&points, &sampled.offsets, &base.pose) } else { after };
+        let better = best.as_ref().is_none_or(|(least, least_told, _)| {
+            after < 0.8 * least || (after < 1.25 * least && told < 0.8 * least_told)
+        });
+        if better {
+            best = Some((after, told, cause));
+        }
+    }
+    best.map(|(after, _, cause)| Suspicion { cause, before: free, after })
+}
+
+/// Rows of a table, evenly taken, with what a registration needs of them.
+struct Sample<'a> {
+    chain: &'a Chain,
+    /// Without base and tool.
+    bare: Chain,
+    offsets: Vec<Offset>,
+    /// Measured position, joints, target (0: the tool's origin), joints of the visit after and before.
+    rows: Vec<Row>,
+}
+
+struct Row {
+    measured: Vector3<f64>,
+    joints: Vec<f64>,
+    next: Option<Vec<f64>>,
+    previous: Option<Vec<f64>>,
+    target: usize,
+}
+
+impl<'a> Sample<'a> {
+    fn of(chain: &'a Chain, data: &Dataset) -> Option<Self> {
+        let bare =
+            chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default())).ok()?;
+        let visits = Visits::of(data).rows;
+        let q = |row: usize| data.joints.iter().map(|column| column[row]).collect::<Vec<f64>>();
+        let whole = |row: &usize| data.position[*row].iter().all(|v| v.is_finite());
+        let usable: Vec<usize> = (0..data.len()).filter(whole).collect();
+        let step = usable.len().div_ceil(ROWS).max(1);
+        let of_visit = |visit: Option<usize>| {
+            visit.and_then(|v| visits.get(v)).and_then(|rows| rows.first()).map(|&r| q(r))
+        };
+        let rows = usable
+            .iter()
+            .step_by(step)
+            .map(|&row| Row {
+                measured: data.measured_position(row),
+                joints: q(row),
+                next: of_visit(data.visit[row].checked_add(1)),
+                previous: of_visit(data.visit[row].checked_sub(1)),
+                target: data.target[row].map_or(0, |t| t.0 + 1),
+            })
+            .collect();
+        let tool = chain.tool();
+        let mut offsets = vec![Offset { at: tool.pose.translation, known: tool.known }];
+        offsets.extend(
+            chain
+                .targets()
+                .iter()
+                .map(|t| Offset { at: tool.pose.apply(&t.position), known: t.known && tool.known }),
+        );
+        Some(Sample { chain, bare, offsets, rows })
+    }
+
+    /// The points with a cause undone.
+    fn points(&self, cause: Option<&Cause>) -> Vec<Point> {
+        let one = |row: &Row| {
+            let mut q = match cause {
+                Some(Cause::StaleJoints { late: true }) => row.next.clone()?,
+                Some(Cause::StaleJoints { late: false }) => row.previous.clone()?,
+                _ => row.joints.clone(),
+            };
+            let (mut measured, mut target) = (row.measured, row.target);
+            if let Some(cause) = cause {
+                hypotheses::joints(cause, self.chain, &mut q);
+                measured = hypotheses::position(cause, measured);
+                target = hypotheses::target(cause, target);
+            }
+            Some(Point { measured, flange: self.bare.forward(&q), target })
+        };
+        self.rows.iter().filter_map(one).collect()
+    }
+
+    /// Whether the points lie in more than a line, so that they place a base.
+    fn placeable(&self) -> bool {
+        let n = self.rows.len().max(1) as f64;
+        let mean = self.rows.iter().map(|r| r.measured).sum::<Vector3<f64>>() / n;
+        let spread = self
+            .rows
+            .iter()
+            .map(|r| (r.measured - mean) * (r.measured - mean).transpose())
+            .sum::<nalgebra::Matrix3<f64>>();
+        let mut sizes: Vec<f64> = spread.symmetric_eigenvalues().iter().map(|v| v.max(0.0).sqrt()).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes[1] > 0.01 * sizes[2]
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,110 @@
+//! Each mistake is told, and a robot without one is left in peace.
+
+use super::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truepose_kinematics::{Load, Pose, Target, TargetId, samples};
+
+/// A robot with two targets, measured with errors of some millimetres: as a robot before its calibration.
+fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let target =
+        |name: &str, at: [f64; 3]| Target { name: name.into(), position: Vector3::from(at), known: true };
+    let chain = chain
+        .clone()
+        .with_targets(vec![target("T1", [0.05, 0.0, 0.03]), target("T2", [-0.02, 0.16, 0.0])])
+        .and_then(|c| {
+            c.with_base(Placed { pose: Pose::from_xyz_rpy([0.3, 0.1, 0.2], [0.1, 0.0, 0.2]), known: true })
+        })
+        .unwrap();
+    let n = chain.movable().len();
+    let mut data =
+        Dataset { joints: vec![Vec::new(); n], approach: vec![vec![0.0; 80]; n], ..Dataset::default() };
+    let length = chain.characteristic_length();
+    for row in 0..80 {
+        let joints: Vec<f64> = chain
+            .movable()
+            .iter()
+            .map(|&j| {
+                let widest = if chain.joint(j).kind == JointKind::Revolute { 1.4 } else { 0.4 };
+                rng.random_range(-widest..widest)
+            })
+            .collect();
+        let tool = chain.forward(&joints);
+        let target = row % 2;
+        let off = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * 5e-4 * length;
+        data.position.push((tool.apply(&chain.targets()[target].position) + off).into());
+        data.joints.iter_mut().zip(&joints).for_each(|(column, q)| column.push(*q));
+        data.orientation.push(None);
+        data.position_sd.push([f64::NAN; 3]);
+        data.orientation_sd.push([f64::NAN; 3]);
+        data.target.push(Some(TargetId(target)));
+        data.visit.push(row);
+        data.load.push(Load::None);
+        data.time.push(0.0);
+    }
+    (chain, data)
+}
+
+#[test]
+fn a_good_table_is_left_in_peace() {
+    for (seed, chain) in (0..).zip(samples::all()) {
+        let (chain, data) = measured(&chain, seed);
+        assert_eq!(suspicion(&chain, &data), None, "{}", chain.name());
+    }
+}
+
+#[test]
+fn every_mistake_is_told() {
+    let (chain, good) = measured(&samples::ur10(), 3);
+    type Spoil = fn(&mut Dataset);
+    let mistakes: [(Cause, Spoil); 14] = [
+        (Cause::SwappedAxes { a: 0, b: 1 }, |d| d.position.iter_mut().for_each(|p| p.swap(0, 1))),
+        (Cause::SwappedAxes { a: 1, b: 2 }, |d| d.position.iter_mut().for_each(|p| p.swap(1, 2))),
+        (Cause::MirroredAxis { axis: 2 }, |d| d.position.iter_mut().for_each(|p| p[2] = -p[2])),
+        (Cause::PositionUnit { factor: 1e3 }, |d| d.position.iter_mut().flatten().for_each(|v| *v *= 1e-3)),
+        (Cause::PositionUnit { factor: 1.0 / 25.4 }, |d| {
+            d.position.iter_mut().flatten().for_each(|v| *v *= 25.4)
+        }),
+        (Cause::JointUnit { kind: JointKind::Revolute, factor: 180.0 / std::f64::consts::PI }, |d| {
+            d.joints.iter_mut().flatten().for_each(|q| *q = q.to_radians());
+        }),
+        (Cause::ShiftedJoints { by: 1 }, |d| d.joints.rotate_right(1)),
+        (Cause::ShiftedJoints { by: 5 }, |d| d.joints.rotate_left(1)),
+        (Cause::ReversedJoints, |d| d.joints.reverse()),
+        (Cause::SwappedJoints { a: 1, b: 2 }, |d| d.joints.swap(1, 2)),
+        (Cause::NegatedJoint { joint: 2 }, |d| d.joints[2].iter_mut().for_each(|q| *q = -*q)),
+        (Cause::OffsetJoint { joint: 1, by: std::f64::consts::FRAC_PI_2 }, |d| {
+            d.joints[1].iter_mut().for_each(|q| *q -= std::f64::consts::FRAC_PI_2);
+        }),
+        (Cause::StaleJoints { late: true }, |d| d.joints.iter_mut().for_each(|c| c.rotate_right(1))),
+        (Cause::SwappedTargets { a: 0, b: 1 }, |d| {
+            d.target.iter_mut().flatten().for_each(|t| t.0 = 1 - t.0);
+        }),
+    ];
+    for (cause, spoil) in mistakes {
+        let mut data = good.clone();
+        spoil(&mut data);
+        let told = suspicion(&chain, &data).unwrap_or_else(|| panic!("nothing was said about {cause:?}"));
+        assert_eq!(told.cause, cause, "{told:?}");
+        assert!(told.after < 2e-3 && told.before > 5.0 * told.after, "{told:?}");
+    }
+}
+
+#[test]
+fn a_base_that_stands_elsewhere_is_told_and_one_that_is_unknown_is_not() {
+    let (chain, data) = measured(&samples::ur10(), 5);
+    let elsewhere = Placed { pose: Pose::from_xyz_rpy([2.0, 0.0, 0.0], [0.0, 0.0, 2.0]), known: true };
+    let moved = chain.clone().with_base(elsewhere).unwrap();
+    assert_eq!(suspicion(&moved, &data).map(|s| s.cause), Some(Cause::BaseElsewhere));
+    let unknown = chain.with_base(Placed { known: false, ..elsewhere }).unwrap();
+    assert_eq!(suspicion(&unknown, &data), None);
+}
+
+#[test]
+fn a_handful_of_rows_says_nothing() {
+    let (chain, mut data) = measured(&samples::ur10(), 7);
+    data = data.select(&[0, 1, 2, 3]);
+    data.position.iter_mut().for_each(|p| p.swap(0, 1));
+    assert_eq!(suspicion(&chain, &data), None);
+}

@@ -1,0 +1,129 @@
+//! A likely mistake in a table, in words.
+
+use crate::{count, significant};
+use truepose_identify::{Cause, Suspicion};
+use truepose_kinematics::{Chain, JointKind};
+
+/// What was probably done to a table, what says so, and what to do.
+pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
+    let mm = |v: f64| format!("{} mm", significant(v * 1e3, 3));
+    let axis = |k: usize| ["x", "y", "z"].get(k).copied().unwrap_or("?");
+    let joint = |k: usize| chain.movable().get(k).map_or("?", |&j| chain.joint(j).name.as_str());
+    let target = |k: usize| chain.targets().get(k).map_or("?", |t| t.name.as_str());
+    let with_base = chain.base().known;
+    let (what, undone) = match found.cause {
+        Cause::SwappedAxes { a, b } if with_base => {
+            (format!("{} and {} look swapped", axis(a), axis(b)), "swapping them")
+        }
+        Cause::MirroredAxis { axis: k } if with_base => {
+            (format!("{} looks as if it had the wrong sign", axis(k)), "turning it round")
+        }
+        // Wherever the base stands, all mirror images are the same.
+        Cause::SwappedAxes { .. } | Cause::MirroredAxis { .. } => (
+            "the measurement frame looks left-handed: two of x, y, z swapped, or one with the wrong sign"
+                .into(),
+            "putting that right",
+        ),
+        Cause::PositionUnit { factor } => {
+            (format!("positions look as if they were {}", unit(factor)), "scaling them")
+        }
+        Cause::JointUnit { kind, factor } => {
+            let (kind, words) = match (kind, factor > 1.0) {
+                (JointKind::Prismatic, true) => ("slides", "metres under a header in mm"),
+                (JointKind::Prismatic, false) => ("slides", "millimetres under a header in m"),
+                (_, true) => ("turning joints", "radians under a header in deg"),
+                (_, false) => ("turning joints", "degrees under a header in rad"),
+            };
+            (format!("values of {kind} look like {words}"), "converting them")
+        }
+        Cause::ShiftedJoints { by } => {
+            let n = chain.movable().len();
+            let (places, way) = if 2 * by > n { (n - by, "late") } else { (by, "early") };
+            (
+                format!(
+                    "joint columns look {} too {way}: {} holds what belongs to {}",
+                    count(places, "place"),
+                    joint(by),
+                    joint(0)
+                ),
+                "moving them",
+            )
+        }
+        Cause::ReversedJoints => ("joint columns look reversed, from tip to base".into(), "reversing them"),
+        Cause::SwappedJoints { a, b } => {
+            (format!("the columns of {} and {} look swapped", joint(a), joint(b)), "swapping them")
+        }
+        Cause::NegatedJoint { joint: k } => {
+            (format!("{} looks as if it counted the other way", joint(k)), "turning its sign")
+        }
+        Cause::OffsetJoint { joint: k, by } => (
+            format!("the zero of {} looks {}° off", joint(k), significant(by.to_degrees(), 3)),
+            "adding that",
+        ),
+        Cause::StaleJoints { late } => (
+            format!("joint values look like those of the visit {}", if late { "before" } else { "after" }),
+            "moving them by one visit",
+        ),
+        Cause::SwappedTargets { a, b } => {
+            (format!("targets {} and {} look swapped", target(a), target(b)), "swapping them")
+        }
+        Cause::BaseElsewhere => {
+            return format!(
+                "the base is not where the description has it: as it stands the robot misses by {}, with the base where it fits \
+                 best {}; correct [base], or say `known = false` there",
+                mm(found.before),
+                mm(found.after)
+            );
+        }
+    };
+    format!("{what}: registration leaves {}, after {undone} {}", mm(found.before), mm(found.after))
+}
+
+/// What a factor that puts positions right says about their unit.
+fn unit(factor: f64) -> &'static str {
+    match factor {
+        f if f > 500.0 => "metres under a header in mm",
+        f if f > 30.0 => "metres under a header in in",
+        f if f > 2.0 => "inches under a header in mm",
+        f if f > 0.035 => "millimetres under a header in in",
+        f if f > 2e-3 => "inches under a header in m",
+        _ => "millimetres under a header in m",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::{Placed, samples};
+
+    #[test]
+    fn causes_in_words() {
+        let chain = samples::ur10();
+        let words = |cause: Cause| suspicion_words(&chain, &Suspicion { cause, before: 0.812, after: 4e-4 });
+        assert_eq!(
+            words(Cause::SwappedAxes { a: 0, b: 1 }),
+            "x and y look swapped: registration leaves 812 mm, after swapping them 0.400 mm"
+        );
+        assert!(
+            words(Cause::PositionUnit { factor: 1e3 })
+                .starts_with("positions look as if they were metres under a header in mm:")
+        );
+        let names: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();
+        let shifted = words(Cause::ShiftedJoints { by: 1 });
+        assert!(
+            shifted.starts_with(&format!(
+                "joint columns look 1 place too early: {} holds what belongs to {}",
+                names[1], names[0]
+            )),
+            "{shifted}"
+        );
+        let lost = chain.clone().with_base(Placed { known: false, ..*chain.base() });
+        let lost = lost.map(|c| {
+            suspicion_words(
+                &c,
+                &Suspicion { cause: Cause::MirroredAxis { axis: 2 }, before: 0.8, after: 0.0 },
+            )
+        });
+        assert!(lost.is_ok_and(|w| w.starts_with("the measurement frame looks left-handed")));
+    }
+}
