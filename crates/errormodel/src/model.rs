@@ -163,8 +163,17 @@ impl<'m> BoundModel<'m> {
         }
     }
 
+    /// What the effects say that do, or do not, depend on what the robot carries: adds to what `out` holds.
+    pub fn emit_those(&self, settle: bool, at: &Posture<'_>, out: &mut Emission) {
+        for k in 0..self.model.effects.len() {
+            if (self.model.paces[k] == Pace::Settling) == settle {
+                self.emit_effect(k, at, out);
+            }
+        }
+    }
+
     /// What the effects of one pace say: adds to what `out` holds.
-    pub(crate) fn emit_those(&self, pace: Pace, at: &Posture<'_>, out: &mut Emission) {
+    pub(crate) fn emit_paced(&self, pace: Pace, at: &Posture<'_>, out: &mut Emission) {
         for k in 0..self.model.effects.len() {
             if self.model.paces[k] == pace {
                 self.emit_effect(k, at, out);

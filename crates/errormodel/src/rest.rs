@@ -110,15 +110,15 @@ impl Rest {
             Some(entries) => self.emission.truncate(entries),
             None => {
                 self.emission.clear();
-                bound.emit_those(Pace::Constant, &posture, &mut self.emission);
+                bound.emit_paced(Pace::Constant, &posture, &mut self.emission);
                 self.constant = Some(self.emission.entries().len());
             }
         }
-        bound.emit_those(Pace::Moving, &posture, &mut self.emission);
+        bound.emit_paced(Pace::Moving, &posture, &mut self.emission);
         let still = self.emission.entries().len();
         self.still = still;
         self.stiff.weigh(&self.emission, coefficients);
-        bound.emit_those(Pace::Settling, &posture, &mut self.emission);
+        bound.emit_paced(Pace::Settling, &posture, &mut self.emission);
         self.yielding(still, coefficients);
 
         let moves = self.emission.entries().iter().any(|entry| coefficients[entry.column] != 0.0);
@@ -134,7 +134,7 @@ impl Rest {
                 e.iter().any(|&v| v != 0.0).then(|| error_matrix_of_small(&e))
             });
             self.emission.truncate(still);
-            bound.emit_those(Pace::Settling, &posture, &mut self.emission);
+            bound.emit_paced(Pace::Settling, &posture, &mut self.emission);
             self.yielding(still, coefficients);
         }
     }
