@@ -41,8 +41,8 @@ impl<'m> RealArm<'m> {
         fitted.bind(schema)?;
         let model = fitted.model();
         let chain = fitted.chain();
-        let is_constant = |k: &usize| model.columns()[model.columns_of(*k)].iter().all(|c| c.site.is_some());
-        let (still, moving): (Vec<usize>, Vec<usize>) = (0..model.effects().len()).partition(is_constant);
+        let (still, moving): (Vec<usize>, Vec<usize>) =
+            (0..model.effects().len()).partition(|&k| model.is_constant(k));
         let frames = chain.frames().len();
         let moving_columns: usize = moving.iter().map(|&k| model.columns_of(k).len()).sum();
         let mut arm = RealArm {
@@ -96,8 +96,7 @@ impl<'m> RealArm<'m> {
 
     /// Moves to these conditions.
     pub fn reach(&mut self, conditions: &Conditions, out: &mut Reached) {
-        let model = self.fitted.model();
-        let chain = model.chain();
+        let chain = self.fitted.chain();
         let mut own = [(0.0, 1.0); MOST];
         let mut turns: &[(f64, f64)] = &[];
         if self.moving.is_empty() || self.rest.is_some() {
@@ -109,11 +108,11 @@ impl<'m> RealArm<'m> {
             return;
         }
         let coefficients = self.fitted.coefficients();
-        let emission = match &mut self.rest {
+        self.errors.copy_from_slice(&self.constant);
+        let entries = match &mut self.rest {
             Some(rest) => {
-                rest.settle(&self.bound, conditions, coefficients);
-                self.errors.fill(0.0);
-                rest.emission()
+                rest.settle_errors(&self.bound, conditions, coefficients);
+                rest.changing()
             }
             None => {
                 let posture = self.posture.update(chain, conditions);
@@ -121,21 +120,19 @@ impl<'m> RealArm<'m> {
                 for &k in &self.moving {
                     self.bound.emit_effect(k, &posture, &mut self.emission);
                 }
-                self.errors.copy_from_slice(&self.constant);
                 turns = posture.turns();
-                &self.emission
+                self.emission.entries()
             }
         };
         let mut surprised = false;
-        for entry in emission.entries() {
+        for entry in entries {
             let coefficient = coefficients[entry.column];
             if coefficient == 0.0 {
                 continue;
             }
             let site = chain.site_index(entry.site);
-            // Beyond the frames stand the targets, which are no factor of the arm; a constant's own site is multiplied out in
-            // the lean arm.
-            surprised |= self.moves.get(site) == Some(&false) && model.columns()[entry.column].site.is_none();
+            // Beyond the frames stand the targets, which are no factor of the arm.
+            surprised |= self.moves.get(site) == Some(&false);
             self.errors[site] += entry.value * coefficient;
         }
         let arm = if surprised { &self.full } else { &self.lean };

@@ -11,7 +11,18 @@ pub struct ErrorModel {
     effects: Vec<Box<dyn AnyEffect>>,
     columns: Vec<Column>,
     first: Vec<usize>,
-    settles: Vec<bool>,
+    paces: Vec<Pace>,
+}
+
+/// When an effect has to be asked again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pace {
+    /// Never: constant generalized errors and nothing else.
+    Constant,
+    /// At every configuration.
+    Moving,
+    /// Wherever the robot comes to rest as well.
+    Settling,
 }
 
 impl ErrorModel {
@@ -27,8 +38,16 @@ impl ErrorModel {
             columns.extend(effect.columns(&chain));
             first.push(columns.len());
         }
-        let settles = effects.iter().map(|effect| effect.settles()).collect();
-        Ok(ErrorModel { chain, effects, columns, first, settles })
+        let pace = |(k, effect): (usize, &Box<dyn AnyEffect>)| match columns[first[k]..first[k + 1]]
+            .iter()
+            .all(|column| column.site.is_some())
+        {
+            true => Pace::Constant,
+            false if effect.settles() => Pace::Settling,
+            false => Pace::Moving,
+        };
+        let paces = effects.iter().enumerate().map(pace).collect();
+        Ok(ErrorModel { chain, effects, columns, first, paces })
     }
 
     /// The same model with one more effect.
@@ -72,6 +91,11 @@ impl ErrorModel {
     /// The effect to which a column belongs.
     pub fn effect_of(&self, column: usize) -> usize {
         self.first.partition_point(|&first| first <= column) - 1
+    }
+
+    /// True where an effect is constant generalized errors and nothing else: it says the same at every posture.
+    pub fn is_constant(&self, effect: usize) -> bool {
+        self.paces[effect] == Pace::Constant
     }
 
     /// Resolves every signal that the effects need, once, so that evaluation cannot fail.
@@ -142,7 +166,16 @@ impl<'m> BoundModel<'m> {
     /// What the effects say that do, or do not, depend on what the robot carries: adds to what `out` holds.
     pub fn emit_those(&self, settle: bool, at: &Posture<'_>, out: &mut Emission) {
         for k in 0..self.model.effects.len() {
-            if self.model.settles[k] == settle {
+            if (self.model.paces[k] == Pace::Settling) == settle {
+                self.emit_effect(k, at, out);
+            }
+        }
+    }
+
+    /// What the effects of one pace say: adds to what `out` holds.
+    pub(crate) fn emit_paced(&self, pace: Pace, at: &Posture<'_>, out: &mut Emission) {
+        for k in 0..self.model.effects.len() {
+            if self.model.paces[k] == pace {
                 self.emit_effect(k, at, out);
             }
         }

@@ -14,7 +14,9 @@
 //! repeatability. Each step leaves the share (load × compliance / arm ≈ 1e-2) of the change before, so that two are
 //! enough: a deflection of 10 mm is right to 10 nm. Source: the fixed-point form of K(x) x = w(x) of structural mechanics.
 
-use crate::{BoundModel, Emission, ErrorModel, GeneralizedErrors, RealPosture, error_matrix};
+use crate::generalized::error_matrix_of_small;
+use crate::model::Pace;
+use crate::{BoundModel, Emission, Entry, ErrorModel, GeneralizedErrors, RealPosture, error_matrix};
 use nalgebra::Vector3;
 use truepose_kinematics::{Chain, Conditions, FrameId, GravityFrame, PostureBuffer, Site};
 
@@ -27,7 +29,11 @@ pub struct Rest {
     posture: PostureBuffer,
     emission: Emission,
     errors: GeneralizedErrors,
+    /// Those that do not yield.
+    stiff: GeneralizedErrors,
     real: RealPosture,
+    /// Entries of effects that say the same everywhere: the first ones, once they have been asked.
+    constant: Option<usize>,
     /// Entries of effects that depend on no wrench: the first ones.
     still: usize,
 }
@@ -41,7 +47,9 @@ impl Rest {
             // An effect speaks of a column at most once a component of two frames or so.
             emission: Emission::with_capacity(12 * model.columns().len()),
             errors: GeneralizedErrors::zero(chain),
+            stiff: GeneralizedErrors::zero(chain),
             real: RealPosture::new(chain),
+            constant: None,
             still: 0,
         }
     }
@@ -49,6 +57,11 @@ impl Rest {
     /// Φ where the robot comes to rest.
     pub fn emission(&self) -> &Emission {
         &self.emission
+    }
+
+    /// The same without the effects that say the same at every posture.
+    pub fn changing(&self) -> &[Entry] {
+        &self.emission.entries()[self.constant.unwrap_or(0)..]
     }
 
     /// ε = Φ c.
@@ -85,15 +98,28 @@ impl Rest {
 
     /// Moves to these conditions, with these coefficients (one a column of the model).
     pub fn settle(&mut self, bound: &BoundModel<'_>, conditions: &Conditions, coefficients: &[f64]) {
+        self.settle_errors(bound, conditions, coefficients);
+        self.real.update(&self.posture.view(bound.model().chain(), conditions), &self.errors);
+    }
+
+    /// As [`Rest::settle`], for who asks for Φ and ε alone: [`Rest::real`] stays behind.
+    pub fn settle_errors(&mut self, bound: &BoundModel<'_>, conditions: &Conditions, coefficients: &[f64]) {
         let chain = bound.model().chain();
         let posture = self.posture.update(chain, conditions);
-        self.emission.clear();
-        bound.emit_those(false, &posture, &mut self.emission);
+        match self.constant {
+            Some(entries) => self.emission.truncate(entries),
+            None => {
+                self.emission.clear();
+                bound.emit_paced(Pace::Constant, &posture, &mut self.emission);
+                self.constant = Some(self.emission.entries().len());
+            }
+        }
+        bound.emit_paced(Pace::Moving, &posture, &mut self.emission);
         let still = self.emission.entries().len();
         self.still = still;
-        bound.emit_those(true, &posture, &mut self.emission);
-        self.errors.weigh(&self.emission, coefficients);
-        self.real.update(&posture, &self.errors);
+        self.stiff.weigh(&self.emission, coefficients);
+        bound.emit_paced(Pace::Settling, &posture, &mut self.emission);
+        self.yielding(still, coefficients);
 
         let moves = self.emission.entries().iter().any(|entry| coefficients[entry.column] != 0.0);
         if self.emission.entries().len() == still || !moves {
@@ -101,13 +127,22 @@ impl Rest {
         }
         let gravity = self.gravity(chain, still, coefficients);
         for _ in 0..STEPS {
-            let real = &self.real;
-            let posture = self.posture.settle(chain, conditions, &gravity, |frame| *real.after(frame));
+            // Levers of weights: what the fourth power of an angle adds to them is nothing.
+            let errors = &self.errors;
+            let posture = self.posture.bend(chain, conditions, &gravity, |frame| {
+                let e = errors.frame(frame);
+                e.iter().any(|&v| v != 0.0).then(|| error_matrix_of_small(&e))
+            });
             self.emission.truncate(still);
-            bound.emit_those(true, &posture, &mut self.emission);
-            self.errors.weigh(&self.emission, coefficients);
-            self.real.update(&posture, &self.errors);
+            bound.emit_paced(Pace::Settling, &posture, &mut self.emission);
+            self.yielding(still, coefficients);
         }
+    }
+
+    /// ε of what is stiff and of the entries that yield.
+    fn yielding(&mut self, still: usize, coefficients: &[f64]) {
+        self.errors.copy_from(&self.stiff);
+        self.errors.add_those(&self.emission.entries()[still..], coefficients);
     }
 
     /// Gravity in the measurement frame. Where it was given in the base's axes it goes with the base, wherever that stands:

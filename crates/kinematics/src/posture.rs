@@ -81,6 +81,28 @@ impl PostureBuffer {
         self.view(chain, conditions)
     }
 
+    /// As [`PostureBuffer::settle`], given by how much each frame is displaced, in its own axes.
+    pub fn bend<'a>(
+        &'a mut self,
+        chain: &'a Chain,
+        conditions: &'a Conditions,
+        gravity: &Vector3<f64>,
+        displaced: impl Fn(FrameId) -> Option<Pose>,
+    ) -> Posture<'a> {
+        let mut pose = chain.base().pose;
+        for (index, frame) in self.frames.iter_mut().enumerate() {
+            if let Some(by) = displaced(FrameId(index)) {
+                pose = pose * by;
+            }
+            *frame = pose;
+            if let Some(step) = self.steps.get(index) {
+                pose = pose * *step;
+            }
+        }
+        self.weigh(chain, conditions, gravity);
+        self.view(chain, conditions)
+    }
+
     fn move_to(&mut self, chain: &Chain, conditions: &Conditions) {
         let n = chain.joints().len();
         let mut pose = chain.base().pose;

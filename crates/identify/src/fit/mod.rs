@@ -20,6 +20,7 @@
 
 mod constraints;
 mod rounds;
+mod warnings;
 
 use crate::reduction::{Reduction, grouped, reduce};
 use crate::shapes::{self, FittedShape, Shapes};

@@ -1,6 +1,6 @@
 //! The rounds of a fit: solve, move, look at the noise and the prior, until nothing moves.
 
-use super::{Fit, FitOptions, NoiseSource, Warning, constraints};
+use super::{Fit, FitOptions, NoiseSource, Warning, constraints, warnings};
 use crate::linearise::{collect, factorise, misfit};
 use crate::reduction::{Reduction, reduce_further};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
@@ -317,7 +317,10 @@ impl<'a> State<'a> {
                 0.0
             },
         };
-        let warnings = warnings(self.model, &reduction, &outcome, self.observations);
+        let mut warnings = warnings::of(self.model, &reduction, self.observations);
+        if !outcome.converged {
+            warnings.push(Warning::NotConverged { rounds: outcome.rounds });
+        }
         let mut fit = Fit {
             fitted,
             reduction,
@@ -373,31 +376,4 @@ fn median(mut values: Vec<f64>) -> f64 {
     }
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
-}
-
-fn warnings(
-    model: &ErrorModel,
-    reduction: &Reduction,
-    outcome: &Outcome,
-    observations: usize,
-) -> Vec<Warning> {
-    let columns = model.columns();
-    let idle = reduction.dropped.iter().filter(|d| d.relation.is_empty() && columns[d.column].site.is_none());
-    let mut warnings: Vec<Warning> =
-        idle.map(|d| Warning::NoEffect { column: columns[d.column].name.clone() }).collect();
-    for (structural, decision) in [(true, &reduction.structural), (false, &reduction.practical)] {
-        if !decision.is_clear() {
-            warnings.push(Warning::UnclearRank { structural, gap: decision.gap });
-        }
-    }
-    if observations < columns.len() {
-        warnings.push(Warning::FewerRowsThanUnknowns { observations, unknowns: columns.len() });
-    }
-    if observations <= reduction.rank() {
-        warnings.push(Warning::NoRedundancy);
-    }
-    if !outcome.converged {
-        warnings.push(Warning::NotConverged { rounds: outcome.rounds });
-    }
-    warnings
 }

@@ -50,7 +50,6 @@ pub fn strategies() -> Vec<Strategy> {
         strategy("Eq. (17) polynomial, svd", polynomial, None, "svd"),
         strategy("Eq. (17) polynomial, normal equations", polynomial, None, "normal"),
         strategy("Eq. (17) polynomial, ridge(map)", polynomial, None, "ridge(map)"),
-        strategy("Eq. (17) polynomial, huber(qr)", polynomial, None, "huber(qr)"),
     ]
 }
 

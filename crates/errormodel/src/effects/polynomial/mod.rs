@@ -24,8 +24,9 @@
 //!
 //! **Two orders.** Every error gets its terms and the fit reduces what they make (`expand_first`), or, as in the paper, constant
 //! errors are reduced first and each *grouped* error gets the union of its members' terms (`reduce_first`), which the fit then
-//! reduces again. Where a member passes into several groups, each of these gets its terms with coefficients of their own: the
-//! paper's order has more freedom, never less. Which errors are grouped is for who knows the measurements: it stands in `groups`.
+//! reduces again. At the nominal robot the grouped errors span all that the others do; where the robot is bent by its errors,
+//! columns that were dropped for good may have come to differ by a trifle. Which errors are grouped depends on what was measured: the fit
+//! puts it into `groups`.
 
 mod term;
 
