@@ -14,3 +14,4 @@ mod output;
 mod page;
 mod report;
 mod round_trip;
+mod spoiled;
