@@ -13,6 +13,7 @@ mod cross_validation;
 mod discovery;
 mod exact;
 mod excitation;
+mod odd_robots;
 mod placement;
 mod plants;
 mod reduction;

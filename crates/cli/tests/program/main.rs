@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod determinism;
 mod example;
 mod export;
 mod folder;
