@@ -14,6 +14,7 @@ mod discovery;
 mod exact;
 mod excitation;
 mod odd_robots;
+mod permuted;
 mod placement;
 mod plants;
 mod reduction;
