@@ -56,18 +56,7 @@ impl Candidate {
     pub(crate) fn columns(&self, scene: &crate::scene::Scene<'_>) -> Result<DMatrix<f64>, DiscoverError> {
         match &self.change {
             Change::CorrectLoad { level, .. } => scene.heavier(*level),
-            Change::Add(effects) => {
-                let parts: Vec<DMatrix<f64>> =
-                    effects.iter().map(|effect| scene.columns(&**effect)).collect::<Result<_, _>>()?;
-                let width = parts.iter().map(DMatrix::ncols).sum();
-                let mut all = DMatrix::zeros(scene.len(), width);
-                let mut first = 0;
-                for part in &parts {
-                    all.columns_mut(first, part.ncols()).copy_from(part);
-                    first += part.ncols();
-                }
-                Ok(all)
-            }
+            Change::Add(effects) => scene.columns(effects),
         }
     }
 

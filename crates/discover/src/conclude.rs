@@ -6,13 +6,14 @@ use crate::diagnose::{LastWord, Search};
 use crate::diagnosis::{Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable};
 use crate::evidence::{Evidence, Gain};
 use crate::outliers::{Outliers, outliers};
-use crate::projection::Projection;
-use crate::sample::sample;
 use crate::scene::Scene;
+use crate::screen::Screen;
 use crate::trace::trace;
-use crate::working::{Working, with_loads};
-use crate::{Family, Place, contest::TIE, lags, library, payload};
+use crate::trial::Trial;
+use crate::working::with_loads;
+use crate::{Family, Place, contest::TIE, lags, payload};
 use rayon::prelude::*;
+use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection};
 use truepose_identify::{
     Fit, FitOptions, NoiseSource, Placement, Residuals, refit, repeats, student_quantile,
@@ -21,70 +22,36 @@ use truepose_identify::{
 /// The data as a whole, and what was known before the loop.
 pub(crate) struct Whole<'a> {
     pub data: &'a Dataset,
+    pub train_rows: Vec<usize>,
     pub holdout_rows: Vec<usize>,
     pub placement: Placement,
-    pub untestable: Vec<Untestable>,
 }
 
 /// Forms the ledger.
 pub(crate) fn conclude(
     search: Search<'_>,
     whole: Whole<'_>,
-    declared: Fit,
-    stopped: Stop,
-    last: LastWord,
-) -> Result<Diagnosis, DiscoverError> {
-    let held = whole.data.select(&whole.holdout_rows);
-    let candidates: Vec<Candidate> = search.accepted.iter().map(|a| a.candidate.clone()).collect();
-    // The same model step by step, on the same training rows.
-    let mut steps: Vec<(f64, f64)> = Vec::new();
-    let mut first_errors = None;
-    for count in 0..=candidates.len() {
-        let found = &candidates[..count];
-        let errors = if count == candidates.len() {
-            errors(&search.now.fit, &with_loads(search.ground.data, found), &with_loads(&held, found))?
-        } else {
-            let data = search.ground.prepared(found, &search.now.outliers.suspects);
-            let fit = search.ground.fitted(found, &data)?;
-            errors(&fit, &with_loads(search.ground.data, found), &with_loads(&held, found))?
-        };
-        let (train, holdout) = errors.spreads();
-        steps.push((train.rms, holdout.rms));
-        if count == 0 {
-            first_errors = Some(errors.clone());
-        }
-        if count == candidates.len() {
-            return finish(search, whole, declared, stopped, last, steps, first_errors, errors, &held);
-        }
-    }
-    unreachable!("the last step returns")
-}
-
-fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
-    Ok(Errors { train: Residuals::of(&fit.fitted, train)?, holdout: Residuals::of(&fit.fitted, held)? })
-}
-
-#[allow(clippy::too_many_arguments)]
-fn finish(
-    search: Search<'_>,
-    whole: Whole<'_>,
-    declared: Fit,
     stopped: Stop,
     (p_value, detectable_gain): LastWord,
-    steps: Vec<(f64, f64)>,
-    before: Option<Errors>,
-    after: Errors,
-    held: &Dataset,
 ) -> Result<Diagnosis, DiscoverError> {
-    let Search { ground, accepted, refused, now, .. } = search;
-    let before = match before {
-        Some(before) => before,
-        None => after.clone(),
-    };
-    // The structure is frozen; coefficients come from all rows but the outliers.
+    let held = whole.data.select(&whole.holdout_rows);
+    let Search { ground, accepted, refused, untestable, now, .. } = search;
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
+    let declared = ground.fitted(&[], &ground.prepared(&[], &now.outliers.suspects))?;
+    let before = errors(&declared, ground.data, &held)?;
+    let after = errors(&now.fit, &with_loads(ground.data, &found), &with_loads(&held, &found))?;
+
     let all = with_loads(whole.data, &found);
     let judged = Scene::new(&now.fit, &all)?;
+    let trial = Trial::new(&ground, &now, &found, &judged, &whole);
+    // The model step by step, on the same training rows.
+    let mut steps = vec![before.rms()];
+    for count in 1..found.len() {
+        steps.push(trial.first(count)?);
+    }
+    steps.push(after.rms());
+
+    // The structure is frozen; coefficients come from all rows but the outliers.
     let residual = &judged.y - &judged.base * judged.coefficients();
     let outside = outliers(&judged, residual.as_slice(), now.fit.noise);
     let mut data = all.clone();
@@ -112,10 +79,9 @@ fn finish(
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
-        let first = ground.declared.len() + found[..k].iter().map(|c| c.effects().len()).sum::<usize>();
-        let alternatives = alternatives(&ground, &now, &found, k, &accepted.rivals, held)?;
+        let effects = ground.effects_of(&found, k);
         findings.push(Finding {
-            parameters: parameters(&fit, &found, ground.declared.len(), k),
+            parameters: parameters(&fit, &found[k], effects.clone()),
             rows: match accepted.candidate.change {
                 Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
                 Change::Add(_) => Vec::new(),
@@ -124,8 +90,8 @@ fn finish(
             evidence: accepted.evidence.clone(),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
-            alternatives,
-            trace: trace(&fit, &data, &accepted.candidate, first)?,
+            alternatives: alternatives(&trial, k, &accepted.rivals)?,
+            trace: trace(&fit, &data, &accepted.candidate, effects.start)?,
         });
     }
     let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
@@ -147,10 +113,9 @@ fn finish(
         0.0
     };
     Ok(Diagnosis {
-        placement: whole.placement,
+        placement: whole.placement.clone(),
         findings,
         refused,
-        untestable: whole.untestable,
         repeats_before: repeats(&declared, ground.data),
         repeats_after: repeats(&now.fit, &now.data),
         before,
@@ -160,9 +125,14 @@ fn finish(
         stopped,
         fit,
         declared,
-        holdout_rows: whole.holdout_rows,
         data,
+        untestable,
+        holdout_rows: whole.holdout_rows,
     })
+}
+
+fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
+    Ok(Errors { train: Residuals::of(&fit.fitted, train)?, holdout: Residuals::of(&fit.fitted, held)? })
 }
 
 fn typical_sd(data: &Dataset) -> f64 {
@@ -172,12 +142,11 @@ fn typical_sd(data: &Dataset) -> f64 {
 }
 
 /// Coefficients of a find with their intervals.
-fn parameters(fit: &Fit, found: &[Candidate], declared: usize, which: usize) -> Vec<Parameter> {
-    let first = declared + found[..which].iter().map(|c| c.effects().len()).sum::<usize>();
+fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parameter> {
     let half = fit.half_widths();
     let model = fit.fitted.model();
     let mut list = Vec::new();
-    for effect in first..first + found[which].effects().len() {
+    for effect in effects {
         for column in model.columns_of(effect) {
             if fit.reduction.kept.contains(&column) {
                 let value = fit.fitted.coefficients()[column];
@@ -198,7 +167,7 @@ fn parameters(fit: &Fit, found: &[Candidate], declared: usize, which: usize) -> 
             });
         }
     }
-    if let Change::CorrectLoad { mass, deviation, .. } = found[which].change {
+    if let Change::CorrectLoad { mass, deviation, .. } = found.change {
         let half = student_quantile(0.975, fit.degrees_of_freedom()) * deviation;
         let ci95 = [mass - half, mass + half];
         list.push(Parameter { name: "mass".into(), value: mass, unit: "kg".into(), ci95 });
@@ -208,12 +177,9 @@ fn parameters(fit: &Fit, found: &[Candidate], declared: usize, which: usize) -> 
 
 /// Rivals in place of a find, judged on the held-out rows.
 fn alternatives(
-    ground: &crate::working::Ground<'_>,
-    now: &Working,
-    found: &[Candidate],
+    trial: &Trial<'_>,
     which: usize,
     rivals: &[(Candidate, f64)],
-    held: &Dataset,
 ) -> Result<Vec<Alternative>, DiscoverError> {
     /// Rivals that are listed.
     const LISTED: usize = 4;
@@ -221,15 +187,10 @@ fn alternatives(
         .par_iter()
         .take(LISTED)
         .map(|(candidate, behind)| {
-            let mut others = found.to_vec();
-            others[which] = candidate.clone();
-            let data = ground.prepared(&others, &now.outliers.suspects);
-            let fit = ground.fitted(&others, &data)?;
-            let rms = Residuals::of(&fit.fitted, &with_loads(held, &others))?.positions().rms;
             Ok(Alternative {
                 family: candidate.family,
                 place: candidate.place.clone(),
-                holdout: rms,
+                holdout: trial.instead(which, candidate)?.1,
                 behind: *behind,
                 equivalent: *behind < TIE,
             })
@@ -267,40 +228,27 @@ fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout
 }
 
 /// Causes that this data cannot test, with the size that could have been seen.
-pub(crate) fn untestable(now: &Working, without: &[Family]) -> Result<Vec<Untestable>, DiscoverError> {
+pub(crate) fn untestable(scene: &Scene<'_>, screen: &Screen) -> Vec<Untestable> {
     /// Less of a cause than this is left by the declared model.
     const LEFT: f64 = 0.05;
     /// Less than this is left only of what the declared model has itself.
     const DECLARED: f64 = 1e-4;
     /// Noncentrality at which the screen finds one unknown four times in five.
     const POWER: f64 = 30.0;
-    let searched = sample(&now.data, 0);
-    let scene = Scene::new(&now.fit, &searched)?;
-    let projection = Projection::new(&scene);
-    let all = library::candidates(scene.chain(), scene.data, without);
-    let judged: Vec<(Candidate, f64, Option<f64>)> = all
-        .into_par_iter()
-        .filter(|candidate| candidate.family != Family::Unmodelled)
-        .filter_map(|candidate| {
-            let columns = candidate.columns(&scene).ok();
-            let share = columns.as_ref().and_then(|c| projection.score(c)).map_or(0.0, |s| s.share);
-            // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
-            let rms =
-                (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
-            let does = columns.is_some_and(|c| c.norm() > 0.0);
-            Some((candidate, share, does.then_some(rms)))
-        })
-        .collect();
     let mut list: Vec<Untestable> = Vec::new();
-    for (candidate, share, detectable) in judged {
-        let place = candidate.place.clone();
-        match list.iter_mut().find(|u| u.family == candidate.family && u.place == place) {
+    for screened in screen.candidates.iter().filter(|s| s.candidate.family != Family::Unmodelled) {
+        let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
+        let share = screened.score.as_ref().map_or(0.0, |score| score.share);
+        // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
+        let rms = (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
+        let detectable = screened.acts.then_some(rms);
+        match list.iter_mut().find(|u| u.family == family && u.place == place) {
             Some(known) if known.share < share => (known.share, known.detectable) = (share, detectable),
             Some(_) => {}
-            None => list.push(Untestable { family: candidate.family, place, share, detectable }),
+            None => list.push(Untestable { family, place, share, detectable }),
         }
     }
     // What is declared already is no question; what does nothing at all here is one that other data could answer.
     list.retain(|u| u.detectable.is_none() || (u.share < LEFT && u.share > DECLARED));
-    Ok(list)
+    list
 }

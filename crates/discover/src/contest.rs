@@ -103,7 +103,9 @@ pub(crate) fn contest(
     gears.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
     for &k in gears.iter().take(GEARS) {
         let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
-        if let Some(candidate) = best.and_then(|best| more_periods(scene, &best.candidate)) {
+        if let Some(candidate) =
+            best.and_then(|best| more_periods(scene, &screen.projection, &best.candidate))
+        {
             let grown = rival(scene, screen, &visits, candidate)?;
             found[k].extend(grown);
         }
@@ -139,8 +141,8 @@ pub(crate) fn rival(
     visits: &Visits,
     candidate: Candidate,
 ) -> Result<Option<Rival>, DiscoverError> {
+    let Some(score) = screen.projection.judge(scene, &candidate) else { return Ok(None) };
     let columns = candidate.columns(scene)?;
-    let Some(score) = screen.projection.score(&columns) else { return Ok(None) };
     let likelihood = Likelihood::new(scene, &columns, visits)?;
     let asked = 2.0 * (screen.asked(candidate.family) as f64).ln();
     let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
@@ -158,7 +160,7 @@ fn plausible(rival: &Rival) -> bool {
 }
 
 /// The same gear with further periods, as long as each pays for itself.
-fn more_periods(scene: &Scene<'_>, candidate: &Candidate) -> Option<Candidate> {
+fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) -> Option<Candidate> {
     if candidate.family != Family::Transmission {
         return None;
     }
@@ -166,10 +168,9 @@ fn more_periods(scene: &Scene<'_>, candidate: &Candidate) -> Option<Candidate> {
     let grid = periodogram::grid(scene, joint);
     let threshold = 2.0 * (grid.len().max(2) as f64).ln() + 2.0 * price(scene.len()) + TIE;
     let mut grown = candidate.clone();
+    let mut projection = present.with(&grown.columns(scene).ok()?)?;
     let mut added = 0;
     while added < MOST_PERIODS {
-        let columns = grown.columns(scene).ok()?;
-        let projection = Projection::with(scene, &columns);
         let wave = periodogram::scan(scene, &projection, joint, &grid)?;
         let &(period, gain) = wave.peaks(1).first()?;
         if gain < threshold {
@@ -177,10 +178,13 @@ fn more_periods(scene: &Scene<'_>, candidate: &Candidate) -> Option<Candidate> {
         }
         let one =
             refined(scene, &projection, &crate::library::transmission_at(scene.chain(), joint, &[period]));
+        let more = projection.with(&one.columns(scene).ok()?);
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);
         }
         added += 1;
+        let Some(more) = more else { break };
+        projection = more;
     }
     (added > 0).then_some(grown)
 }

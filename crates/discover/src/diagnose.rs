@@ -2,16 +2,18 @@
 
 use crate::candidate::Candidate;
 use crate::contest::{Contest, Rival, contest};
-use crate::diagnosis::{Diagnosis, Refused, Stop};
+use crate::diagnosis::{Diagnosis, Refused, Stop, Untestable};
 use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
 use crate::polish::polished;
 use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
+use crate::surprise::gain_of_one;
 use crate::working::{Ground, Working};
-use crate::{DiscoverError, DiscoverOptions, conclude, lags, reconsider};
+use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, reconsider};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::collections::BTreeMap;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_identify::{PriorStrength, hold_out, place};
 use truepose_kinematics::Chain;
@@ -38,6 +40,8 @@ pub(crate) struct Accepted {
     pub evidence: Evidence,
     /// (candidate, score behind the find's).
     pub rivals: Vec<(Candidate, f64)>,
+    /// Causes without a name that did well when it was found.
+    pub shortlist: Vec<Candidate>,
 }
 
 /// Runs the closed loop.
@@ -73,8 +77,9 @@ pub(crate) fn on_split(
     let train = data.select(&train_rows);
     progress(Progress::Fitting);
     let placement = place(chain, &train)?;
+    let part = sample(&train, options.seed);
     let mut ground =
-        Ground { chain: &placement.chain, declared, data: &train, solver, fit: options.fit.clone() };
+        Ground { chain: &placement.chain, declared, data: &part, solver, fit: options.fit.clone() };
     let first = ground.working(Vec::new(), &[])?;
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     if ground.fit.prior == PriorStrength::Evidence {
@@ -85,13 +90,25 @@ pub(crate) fn on_split(
         let rank = first.fit.reduction.rank();
         return Err(DiscoverError::TooFewVisits { have: Visits::of(&train).len(), rank, need });
     }
-    let untestable = conclude::untestable(&first, &options.without)?;
-    let declared_fit = first.fit.clone();
-    let mut search = Search { ground, options, accepted: Vec::new(), refused: Vec::new(), now: first };
+    let mut search = Search {
+        ground,
+        options,
+        accepted: Vec::new(),
+        refused: Vec::new(),
+        untestable: Vec::new(),
+        asked: BTreeMap::new(),
+        now: first,
+    };
     let (stopped, last) = search.run(progress)?;
     progress(Progress::Judging);
-    let whole = conclude::Whole { data, holdout_rows, placement: placement.clone(), untestable };
-    conclude::conclude(search, whole, declared_fit, stopped, last)
+    if part.len() < train.len() {
+        // What was found in a part of the data is fitted to all of it.
+        search.ground.data = &train;
+        search.now.outliers.suspects.clear();
+        search.refit()?;
+    }
+    let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
+    conclude::conclude(search, whole, stopped, last)
 }
 
 /// The loop's state.
@@ -100,6 +117,10 @@ pub(crate) struct Search<'a> {
     pub options: &'a DiscoverOptions,
     pub accepted: Vec<Accepted>,
     pub refused: Vec<Refused>,
+    /// Causes that this data cannot test on top of the declared model.
+    pub untestable: Vec<Untestable>,
+    /// How many questions the last whole screen asked of each family.
+    pub asked: BTreeMap<Family, usize>,
     pub now: Working,
 }
 
@@ -113,9 +134,12 @@ impl Search<'_> {
         let mut settled = false;
         for round in 0.. {
             progress(Progress::Screening(self.accepted.len()));
-            let searched = sample(&self.now.data, self.options.seed.wrapping_add(round));
-            let scene = Scene::new(&self.now.fit, &searched)?;
+            let scene = Scene::new(&self.now.fit, &self.now.data)?;
             let screen = Screen::new(&scene, &self.options.without);
+            self.asked.clone_from(screen.questions());
+            if round == 0 {
+                self.untestable = conclude::untestable(&scene, &screen);
+            }
             let null = screen.null(self.options.flips, self.options.seed);
             let p_value = null.p_value(screen.largest());
             let last = (p_value, seen_from(&null, self.options.alpha));
@@ -196,7 +220,12 @@ fn winner(
         let Some(doubt) = doubt else {
             let score = best.score;
             let others = rivals[1..].iter().map(|r| (r.candidate.clone(), r.score - score));
-            return Ok(Some(Accepted { candidate: adopted(best), evidence, rivals: others.collect() }));
+            return Ok(Some(Accepted {
+                candidate: adopted(best),
+                evidence,
+                rivals: others.collect(),
+                shortlist: screen.shortlist(scene),
+            }));
         };
         if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
             refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });
@@ -228,7 +257,5 @@ pub(crate) fn parametric(screen: &Screen, rival: &Rival) -> f64 {
 
 /// The gain of a single unknown that would have passed as no chance.
 fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
-    let critical = null.critical(alpha);
-    let spread = 2.0f64 / 9.0;
-    (critical * spread.sqrt() + 1.0 - spread).max(0.0).powi(3)
+    gain_of_one(null.critical(alpha))
 }

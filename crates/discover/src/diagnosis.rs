@@ -55,6 +55,12 @@ impl Errors {
     pub fn spreads(&self) -> (Spread, Spread) {
         (self.train.positions(), self.holdout.positions())
     }
+
+    /// 3-D RMS of both parts, m.
+    pub(crate) fn rms(&self) -> (f64, f64) {
+        let (train, holdout) = self.spreads();
+        (train.rms, holdout.rms)
+    }
 }
 
 /// An effect that was found and believed.

@@ -1,7 +1,7 @@
 //! Family-wise p-values by sign-flipping whole units: visits, or neighbouring visits together.
 //!
 //! ```text
-//! T  = max over all candidates of the normal quantile of −m ln(1 − SS/RSS)
+//! T  = max over all candidates of the surprise of −m ln(1 − SS/RSS)
 //! T* = the same of P S r̃, S a random sign for each unit
 //! p  = (1 + #{T* ≥ T}) / (B + 1)
 //! ```
@@ -9,7 +9,8 @@
 //! RSS is that of the flipped residual after the present model has been projected out of it, so that the statistic is normalised.
 //! Source: Freedman and Lane (1983); Winkler et al. (2014) for exchangeable blocks.
 
-use crate::projection::{Projection, quantile};
+use crate::projection::Projection;
+use crate::surprise::surprise;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -36,53 +37,51 @@ impl NullDistribution {
             if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }
         });
         // ‖P S r̃‖² = ‖r̃‖² − ‖Q_1ᵀ S r̃‖².
-        let absorbed = &signs * projection.by_unit(&projection.q).map(|v| v as f32);
+        let absorbed = &signs * projection.q_by_unit.map(|v| v as f32);
         let whole = projection.residual.norm_squared();
-        let rss: Vec<f64> = (0..flips)
+        let inverse: Vec<f32> = (0..flips)
             .map(|b| {
                 let gone: f64 = absorbed.row(b).iter().map(|&v| f64::from(v).powi(2)).sum();
-                (whole - gone).max(1e-3 * whole)
+                (1.0 / (whole - gone).max(1e-3 * whole)) as f32
             })
             .collect();
-        let largest = blocks
+        // The surprise grows with the share: only the largest share of each number of unknowns has to be turned into one.
+        let widest = blocks.iter().flat_map(|block| block.freedoms.iter().copied()).max().unwrap_or(0);
+        let shares = blocks
             .par_iter()
             .map(|block| {
                 let sums = &signs * block.by_unit;
-                // The quantile grows with the gain: only the largest share of each freedom has to be turned into one.
-                let widest = block.freedoms.iter().copied().max().unwrap_or(0);
-                let mut shares = vec![0.0f64; flips * (widest + 1)];
-                let mut squares = vec![0.0f64; flips];
+                let mut shares = DMatrix::<f32>::zeros(flips, widest + 1);
+                let mut squares = vec![0.0f32; flips];
                 let mut first = 0;
                 for &freedom in &block.freedoms {
                     squares.fill(0.0);
-                    for k in first..first + freedom {
-                        for (square, v) in squares.iter_mut().zip(sums.column(k).iter()) {
-                            *square += f64::from(*v) * f64::from(*v);
+                    for column in
+                        sums.as_slice()[first * flips..(first + freedom) * flips].chunks_exact(flips)
+                    {
+                        for (square, v) in squares.iter_mut().zip(column) {
+                            *square += v * v;
                         }
                     }
-                    for (b, square) in squares.iter().enumerate() {
-                        let most = &mut shares[b * (widest + 1) + freedom];
-                        *most = most.max(square / rss[b]);
+                    let most = &mut shares.as_mut_slice()[freedom * flips..(freedom + 1) * flips];
+                    for ((most, square), inverse) in most.iter_mut().zip(&squares).zip(&inverse) {
+                        *most = most.max(square * inverse);
                     }
                     first += freedom;
                 }
-                (0..flips)
-                    .map(|b| {
-                        (1..=widest)
-                            .filter(|&freedom| shares[b * (widest + 1) + freedom] > 0.0)
-                            .map(|freedom| {
-                                let share = shares[b * (widest + 1) + freedom];
-                                quantile(projection.gain(share, 1.0), freedom)
-                            })
-                            .fold(f64::NEG_INFINITY, f64::max)
-                    })
-                    .collect::<Vec<f64>>()
+                shares
             })
-            .reduce(
-                || vec![f64::NEG_INFINITY; flips],
-                |a, b| a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect(),
-            );
-        let mut largest = largest;
+            .reduce(|| DMatrix::zeros(flips, widest + 1), |a, b| a.zip_map(&b, f32::max));
+        let mut largest: Vec<f64> = shares
+            .row_iter()
+            .map(|row| {
+                row.iter()
+                    .enumerate()
+                    .filter(|(_, share)| **share > 0.0)
+                    .map(|(freedom, &share)| surprise(projection.gain(f64::from(share), 1.0), freedom))
+                    .fold(f64::NEG_INFINITY, f64::max)
+            })
+            .collect();
         largest.sort_by(f64::total_cmp);
         NullDistribution { largest }
     }

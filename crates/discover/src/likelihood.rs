@@ -167,7 +167,10 @@ pub(crate) fn as_residuals(scene: &Scene<'_>, residual: &DVector<f64>) -> Residu
 }
 
 /// Least squares from the Gram matrix of [A | y], scaled, with a prior's precision.
-fn solved(gram: &DMatrix<f64>, prior: &DMatrix<f64>) -> Result<(DVector<f64>, Scaled), DiscoverError> {
+pub(crate) fn solved(
+    gram: &DMatrix<f64>,
+    prior: &DMatrix<f64>,
+) -> Result<(DVector<f64>, Scaled), DiscoverError> {
     let n = gram.ncols() - 1;
     let scale: Vec<f64> = (0..n)
         .map(|k| {
@@ -200,7 +203,7 @@ fn solved(gram: &DMatrix<f64>, prior: &DMatrix<f64>) -> Result<(DVector<f64>, Sc
 }
 
 /// A Cholesky factor of scaled normal equations.
-struct Scaled {
+pub(crate) struct Scaled {
     factor: Cholesky<f64, Dyn>,
     scale: Vec<f64>,
 }

@@ -11,11 +11,10 @@
 use crate::candidate::Candidate;
 use crate::contest::{Rival, TIE};
 use crate::likelihood::Likelihood;
-use crate::projection::Projection;
+use crate::projection::Heard;
 use crate::scene::Scene;
 use crate::screen::{Cause, Screen, price};
 use crate::{DiscoverError, Family};
-use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
@@ -37,13 +36,16 @@ pub(crate) fn first(
         return Ok(0);
     }
     let price = price(scene.len());
-    let partners: Vec<(&Candidate, DMatrix<f64>)> = causes
+    let first: Vec<&Candidate> = causes
         .iter()
         .filter(|cause| cause.family != Family::Unmodelled)
         .take(PARTNERS)
         .map(|cause| &cause.variants[0].0)
-        .map(|candidate| candidate.columns(scene).map(|columns| (candidate, columns)))
-        .collect::<Result<_, _>>()?;
+        .collect();
+    let partners: Vec<(&Candidate, Heard)> = first
+        .into_par_iter()
+        .map(|candidate| Ok((candidate, screen.projection.hear(scene, candidate)?)))
+        .collect::<Result<_, DiscoverError>>()?;
     let named: Vec<usize> = (0..rivals.len())
         .filter(|&k| k == 0 || rivals[k].candidate.family != Family::Unmodelled)
         .take(RIVALS)
@@ -52,26 +54,30 @@ pub(crate) fn first(
         .par_iter()
         .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {
             let rival = &rivals[k];
-            let projection = Projection::with(scene, &rival.columns);
-            let best = partners
+            let others: Vec<&(&Candidate, Heard)> =
+                partners.iter().filter(|(partner, _)| !partner.same_cause(&rival.candidate)).collect();
+            let heard: Vec<&Heard> = others.iter().map(|(_, heard)| heard).collect();
+            let Some(gains) = screen.projection.beside(&rival.columns, &heard) else { return Ok(None) };
+            let best = others
                 .iter()
-                .filter(|(partner, _)| !partner.same_cause(&rival.candidate))
-                .filter_map(|(partner, columns)| {
-                    let score = projection.score(columns)?;
-                    Some((score.gain - price * score.freedom as f64, score.freedom, partner, columns))
+                .zip(gains)
+                .filter_map(|((partner, _), gain)| {
+                    let (gain, freedom) = gain?;
+                    Some((gain - price * freedom as f64, freedom, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, freedom, partner, columns)) = best.filter(|best| best.0 > LEAST) else {
+            let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
                 return Ok(Some((rival.score, rival.candidate.clone(), 0.0)));
             };
+            let columns = partner.columns(scene)?;
             let width = rival.columns.ncols() + columns.ncols();
             let mut both = rival.columns.clone().resize_horizontally(width, 0.0);
-            both.columns_mut(rival.columns.ncols(), columns.ncols()).copy_from(columns);
+            both.columns_mut(rival.columns.ncols(), columns.ncols()).copy_from(&columns);
             let likelihood = Likelihood::new(scene, &both, visits)?;
             let asked = 2.0 * (screen.asked(partner.family) as f64).ln();
             let alone = rival.score - rival.likelihood.deviance;
             let score = likelihood.deviance + alone + price * freedom as f64 + asked;
-            Ok(Some((score.min(rival.score), (*partner).clone(), worth)))
+            Ok(Some((score.min(rival.score), partner.clone(), worth)))
         })
         .collect::<Result<_, _>>()?;
     let mut best: Option<(usize, f64)> = None;

@@ -1,11 +1,11 @@
 //! Every period of every joint: the score of a sine and a cosine of its motion, over a fine grid of frequencies.
 //!
-//! A joint stands still during a visit, so that whitening leaves `g(q) sin(ν q)` what it is: the whitened motion times the
-//! wave. Frequencies are as dense as the visited range can tell apart, four to a cycle over it.
+//! The joint's motion is the same for all periods: it is projected once, and a period costs a product over the visits. Frequencies are as
+//! dense as the visited range can tell apart, four to a cycle over it.
 
-use crate::product::cross;
-use crate::projection::{Projection, basis, quantile};
+use crate::projection::{Projection, basis};
 use crate::scene::Scene;
+use crate::surprise::surprise;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ pub(crate) struct Periodogram {
     pub joint: JointId,
     pub periods: Vec<f64>,
     pub gains: Vec<f64>,
-    pub quantiles: Vec<f64>,
+    pub surprises: Vec<f64>,
     /// Units × 2 columns a period.
     pub by_unit: DMatrix<f32>,
 }
@@ -52,75 +52,58 @@ pub(crate) fn scan(
     joint: JointId,
     periods: &[f64],
 ) -> Option<Periodogram> {
-    let (motion, values) = scene.motion(joint)?;
-    let motion = projection.whitener.of(&DMatrix::from_column_slice(motion.len(), 1, motion.as_slice()));
-    if periods.is_empty() || motion.norm() <= 0.0 {
+    let (shares, values) = scene.motion(joint)?;
+    let pulses = projection.tables.pulses(&shares);
+    let values: Vec<f64> = projection.tables.stations.iter().map(|&station| values[station]).collect();
+    if periods.is_empty() || pulses.square.iter().sum::<f64>() <= 0.0 {
         return None;
     }
-    // What the model absorbs of a fast wave does not depend on its period: with much data it is left aside.
-    let exact = motion.len() <= 6000;
     let parts: Vec<(Vec<f64>, Vec<f64>, DMatrix<f32>)> = periods
         .par_chunks(BATCH)
         .map(|batch| {
-            let mut waves = DMatrix::zeros(motion.len(), 2 * batch.len());
+            let mut waves = DMatrix::zeros(values.len(), 2 * batch.len());
             for (k, period) in batch.iter().enumerate() {
-                // A visit's numbers share the joint's value.
-                let (mut last, mut wave) = (f64::NAN, (0.0, 0.0));
                 for (at, &value) in values.iter().enumerate() {
-                    if value.to_bits() != last.to_bits() {
-                        last = value;
-                        wave = (TAU * value / period).sin_cos();
-                    }
-                    waves[(at, 2 * k)] = wave.0 * motion[at];
-                    waves[(at, 2 * k + 1)] = wave.1 * motion[at];
+                    let (sine, cosine) = (TAU * value / period).sin_cos();
+                    waves[(at, 2 * k)] = sine;
+                    waves[(at, 2 * k + 1)] = cosine;
                 }
             }
-            let along = if exact { Some(cross(&projection.q, &waves)) } else { None };
-            let projected = match &along {
-                Some(along) => &waves - &projection.q * along,
-                None => waves.clone(),
-            };
-            let sums = projection.by_unit(&projected);
-            let (mut gains, mut quantiles) = (Vec::new(), Vec::new());
+            let (along, sums) = pulses.through(&waves, projection);
+            let (mut gains, mut surprises) = (Vec::new(), Vec::new());
             let mut by_unit = DMatrix::<f32>::zeros(projection.units, 2 * batch.len());
             for k in 0..batch.len() {
-                let pair = waves.columns(2 * k, 2);
-                let raw = pair.tr_mul(&pair);
-                let left = match &along {
-                    Some(along) => {
-                        let pair = along.columns(2 * k, 2);
-                        &raw - pair.tr_mul(&pair)
-                    }
-                    None => raw.clone(),
-                };
+                let raw = pulses.products(&waves.columns(2 * k, 2));
+                let pair = along.columns(2 * k, 2);
+                let left = &raw - pair.tr_mul(&pair);
                 let Some(turn) = basis(&raw, &left) else {
                     gains.push(0.0);
-                    quantiles.push(f64::NEG_INFINITY);
+                    surprises.push(f64::NEG_INFINITY);
                     continue;
                 };
                 let scores = sums.columns(2 * k, 2) * &turn;
                 let squares: f64 = scores.column_iter().map(|c| c.sum().powi(2)).sum();
                 let gain = projection.gain(squares, projection.rss);
                 gains.push(gain);
-                quantiles.push(quantile(gain, 2));
+                surprises.push(surprise(gain, 2));
                 for (j, column) in scores.column_iter().enumerate() {
                     by_unit.column_mut(2 * k + j).copy_from(&column.map(|v| v as f32));
                 }
             }
-            (gains, quantiles, by_unit)
+            (gains, surprises, by_unit)
         })
         .collect();
     let mut whole = Periodogram {
         joint,
         periods: periods.to_vec(),
         gains: Vec::new(),
-        quantiles: Vec::new(),
+        surprises: Vec::new(),
         by_unit: DMatrix::zeros(projection.units, 2 * periods.len()),
     };
-    for (gains, quantiles, by_unit) in parts {
+    for (gains, surprises, by_unit) in parts {
         whole.by_unit.columns_mut(2 * whole.gains.len(), by_unit.ncols()).copy_from(&by_unit);
         whole.gains.extend(gains);
-        whole.quantiles.extend(quantiles);
+        whole.surprises.extend(surprises);
     }
     Some(whole)
 }

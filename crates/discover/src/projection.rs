@@ -6,13 +6,17 @@
 //!
 //! all whitened. With an orthonormal basis T of the projected candidate, `SS = ‖Tᵀ Xᵀ r̃‖²` is what it would take from
 //! the sum of squares RSS (score test, no refit), and `LR = −m ln(1 − SS/RSS)`. Statistics of different numbers of
-//! unknowns are compared on the scale of a normal quantile (Wilson and Hilferty 1931). A direction of which the present model already
+//! unknowns are compared by how surprising they are. A direction of which the present model already
 //! explains nearly all is left out: there the data cannot speak for the candidate.
 
-use crate::product::cross;
+use crate::DiscoverError;
+use crate::candidate::{Candidate, Change};
+use crate::product::{cross, orthonormal};
 use crate::scene::Scene;
+use crate::surprise::surprise;
+use crate::tables::Tables;
 use crate::whitener::Whitener;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
 
 /// Directions of which less than this share is left are absorbed by the present model.
 const ABSORBED: f64 = 2e-3;
@@ -22,6 +26,8 @@ pub(crate) struct Projection {
     pub whitener: Whitener,
     /// Q_1, m × r.
     pub q: DMatrix<f64>,
+    /// y, m.
+    y: DVector<f64>,
     /// r̃, m.
     pub residual: DVector<f64>,
     /// ‖r̃‖² with the prior's rows.
@@ -29,6 +35,30 @@ pub(crate) struct Projection {
     /// The exchangeable unit of each number, and how many there are.
     pub unit: Vec<usize>,
     pub units: usize,
+    /// Q_1 ∘ r̃ summed over each unit, units × r.
+    pub q_by_unit: DMatrix<f64>,
+    pub tables: Tables,
+}
+
+/// What is needed of a candidate's columns X, m × k.
+#[derive(Debug, Clone)]
+pub(crate) struct Sums {
+    /// Q_1ᵀ X, r × k.
+    pub along: DMatrix<f64>,
+    /// XᵀX, k × k.
+    pub raw: DMatrix<f64>,
+    /// X ∘ r̃ summed over each unit, units × k.
+    pub by_unit: DMatrix<f64>,
+}
+
+/// A candidate, heard once.
+#[derive(Debug, Clone)]
+pub(crate) struct Heard {
+    sums: Sums,
+    /// (visit, column, site, value).
+    said: Vec<(usize, usize, usize, f64)>,
+    /// Whitened columns of what is no effect.
+    dense: Option<DMatrix<f64>>,
 }
 
 /// How a candidate does against what is left.
@@ -38,8 +68,8 @@ pub(crate) struct Score {
     pub freedom: usize,
     /// −m ln(1 − SS/RSS).
     pub gain: f64,
-    /// Normal quantile of the gain.
-    pub quantile: f64,
+    /// How surprising that is.
+    pub surprise: f64,
     /// Share of the candidate that the present model does not absorb, ‖X̃‖²/‖X‖².
     pub share: f64,
     /// Scores of the units along the orthonormal basis, units × freedom.
@@ -51,32 +81,107 @@ const MOST_UNITS: usize = 400;
 
 impl Projection {
     pub fn new(scene: &Scene<'_>) -> Self {
-        Projection::with(scene, &DMatrix::zeros(scene.len(), 0))
-    }
-
-    /// With further raw columns (m × k) in the present model.
-    pub fn with(scene: &Scene<'_>, more: &DMatrix<f64>) -> Self {
         let whitener = Whitener::new(scene, scene.noise);
-        let known = scene.base.ncols();
-        let mut a = scene.base.clone().resize_horizontally(known + more.ncols(), 0.0);
-        a.columns_mut(known, more.ncols()).copy_from(more);
-        whitener.apply(&mut a);
+        let mut joined = scene.base.clone();
+        whitener.apply(&mut joined);
         let y = whitener.of(&DMatrix::from_column_slice(scene.len(), 1, scene.y.as_slice()));
-        let (m, r) = a.shape();
+        let m = scene.len();
         let extra = scene.prior.as_ref().map_or(0, DMatrix::nrows);
-        let mut joined = DMatrix::zeros(m + extra, r);
-        joined.rows_mut(0, m).copy_from(&a);
+        joined = joined.resize_vertically(m + extra, 0.0);
         if let Some(prior) = &scene.prior {
-            joined.view_mut((m, 0), (extra, known)).copy_from(prior);
+            joined.rows_mut(m, extra).copy_from(prior);
         }
-        let q = if r == 0 { joined } else { joined.qr().q() };
+        let q = orthonormal(joined);
         let (top, bottom) = (q.rows(0, m).into_owned(), q.rows(m, extra).into_owned());
-        let along = cross(&top, &y).column(0).into_owned();
-        let residual = y.column(0) - &top * &along;
+        let y = y.column(0).into_owned();
+        let along = top.tr_mul(&y);
+        let residual = &y - &top * &along;
         let rss = residual.norm_squared() + (&bottom * &along).norm_squared();
         let merge = scene.visits.div_ceil(MOST_UNITS).max(1);
         let unit: Vec<usize> = scene.observations.iter().map(|o| o.visit / merge).collect();
-        Projection { whitener, q: top, residual, rss, units: scene.visits.div_ceil(merge), unit }
+        let units = scene.visits.div_ceil(merge);
+        let q_by_unit = by_unit(&top, &residual, &unit, units);
+        let tables = Tables::new(scene, &whitener, (&top, &residual), &unit);
+        Projection { whitener, q: top, y, residual, rss, unit, units, q_by_unit, tables }
+    }
+
+    /// With further raw columns (m × k) in the present model; none when nothing of them is left.
+    pub fn with(&self, more: &DMatrix<f64>) -> Option<Self> {
+        let (new, explained) = self.directions(more)?;
+        let residual = &self.residual - &new * &explained;
+        let r = self.q.ncols();
+        let mut q = self.q.clone().resize_horizontally(r + new.ncols(), 0.0);
+        q.columns_mut(r, new.ncols()).copy_from(&new);
+        Some(Projection {
+            whitener: self.whitener.clone(),
+            rss: self.rss - explained.norm_squared(),
+            unit: self.unit.clone(),
+            units: self.units,
+            q_by_unit: by_unit(&q, &residual, &self.unit, self.units),
+            tables: self.tables.with(&new, &residual),
+            q,
+            y: self.y.clone(),
+            residual,
+        })
+    }
+
+    /// Directions that raw columns (m × k) add to Q_1, and what they explain of y.
+    fn directions(&self, more: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let x = self.whitener.of(more);
+        let along = cross(&self.q, &x);
+        let raw = cross(&x, &x);
+        let basis = basis(&raw, &(&raw - cross(&along, &along)))?;
+        // With what they have in the prior's rows they are orthogonal to the known ones, so that y, which has nothing
+        // there, tells what they explain.
+        let new = (x - &self.q * along) * basis;
+        let explained = new.tr_mul(&self.y);
+        Some((new, explained))
+    }
+
+    /// What is needed of a candidate to ask for its gain beside others, again and again.
+    pub fn hear(&self, scene: &Scene<'_>, candidate: &Candidate) -> Result<Heard, DiscoverError> {
+        let mut heard = Heard { sums: self.sums(scene, candidate)?, said: Vec::new(), dense: None };
+        match &candidate.change {
+            Change::Add(effects) => {
+                let stations = self.tables.stations.iter().copied();
+                scene.ask(effects)?.each(stations, &mut |visit, entries| {
+                    heard
+                        .said
+                        .extend(entries.iter().map(|&(column, site, value)| (visit, column, site, value)));
+                })?;
+            }
+            Change::CorrectLoad { .. } => {
+                heard.dense = Some(self.whitener.of(&candidate.columns(scene)?));
+            }
+        }
+        Ok(heard)
+    }
+
+    /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
+    pub fn beside(&self, more: &DMatrix<f64>, heard: &[&Heard]) -> Option<Vec<Option<(f64, usize)>>> {
+        let (new, explained) = self.directions(more)?;
+        let extension = self.tables.extension(&new);
+        let residual = &self.residual - &new * &explained;
+        let rss = self.rss - explained.norm_squared();
+        // Columns of Q_1 are orthogonal to r̃ only together with the prior's rows.
+        let (known, added) = (self.q.tr_mul(&residual), new.tr_mul(&residual));
+        let gain = |heard: &&Heard| {
+            let along = match &heard.dense {
+                Some(columns) => cross(&new, columns),
+                None => extension.along(&heard.said, heard.sums.raw.ncols()),
+            };
+            let Sums { along: before, raw, by_unit } = &heard.sums;
+            let left = raw - cross(before, before) - cross(&along, &along);
+            let basis = basis(raw, &left)?;
+            // X̃ᵀ r̃ with the new r̃.
+            let score = by_unit.row_sum().transpose()
+                - along.tr_mul(&explained)
+                - before.tr_mul(&known)
+                - along.tr_mul(&added);
+            let squares = basis.tr_mul(&score).norm_squared();
+            Some((self.gain(squares, rss), basis.ncols()))
+        };
+        Some(heard.iter().map(gain).collect())
     }
 
     /// How many numbers were measured.
@@ -89,42 +194,76 @@ impl Projection {
         -(self.len() as f64) * (1.0 - (squares / rss).min(1.0 - 1e-12)).ln()
     }
 
-    /// The score of a candidate's raw columns; none when nothing of it is left.
-    pub fn score(&self, columns: &DMatrix<f64>) -> Option<Score> {
-        let x = self.whitener.of(columns);
-        let along = cross(&self.q, &x);
-        let raw = cross(&x, &x);
-        let left = &raw - cross(&along, &along);
+    /// How a candidate does; none when nothing of it is left, or the data lacks what it reads.
+    pub fn judge(&self, scene: &Scene<'_>, candidate: &Candidate) -> Option<Score> {
+        self.score(&self.sums(scene, candidate).ok()?)
+    }
+
+    /// What is needed of a candidate's columns.
+    pub fn sums(&self, scene: &Scene<'_>, candidate: &Candidate) -> Result<Sums, DiscoverError> {
+        let Change::Add(effects) = &candidate.change else {
+            let x = self.whitener.of(&candidate.columns(scene)?);
+            let by_unit = by_unit(&x, &self.residual, &self.unit, self.units);
+            return Ok(Sums { along: cross(&self.q, &x), raw: cross(&x, &x), by_unit });
+        };
+        let asked = scene.ask(effects)?;
+        let width = asked.width();
+        let mut sums = Sums {
+            along: DMatrix::zeros(self.q.ncols(), width),
+            raw: DMatrix::zeros(width, width),
+            by_unit: DMatrix::zeros(self.units, width),
+        };
+        let stations = self.tables.stations.iter().copied();
+        asked.each(stations, &mut |visit, entries| self.tables.add(visit, entries, &mut sums))?;
+        Ok(sums)
+    }
+
+    /// The score of a candidate; none when nothing of it is left.
+    pub fn score(&self, sums: &Sums) -> Option<Score> {
+        self.judged(&sums.raw, &sums.along, &(&sums.by_unit - &self.q_by_unit * &sums.along))
+    }
+
+    /// The score from XᵀX, Q_1ᵀX and X̃ ∘ r̃ summed over each unit.
+    pub fn judged<A, B>(
+        &self,
+        raw: &DMatrix<f64>,
+        along: &Matrix<f64, Dyn, Dyn, A>,
+        by_unit: &Matrix<f64, Dyn, Dyn, B>,
+    ) -> Option<Score>
+    where
+        A: Storage<f64, Dyn, Dyn>,
+        B: Storage<f64, Dyn, Dyn>,
+    {
+        let left = raw - cross(along, along);
         let total = raw.trace();
         if !(total > 0.0 && total.is_finite()) {
             return None;
         }
-        let basis = basis(&raw, &left)?;
-        let projected = (&x - &self.q * &along) * &basis;
-        let by_unit = self.by_unit(&projected);
+        let basis = basis(raw, &left)?;
+        let by_unit = by_unit * &basis;
         let freedom = basis.ncols();
-        let squares: f64 = (0..freedom).map(|k| by_unit.column(k).sum().powi(2)).sum();
+        let squares: f64 = by_unit.column_iter().map(|column| column.sum().powi(2)).sum();
         let gain = self.gain(squares, self.rss);
         Some(Score {
             freedom,
             gain,
-            quantile: quantile(gain, freedom),
+            surprise: surprise(gain, freedom),
             share: left.trace() / total,
             by_unit: by_unit.map(|v| v as f32),
         })
     }
+}
 
-    /// Σ over each unit's numbers of column × r̃.
-    pub fn by_unit(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut sums = DMatrix::zeros(self.units, columns.ncols());
-        for (k, column) in columns.column_iter().enumerate() {
-            let mut sum = sums.column_mut(k);
-            for ((&unit, value), residual) in self.unit.iter().zip(column.iter()).zip(self.residual.iter()) {
-                sum[unit] += value * residual;
-            }
+/// Σ over each unit's numbers of column × r̃.
+fn by_unit(columns: &DMatrix<f64>, residual: &DVector<f64>, unit: &[usize], units: usize) -> DMatrix<f64> {
+    let mut sums = DMatrix::zeros(units, columns.ncols());
+    for (k, column) in columns.column_iter().enumerate() {
+        let mut sum = sums.column_mut(k);
+        for ((&unit, value), residual) in unit.iter().zip(column.iter()).zip(residual.iter()) {
+            sum[unit] += value * residual;
         }
-        sums
     }
+    sums
 }
 
 /// T with `Tᵀ (left) T = 1`, over directions of which enough is left.
@@ -132,6 +271,10 @@ pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>) -> Option<DMatrix<f
     let scale: Vec<f64> =
         raw.diagonal().iter().map(|&v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 }).collect();
     let k = scale.len();
+    if k == 1 {
+        let share = left[(0, 0)] * scale[0] * scale[0];
+        return (share > ABSORBED).then(|| DMatrix::from_element(1, 1, scale[0] / share.sqrt()));
+    }
     let scaled = DMatrix::from_fn(k, k, |i, j| left[(i, j)] * scale[i] * scale[j]);
     let eigen = SymmetricEigen::new(scaled);
     let kept: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > ABSORBED).collect();
@@ -146,11 +289,4 @@ pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>) -> Option<DMatrix<f
         }
     }
     Some(basis)
-}
-
-/// The normal quantile of a χ² of so many degrees of freedom (Wilson and Hilferty): never out of range.
-pub(crate) fn quantile(chi_square: f64, freedom: usize) -> f64 {
-    let k = freedom.max(1) as f64;
-    let spread = 2.0 / (9.0 * k);
-    ((chi_square.max(0.0) / k).cbrt() - (1.0 - spread)) / spread.sqrt()
 }

@@ -5,9 +5,8 @@
 
 use crate::DiscoverError;
 use crate::candidate::Candidate;
-use crate::contest::{TIE, contest};
+use crate::contest::{Contest, TIE, contest};
 use crate::diagnose::{Search, adopted};
-use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
 
@@ -24,11 +23,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
             .filter(|(k, _)| *k != at)
             .map(|(_, a)| a.candidate.clone())
             .collect();
-        let (data, fit) = search.ground.glance(&others, &search.now.outliers.suspects)?;
-        let searched = sample(&data, search.options.seed.wrapping_add(at as u64));
-        let scene = Scene::new(&fit, &searched)?;
-        let screen = Screen::new(&scene, &search.options.without);
-        let contest = contest(&scene, &screen, &others)?;
+        let contest = without(search, at, &others)?;
         let mine = &search.accepted[at].candidate;
         let Some(best) = contest.rivals.first().filter(|best| best.score < contest.present.deviance) else {
             // The others explain it.
@@ -61,6 +56,25 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
         at += 1;
     }
     Ok(moved)
+}
+
+/// The contest for the place of a find.
+fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
+    let held = |scene: &Scene<'_>| {
+        let shortlist = &search.accepted[at].shortlist;
+        let screen = Screen::again(scene, &search.options.without, shortlist, &search.asked);
+        contest(scene, &screen, others)
+    };
+    let Search { ground, now, .. } = search;
+    // A corrected load is in the data itself.
+    if !now.found[at].effects().is_empty() {
+        let scene = Scene::new(&now.fit, &now.data)?;
+        if let Some(scene) = scene.without(ground.effects_of(&now.found, at))? {
+            return held(&scene);
+        }
+    }
+    let (data, fit) = ground.glance(others, &now.outliers.suspects)?;
+    held(&Scene::new(&fit, &data)?)
 }
 
 /// Whether both change the model in the same way.

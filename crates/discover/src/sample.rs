@@ -1,6 +1,6 @@
-//! Much data is searched on a sample: what is found there is fitted on everything.
+//! Much data is searched on a sample: what is found there is fitted to everything at the end.
 //!
-//! A cause that matters shows in a few thousand numbers; every round of the loop draws another sample.
+//! A cause that matters shows in a few thousand numbers.
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;

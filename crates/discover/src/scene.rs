@@ -12,7 +12,9 @@
 //! robot carries, else at the nominal one.
 
 use crate::DiscoverError;
+use crate::likelihood::Likelihood;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use truepose_errormodel::{
     AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, Rest, Visits,
 };
@@ -40,21 +42,23 @@ pub(crate) struct Scene<'a> {
     pub y: DVector<f64>,
     pub prior: Option<DMatrix<f64>>,
     pub noise: NoiseModel,
+    /// Columns of the model that are not in `base`, though they are in the fit.
+    muted: Range<usize>,
     sites: Vec<f64>,
     site_count: usize,
-    rows: Vec<Row>,
+    stations: Vec<Station>,
 }
 
-/// One row's inputs and postures.
+/// Where the robot stood while some targets of one visit were measured: everything that an effect can depend on.
 #[derive(Debug, Clone)]
-struct Row {
+pub(crate) struct Station {
+    pub visit: usize,
     conditions: Conditions,
     nominal: PostureBuffer,
     /// Frames and wrenches where the real robot comes to rest.
     settled: PostureBuffer,
-    /// First observation of the row, and how many.
-    first: usize,
-    count: usize,
+    /// Its observations.
+    pub numbers: Range<usize>,
 }
 
 impl<'a> Scene<'a> {
@@ -78,9 +82,10 @@ impl<'a> Scene<'a> {
             y: DVector::zeros(0),
             prior: fit.prior.rows(),
             noise: fit.noise,
+            muted: 0..0,
             sites: Vec::new(),
             site_count,
-            rows: Vec::new(),
+            stations: Vec::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Rest::new(model);
@@ -91,18 +96,29 @@ impl<'a> Scene<'a> {
                     continue;
                 }
                 let conditions = data.conditions(row);
-                rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                let first = scene.observations.len();
+                let stands =
+                    scene.stations.last().is_some_and(|s| s.visit == visit && s.conditions == conditions);
+                if !stands {
+                    rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                    let mut nominal = PostureBuffer::new(chain);
+                    nominal.update(chain, &conditions);
+                    let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
+                    scene.stations.push(Station {
+                        visit,
+                        conditions,
+                        nominal,
+                        settled,
+                        numbers: first..first,
+                    });
+                }
                 let (real, errors) = (rest.real(), rest.errors());
-                let mut nominal = PostureBuffer::new(chain);
-                nominal.update(chain, &conditions);
-                let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
                 let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
                 let matrix = jacobian.matrix(chain);
                 let difference = data.measured_position(row) - jacobian.point();
                 let turn = data
                     .measured_rotation(row)
                     .map(|measured| rotation_log(&(measured * real.tool().rotation.transpose())));
-                let first = scene.observations.len();
                 for component in 0..6 {
                     let residual = match component {
                         0..3 if seen.position[component] => difference[component],
@@ -126,8 +142,9 @@ impl<'a> Scene<'a> {
                         flat[start..].iter().zip(kept).map(|(a, &c)| a * fit.fitted.coefficients()[c]).sum();
                     y.push(residual + explained);
                 }
-                let count = scene.observations.len() - first;
-                scene.rows.push(Row { conditions, nominal, settled, first, count });
+                if let Some(station) = scene.stations.last_mut() {
+                    station.numbers.end = scene.observations.len();
+                }
             }
         }
         scene.base = DMatrix::from_row_slice(scene.observations.len(), kept.len(), &flat);
@@ -145,31 +162,78 @@ impl<'a> Scene<'a> {
         self.fit.fitted.chain()
     }
 
-    /// The present model's coefficients, kept ones only.
-    pub fn coefficients(&self) -> DVector<f64> {
-        DVector::from_vec(self.fit.reduction.grouped(self.fit.fitted.coefficients()))
+    /// Whether columns of other effects were dropped because those of these effects stand for them.
+    pub fn entangled(&self, effects: Range<usize>) -> bool {
+        let model = self.fit.fitted.model();
+        let own = |column: usize| effects.contains(&model.effect_of(column));
+        self.fit
+            .reduction
+            .dropped
+            .iter()
+            .any(|dropped| !own(dropped.column) && dropped.relation.iter().any(|&(kept, _)| own(kept)))
     }
 
-    /// What an effect's unknowns do to every measured number, in m or rad per expected size; m × k.
-    pub fn columns(&self, effect: &dyn AnyEffect) -> Result<DMatrix<f64>, DiscoverError> {
-        let model = ErrorModel::new(self.chain().clone(), vec![effect.boxed()])?;
-        let bound = model.bind(&self.data.schema)?;
-        let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-        let mut columns = DMatrix::zeros(self.len(), scales.len());
-        let mut emission = Emission::new();
-        let settles = effect.settles();
-        for row in &self.rows {
-            let buffer = if settles { &row.settled } else { &row.nominal };
-            let posture = buffer.view(self.chain(), &row.conditions);
-            bound.emit(&posture, &mut emission);
-            for entry in emission.entries() {
-                let site = self.chain().site_index(entry.site);
-                let value = entry.value * scales[entry.column];
-                for at in row.first..row.first + row.count {
-                    columns[(at, entry.column)] += value * self.sites[at * self.site_count + site];
+    /// The same data and the same real robot, as a model sees it that lacks some of its effects; the noise is estimated again. None when
+    /// the effects that stay are entangled with those that go.
+    pub fn without(mut self, effects: Range<usize>) -> Result<Option<Self>, DiscoverError> {
+        let model = self.fit.fitted.model();
+        if effects.is_empty() {
+            return Ok(None);
+        }
+        let muted = model.columns_of(effects.start).start..model.columns_of(effects.end - 1).end;
+        if self.entangled(effects) {
+            return Ok(None);
+        }
+        let kept = &self.fit.reduction.kept;
+        let out: Vec<usize> = (0..kept.len()).filter(|&k| muted.contains(&kept[k])).collect();
+        self.base = self.base.remove_columns_at(&out);
+        self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
+        self.muted = muted;
+        let nothing = DMatrix::zeros(self.len(), 0);
+        self.noise = Likelihood::new(&self, &nothing, &Visits::of(self.data))?.noise;
+        Ok(Some(self))
+    }
+
+    /// The present model's coefficients, those of the columns of `base`.
+    pub fn coefficients(&self) -> DVector<f64> {
+        let kept = self.fit.reduction.kept.iter().filter(|column| !self.muted.contains(column));
+        DVector::from_iterator(self.base.ncols(), kept.map(|&column| self.fit.fitted.coefficients()[column]))
+    }
+
+    /// Where the robot stood, visit by visit.
+    pub fn stations(&self) -> &[Station] {
+        &self.stations
+    }
+
+    /// How many sites the robot has.
+    pub fn site_count(&self) -> usize {
+        self.site_count
+    }
+
+    /// J of one measured number: what an error at each site does to it.
+    pub fn sites(&self, at: usize) -> &[f64] {
+        &self.sites[at * self.site_count..(at + 1) * self.site_count]
+    }
+
+    /// What these effects say, their unknowns side by side.
+    pub fn ask(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Asked<'_>, DiscoverError> {
+        let model = ErrorModel::new(self.chain().clone(), effects.to_vec())?;
+        let scales = model.columns().iter().map(|column| column.scale).collect();
+        Ok(Asked { scene: self, model, scales })
+    }
+
+    /// What effects' unknowns do to every measured number, in m or rad per expected size; m × k.
+    pub fn columns(&self, effects: &[Box<dyn AnyEffect>]) -> Result<DMatrix<f64>, DiscoverError> {
+        let asked = self.ask(effects)?;
+        let mut columns = DMatrix::zeros(self.len(), asked.width());
+        asked.each(0..self.stations.len(), &mut |station, entries| {
+            for at in self.stations[station].numbers.clone() {
+                let sites = self.sites(at);
+                for &(column, site, value) in entries {
+                    columns[(at, column)] += value * sites[site];
                 }
             }
-        }
+        })?;
         Ok(columns)
     }
 
@@ -177,44 +241,84 @@ impl<'a> Scene<'a> {
     /// a difference of predictions, m or rad per kg; m × 1.
     pub fn heavier(&self, level: f64) -> Result<DMatrix<f64>, DiscoverError> {
         const STEP: f64 = 1e-2;
-        let fitted: &FittedModel = &self.fit.fitted;
+        let mut coefficients = self.fit.fitted.coefficients().to_vec();
+        coefficients[self.muted.clone()].fill(0.0);
+        let model = self.fit.fitted.model().clone();
+        let fitted = FittedModel::new(model, coefficients, self.fit.fitted.covariance().clone())?;
         let mut predictor = fitted.bind(&self.data.schema)?;
         let mut column = DMatrix::zeros(self.len(), 1);
-        for row in &self.rows {
-            let Some(changed) = crate::payload::changed(&row.conditions, level, level + STEP) else {
+        for station in &self.stations {
+            let Some(changed) = crate::payload::changed(&station.conditions, level, level + STEP) else {
                 continue;
             };
-            let target = self.data.target[self.observations[row.first].row];
-            let before = predictor.predict(&row.conditions, target);
-            let after = predictor.predict(&changed, target);
-            let moved = (after.translation - before.translation) / STEP;
-            let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
-            for at in row.first..row.first + row.count {
-                let component = self.observations[at].component;
-                column[(at, 0)] = if component < 3 { moved[component] } else { turned[component - 3] };
+            let mut at = station.numbers.start;
+            for row in self.observations[station.numbers.clone()].chunk_by(|a, b| a.row == b.row) {
+                let target = self.data.target[row[0].row];
+                let before = predictor.predict(&station.conditions, target);
+                let after = predictor.predict(&changed, target);
+                let moved = (after.translation - before.translation) / STEP;
+                let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
+                for o in row {
+                    column[(at, 0)] =
+                        if o.component < 3 { moved[o.component] } else { turned[o.component - 3] };
+                    at += 1;
+                }
             }
         }
         Ok(column)
     }
 
-    /// Displacement of every measured number per unit of a joint's own motion (m), and the joint's value there.
-    pub fn motion(&self, joint: JointId) -> Option<(DVector<f64>, Vec<f64>)> {
+    /// The sites that a joint's own motion touches, with the share of each, and the joint's value at every station.
+    pub fn motion(&self, joint: JointId) -> Option<(Vec<(usize, f64)>, Vec<f64>)> {
         let motion = self.chain().joint_motion(joint)?;
         let coordinate = self.chain().coordinate(joint)?;
         let mut emission = Emission::new();
         emission.along(0, &motion, 1.0);
-        let mut moved = DVector::zeros(self.len());
-        let mut values = vec![0.0; self.len()];
-        for row in &self.rows {
-            for at in row.first..row.first + row.count {
-                values[at] = row.conditions.joints[coordinate];
-                moved[at] = emission
+        let shares = emission.entries().iter().map(|e| (self.chain().site_index(e.site), e.value)).collect();
+        let values = self.stations.iter().map(|station| station.conditions.joints[coordinate]).collect();
+        Some((shares, values))
+    }
+}
+
+/// Effects, asked at every station.
+pub(crate) struct Asked<'s> {
+    scene: &'s Scene<'s>,
+    model: ErrorModel,
+    scales: Vec<f64>,
+}
+
+impl Asked<'_> {
+    /// How many unknowns there are.
+    pub fn width(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// Calls `each(k, entries)` for the k-th of some stations, entries being (unknown, site, error per expected size).
+    pub fn each(
+        &self,
+        stations: impl Iterator<Item = usize>,
+        each: &mut dyn FnMut(usize, &[(usize, usize, f64)]),
+    ) -> Result<(), DiscoverError> {
+        let chain = self.scene.chain();
+        let bound = self.model.bind(&self.scene.data.schema)?;
+        let mut emission = Emission::new();
+        let mut entries = Vec::new();
+        for (k, station) in stations.enumerate() {
+            let station = &self.scene.stations[station];
+            emission.clear();
+            for (settle, buffer) in [(true, &station.settled), (false, &station.nominal)] {
+                bound.emit_those(settle, &buffer.view(chain, &station.conditions), &mut emission);
+            }
+            entries.clear();
+            entries.extend(
+                emission
                     .entries()
                     .iter()
-                    .map(|e| e.value * self.sites[at * self.site_count + self.chain().site_index(e.site)])
-                    .sum();
-            }
+                    .filter(|e| e.value != 0.0)
+                    .map(|e| (e.column, chain.site_index(e.site), e.value * self.scales[e.column])),
+            );
+            each(k, &entries);
         }
-        Some((moved, values))
+        Ok(())
     }
 }

@@ -2,19 +2,23 @@
 
 use crate::candidate::Candidate;
 use crate::flips::{Block, NullDistribution};
+use crate::functions::Functions;
 use crate::library::{self, transmission_at};
 use crate::periodogram::{self, Periodogram};
-use crate::projection::{Projection, Score, quantile};
+use crate::projection::{Projection, Score};
 use crate::scene::Scene;
+use crate::surprise::surprise;
 use crate::{Family, Place};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// A candidate and its score; none where the data cannot judge it.
 pub(crate) struct Screened {
     pub candidate: Candidate,
     pub score: Option<Score>,
+    /// Whether it does anything at all to the measured numbers.
+    pub acts: bool,
 }
 
 /// All candidates at the present model.
@@ -22,6 +26,8 @@ pub(crate) struct Screen {
     pub projection: Projection,
     pub candidates: Vec<Screened>,
     pub periods: Vec<Periodogram>,
+    /// How many separate questions were asked of each family.
+    asked: BTreeMap<Family, usize>,
 }
 
 /// A cause at a place with its variants, best first.
@@ -38,13 +44,44 @@ pub(crate) fn price(numbers: usize) -> f64 {
 }
 
 impl Screen {
+    /// Of everything but some families.
     pub fn new(scene: &Scene<'_>, without: &[Family]) -> Self {
+        let all = library::candidates(scene.chain(), scene.data, without);
+        let mut screen = Screen::of(scene, all, without);
+        let judged = screen.candidates.iter().filter(|s| s.score.is_some());
+        judged.for_each(|s| *screen.asked.entry(s.candidate.family).or_default() += 1);
+        let waves: usize = screen.periods.iter().map(|p| p.periods.len() / 4).sum();
+        *screen.asked.entry(Family::Transmission).or_default() += waves;
+        screen
+    }
+
+    /// Of all causes with a name and of these others, as part of a larger search.
+    pub fn again(
+        scene: &Scene<'_>,
+        without: &[Family],
+        others: &[Candidate],
+        asked: &BTreeMap<Family, usize>,
+    ) -> Self {
+        let mut candidates = library::named(scene.chain(), scene.data, without);
+        candidates.extend(others.iter().cloned());
+        Screen { asked: asked.clone(), ..Screen::of(scene, candidates, without) }
+    }
+
+    fn of(scene: &Scene<'_>, candidates: Vec<Candidate>, without: &[Family]) -> Self {
         let projection = Projection::new(scene);
-        let candidates = library::candidates(scene.chain(), scene.data, without)
+        // Without them every candidate is taken for itself.
+        let functions = Functions::new(scene, &projection, &candidates).ok();
+        let candidates = candidates
             .into_par_iter()
             .map(|candidate| {
-                let score = candidate.columns(scene).ok().and_then(|columns| projection.score(&columns));
-                Screened { candidate, score }
+                if let Some(score) =
+                    functions.as_ref().and_then(|functions| functions.score(scene, &candidate))
+                {
+                    return Screened { candidate, acts: true, score };
+                }
+                let sums = projection.sums(scene, &candidate).ok();
+                let acts = sums.as_ref().is_some_and(|sums| sums.raw.trace() > 0.0);
+                Screened { candidate, score: sums.and_then(|sums| projection.score(&sums)), acts }
             })
             .collect();
         let periods = scene
@@ -56,13 +93,13 @@ impl Screen {
                 periodogram::scan(scene, &projection, joint, &periodogram::grid(scene, joint))
             })
             .collect();
-        Screen { projection, candidates, periods }
+        Screen { projection, candidates, periods, asked: BTreeMap::new() }
     }
 
     /// The largest statistic over everything that was looked at.
     pub fn largest(&self) -> f64 {
-        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.quantile);
-        let waves = self.periods.iter().flat_map(|p| p.quantiles.iter().copied());
+        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprise);
+        let waves = self.periods.iter().flat_map(|p| p.surprises.iter().copied());
         single.chain(waves).fold(f64::NEG_INFINITY, f64::max)
     }
 
@@ -133,18 +170,27 @@ impl Screen {
 
     /// How many separate questions were asked of a family.
     pub fn asked(&self, family: Family) -> usize {
-        let single =
-            self.candidates.iter().filter(|s| s.score.is_some() && s.candidate.family == family).count();
-        let waves = if family == Family::Transmission {
-            self.periods.iter().map(|p| p.periods.len() / 4).sum()
-        } else {
-            0
-        };
-        (single + waves).max(1)
+        self.asked.get(&family).copied().unwrap_or_default().max(1)
+    }
+
+    /// The same of all families.
+    pub fn questions(&self) -> &BTreeMap<Family, usize> {
+        &self.asked
+    }
+
+    /// The best causes without a name, in all their variants: those that may come in for a find when it is looked at again.
+    pub fn shortlist(&self, scene: &Scene<'_>) -> Vec<Candidate> {
+        const LISTED: usize = 60;
+        self.causes(scene)
+            .into_iter()
+            .filter(|cause| cause.family == Family::Unmodelled)
+            .take(LISTED)
+            .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
+            .collect()
     }
 
     /// The statistic of a gain.
     pub fn statistic(gain: f64, freedom: usize) -> f64 {
-        quantile(gain, freedom)
+        surprise(gain, freedom)
     }
 }

@@ -6,16 +6,13 @@ use crate::candidate::Candidate;
 use crate::library::{instants, shift_at, transmission_at};
 use crate::projection::Projection;
 use crate::scene::Scene;
+use std::any::Any;
 use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Backlash, Drift, Shift, Transmission};
 
 /// What a shape is worth: the gain in the screen's units.
 fn gain(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
-    candidate
-        .columns(scene)
-        .ok()
-        .and_then(|columns| projection.score(&columns))
-        .map_or(f64::NEG_INFINITY, |score| score.gain)
+    projection.judge(scene, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
 }
 
 /// The candidate with its shape refined.
@@ -23,10 +20,7 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
     let [effect] = candidate.effects() else { return candidate.clone() };
     let chain = scene.chain();
     if let Some(wave) = seen_as::<Transmission>(&**effect) {
-        // A turn of the joint is known.
-        let Some(period) = wave.period.filter(|p| (p - std::f64::consts::TAU).abs() > 1e-9) else {
-            return candidate.clone();
-        };
+        let Some(period) = free_period(wave) else { return candidate.clone() };
         let Some(coordinate) = chain.coordinate(wave.joint) else { return candidate.clone() };
         let column = &scene.data.joints[coordinate];
         let range = column.iter().copied().fold(f64::NEG_INFINITY, f64::max)
@@ -73,12 +67,24 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
     candidate.clone()
 }
 
-/// An effect as what it is, through its parameters.
-pub(crate) fn seen_as<E: truepose_errormodel::Effect>(effect: &dyn AnyEffect) -> Option<E> {
-    if effect.kind() != E::KIND {
-        return None;
-    }
-    serde_json::from_value(effect.parameters()).ok()
+/// Whether a candidate of one effect has a shape to refine.
+pub(crate) fn has_shape(candidate: &Candidate) -> bool {
+    let [effect] = candidate.effects() else { return false };
+    let effect = &**effect;
+    seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
+        || seen_as::<Shift>(effect).is_some()
+        || seen_as::<Backlash>(effect).is_some_and(|play| play.flank_load.is_some())
+        || seen_as::<Drift>(effect).is_some_and(|drift| drift.time_constant.is_some())
+}
+
+/// A period that is not known; a turn of the joint is.
+fn free_period(wave: &Transmission) -> Option<f64> {
+    wave.period.filter(|p| (p - std::f64::consts::TAU).abs() > 1e-9)
+}
+
+/// An effect as what it is.
+pub(crate) fn seen_as<E: truepose_errormodel::Effect>(effect: &dyn AnyEffect) -> Option<&E> {
+    (effect as &dyn Any).downcast_ref()
 }
 
 /// Maximum of a function with one peak in [lower, upper], by golden section.

@@ -6,6 +6,7 @@ use crate::outliers::{Outliers, outliers};
 use crate::scene::Scene;
 use crate::wide::Wide;
 use crate::{DiscoverError, payload};
+use std::ops::Range;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
 use truepose_identify::{Fit, FitOptions, PriorStrength, fit};
 use truepose_kinematics::Chain;
@@ -61,6 +62,13 @@ impl Ground<'_> {
         let data = self.prepared(found, known);
         let fit = self.fitted(found, &data)?;
         Ok((data, fit))
+    }
+
+    /// The effects of the model that belong to the k-th of these finds.
+    pub fn effects_of(&self, found: &[Candidate], which: usize) -> Range<usize> {
+        let before: usize = found[..which].iter().map(|candidate| candidate.effects().len()).sum();
+        let first = self.declared.len() + before;
+        first..first + found[which].effects().len()
     }
 
     /// The fit of the declared model with these finds.

@@ -2,6 +2,7 @@
 
 use crate::{Emission, ModelError};
 use serde::{Serialize, de::DeserializeOwned};
+use std::any::Any;
 use std::fmt::Debug;
 use truepose_kinematics::{Chain, JointId, Posture, Site};
 
@@ -160,7 +161,7 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
 }
 
 /// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and by nothing else.
-pub trait AnyEffect: Debug + Send + Sync {
+pub trait AnyEffect: Any + Debug + Send + Sync {
     /// [`Effect::KIND`].
     fn kind(&self) -> &'static str;
     /// [`Effect::columns`].

@@ -39,17 +39,20 @@ impl Emission {
     }
 
     /// From here on, an effect's column 0 is this column of the model.
+    #[inline]
     pub(crate) fn start_at(&mut self, first_column: usize) {
         self.first_column = first_column;
     }
 
     /// Per unit of the effect's own column, the error at this site is `value`.
+    #[inline]
     pub fn push(&mut self, column: usize, site: Site, value: f64) {
         self.entries.push(Entry { column: self.first_column + column, site, value });
     }
 
     /// Per unit of the effect's own column, the joint moves by `value` (rad or m) beyond what it says:
     /// spread over the sites that the joint's own motion touches.
+    #[inline]
     pub fn along(&mut self, column: usize, motion: &JointMotion, value: f64) {
         let first = if motion.kind == JointKind::Prismatic { 0 } else { 3 };
         for direction in 0..3 {
@@ -66,6 +69,7 @@ impl Emission {
     }
 
     /// All triples so far.
+    #[inline]
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }

@@ -40,6 +40,7 @@ impl GeneralizedErrors {
     }
 
     /// Adds to the error at a site.
+    #[inline]
     pub fn add(&mut self, site: Site, value: f64) {
         let index = self.index(site);
         self.values[index] += value;
@@ -51,6 +52,7 @@ impl GeneralizedErrors {
     }
 
     /// `[x y z rx ry rz]` of a frame.
+    #[inline]
     pub fn frame(&self, frame: FrameId) -> [f64; 6] {
         std::array::from_fn(|k| self.values[6 * frame.0 + k])
     }
@@ -61,6 +63,7 @@ impl GeneralizedErrors {
         Vector3::new(self.values[start], self.values[start + 1], self.values[start + 2])
     }
 
+    #[inline]
     fn index(&self, site: Site) -> usize {
         match site {
             Site::Frame(frame, axis) => 6 * frame.0 + axis.index(),

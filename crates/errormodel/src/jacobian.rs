@@ -44,6 +44,7 @@ impl<'a> ErrorJacobian<'a> {
     }
 
     /// How the target's position moves with a site's error, in the measurement frame: m per m, or m per rad.
+    #[inline]
     pub fn position(&self, site: Site) -> Vector3<f64> {
         match site {
             Site::Frame(frame, axis) if axis.is_rotation() => {
@@ -59,6 +60,7 @@ impl<'a> ErrorJacobian<'a> {
     }
 
     /// How the tool turns with a site's error, in the measurement frame: rad per m, or rad per rad.
+    #[inline]
     pub fn rotation(&self, site: Site) -> Vector3<f64> {
         match site {
             Site::Frame(frame, axis) if axis.is_rotation() => {

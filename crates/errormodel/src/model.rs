@@ -1,6 +1,6 @@
 //! The effects that a robot is declared to have: Φ of `ε(s) = Φ(s) c`.
 
-use crate::{AnyEffect, Column, Emission, ModelError, Schema, Signal};
+use crate::{AnyEffect, Column, Dataset, Emission, ModelError, Schema, Signal};
 use std::ops::Range;
 use truepose_kinematics::{Chain, Posture, Slot};
 
@@ -118,6 +118,17 @@ impl<'m> BoundModel<'m> {
     /// The model.
     pub fn model(&self) -> &'m ErrorModel {
         self.model
+    }
+
+    /// True when Φ is the same in both rows: joints, load and every signal that an effect reads, to the last bit.
+    pub fn same_conditions(&self, data: &Dataset, a: usize, b: usize) -> bool {
+        let alike = |column: &[f64]| column[a].to_bits() == column[b].to_bits();
+        data.same_configuration(a, b)
+            && self.slots.iter().all(|slot| match *slot {
+                Slot::Time => alike(&data.time),
+                Slot::Approach(k) => alike(&data.approach[k]),
+                Slot::Channel(k) => alike(&data.channels[k]),
+            })
     }
 
     /// Φ at a posture: replaces what `out` holds.

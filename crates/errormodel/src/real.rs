@@ -50,21 +50,25 @@ impl RealPosture {
     }
 
     /// A frame in front of its `E_i`.
+    #[inline]
     pub fn before(&self, frame: FrameId) -> &Pose {
         &self.before[frame.0]
     }
 
     /// A frame behind its `E_i`.
+    #[inline]
     pub fn after(&self, frame: FrameId) -> &Pose {
         &self.after[frame.0]
     }
 
     /// Axes (columns) about which the robot beyond frame i turns when rx, ry, rz of `E_i` grow.
+    #[inline]
     pub fn axes(&self, frame: FrameId) -> &Matrix3<f64> {
         &self.axes[frame.0]
     }
 
     /// Pose of the real tool in the measurement frame.
+    #[inline]
     pub fn tool(&self) -> &Pose {
         &self.after[self.after.len() - 1]
     }

@@ -129,12 +129,11 @@ impl Work<'_> {
         let parts: Vec<Triangular> = members
             .par_iter()
             .map(|of_fold| {
-                let model = self.fit.fitted.model();
-                let at = self.fit.fitted.coefficients();
-                accumulate(model, self.data, self.visits, of_fold.iter().copied(), self.fit.noise, at)
+                let lineariser = self.lineariser()?.of_columns(&self.fit.reduction.kept);
+                accumulate(lineariser, self.visits, of_fold.iter().copied())
             })
             .collect::<Result<_, _>>()?;
-        let empty = Triangular::new(self.fit.fitted.model().columns().len(), 1);
+        let empty = Triangular::new(self.fit.reduction.rank(), 1);
         let mut after = vec![empty.clone()];
         for part in parts.iter().rev() {
             let mut next = after[after.len() - 1].clone();
@@ -147,7 +146,7 @@ impl Work<'_> {
             let mut others = before.clone();
             others.merge(&after[parts.len() - 1 - fold])?;
             before.merge(part)?;
-            let factor = self.with_prior(&others.finish().select(&self.fit.reduction.kept))?;
+            let factor = self.with_prior(&others.finish())?;
             match triangle_solve(&factor) {
                 Some(change) => steps.push(Step { change: self.expand(&change), refitted: false }),
                 None => steps.push(self.again(&members[fold])?),
@@ -165,15 +164,10 @@ impl Work<'_> {
     /// The block formula.
     fn block(&self, out: &[usize]) -> Result<Step, IdentifyError> {
         let kept = &self.fit.reduction.kept;
-        let mut lineariser = self.lineariser()?;
-        let width = lineariser.width();
+        let mut lineariser = self.lineariser()?.of_columns(kept);
         let mut flat: Vec<f64> = Vec::new();
         for &visit in out {
-            let block = lineariser.visit(&self.visits.rows[visit]);
-            for row in block.rows.chunks_exact(width) {
-                flat.extend(kept.iter().map(|&c| row[c]));
-                flat.push(row[width - 1]);
-            }
+            flat.extend_from_slice(lineariser.visit(&self.visits.rows[visit]).rows);
         }
         let rows = flat.len() / (kept.len() + 1);
         let whole = DMatrix::from_row_slice(rows, kept.len() + 1, &flat);

@@ -8,9 +8,13 @@
 //! A block holds the rows of one visit, three for a measured position and three for a measured orientation, less
 //! what was not seen. It is linearised at the exact real robot with coefficients c (J_e there, Φ under the weights
 //! that it carries there) and handed on at once: the matrix is never whole in memory unless somebody collects it.
+//! Rows of the same conditions, as those of several targets in one standstill, share one robot at rest; a fit that has
+//! decided which columns it keeps asks for those alone.
 
-use crate::{IdentifyError, NoiseModel, noise::whiten};
-use nalgebra::{DMatrix, DVector};
+use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};
+use nalgebra::{DMatrix, DVector, Vector3};
+use rayon::prelude::*;
+use std::ops::Range;
 use truepose_errormodel::{BoundModel, Dataset, Emission, ErrorJacobian, ErrorModel, Rest, Visits};
 use truepose_kinematics::{Conditions, rotation_log};
 use truepose_solvers::accumulator::{Factor, Triangular};
@@ -26,8 +30,14 @@ pub struct Lineariser<'a> {
     robot: Option<(BoundModel<'a>, &'a [f64])>,
     conditions: Conditions,
     rest: Rest,
+    /// The row whose conditions the robot at rest has.
+    settled: Option<usize>,
     /// What these effects say at a robot that another model describes.
     beside: Emission,
+    /// The place of each column of the model in a row; none: left out.
+    places: Vec<Option<u32>>,
+    /// For each site: the columns of J_e, position and rotation.
+    sites: Vec<[Vector3<f64>; 2]>,
     block: Vec<f64>,
     /// For each row of the block: the data's row and the component (0…2 position, 3…5 orientation).
     source: Vec<(usize, usize)>,
@@ -55,6 +65,7 @@ impl<'a> Lineariser<'a> {
         coefficients: &'a [f64],
     ) -> Result<Self, IdentifyError> {
         data.validate(model.chain())?;
+        let columns = model.columns().len();
         Ok(Lineariser {
             bound: model.bind(&data.schema)?,
             data,
@@ -63,11 +74,25 @@ impl<'a> Lineariser<'a> {
             robot: None,
             conditions: Conditions::default(),
             rest: Rest::new(model),
+            settled: None,
             beside: Emission::new(),
+            places: (0..columns as u32).map(Some).collect(),
+            sites: vec![[Vector3::zeros(); 2]; model.chain().site_count()],
             block: Vec::new(),
             source: Vec::new(),
-            dot: vec![0.0; model.columns().len() + 1],
+            dot: vec![0.0; columns + 1],
         })
+    }
+
+    /// Rows of these columns alone, in this order, and of the residual.
+    #[must_use]
+    pub fn of_columns(mut self, columns: &[usize]) -> Self {
+        self.places.fill(None);
+        for (place, &column) in columns.iter().enumerate() {
+            self.places[column] = Some(place as u32);
+        }
+        self.dot = vec![0.0; columns.len() + 1];
+        self
     }
 
     /// Takes the columns at the robot that another model describes: what these effects would add to it.
@@ -79,7 +104,7 @@ impl<'a> Lineariser<'a> {
         Ok(Lineariser { robot, rest: Rest::new(model), ..self })
     }
 
-    /// Numbers in a row: one a column of the model, and the residual.
+    /// Numbers in a row: one for each column, and the residual.
     pub fn width(&self) -> usize {
         self.dot.len()
     }
@@ -112,14 +137,7 @@ impl<'a> Lineariser<'a> {
             return;
         }
         let chain = self.bound.model().chain();
-        self.data.conditions_into(row, &mut self.conditions);
-        match &self.robot {
-            Some((robot, coefficients)) => {
-                self.rest.settle(robot, &self.conditions, coefficients);
-                self.rest.emit(&self.bound, &self.conditions, &mut self.beside);
-            }
-            None => self.rest.settle(&self.bound, &self.conditions, self.coefficients),
-        }
+        self.settle(row);
         let emission = if self.robot.is_some() { &self.beside } else { self.rest.emission() };
         let (real, errors) = (self.rest.real(), self.rest.errors());
 
@@ -136,18 +154,25 @@ impl<'a> Lineariser<'a> {
             }
         }
 
-        let jacobian = ErrorJacobian::new(chain, real, errors, self.data.target[row]);
-        for entry in emission.entries() {
-            let p = jacobian.position(entry.site);
-            for k in 0..3 {
-                if place[k] != usize::MAX {
-                    self.block[place[k] + entry.column] += entry.value * p[k];
-                }
+        let target = self.data.target[row];
+        let jacobian = ErrorJacobian::new(chain, real, errors, target);
+        if width > 1 {
+            for (index, site) in self.sites.iter_mut().enumerate() {
+                let at = chain.site_at(index);
+                *site = [jacobian.position(at), jacobian.rotation(at)];
             }
-            if seen.orientation {
-                let r = jacobian.rotation(entry.site);
+            for entry in emission.entries() {
+                let Some(column) = self.places[entry.column] else { continue };
+                let [p, r] = &self.sites[chain.site_index(entry.site)];
                 for k in 0..3 {
-                    self.block[place[k + 3] + entry.column] += entry.value * r[k];
+                    if place[k] != usize::MAX {
+                        self.block[place[k] + column as usize] += entry.value * p[k];
+                    }
+                }
+                if seen.orientation {
+                    for k in 0..3 {
+                        self.block[place[k + 3] + column as usize] += entry.value * r[k];
+                    }
                 }
             }
         }
@@ -162,6 +187,25 @@ impl<'a> Lineariser<'a> {
             for k in 0..3 {
                 self.block[place[k + 3] + width - 1] = turn[k];
             }
+        }
+    }
+
+    /// The robot at rest under the conditions of a row, unless it is there already.
+    fn settle(&mut self, row: usize) {
+        let alike = |other| {
+            self.bound.same_conditions(self.data, other, row)
+                && self.robot.as_ref().is_none_or(|(robot, _)| robot.same_conditions(self.data, other, row))
+        };
+        if self.settled.replace(row).is_some_and(alike) {
+            return;
+        }
+        self.data.conditions_into(row, &mut self.conditions);
+        match &self.robot {
+            Some((robot, coefficients)) => {
+                self.rest.settle(robot, &self.conditions, coefficients);
+                self.rest.emit(&self.bound, &self.conditions, &mut self.beside);
+            }
+            None => self.rest.settle(&self.bound, &self.conditions, self.coefficients),
         }
     }
 
@@ -201,20 +245,16 @@ impl<'a> Lineariser<'a> {
     }
 }
 
-/// Folds these visits into the triangular factor of `[A | r]`.
+/// Folds these visits into the triangular factor of `[A | r]`, over these columns.
 ///
 /// # Errors
 /// When the model and the data do not fit, or a number is not finite.
 pub fn accumulate(
-    model: &ErrorModel,
-    data: &Dataset,
+    mut lineariser: Lineariser<'_>,
     visits: &Visits,
     which: impl Iterator<Item = usize>,
-    noise: NoiseModel,
-    coefficients: &[f64],
 ) -> Result<Triangular, IdentifyError> {
-    let mut lineariser = Lineariser::new(model, data, noise, coefficients)?;
-    let mut factor = Triangular::new(model.columns().len(), 1);
+    let mut factor = Triangular::new(lineariser.width() - 1, 1);
     for visit in which {
         factor.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
     }
@@ -224,7 +264,18 @@ pub fn accumulate(
 /// How many visits one block of work takes: fixed, so that results do not depend on the number of threads.
 const VISITS_PER_BLOCK: usize = 1024;
 
-/// The triangular factor of all visits, in parallel over fixed blocks that are merged in order.
+/// Does one thing to every block of visits, in parallel; what comes of it is in their order.
+fn by_blocks<T: Send>(
+    visits: &Visits,
+    work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
+) -> Result<Vec<T>, IdentifyError> {
+    (0..visits.len().div_ceil(VISITS_PER_BLOCK))
+        .into_par_iter()
+        .map(|block| work(block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len())))
+        .collect()
+}
+
+/// The triangular factor of all visits over all columns, or over these: in parallel over fixed blocks that are merged in order.
 ///
 /// # Errors
 /// As [`accumulate`].
@@ -234,21 +285,63 @@ pub fn factorise(
     visits: &Visits,
     noise: NoiseModel,
     coefficients: &[f64],
+    columns: Option<&[usize]>,
 ) -> Result<Factor, IdentifyError> {
-    use rayon::prelude::*;
-    let blocks = visits.len().div_ceil(VISITS_PER_BLOCK);
-    let parts: Vec<Triangular> = (0..blocks)
-        .into_par_iter()
-        .map(|block| {
-            let range = block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len());
-            accumulate(model, data, visits, range, noise, coefficients)
-        })
-        .collect::<Result<_, _>>()?;
-    let mut whole = Triangular::new(model.columns().len(), 1);
-    for part in &parts {
-        whole.merge(part)?;
+    let parts = by_blocks(visits, |range| {
+        let lineariser = Lineariser::new(model, data, noise, coefficients)?;
+        let lineariser = match columns {
+            Some(columns) => lineariser.of_columns(columns),
+            None => lineariser,
+        };
+        accumulate(lineariser, visits, range)
+    })?;
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let mut parts = parts.into_iter();
+    let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
+    for part in parts {
+        whole.merge(&part)?;
     }
-    Ok(whole.finish())
+    Ok(whole.into_factor())
+}
+
+/// What is left at these coefficients: the residuals, and the sum of their whitened squares.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub(crate) fn misfit(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<(Residuals, f64), IdentifyError> {
+    let parts = by_blocks(visits, |range| {
+        let mut lineariser = Lineariser::new(model, data, noise, coefficients)?.of_columns(&[]);
+        let (mut numbers, mut squares) = (Vec::new(), 0.0);
+        for visit in range {
+            let rows = &visits.rows[visit];
+            let raw = lineariser.unweighted(rows);
+            numbers.extend(raw.source.iter().copied().zip(raw.rows.iter().copied()));
+            lineariser.whiten_block(rows);
+            squares += lineariser.block.iter().map(|v| v * v).sum::<f64>();
+        }
+        Ok((numbers, squares))
+    })?;
+    let mut residuals = Residuals {
+        position: vec![Vector3::repeat(f64::NAN); data.len()],
+        orientation: data.orientation.iter().map(|seen| seen.map(|_| Vector3::zeros())).collect(),
+    };
+    let mut whole = 0.0;
+    for (numbers, squares) in parts {
+        whole += squares;
+        for ((row, component), value) in numbers {
+            match &mut residuals.orientation[row] {
+                Some(turn) if component >= 3 => turn[component - 3] = value,
+                _ => residuals.position[row][component] = value,
+            }
+        }
+    }
+    Ok((residuals, whole))
 }
 
 /// All whitened rows at once.

@@ -34,11 +34,18 @@ pub enum PriorStrength {
 pub struct Prior {
     /// L⁻¹ of `G S² Gᵀ = L Lᵀ`, r × r, for κ = 1.
     unit: DMatrix<f64>,
+    /// L.
+    spread: DMatrix<f64>,
     /// κ; infinite without a prior.
     pub kappa: f64,
 }
 
 impl Prior {
+    /// No prior, before there is a reduction.
+    pub(crate) fn none() -> Self {
+        Prior { unit: DMatrix::zeros(0, 0), spread: DMatrix::zeros(0, 0), kappa: f64::INFINITY }
+    }
+
     /// The prior over a reduction's groups, with κ still at its start.
     pub fn new(model: &ErrorModel, reduction: &Reduction, strength: PriorStrength) -> Self {
         let rank = reduction.rank();
@@ -57,15 +64,15 @@ impl Prior {
             }
         }
         let covariance = &grouped * grouped.transpose();
-        let inverse = covariance
-            .cholesky()
-            .and_then(|c| c.l().solve_lower_triangular(&DMatrix::identity(rank, rank)))
+        let mut spread = covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
+        let mut unit = spread
+            .solve_lower_triangular(&DMatrix::identity(rank, rank))
             .unwrap_or_else(|| DMatrix::identity(rank, rank));
-        let mut unit = inverse;
         for (k, group) in reduction.groups.iter().enumerate() {
             unit.column_mut(k).scale_mut(1.0 / scale(group.column));
+            spread.row_mut(k).scale_mut(scale(group.column));
         }
-        Prior { unit, kappa }
+        Prior { unit, spread, kappa }
     }
 
     /// W, r × r; none without a prior.
@@ -107,24 +114,34 @@ impl Prior {
     /// When a factorisation fails.
     pub fn from_evidence(&self, factor: &Factor) -> Result<Self, IdentifyError> {
         // R L: columns of data in prior units.
-        let Some(spread) = self.unit.clone().try_inverse() else { return Ok(self.clone()) };
         let mut inner = factor.clone();
-        inner.r = &factor.r * spread;
+        inner.r = &factor.r * &self.spread;
         let turned = inner.directions(ColumnScale::Unit)?;
+        let pairs: Vec<(f64, f64)> =
+            turned.values.iter().zip(&turned.projections).map(|(d, t)| (d * d, t * t)).collect();
         let deviance = |log_kappa: f64| -> f64 {
             let square = (2.0 * log_kappa).exp();
-            turned
-                .values
-                .iter()
-                .zip(&turned.projections)
-                .map(|(d, t)| {
-                    let variance = 1.0 + square * d * d;
-                    variance.ln() + t * t / variance
+            // Logarithms of products: of so many factors that none is beyond what a number can hold.
+            pairs
+                .chunks(8)
+                .map(|some| {
+                    let (mut product, mut sum) = (1.0, 0.0);
+                    for (d, t) in some {
+                        let variance = 1.0 + square * d;
+                        product *= variance;
+                        sum += t / variance;
+                    }
+                    if product.is_finite() { product.ln() + sum } else { exact(some, square) }
                 })
                 .sum()
         };
         Ok(Prior { kappa: minimum(LEAST.ln(), MOST.ln(), deviance).exp(), ..self.clone() })
     }
+}
+
+/// Minus twice the logarithm of some directions' evidence, factor by factor.
+fn exact(pairs: &[(f64, f64)], square: f64) -> f64 {
+    pairs.iter().map(|(d, t)| (1.0 + square * d).ln() + t / (1.0 + square * d)).sum()
 }
 
 /// κ before the data has been looked at, and the range in which it is looked for.

@@ -180,6 +180,7 @@ impl Chain {
     }
 
     /// The measured points.
+    #[inline]
     pub fn targets(&self) -> &[Target] {
         &self.targets
     }
@@ -190,21 +191,25 @@ impl Chain {
     }
 
     /// All joints, base to tip, fixed ones included.
+    #[inline]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
     /// One joint.
+    #[inline]
     pub fn joint(&self, joint: JointId) -> &Joint {
         &self.joints[joint.index()]
     }
 
     /// The joints that move, base to tip: the order of [`crate::Conditions::joints`].
+    #[inline]
     pub fn movable(&self) -> &[JointId] {
         &self.movable
     }
 
     /// Where this joint's variable stands in [`crate::Conditions::joints`]; none for a fixed joint.
+    #[inline]
     pub fn coordinate(&self, joint: JointId) -> Option<usize> {
         self.coordinates.get(joint.index()).copied().flatten()
     }
@@ -234,6 +239,7 @@ impl Chain {
     }
 
     /// The tool frame, n + 1.
+    #[inline]
     pub fn tool_frame(&self) -> FrameId {
         FrameId(self.joints.len() + 1)
     }
@@ -258,6 +264,7 @@ impl Chain {
     }
 
     /// Position of a site in a vector of all generalized errors.
+    #[inline]
     pub fn site_index(&self, site: Site) -> usize {
         match site {
             Site::Frame(frame, axis) => 6 * frame.0 + axis.index(),
@@ -266,6 +273,7 @@ impl Chain {
     }
 
     /// The site at a position of the vector of all generalized errors.
+    #[inline]
     pub fn site_at(&self, index: usize) -> Site {
         let frames = 6 * (self.joints.len() + 2);
         if index < frames {
@@ -284,6 +292,7 @@ impl Chain {
     }
 
     /// The joint's own motion, as a unit twist in the frame where its axis stands still; none for a fixed joint.
+    #[inline]
     pub fn joint_motion(&self, joint: JointId) -> Option<JointMotion> {
         let described = self.joint(joint);
         let (frame, axis) = match described.placement {

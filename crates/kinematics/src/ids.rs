@@ -11,6 +11,7 @@ pub struct JointId(pub usize);
 
 impl JointId {
     /// Position in an array of joints.
+    #[inline]
     pub fn index(self) -> usize {
         self.0 - 1
     }
@@ -60,16 +61,19 @@ impl Axis {
     pub const TRANSLATIONS: [Axis; 3] = [Axis::Tx, Axis::Ty, Axis::Tz];
 
     /// Position in a twist, 0…5.
+    #[inline]
     pub fn index(self) -> usize {
         self as usize
     }
 
     /// True for rotations.
+    #[inline]
     pub fn is_rotation(self) -> bool {
         self.index() >= 3
     }
 
     /// Position among the three coordinate axes, 0…2.
+    #[inline]
     pub fn direction(self) -> usize {
         self.index() % 3
     }

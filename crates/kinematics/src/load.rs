@@ -15,16 +15,19 @@ pub struct Wrench {
 impl Wrench {
     /// The same wrench about a point that lies at `-arm` from the old one: `arm` leads from the new
     /// point to the old one.
+    #[inline]
     pub fn carried_to(&self, arm: &Vector3<f64>) -> Wrench {
         Wrench { force: self.force, moment: self.moment + arm.cross(&self.force) }
     }
 
     /// In other axes: both vectors are multiplied by `rotation`.
+    #[inline]
     pub fn rotated(&self, rotation: &Matrix3<f64>) -> Wrench {
         Wrench { force: rotation * self.force, moment: rotation * self.moment }
     }
 
     /// `[fx fy fz mx my mz]`.
+    #[inline]
     pub fn component(&self, index: usize) -> f64 {
         if index < 3 { self.force[index] } else { self.moment[index - 3] }
     }

@@ -33,6 +33,7 @@ impl Pose {
     };
 
     /// From its parts; the rotation has to be orthonormal.
+    #[inline]
     pub fn new(rotation: Matrix3<f64>, translation: Vector3<f64>) -> Self {
         Pose { rotation, translation }
     }

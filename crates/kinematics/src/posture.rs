@@ -144,41 +144,49 @@ pub struct Posture<'a> {
 
 impl<'a> Posture<'a> {
     /// The robot.
+    #[inline]
     pub fn chain(&self) -> &'a Chain {
         self.chain
     }
 
     /// The inputs that made this posture.
+    #[inline]
     pub fn conditions(&self) -> &'a Conditions {
         self.conditions
     }
 
     /// Pose of a frame in the measurement frame: nominal, or where the real robot has it.
+    #[inline]
     pub fn frame(&self, frame: FrameId) -> &'a Pose {
         &self.frames[frame.0]
     }
 
     /// The nominal transforms that lead from frame 0 to the tool: `A_1(q_1) … A_n(q_n)`, then the tool's.
+    #[inline]
     pub fn steps(&self) -> &'a [Pose] {
         self.steps
     }
 
     /// Sine and cosine of each movable joint's value (of a slide's too, where they mean nothing).
+    #[inline]
     pub fn turns(&self) -> &'a [(f64, f64)] {
         self.turns
     }
 
     /// Pose of the tool in the measurement frame.
+    #[inline]
     pub fn tool(&self) -> &'a Pose {
         &self.frames[self.frames.len() - 1]
     }
 
     /// Value of a joint, rad or m; zero for a fixed joint.
+    #[inline]
     pub fn joint(&self, joint: JointId) -> f64 {
         self.chain.coordinate(joint).map_or(0.0, |k| self.conditions.joints[k])
     }
 
     /// The wrench that a frame carries, about its origin, in its axes: N, N·m.
+    #[inline]
     pub fn wrench(&self, frame: FrameId) -> Wrench {
         self.wrenches[frame.0].rotated(&self.frames[frame.0].rotation.transpose())
     }
@@ -199,11 +207,13 @@ impl<'a> Posture<'a> {
     }
 
     /// The k-th signal that the effect being evaluated asked for.
+    #[inline]
     pub fn signal(&self, k: usize) -> f64 {
         self.conditions.slot(self.slots[k])
     }
 
     /// The same posture for an effect whose needs were resolved to these slots.
+    #[inline]
     pub fn with_slots(&self, slots: &'a [Slot]) -> Posture<'a> {
         Posture { slots, ..*self }
     }

@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 
+mod clock;
 mod discovery;
 mod drive;
+mod orders;
 mod pps;
 mod solvers;
 
@@ -24,12 +26,14 @@ fn say(text: &str) {
 
 fn main() -> ExitCode {
     let name = std::env::args().nth(1).unwrap_or_default();
+    let rest: Vec<String> = std::env::args().skip(2).collect();
     let done = match name.as_str() {
-        "discovery" => discovery::run(&std::env::args().skip(2).collect::<Vec<_>>()),
-        "drive" => drive::run(),
-        "pps" => pps::run(),
+        "discovery" => discovery::run(&rest),
+        "drive" => drive::run(&rest),
+        "orders" => orders::run(),
+        "pps" => pps::run(&rest),
         "solvers" => solvers::run(),
-        _ => Err(format!("unknown study `{name}`; there are: discovery, drive, pps, solvers").into()),
+        _ => Err(format!("unknown study `{name}`; there are: discovery, drive, orders, pps, solvers").into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -51,6 +51,15 @@ fn span(column: &[f64]) -> Option<[f64; 2]> {
 
 /// All candidates for this robot and data but those of some families, named ones first.
 pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> Vec<Candidate> {
+    let mut all = named(chain, data, without);
+    if !without.contains(&Family::Unmodelled) {
+        unmodelled::add(&Setting { chain, data }, &mut all);
+    }
+    all
+}
+
+/// All candidates that have a name.
+pub(crate) fn named(chain: &Chain, data: &Dataset, without: &[Family]) -> Vec<Candidate> {
     let setting = Setting { chain, data };
     let mut all = Vec::new();
     constant::add(&setting, &mut all);
@@ -60,7 +69,6 @@ pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> V
     guideway::add(&setting, &mut all);
     thermal::add(&setting, &mut all);
     time::add(&setting, &mut all);
-    unmodelled::add(&setting, &mut all);
     all.retain(|candidate| !without.contains(&candidate.family));
     // What does not fit this robot (a link without a length) is no candidate.
     all.retain(|candidate| candidate.effects().iter().all(|effect| effect.validate(chain).is_ok()));

@@ -97,7 +97,7 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
 /// The same dependence on two inputs with everything up to the third degree; none of a candidate that depends on one.
 pub(crate) fn richer(candidate: &Candidate) -> Option<Candidate> {
     let [effect] = candidate.effects() else { return None };
-    let mut series = crate::shape::seen_as::<Expansion>(&**effect)?;
+    let mut series = crate::shape::seen_as::<Expansion>(&**effect)?.clone();
     if candidate.family != Family::Unmodelled || series.factors.len() != 2 {
         return None;
     }

@@ -41,7 +41,7 @@ pub use guideway::Guideway;
 pub use joint_compliance::JointCompliance;
 pub use link_compliance::{LinkCompliance, OwnWeight, Section};
 pub use load_nonlinearity::LoadNonlinearity;
-pub use polynomial::{Polynomial, WrenchComponent, WrenchOf};
+pub use polynomial::{GroupedError, Order, Polynomial, WrenchComponent, WrenchOf};
 pub use shift::Shift;
 pub use spot::Spot;
 pub use thermal::{Grows, Thermal};

@@ -21,7 +21,7 @@
 mod constraints;
 mod rounds;
 
-use crate::reduction::{Reduction, reduce};
+use crate::reduction::{Reduction, grouped, reduce};
 use crate::shapes::{self, FittedShape, Shapes};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
 use rounds::State;
@@ -200,8 +200,8 @@ pub fn student_quantile(probability: f64, freedom: usize) -> f64 {
     StudentsT::new(0.0, 1.0, freedom as f64).map_or(1.96, |t| t.inverse_cdf(probability))
 }
 
-/// Fits a model to data, with the shape parameters that its effects leave free: the model of [`Fit::fitted`] holds their
-/// values.
+/// Fits a model to data, with the shape parameters that its effects leave free and the groups of a polynomial that reduces
+/// first: the model of [`Fit::fitted`] holds them.
 ///
 /// # Errors
 /// When the data does not fit the model, nothing was measured, or the solver refuses.
@@ -212,6 +212,7 @@ pub fn fit(
     options: &FitOptions,
 ) -> Result<Fit, IdentifyError> {
     options.validate()?;
+    let model = &*grouped(model, data, options.rank)?;
     if options.shapes != Shapes::Fixed && shapes::wanted(model) {
         return shapes::fit(model, data, solver, options);
     }
@@ -227,16 +228,19 @@ pub(crate) fn fit_fixed(
 ) -> Result<Fit, IdentifyError> {
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
-    let factor = state.linearise()?;
+    let factor = state.linearise(None)?;
     let mut reduction = reduce(model, data, &factor, options.rank, &state.coefficients)?;
     state.prior = Prior::new(model, &reduction, options.prior);
-    let mut outcome = state.rounds(&reduction, factor)?;
+    let mut outcome = state.rounds(&reduction, factor.select(&reduction.kept))?;
     if options.refine
         && let Some(more) = state.looked_at_again(&reduction, &outcome)?
     {
         reduction = more;
+        // The same width as before, until the data is asked again.
+        let kappa = state.prior.kappa;
         state.prior = Prior::new(model, &reduction, options.prior);
-        let factor = state.linearise()?;
+        state.prior.kappa = kappa;
+        let factor = state.linearise(Some(&reduction.kept))?;
         outcome = state.rounds(&reduction, factor)?;
     }
     state.finish(reduction, outcome)
@@ -260,7 +264,7 @@ pub fn refit(
     let mut state = State::new(model, data, &visits, solver, options)?;
     state.prior = prior.clone();
     state.options.prior = PriorStrength::Fixed(prior.kappa);
-    let factor = state.linearise()?;
+    let factor = state.linearise(Some(&reduction.kept))?;
     let outcome = state.rounds(reduction, factor)?;
     state.finish(reduction.clone(), outcome)
 }

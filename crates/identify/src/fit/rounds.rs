@@ -1,7 +1,7 @@
 //! The rounds of a fit: solve, move, look at the noise and the prior, until nothing moves.
 
 use super::{Fit, FitOptions, NoiseSource, Warning, constraints};
-use crate::linearise::{collect, factorise};
+use crate::linearise::{collect, factorise, misfit};
 use crate::reduction::{Reduction, reduce_further};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
 use nalgebra::{DMatrix, DVector};
@@ -27,8 +27,10 @@ pub(super) struct Outcome {
     solution: Solution,
     rounds: usize,
     converged: bool,
-    /// At the last coefficients.
+    /// At the last coefficients, over the kept columns.
     factor: Factor,
+    /// At the last coefficients.
+    residuals: Residuals,
 }
 
 impl<'a> State<'a> {
@@ -50,19 +52,24 @@ impl<'a> State<'a> {
             NoiseSource::Fixed(noise) => noise,
         };
         let coefficients = vec![0.0; model.columns().len()];
-        let prior = Prior::new(model, &Reduction::none(coefficients.len()), PriorStrength::None);
-        let options = options.clone();
+        let (prior, options) = (Prior::none(), options.clone());
         Ok(State { model, data, visits, solver, options, observations, noise, prior, coefficients })
     }
 
-    pub(super) fn linearise(&self) -> Result<Factor, IdentifyError> {
-        factorise(self.model, self.data, self.visits, self.noise, &self.coefficients)
+    /// Over all columns, or over these.
+    pub(super) fn linearise(&self, columns: Option<&[usize]>) -> Result<Factor, IdentifyError> {
+        factorise(self.model, self.data, self.visits, self.noise, &self.coefficients, columns)
     }
 
-    /// The factor with `r + A c` on its right-hand side instead of `r`.
-    fn absolute(&self, factor: &Factor, at: &[f64]) -> Factor {
+    /// Residuals, and the sum of their whitened squares.
+    fn misfit(&self) -> Result<(Residuals, f64), IdentifyError> {
+        misfit(self.model, self.data, self.visits, self.noise, &self.coefficients)
+    }
+
+    /// The factor with `r + A c` on its right-hand side instead of `r`; over the kept columns, β for c.
+    fn absolute(&self, reduction: &Reduction, factor: &Factor) -> Factor {
         let mut absolute = factor.clone();
-        let shift = &factor.r * DVector::from_column_slice(at);
+        let shift = &factor.r * DVector::from_vec(reduction.grouped(&self.coefficients));
         absolute.z.column_mut(0).zip_apply(&shift, |z, s| *z += s);
         absolute
     }
@@ -76,6 +83,7 @@ impl<'a> State<'a> {
         const MOST_LOOKS: usize = 15;
         const FIRST_DAMPING: f64 = 1e-4;
         const FLAT: f64 = 1e-6;
+        const MOST_FLAT: usize = 3;
         const MOST_UNGUARDED: usize = 20;
         // A penalty that only the solver knows, or weights that it changes, make no objective to hold steps against.
         let guarded = self.options.refine
@@ -95,12 +103,23 @@ impl<'a> State<'a> {
         let mut rounds = 0;
         loop {
             rounds += 1;
-            let before = self.objective(reduction, &factor, &self.coefficients);
+            let before = squares_of(&factor) + self.penalty(reduction);
             let (solution, target) = self.solve(reduction, &factor, &scales, damping)?;
-            let mut moved = self.step(&factor, &target);
+            let mut moved = self.step(reduction, &factor, &target);
             let start = std::mem::replace(&mut self.coefficients, target);
-            let next = self.linearise()?;
-            let after = self.objective(reduction, &next, &self.coefficients);
+            // Where the noise will be looked at, and where a step may well be taken back, residuals come first; elsewhere the new
+            // factor says what is left.
+            let last = rounds >= limit;
+            let look = moved < near || last || flat + 1 >= MOST_FLAT;
+            let (residuals, next, squares) = if look || damping > 0.0 {
+                let (residuals, squares) = self.misfit()?;
+                (Some(residuals), None, squares)
+            } else {
+                let next = self.linearise(Some(&reduction.kept))?;
+                let squares = squares_of(&next);
+                (None, Some(next), squares)
+            };
+            let after = squares + self.penalty(reduction);
             if guarded && moved > STILL && after > before * (1.0 + FLAT) && rounds < limit {
                 // Too far for the linear picture: the same point again, with a shorter step. Weights follow the posture
                 // from round to round only, so that the last steps may lose a trifle.
@@ -109,37 +128,40 @@ impl<'a> State<'a> {
                 continue;
             }
             damping = if damping > FIRST_DAMPING { 0.2 * damping } else { 0.0 };
-            factor = next;
             // In a flat valley steps stay long while nothing is gained any more: that is the end, too.
             flat = if guarded && before - after < FLAT * before { flat + 1 } else { 0 };
-            if flat >= 3 {
+            if flat >= MOST_FLAT {
                 moved = 0.0;
             }
-            let last = rounds >= limit;
-            if moved < near || last {
-                near = NEAR.min(near);
-                looks += 1;
-                let mut settled = true;
-                if self.options.noise == NoiseSource::Estimate {
-                    let noise = self.estimate(reduction)?;
-                    settled &= alike(&self.noise, &noise);
-                    self.noise = noise;
-                    factor = self.linearise()?;
-                }
-                if self.options.prior == PriorStrength::Evidence {
-                    let inner = self.absolute(&factor, &self.coefficients).select(&reduction.kept);
-                    let prior = self.prior.from_evidence(&inner)?;
-                    settled &= (prior.kappa / self.prior.kappa).ln().abs() < 1e-2;
-                    self.prior = prior;
-                }
-                if settled || looks > MOST_LOOKS {
-                    settled = true;
-                    near = STILL;
-                }
-                if (settled && moved < STILL) || last {
-                    let converged = moved < STILL || !self.options.refine;
-                    return Ok(Outcome { solution, rounds, converged, factor });
-                }
+            let Some(residuals) = residuals.filter(|_| look) else {
+                factor = match next {
+                    Some(next) => next,
+                    None => self.linearise(Some(&reduction.kept))?,
+                };
+                continue;
+            };
+            near = NEAR.min(near);
+            looks += 1;
+            let mut settled = true;
+            if self.options.noise == NoiseSource::Estimate {
+                let used = reduction.rank() as f64 / self.observations as f64;
+                let noise = estimate_noise(self.data, self.visits, &residuals, (1.0 - used).max(0.02));
+                settled &= alike(&self.noise, &noise);
+                self.noise = noise;
+            }
+            factor = self.linearise(Some(&reduction.kept))?;
+            if self.options.prior == PriorStrength::Evidence {
+                let prior = self.prior.from_evidence(&self.absolute(reduction, &factor))?;
+                settled &= (prior.kappa / self.prior.kappa).ln().abs() < 1e-2;
+                self.prior = prior;
+            }
+            if settled || looks > MOST_LOOKS {
+                settled = true;
+                near = STILL;
+            }
+            if (settled && moved < STILL) || last {
+                let converged = moved < STILL || !self.options.refine;
+                return Ok(Outcome { solution, rounds, converged, factor, residuals });
             }
         }
     }
@@ -151,30 +173,32 @@ impl<'a> State<'a> {
         outcome: &Outcome,
     ) -> Result<Option<Reduction>, IdentifyError> {
         let (at, rule) = (&self.coefficients, self.options.rank);
-        let more = reduce_further(self.model, self.data, &outcome.factor, rule, at, reduction)?;
+        if reduction.dropped.is_empty() {
+            return Ok(None);
+        }
+        let all = self.linearise(None)?;
+        let more = reduce_further(self.model, self.data, &all, rule, at, reduction)?;
         if more.rank() <= reduction.rank() || !reduction.kept.iter().all(|c| more.kept.contains(c)) {
             return Ok(None);
         }
         // Directions that the data determines better than by their expected sizes.
-        let determined = |kept: &[usize]| -> Result<usize, IdentifyError> {
+        let determined = |kept: &[usize], factor: &Factor| -> Result<usize, IdentifyError> {
             let scales: Vec<f64> = kept.iter().map(|&c| self.model.columns()[c].scale).collect();
-            let values = outcome.factor.select(kept).singular_values(ColumnScale::Given(&scales))?;
+            let values = factor.singular_values(ColumnScale::Given(&scales))?;
             Ok(values.iter().filter(|d| **d >= 1.0).count())
         };
-        if determined(&more.kept)? <= determined(&reduction.kept)? {
+        if determined(&more.kept, &all.select(&more.kept))? <= determined(&reduction.kept, &outcome.factor)? {
             return Ok(None);
         }
         Ok(Some(more))
     }
 
-    /// Whitened squares at the point of linearisation, prior included.
-    fn objective(&self, reduction: &Reduction, factor: &Factor, at: &[f64]) -> f64 {
-        let prior = if self.solver.supports(Need::Outliers) {
-            0.0
-        } else {
-            self.prior.penalty(&reduction.grouped(at))
-        };
-        factor.z.column(0).norm_squared() + factor.rss[0] + prior
+    /// Squares of the prior, unless the solver has an objective of its own.
+    fn penalty(&self, reduction: &Reduction) -> f64 {
+        if self.solver.supports(Need::Outliers) {
+            return 0.0;
+        }
+        self.prior.penalty(&reduction.grouped(&self.coefficients))
     }
 
     /// One solve for the grouped errors: the new coefficients.
@@ -200,8 +224,9 @@ impl<'a> State<'a> {
             let problem = LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&groups);
             self.solver.solve(&constrained(problem))?
         } else {
-            let small = self.absolute(factor, &self.coefficients);
-            let (a, y) = self.with_prior(reduction.select(&small.r), small.z.column(0).into_owned());
+            let small = self.absolute(reduction, factor);
+            let y = small.z.column(0).into_owned();
+            let (a, y) = self.with_prior(small.r, y);
             let (a, y) = self.damped(a, y, &reduction.grouped(&self.coefficients), damping);
             self.solver.solve(&constrained(LeastSquares::new(&a, &y).with_scale(scales)))?
         };
@@ -264,38 +289,21 @@ impl<'a> State<'a> {
     }
 
     /// How far a step goes, in standard deviations of the data or relative to its size, whichever is finer.
-    fn step(&self, factor: &Factor, next: &[f64]) -> f64 {
-        let change =
-            DVector::from_iterator(next.len(), next.iter().zip(&self.coefficients).map(|(a, b)| a - b));
-        let moved = (&factor.r * change).norm();
-        let size = (&factor.r * DVector::from_column_slice(next)).norm();
-        moved / (1.0 + size)
-    }
-
-    fn estimate(&self, reduction: &Reduction) -> Result<NoiseModel, IdentifyError> {
-        let residuals = self.residuals()?;
-        let used = reduction.rank() as f64 / self.observations as f64;
-        Ok(estimate_noise(self.data, self.visits, &residuals, (1.0 - used).max(0.02)))
-    }
-
-    fn residuals(&self) -> Result<Residuals, IdentifyError> {
-        let columns = self.model.columns().len();
-        let plain = FittedModel::new(
-            self.model.clone(),
-            self.coefficients.clone(),
-            DMatrix::zeros(columns, columns),
-        )?;
-        Residuals::of(&plain, self.data)
+    fn step(&self, reduction: &Reduction, factor: &Factor, next: &[f64]) -> f64 {
+        let next = DVector::from_vec(reduction.grouped(next));
+        let change = &next - DVector::from_vec(reduction.grouped(&self.coefficients));
+        (&factor.r * change).norm() / (1.0 + (&factor.r * next).norm())
     }
 
     pub(super) fn finish(self, reduction: Reduction, outcome: Outcome) -> Result<Fit, IdentifyError> {
         let columns = self.model.columns().len();
-        let absolute = self.absolute(&outcome.factor, &self.coefficients).select(&reduction.kept);
-        let grouped =
-            DVector::from_iterator(reduction.rank(), reduction.kept.iter().map(|&c| self.coefficients[c]));
+        let absolute = self.absolute(&reduction, &outcome.factor);
+        let grouped = DVector::from_vec(reduction.grouped(&self.coefficients));
         let chi_square = absolute.residual_norm(0, &grouped).powi(2);
         let joined = self.prior.joined(&absolute, &vec![0.0; reduction.rank()])?;
-        let covariance = spread_out(&inverse_gram(&joined.r), &reduction.kept, columns);
+        let inverse =
+            joined.inverse_gram().unwrap_or_else(|| DMatrix::zeros(reduction.rank(), reduction.rank()));
+        let covariance = spread_out(&inverse, &reduction.kept, columns);
         let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
         fitted.channels = self.data.schema.channels.clone();
         fitted.domain = Domain::of(self.data);
@@ -309,13 +317,12 @@ impl<'a> State<'a> {
                 0.0
             },
         };
-        let residuals = Residuals::of(&fitted, self.data)?;
         let warnings = warnings(self.model, &reduction, &outcome, self.observations);
         let mut fit = Fit {
             fitted,
             reduction,
             noise: self.noise,
-            residuals,
+            residuals: outcome.residuals,
             factor: absolute,
             prior: self.prior,
             rounds: outcome.rounds,
@@ -337,18 +344,16 @@ impl<'a> State<'a> {
     }
 }
 
+/// Whitened squares at the point of linearisation.
+fn squares_of(factor: &Factor) -> f64 {
+    factor.z.column(0).norm_squared() + factor.rss[0]
+}
+
 fn alike(old: &NoiseModel, new: &NoiseModel) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-13;
     close(old.position_sd, new.position_sd)
         && close(old.visit_sd, new.visit_sd)
         && close(old.orientation_sd, new.orientation_sd)
-}
-
-/// (RᵀR)⁻¹ by solving with the triangle; never by an inverse of a Gram matrix.
-fn inverse_gram(r: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = r.ncols();
-    let inverse = r.solve_upper_triangular(&DMatrix::identity(n, n)).unwrap_or_else(|| DMatrix::zeros(n, n));
-    &inverse * inverse.transpose()
 }
 
 /// A matrix over the kept columns, among all columns.

@@ -14,11 +14,13 @@
 //! leaves unexcited.
 
 mod echelon;
+mod grouped;
 mod priority;
 mod structural;
 mod words;
 
 pub use echelon::{Echelon, echelon};
+pub use grouped::grouped;
 pub use priority::{column_word, preference};
 pub use structural::{joint_ranges, spread_factor};
 pub use words::group_words;
@@ -118,9 +120,10 @@ impl Reduction {
     }
 }
 
-/// Postures over which the structural null space is taken: enough for any number of columns.
+/// Postures over which the structural null space is taken. Each of them gives three numbers at least, and the data's own rows
+/// come on top: enough for any number of columns.
 fn postures(columns: usize) -> usize {
-    columns.max(40)
+    columns.div_ceil(2).max(40)
 }
 
 /// Reduces by the structural null space and then by what the data, given as its triangular factor, leaves unexcited; both
@@ -166,23 +169,28 @@ fn reduce_in_order(
     order: &[usize],
 ) -> Result<Reduction, IdentifyError> {
     let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-    let spread = spread_factor(model, data, postures(scales.len()), coefficients)?;
+    let spread = spread_factor(model, data, factor, postures(scales.len()), coefficients)?;
     let structural = spread.null_space(ColumnScale::Given(&scales), rule)?;
     let mut dropped = relations(&structural.basis, order, &scales, Cause::Structural);
 
     let left: Vec<usize> = (0..scales.len()).filter(|c| dropped.iter().all(|d| d.column != *c)).collect();
     let inner = factor.select(&left);
     let inner_scales: Vec<f64> = left.iter().map(|&c| scales[c]).collect();
-    let unexcited = inner.null_space(ColumnScale::Given(&inner_scales), rule)?;
+    // Mostly the data excites all that is left, which singular values say without their vectors.
+    let practical = inner.rank(ColumnScale::Given(&inner_scales), rule)?;
+    let unexcited = match practical.rank == left.len() {
+        true => DMatrix::zeros(left.len(), 0),
+        false => inner.null_space(ColumnScale::Given(&inner_scales), rule)?.basis,
+    };
     let mut reduction = Reduction {
         kept: left,
         dropped: Vec::new(),
         groups: Vec::new(),
         structural: structural.decision,
-        practical: unexcited.decision,
+        practical,
     };
     std::mem::swap(&mut reduction.dropped, &mut dropped);
-    drop_more(&mut reduction, &unexcited.basis, order, &scales, Cause::Unexcited);
+    drop_more(&mut reduction, &unexcited, order, &scales, Cause::Unexcited);
     regroup(&mut reduction);
     Ok(reduction)
 }
@@ -303,7 +311,8 @@ mod tests {
     fn reduced(model: &ErrorModel, data: &Dataset) -> Reduction {
         let zero = vec![0.0; model.columns().len()];
         let factor =
-            crate::factorise(model, data, &Visits::of(data), crate::NoiseModel::default(), &zero).unwrap();
+            crate::factorise(model, data, &Visits::of(data), crate::NoiseModel::default(), &zero, None)
+                .unwrap();
         reduce(model, data, &factor, RankRule::Default, &zero).unwrap()
     }
 
@@ -360,6 +369,31 @@ mod tests {
                 assert!(sum.norm() < 1e-9 * size * (rows.a.nrows() as f64), "{} {}", chain.name(), d.column);
             }
         }
+    }
+
+    /// The paper's order has all that the other one has.
+    #[test]
+    fn what_every_error_has_its_grouped_ones_have() {
+        use truepose_errormodel::effects::{Order, Polynomial, WrenchComponent};
+        let chain = samples::pps();
+        let mut data =
+            postures(&chain, 150, false, &[Some(TargetId(0)), Some(TargetId(1)), Some(TargetId(2))]);
+        for (row, load) in data.load.iter_mut().enumerate() {
+            let mass = 20.0 * (row / 3 % 4) as f64;
+            *load = Load::Payload(truepose_kinematics::Payload { mass, com: Vector3::new(0.0, -0.1, -0.8) });
+        }
+        let first = Polynomial::of(2, vec![WrenchComponent::Fy]);
+        let second = Polynomial { order: Order::ReduceFirst, ..first.clone() };
+        let rank = |effects: Vec<Polynomial>| {
+            let effects = effects.into_iter().map(|e| Box::new(e) as Box<dyn truepose_errormodel::AnyEffect>);
+            let model = ErrorModel::new(chain.clone(), effects.collect()).unwrap();
+            let model = grouped(&model, &data, RankRule::Default).unwrap().into_owned();
+            (model.columns().len(), reduced(&model, &data).rank())
+        };
+        let (each, paper) = (rank(vec![first.clone()]), rank(vec![second.clone()]));
+        let both = rank(vec![first, second]);
+        assert!(paper.0 < each.0, "{paper:?} {each:?}");
+        assert_eq!(both.1, paper.1, "{paper:?} {each:?} {both:?}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! (which components, which targets), loads and channels are taken from the data in turn.
 
 use crate::{IdentifyError, Lineariser, NoiseModel};
+use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, ErrorModel, Interval};
 use truepose_kinematics::{Chain, JointKind};
 use truepose_solvers::accumulator::{Factor, Triangular};
@@ -33,13 +34,14 @@ pub fn joint_ranges(chain: &Chain, data: Option<&Dataset>) -> Vec<Interval> {
 }
 
 /// Triangular factor of the model, linearised at these coefficients, over `count` postures spread within the limits and
-/// seen as `data` was.
+/// seen as `data` was, and over the data itself, whose factor is given.
 ///
 /// # Errors
 /// When nothing was measured, or the model does not fit the data.
 pub fn spread_factor(
     model: &ErrorModel,
     data: &Dataset,
+    own: &Factor,
     count: usize,
     coefficients: &[f64],
 ) -> Result<Factor, IdentifyError> {
@@ -80,13 +82,13 @@ pub fn spread_factor(
     for row in 0..sample.len() {
         factor.update_rows(lineariser.visit(&[row]).rows)?;
     }
-    // What the data itself shows can be shown: a function with narrow support may be missed by the postures above.
-    let own: Vec<usize> = rows.iter().copied().step_by((rows.len() / (4 * count)).max(1)).collect();
-    let mut lineariser = Lineariser::new(model, data, noise, coefficients)?;
-    for row in own {
-        factor.update_rows(lineariser.visit(&[row]).rows)?;
-    }
-    Ok(factor.finish())
+    // What the data itself shows can be shown: a function with narrow support may be missed by the postures above. Its
+    // rows are whitened by other deviations, which moves no null space; they are made as large as those above.
+    let spread = factor.finish();
+    let (mine, theirs) = (spread.r.norm(), own.r.norm());
+    let share = if theirs > 0.0 { mine / theirs } else { 1.0 };
+    factor.update(&(&own.r * share), &DMatrix::zeros(own.columns(), 1))?;
+    Ok(factor.into_factor())
 }
 
 const PRIMES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];

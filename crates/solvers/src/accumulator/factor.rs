@@ -10,7 +10,7 @@
 //! | s | column scale: R diag(s) is what ranks are decided on | p | that of x |
 
 use super::Triangular;
-use crate::dense::{norm, singular_values, svd};
+use crate::dense::{inverse_gram, norm, singular_values, svd};
 use crate::problem::check_len;
 use crate::{RankDecision, RankRule, SolveError, decide_rank};
 use nalgebra::{DMatrix, DVector};
@@ -125,6 +125,14 @@ impl Factor {
         Ok(NullSpace { basis, scale: s, singular_values: parts.d, decision })
     }
 
+    /// (AᵀA)⁻¹, from the inverse of the triangle and never from a Gram matrix; none where the triangle has lost rank.
+    pub fn inverse_gram(&self) -> Option<DMatrix<f64>> {
+        if (0..self.columns()).any(|k| self.r[(k, k)] == 0.0) {
+            return None;
+        }
+        Some(inverse_gram(&self.r))
+    }
+
     /// ‖A x − y_k‖.
     pub fn residual_norm(&self, k: usize, x: &DVector<f64>) -> f64 {
         norm((&self.r * x - self.z.column(k)).as_slice()).hypot(self.rss[k].sqrt())
@@ -157,6 +165,16 @@ pub(super) mod tests {
         let mut t = Triangular::new(5, 1);
         t.update(&a, &DMatrix::from_column_slice(60, 1, y.as_slice())).unwrap();
         (a, y, t.finish())
+    }
+
+    #[test]
+    fn the_inverse_of_the_gram_matrix_is_one() {
+        let a = DMatrix::from_fn(40, 6, |i, j| ((i * 13 + j * 29 + i * j) as f64 * 0.61).sin());
+        let mut t = Triangular::new(6, 0);
+        t.update(&a, &DMatrix::zeros(40, 0)).unwrap();
+        let inverse = t.finish().inverse_gram().unwrap();
+        assert!((a.tr_mul(&a) * inverse - DMatrix::identity(6, 6)).amax() < 1e-12);
+        assert!(deficient().2.inverse_gram().is_none(), "a zero column");
     }
 
     #[test]

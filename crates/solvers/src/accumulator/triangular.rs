@@ -45,7 +45,7 @@ impl Triangular {
             rows: 0,
             top: DMatrix::zeros(columns, width),
             below: vec![0.0; rhs],
-            buffer: DMatrix::zeros((8 * width).clamp(256, 4096), width),
+            buffer: DMatrix::zeros((2 * width).clamp(256, 2048), width),
             filled: 0,
             work: Reflectors::default(),
         }
@@ -98,12 +98,17 @@ impl Triangular {
 
     /// The factor of all rows seen; the accumulator can go on.
     pub fn finish(&self) -> Factor {
-        let mut done = self.clone();
-        done.flush();
+        self.clone().into_factor()
+    }
+
+    /// The factor of all rows seen.
+    pub fn into_factor(mut self) -> Factor {
+        self.flush();
+        let z = self.top.columns(self.columns, self.rhs).into_owned();
         Factor {
-            r: done.top.columns(0, self.columns).into_owned(),
-            z: done.top.columns(self.columns, self.rhs).into_owned(),
-            rss: done.below.iter().map(|b| b * b).collect(),
+            r: self.top.remove_columns(self.columns, self.rhs),
+            z,
+            rss: self.below.iter().map(|b| b * b).collect(),
             rows: self.rows,
             resolution: f64::EPSILON,
         }
@@ -150,17 +155,17 @@ impl Triangular {
     }
 
     fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
-        let mut from = 0;
+        let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
-            let many = (self.buffer.nrows() - self.filled).min(rows - from);
-            for j in 0..self.buffer.ncols() {
-                for i in 0..many {
-                    self.buffer[(self.filled + i, j)] = at(from + i, j);
+            let many = (height - self.filled).min(rows - from);
+            for (j, column) in self.buffer.as_mut_slice().chunks_exact_mut(height).enumerate() {
+                for (i, value) in column[self.filled..self.filled + many].iter_mut().enumerate() {
+                    *value = at(from + i, j);
                 }
             }
             self.filled += many;
             from += many;
-            if self.filled == self.buffer.nrows() {
+            if self.filled == height {
                 self.flush();
             }
         }

@@ -13,7 +13,7 @@ pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
 pub(crate) use pivoted::pivoted_qr;
 pub(crate) use singular::{singular_values, svd};
-pub(crate) use triangle::{solve_upper, solve_upper_transposed};
+pub(crate) use triangle::{inverse_gram, solve_upper, solve_upper_transposed};
 
 use faer::{Mat, MatRef};
 use nalgebra::DMatrix;

@@ -1,5 +1,8 @@
 //! Substitution with the leading n × n upper triangle of R.
 
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_inverse::invert_upper_triangular;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector};
 
 /// x with R x = b, on the leading n = b.len() rows and columns.
@@ -23,6 +26,18 @@ pub(crate) fn solve_upper_transposed(r: &DMatrix<f64>, b: &[f64]) -> DVector<f64
         x[j] = (x[j] - known) / r[(j, j)];
     }
     x
+}
+
+/// (RᵀR)⁻¹ = R⁻¹ R⁻ᵀ of an upper triangle without zeros on its diagonal.
+pub(crate) fn inverse_gram(r: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = r.ncols();
+    let triangle = MatRef::from_column_major_slice(r.as_slice(), n, n);
+    let mut inverse = Mat::zeros(n, n);
+    invert_upper_triangular(inverse.as_mut(), triangle, Par::Seq);
+    let mut product = DMatrix::zeros(n, n);
+    let into = MatMut::from_column_major_slice_mut(product.as_mut_slice(), n, n);
+    matmul(into, Accum::Replace, inverse.as_ref(), inverse.transpose(), 1.0, Par::Seq);
+    product
 }
 
 #[cfg(test)]

@@ -6,9 +6,13 @@
 //! | × repeatability | the same together with what differs each time, over that alone |
 //! | in band | measured rows of those visits that lie within their 95 % band |
 //! | round trip | the model's own prediction at the command against the desired pose |
+//!
+//! `--only ROBOT` takes one kind alone, `--visits N` so many configurations, `--driven` leaves the round trips out.
 
-mod robots;
+pub mod robots;
 mod trial;
+
+pub use robots::Robot;
 
 use crate::{folder, say};
 use std::error::Error;
@@ -21,7 +25,11 @@ const PLANTS: u64 = 3;
 const POSES: usize = 100_000;
 
 /// Runs the study.
-pub fn run() -> Result<(), Box<dyn Error>> {
+pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let after = |name: &str| arguments.iter().skip_while(|a| *a != name).nth(1);
+    let only = after("--only").cloned().unwrap_or_default();
+    let visits: Option<usize> = after("--visits").map(|n| n.parse()).transpose()?;
+    let driven = arguments.iter().any(|a| a == "--driven");
     let folder = folder("drive")?;
     let (mut drives, mut trips) = (String::new(), String::new());
     let (mut drive_csv, mut trip_csv) = (
@@ -52,9 +60,9 @@ pub fn run() -> Result<(), Box<dyn Error>> {
         "robot", "asked", "ok", "limit", "unreachable", "not conv.", "beyond limits", "m", "rad", "µs each"
     )?;
     let (mut rows, mut within) = (0, 0);
-    for robot in robots::all() {
+    for robot in robots::all().into_iter().filter(|robot| robot.name.contains(&only)) {
         for plant in 0..PLANTS {
-            let trial = Trial::new(&robot, 40 + 10 * plant, robot.visits)?;
+            let trial = Trial::new(&robot, 40 + 10 * plant, visits.unwrap_or(robot.visits))?;
             let d = trial.drive()?;
             drive_line(&mut drives, &mut drive_csv, robot.name, plant, &d)?;
             say(drives.lines().last().unwrap_or_default());
@@ -63,7 +71,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
             }
             rows += d.rows;
             within += d.within;
-            if plant > 0 {
+            if plant > 0 || driven {
                 continue;
             }
             for (asked, words, poses, seeded) in [

@@ -77,7 +77,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.02, -0.03, 0.15],
             channels: Vec::new,
             visits: 800,
-            within: 1.25,
+            within: 1.1,
         },
         Robot {
             name: "ur10",
@@ -117,7 +117,7 @@ pub fn all() -> Vec<Robot> {
             com: [0.01, -0.02, 0.08],
             channels: Vec::new,
             visits: 800,
-            within: 1.65,
+            within: 1.1,
         },
         Robot {
             name: "scara",
@@ -145,9 +145,9 @@ pub fn all() -> Vec<Robot> {
                 vec![
                     json!({"family": "geometric"}),
                     json!({"family": "joint_compliance", "joints": ["gz"]}),
-                    json!({"family": "guideway", "joint": "gx", "screw": 0.020, "pieces": 10}),
-                    json!({"family": "guideway", "joint": "gy", "pieces": 8}),
-                    json!({"family": "guideway", "joint": "gz", "screw": 0.010, "pieces": 8}),
+                    json!({"family": "guideway", "joint": "gx", "screw": 0.020, "pieces": 14}),
+                    json!({"family": "guideway", "joint": "gy", "pieces": 11}),
+                    json!({"family": "guideway", "joint": "gz", "screw": 0.010, "pieces": 11}),
                     json!({"family": "thermal", "joint": "gx", "grows": "scale", "channel": "screw"}),
                 ]
             },
@@ -155,8 +155,8 @@ pub fn all() -> Vec<Robot> {
             payloads: &[0.0, 10.0, 20.0],
             com: [0.01, -0.02, 0.08],
             channels: || vec![ChannelPlan::Body { name: "screw".into(), lag_s: 1800.0, sd: 0.05 }],
-            visits: 1200,
-            within: 1.2,
+            visits: 2400,
+            within: 1.1,
         },
     ]
 }

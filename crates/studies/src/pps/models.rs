@@ -1,5 +1,6 @@
 //! What is declared for the paper's robot: constant errors, the paper's polynomial, and physics.
 
+use serde_json::json;
 use truepose_errormodel::effects::{
     BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, LinkCompliance, Place,
 };
@@ -21,6 +22,8 @@ pub struct Strategy {
     pub prior: PriorStrength,
     /// The solver.
     pub solver: SolverSpec,
+    /// Rounds at the exact robot, or the paper's single linear step.
+    pub refine: bool,
 }
 
 /// All of them.
@@ -30,17 +33,24 @@ pub fn strategies() -> Vec<Strategy> {
         effects,
         prior,
         solver: solver.parse().unwrap_or_default(),
+        refine: true,
     };
+    let linear = |name: &str, effects| Strategy { refine: false, ..strategy(name, effects, None, "qr") };
     use PriorStrength::{Evidence, None};
     vec![
         strategy("constant errors, qr", constant, None, "qr"),
+        linear("constant errors, one linear step", constant),
         strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
         strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
         strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
         strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
         strategy("Eq. (17) polynomial, qr", polynomial, None, "qr"),
+        linear("Eq. (17) polynomial, one linear step", polynomial),
+        linear("the same, reduced first (the paper's order)", reduced_first),
         strategy("Eq. (17) polynomial, svd", polynomial, None, "svd"),
         strategy("Eq. (17) polynomial, normal equations", polynomial, None, "normal"),
+        strategy("Eq. (17) polynomial, ridge(map)", polynomial, None, "ridge(map)"),
+        strategy("Eq. (17) polynomial, huber(qr)", polynomial, None, "huber(qr)"),
     ]
 }
 
@@ -49,11 +59,22 @@ fn constant(_: &Chain) -> Declared {
 }
 
 /// The paper's declared model: degree 3 in each slide and in theta, 1 in the small turns, one wrench component.
-fn polynomial(chain: &Chain) -> Declared {
-    let json = r#"{"degree": 3, "small": [5, 6], "wrench": ["fy"]}"#;
-    let value = serde_json::from_str(json).unwrap_or_default();
-    let targets: Geometric = serde_json::from_str(r#"{"frames": [0, 7, "targets"]}"#).unwrap_or_default();
-    Ok(vec![Box::new(targets), EffectRegistry::builtin().build("polynomial", value, chain)?])
+pub fn polynomial(chain: &Chain) -> Declared {
+    in_order(chain, "expand_first")
+}
+
+/// The same in the paper's order.
+pub fn reduced_first(chain: &Chain) -> Declared {
+    in_order(chain, "reduce_first")
+}
+
+fn in_order(chain: &Chain, order: &str) -> Declared {
+    let registry = EffectRegistry::builtin();
+    let polynomial = json!({"degree": 3, "small": [5, 6], "wrench": ["fy"], "order": order});
+    Ok(vec![
+        registry.build("geometric", json!({"frames": [0, 7, "targets"]}), chain)?,
+        registry.build("polynomial", polynomial, chain)?,
+    ])
 }
 
 /// Every frame gives in proportion to each component of the wrench that it carries: six springs a frame.
@@ -77,7 +98,7 @@ fn elastic(chain: &Chain) -> Declared {
 fn physics(chain: &Chain) -> Declared {
     let mut effects = elastic(chain)?;
     for joint in 1..=3 {
-        let rail: Guideway = serde_json::from_value(serde_json::json!({ "joint": joint }))
+        let rail: Guideway = serde_json::from_value(json!({ "joint": joint }))
             .map_err(|error| ModelError::Parameters { kind: "guideway".into(), reason: error.to_string() })?;
         effects.push(Box::new(rail));
     }

@@ -6,9 +6,9 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use std::error::Error;
-use std::time::Instant;
-use truepose_errormodel::{Dataset, ErrorModel, Visits};
-use truepose_identify::{FitOptions, fit};
+use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
+use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Predictor, Visits};
+use truepose_identify::{Fit, FitOptions, fit};
 use truepose_kinematics::{Chain, Conditions, TargetId, nalgebra};
 use truepose_simulate::{Campaign, Plant, robots};
 
@@ -42,8 +42,13 @@ pub struct Radii {
     pub measured: f64,
     pub noise_only: f64,
     pub noise_free: f64,
+    /// Largest distance of the true treatment point from where it is wanted, when the plant gets the compensated commands.
+    pub driven: f64,
+    /// Check configurations whose command is `ok`.
+    pub reached: usize,
+    pub columns: usize,
     pub rank: usize,
-    pub seconds: f64,
+    pub rounds: usize,
     /// Measured less predicted treatment points, m.
     pub errors: Vec<Vector3<f64>>,
 }
@@ -94,48 +99,99 @@ impl Experiment {
         self.check.iter().map(|c| (c.measured - c.truth).norm()).fold(0.0, f64::max)
     }
 
-    /// Identifies, and judges at the check configurations.
-    pub fn identify(&self, strategy: &Strategy) -> Result<Radii, Box<dyn Error>> {
+    /// Identifies from the measurements.
+    pub fn fit(&self, strategy: &Strategy) -> Result<Fit, Box<dyn Error>> {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
         // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
-        let options = FitOptions { prior: strategy.prior, max_rounds: 25, ..FitOptions::default() };
-        let begun = Instant::now();
-        let fit = fit(&model, &self.identification, &*strategy.solver.build(), &options)?;
-        let seconds = begun.elapsed().as_secs_f64();
+        let (prior, refine) = (strategy.prior, strategy.refine);
+        let options = FitOptions { prior, refine, max_rounds: 25, ..FitOptions::default() };
+        Ok(fit(&model, &self.identification, &*strategy.solver.build(), &options)?)
+    }
+
+    /// Identifies, and judges at the check configurations.
+    pub fn identify(&self, strategy: &Strategy) -> Result<Radii, Box<dyn Error>> {
+        let fit = self.fit(strategy)?;
         let mut predictor = fit.fitted.bind(&self.identification.schema)?;
+        let (driven, reached) = self.drive(&fit.fitted)?;
         let mut radii = Radii {
             measured: 0.0,
             noise_only: self.noise_only(),
             noise_free: 0.0,
+            driven,
+            reached,
+            columns: fit.fitted.coefficients().len(),
             rank: fit.reduction.rank(),
-            seconds,
+            rounds: fit.rounds,
             errors: Vec::new(),
         };
         for check in &self.check {
-            let seen: Vec<Vector3<f64>> = (0..chain.targets().len())
-                .map(|t| predictor.predict(&check.conditions, Some(TargetId(t))).translation)
-                .collect();
-            let predicted = robots::treatment_point(chain, &seen)?;
+            let predicted = predicted(&mut predictor, self.plant.chain(), &check.conditions)?;
             radii.errors.push(check.measured - predicted);
             radii.measured = radii.measured.max((check.measured - predicted).norm());
             radii.noise_free = radii.noise_free.max((check.truth - predicted).norm());
         }
         Ok(radii)
     }
+
+    /// Sends the plant to where the nominal robot has the couch at each check configuration: the largest distance of the true
+    /// treatment point from where it is wanted, m, and at how many of them the command was `ok`.
+    fn drive(&self, fitted: &FittedModel) -> Result<(f64, usize), Box<dyn Error>> {
+        // The treatment point is no target: the tool is sent so that it comes right, and moves with the tool.
+        const ROUNDS: usize = 3;
+        let chain = self.plant.chain();
+        let schema = &self.identification.schema;
+        let mut compensator = Compensator::bind(fitted, schema, CompensatorOptions::default())?;
+        let mut predictor = fitted.bind(schema)?;
+        let (mut largest, mut reached) = (0.0_f64, 0);
+        for check in &self.check {
+            let tool = chain.forward(&check.conditions.joints);
+            let mut goal = Target::at(tool.translation).turned(tool.rotation);
+            let mut commanded = check.conditions.clone();
+            let mut ok = true;
+            for _ in 0..ROUNDS {
+                let command = compensator.command(&goal, &check.conditions, Some(&check.conditions.joints));
+                ok = command.status == Status::Ok;
+                commanded.joints = command.joints.to_vec();
+                goal.position += check.nominal - predicted(&mut predictor, chain, &commanded)?;
+            }
+            if ok {
+                reached += 1;
+                largest = largest.max((true_point(&self.plant, chain, &commanded)? - check.nominal).norm());
+            }
+        }
+        Ok((largest, reached))
+    }
+}
+
+/// Where a model has the treatment point, m.
+fn predicted(
+    predictor: &mut Predictor<'_>,
+    chain: &Chain,
+    conditions: &Conditions,
+) -> Result<Vector3<f64>, Box<dyn Error>> {
+    let seen: Vec<Vector3<f64>> = (0..chain.targets().len())
+        .map(|t| predictor.predict(conditions, Some(TargetId(t))).translation)
+        .collect();
+    Ok(robots::treatment_point(chain, &seen)?)
+}
+
+/// Where the plant has it, without any noise, m.
+fn true_point(plant: &Plant, chain: &Chain, conditions: &Conditions) -> Result<Vector3<f64>, Box<dyn Error>> {
+    let seen = (0..chain.targets().len())
+        .map(|t| plant.true_position(conditions, Some(TargetId(t))))
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(robots::treatment_point(chain, &seen)?)
 }
 
 fn check(plant: &Plant, chain: &Chain, data: &Dataset, rows: &[usize]) -> Result<Check, Box<dyn Error>> {
     let conditions = data.conditions(rows[0]);
     let seen: Vec<Vector3<f64>> = rows.iter().map(|&row| data.measured_position(row)).collect();
-    let truth = (0..rows.len())
-        .map(|t| plant.true_position(&conditions, Some(TargetId(t))))
-        .collect::<Result<Vec<_>, _>>()?;
     let tool = chain.forward(&conditions.joints);
     let nominal: Vec<Vector3<f64>> = chain.targets().iter().map(|t| tool.apply(&t.position)).collect();
     Ok(Check {
         measured: robots::treatment_point(chain, &seen)?,
-        truth: robots::treatment_point(chain, &truth)?,
+        truth: true_point(plant, chain, &conditions)?,
         nominal: robots::treatment_point(chain, &nominal)?,
         conditions,
     })

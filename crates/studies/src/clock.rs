@@ -1,0 +1,29 @@
+//! Time that work takes on one thread: what the system says that it ran, not what passed on the wall.
+
+use std::error::Error;
+use std::time::Instant;
+
+/// Least of some runs of this work on one thread, in seconds of that thread; on the wall where the system does not tell.
+pub fn least<T: Send>(
+    runs: usize,
+    work: impl Fn() -> Result<T, Box<dyn Error>> + Sync,
+) -> Result<f64, Box<dyn Error>> {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let times: Result<Vec<f64>, String> = one.install(|| {
+        let timed = |_| {
+            let (ran, wall) = (running(), Instant::now());
+            work().map_err(|error| error.to_string())?;
+            let wall = wall.elapsed().as_secs_f64();
+            Ok(ran.zip(running()).map_or(wall, |(then, now)| now - then))
+        };
+        (0..runs.max(1)).map(timed).collect()
+    });
+    Ok(times?.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// For how long this thread has run, s.
+fn running() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
