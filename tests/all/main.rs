@@ -13,6 +13,8 @@ mod cross_validation;
 mod discovery;
 mod exact;
 mod excitation;
+mod odd_robots;
+mod permuted;
 mod placement;
 mod plants;
 mod reduction;

@@ -32,6 +32,15 @@ enum Verb {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },
+    /// Throw spoiled input at everything that reads files; what it finds is kept in target/fuzz.
+    Fuzz {
+        /// Which: robot, urdf, measurements, model, fit, poses, solver, or all.
+        #[arg(default_value = "all")]
+        target: String,
+        /// Passed on, e.g. `--inputs 1000000 --seed 7`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        rest: Vec<String>,
+    },
     /// All benchmarks.
     Bench {
         /// Passed on to the benchmarks, e.g. a filter.
@@ -59,6 +68,13 @@ fn run(verb: Verb) -> Result<()> {
             Command::new("cargo")
                 .args(["run", "--release", "--package", "truepose-studies", "--bin", "study", "--"])
                 .arg(name)
+                .args(rest)
+                .current_dir(&root),
+        ),
+        Verb::Fuzz { target, rest } => finished(
+            Command::new("cargo")
+                .args(["run", "--release", "--package", "truepose-tests", "--example", "fuzz", "--"])
+                .arg(target)
                 .args(rest)
                 .current_dir(&root),
         ),

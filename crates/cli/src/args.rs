@@ -11,6 +11,12 @@ pub struct Args {
     /// Threads to use; results do not depend on it [default: all cores]
     #[arg(long, global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// End after so long, with what was found so far, e.g. 10min (exit code 3)
+    #[arg(long, global = true, display_order = 901, value_name = "TIME", value_parser = crate::watch::parse_time)]
+    pub time_limit: Option<std::time::Duration>,
+    /// End when more memory is in use, with what was found so far, e.g. 2GB (exit code 3)
+    #[arg(long, global = true, display_order = 902, value_name = "SIZE", value_parser = crate::watch::parse_memory)]
+    pub memory_limit: Option<u64>,
     /// What to do
     #[command(subcommand)]
     pub verb: Verb,

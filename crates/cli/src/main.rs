@@ -5,6 +5,7 @@ mod failure;
 mod progress;
 mod terminal;
 mod verbs;
+mod watch;
 
 use args::{Args, Verb};
 use clap::Parser;
@@ -19,7 +20,7 @@ fn main() -> ExitCode {
         terminal::log(&format!("error: {error}"));
         return ExitCode::from(2);
     }
-    let done = match &args.verb {
+    let done = watch::begin(&args).and_then(|()| match &args.verb {
         Verb::Identify(verb) => verbs::identify::run(verb),
         Verb::Discover(verb) => verbs::discover::run(verb),
         Verb::Plan(verb) => verbs::plan::run(verb),
@@ -32,7 +33,7 @@ fn main() -> ExitCode {
         Verb::Effects(verb) => verbs::effects::run(verb),
         Verb::Simulate(verb) => verbs::simulate::run(verb),
         Verb::Verify(verb) => verbs::verify::run(verb),
-    };
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -1,5 +1,6 @@
 //! What is going on, on stderr, when a person looks on.
 
+use crate::watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::Duration;
 
@@ -30,11 +31,13 @@ impl Progress {
 
     /// What is going on.
     pub fn say(&self, word: &str) {
+        watch::doing(word);
         self.0.set_message(word.to_string());
     }
 
     /// The next step begins.
     pub fn begin(&self, word: &str) {
+        watch::doing(word);
         self.0.set_message(word.to_string());
         self.0.inc(1);
     }

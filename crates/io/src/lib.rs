@@ -15,6 +15,7 @@ mod robot;
 mod table;
 mod text;
 mod toml_tree;
+mod unfinished;
 mod unit;
 mod write_whole;
 
@@ -30,5 +31,6 @@ pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
 pub use predictions::write_predictions;
 pub use robot::{RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_toml, robot_urdf};
 pub use text::read_text;
+pub use unfinished::discard_unfinished;
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, check_writable, make_folder, write_whole};

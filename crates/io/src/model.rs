@@ -32,7 +32,19 @@ pub fn read_model(
             "declares no effects; begin with [[effects]] and `family = \"geometric\"`",
         ));
     };
-    effects.tables("effects")?.iter().map(|table| effect(table, chain, registry)).collect()
+    let mut list: Vec<Box<dyn AnyEffect>> = Vec::new();
+    for table in &effects.tables("effects")? {
+        let next = effect(table, chain, registry)?;
+        let same = |other: &Box<dyn AnyEffect>| {
+            other.kind() == next.kind() && other.parameters() == next.parameters()
+        };
+        if list.iter().any(same) {
+            return Err(table
+                .error(format!("effect `{}` is declared twice in the same way; remove one", next.kind())));
+        }
+        list.push(next);
+    }
+    Ok(list)
 }
 
 fn effect(

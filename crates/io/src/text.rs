@@ -80,11 +80,19 @@ pub(crate) fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16; save the file as UTF-8"),
         [0x1f, 0x8b, ..] => Some("is compressed (gzip); unpack it first"),
         [b'P', b'K', 3, 4, ..] => Some("is a zip archive or a spreadsheet; export it as text (UTF-8) first"),
+        [b'<', rest @ ..] if web_page(rest) => Some("is a web page; download the file itself"),
         [b'P', b'A', b'R', b'1', ..] => {
             Some("is a Parquet file, which this version does not read; export it as CSV")
         }
         _ => None,
     }
+}
+
+/// HTML, behind its first bracket.
+fn web_page(rest: &[u8]) -> bool {
+    [&b"!doctype html"[..], b"html"]
+        .iter()
+        .any(|tag| rest.get(..tag.len()).is_some_and(|r| r.eq_ignore_ascii_case(tag)))
 }
 
 #[cfg(test)]

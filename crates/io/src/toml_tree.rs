@@ -6,6 +6,9 @@ use crate::text::Text;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// No number of a description is larger: squares and sums of such numbers are still numbers.
+const LARGEST: f64 = 1e30;
+
 /// A parsed document.
 pub(crate) struct Document<'a> {
     text: &'a Text,
@@ -110,6 +113,9 @@ impl<'a> Value<'a> {
     /// A finite number.
     pub fn number(&self) -> Result<f64, IoError> {
         match self.any_number()? {
+            Some(number) if number.abs() > LARGEST && number.is_finite() => {
+                Err(self.error(format!("{} cannot be meant to be {number:e}", self.name)))
+            }
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(self.error(format!("{} has to be a finite number", self.name))),
         }

@@ -6,6 +6,7 @@
 
 use crate::IoError;
 use crate::error::reason;
+use crate::unfinished::{begun, ended};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -56,8 +57,18 @@ pub struct WholeFile {
 
 #[derive(Debug)]
 enum Sink {
-    Renamed { writer: BufWriter<NamedTempFile>, onto: PathBuf },
+    Renamed { writer: BufWriter<NamedTempFile>, onto: PathBuf, named: Temporary },
     Direct(BufWriter<File>),
+}
+
+/// The name of a temporary file, remembered as long as there may be one.
+#[derive(Debug)]
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        ended(&self.0);
+    }
 }
 
 impl WholeFile {
@@ -102,23 +113,26 @@ impl WholeFile {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let temporary = begin(folder, existing.as_ref()).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => IoError::Write {
-                file: path.into(),
-                message: format!("there is no folder `{}`; create it first", folder.display()),
-            },
-            io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => IoError::Write {
-                file: path.into(),
-                message: format!("the folder `{}` is not writable", folder.display()),
-            },
-            io::ErrorKind::NotADirectory => IoError::Write {
-                file: path.into(),
-                message: format!("`{}` is not a folder", folder.display()),
-            },
-            _ => refused(path, &error),
-        })?;
+        let make = || begin(folder, existing.as_ref());
+        let temporary =
+            begun(make, |file| file.path().to_path_buf()).map_err(|error| match error.kind() {
+                io::ErrorKind::NotFound => IoError::Write {
+                    file: path.into(),
+                    message: format!("there is no folder `{}`; create it first", folder.display()),
+                },
+                io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => IoError::Write {
+                    file: path.into(),
+                    message: format!("the folder `{}` is not writable", folder.display()),
+                },
+                io::ErrorKind::NotADirectory => IoError::Write {
+                    file: path.into(),
+                    message: format!("`{}` is not a folder", folder.display()),
+                },
+                _ => refused(path, &error),
+            })?;
+        let named = Temporary(temporary.path().to_path_buf());
         let writer = BufWriter::with_capacity(1 << 16, temporary);
-        Ok(WholeFile { path: path.into(), sink: Sink::Renamed { writer, onto } })
+        Ok(WholeFile { path: path.into(), sink: Sink::Renamed { writer, onto, named } })
     }
 
     /// Puts the file under its name.
@@ -129,7 +143,7 @@ impl WholeFile {
         let WholeFile { path, sink } = self;
         match sink {
             Sink::Direct(mut writer) => writer.flush().map_err(|error| refused(&path, &error)),
-            Sink::Renamed { writer, onto } => {
+            Sink::Renamed { writer, onto, named: _named } => {
                 let temporary = writer.into_inner().map_err(|error| refused(&path, error.error()))?;
                 temporary.as_file().sync_all().map_err(|error| refused(&path, &error))?;
                 temporary.persist(&onto).map_err(|error| refused(&path, &error.error))?;

@@ -11,7 +11,7 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
     let joint = |k: usize| chain.movable().get(k).map_or("?", |&j| chain.joint(j).name.as_str());
     let target = |k: usize| chain.targets().get(k).map_or("?", |t| t.name.as_str());
     let with_base = chain.base().known;
-    let (what, undone) = match found.cause {
+    let (what, undone) = match found.cause.clone() {
         Cause::SwappedAxes { a, b } if with_base => {
             (format!("{} and {} look swapped", axis(a), axis(b)), "swapping them")
         }
@@ -24,9 +24,7 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
                 .into(),
             "putting that right",
         ),
-        Cause::PositionUnit { factor } => {
-            (format!("positions look as if they were {}", unit(factor)), "scaling them")
-        }
+        Cause::PositionUnit { factor } => (format!("positions look like {}", unit(factor)), "scaling them"),
         Cause::JointUnit { kind, factor } => {
             let (kind, words) = match (kind, factor > 1.0) {
                 (JointKind::Prismatic, true) => ("slides", "metres under a header in mm"),
@@ -38,15 +36,14 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
         }
         Cause::ShiftedJoints { by } => {
             let n = chain.movable().len();
-            let (places, way) = if 2 * by > n { (n - by, "late") } else { (by, "early") };
+            let places = count(usize::min(by, n.saturating_sub(by)), "place");
             (
                 format!(
-                    "joint columns look {} too {way}: {} holds what belongs to {}",
-                    count(places, "place"),
+                    "joint columns look moved by {places}: {} holds what belongs to {}",
                     joint(by),
                     joint(0)
                 ),
-                "moving them",
+                "moving them back",
             )
         }
         Cause::ReversedJoints => ("joint columns look reversed, from tip to base".into(), "reversing them"),
@@ -67,6 +64,19 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
         Cause::SwappedTargets { a, b } => {
             (format!("targets {} and {} look swapped", target(a), target(b)), "swapping them")
         }
+        Cause::StrayRows { rows } => {
+            let named: Vec<String> = rows.iter().take(5).map(|row| (row + 1).to_string()).collect();
+            let more = if rows.len() > 5 { ", …" } else { "" };
+            return format!(
+                "{} {}{more} {} far from where the others say, up to {}, against {} of theirs: look at {}, or take `--solver tukey(qr)`",
+                if rows.len() == 1 { "row" } else { "rows" },
+                named.join(", "),
+                if rows.len() == 1 { "lies" } else { "lie" },
+                mm(found.before),
+                mm(found.after),
+                if rows.len() == 1 { "it" } else { "them" },
+            );
+        }
         Cause::BaseElsewhere => {
             return format!(
                 "the base is not where the description has it: as it stands the robot misses by {}, with the base where it fits \
@@ -82,12 +92,12 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
 /// What a factor that puts positions right says about their unit.
 fn unit(factor: f64) -> &'static str {
     match factor {
-        f if f > 500.0 => "metres under a header in mm",
-        f if f > 30.0 => "metres under a header in in",
-        f if f > 2.0 => "inches under a header in mm",
-        f if f > 0.035 => "millimetres under a header in in",
-        f if f > 2e-3 => "inches under a header in m",
-        _ => "millimetres under a header in m",
+        f if f > 500.0 => "metres taken for millimetres (a factor of 1000)",
+        f if f > 30.0 => "metres taken for inches",
+        f if f > 2.0 => "inches taken for millimetres",
+        f if f > 0.035 => "millimetres taken for inches",
+        f if f > 2e-3 => "inches taken for metres",
+        _ => "millimetres taken for metres (a factor of 1000)",
     }
 }
 
@@ -106,13 +116,13 @@ mod tests {
         );
         assert!(
             words(Cause::PositionUnit { factor: 1e3 })
-                .starts_with("positions look as if they were metres under a header in mm:")
+                .starts_with("positions look like metres taken for millimetres (a factor of 1000):")
         );
         let names: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();
         let shifted = words(Cause::ShiftedJoints { by: 1 });
         assert!(
             shifted.starts_with(&format!(
-                "joint columns look 1 place too early: {} holds what belongs to {}",
+                "joint columns look moved by 1 place: {} holds what belongs to {}",
                 names[1], names[0]
             )),
             "{shifted}"

@@ -6,6 +6,7 @@ use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
+use crate::watch;
 use truepose_discover::{DiscoverOptions, Progress, diagnose, nested};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, EffectRegistry};
@@ -39,7 +40,12 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     };
     let solver = args.solver.build();
     let bar = Bar::spinner();
-    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| bar.say(&word(&step)))?;
+    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| {
+        if let Progress::Found(words) = &step {
+            watch::found(words);
+        }
+        bar.say(&word(&step));
+    })?;
     drop(bar);
     let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let mut summary = DiscoverySummary::new(&found, settings);

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, ModelError, Visits};
 use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
 use truepose_report::{IdentificationSummary, identification_report, millimetres};
@@ -92,7 +92,9 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
 /// An error with the file that it is about, where it is about the data.
 fn refused(args: &Identify, error: IdentifyError) -> Failure {
     match error {
-        IdentifyError::NothingMeasured { .. } | IdentifyError::Placement { .. } => {
+        IdentifyError::NothingMeasured { .. }
+        | IdentifyError::Placement { .. }
+        | IdentifyError::Model(ModelError::MissingSignal { .. }) => {
             Failure::Input(format!("{}: {error}", args.data.display()))
         }
         _ => error.into(),

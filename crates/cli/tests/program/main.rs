@@ -7,10 +7,13 @@
 )]
 
 mod bad_input;
+mod determinism;
 mod example;
 mod export;
 mod folder;
+mod limits;
 mod output;
 mod page;
 mod report;
 mod round_trip;
+mod spoiled;

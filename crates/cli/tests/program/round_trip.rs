@@ -86,17 +86,10 @@ fn predictions_need_no_measured_columns() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_bytes_on_any_number_of_threads() {
+fn a_fit_file_names_no_folder_of_this_machine() {
     let folder = Folder::with_data();
-    let fit = |threads: &str| {
-        folder.run(&[IDENTIFY, &["--threads", threads]].concat()).ended(0);
-        folder.read("fit.json")
-    };
-    let one = fit("1");
-    assert_eq!(one, fit("1"), "twice the same");
-    assert_eq!(one, fit("2"), "two threads");
-    assert_eq!(one, fit("5"), "five threads");
-    assert!(!one.contains(folder.path().to_str().unwrap()), "a fit file names no folder of this machine");
+    folder.run(IDENTIFY).ended(0);
+    assert!(!folder.read("fit.json").contains(folder.path().to_str().unwrap()));
 }
 
 #[test]

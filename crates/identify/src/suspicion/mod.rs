@@ -79,6 +79,11 @@ pub enum Cause {
         /// The other.
         b: usize,
     },
+    /// Some rows lie far from where all the others say.
+    StrayRows {
+        /// Numbers of these rows (0-based), the farthest first.
+        rows: Vec<usize>,
+    },
     /// The base is not where the description has it.
     BaseElsewhere,
 }
@@ -95,7 +100,7 @@ pub struct Suspicion {
 }
 
 /// Rows that are looked at.
-const ROWS: usize = 240;
+const ROWS: usize = 600;
 /// Configurations below which a registration fits anything.
 const CONFIGURATIONS: usize = 6;
 /// A registration that leaves less than this share of the robot's length is none of these mistakes.
@@ -107,7 +112,10 @@ const GOOD: f64 = 0.02;
 /// A base that is off by more than this share of the robot's length is elsewhere.
 const ELSEWHERE: f64 = 0.1;
 
-/// The likeliest mistake of a table as a whole, if there is any: about a thousandth of a second where nothing is wrong.
+/// A row that is farther off than this many times what nine tenths of the rows are is a stray one.
+const STRAY: f64 = 12.0;
+
+/// The likeliest mistake of a table, if there is any: about a thousandth of a second where nothing is wrong.
 pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
     if data.validate(chain).is_err()
         || configurations(data).iter().max().is_none_or(|last| last + 1 < CONFIGURATIONS)
@@ -124,15 +132,23 @@ pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
         return None;
     }
     if free < NEGLIGIBLE * length {
-        // The shape is right: only the place of the base can be wrong.
+        // The shape is right: only the place of the base can be wrong, or a few rows.
         return fixed
             .filter(|fixed| *fixed > ELSEWHERE * length && sampled.placeable())
-            .map(|before| Suspicion { cause: Cause::BaseElsewhere, before, after: free });
+            .map(|before| Suspicion { cause: Cause::BaseElsewhere, before, after: free })
+            .or_else(|| stray(&sampled, length));
+    }
+    if let Some(found) = stray(&sampled, length) {
+        return Some(found);
     }
     let mut best: Option<(f64, f64, Cause)> = None;
     for cause in hypotheses::causes(chain) {
         let points = sampled.points(Some(&cause));
-        let after = registration::anywhere(&points, &sampled.offsets);
+        let after = match cause {
+            // The first rows have no visit before.
+            Cause::StaleJoints { .. } => registration::without_strays(&points, &sampled.offsets).0,
+            _ => registration::anywhere(&points, &sampled.offsets),
+        };
         if !(after < GAIN * free && after < GOOD * length) {
             continue;
         }
@@ -148,6 +164,26 @@ pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
     best.map(|(after, _, cause)| Suspicion { cause, before: free, after })
 }
 
+/// Rows far from where the others say, of those that are looked at.
+fn stray(sampled: &Sample<'_>, length: f64) -> Option<Suspicion> {
+    let points = sampled.points(None);
+    let (kept, distances) = registration::without_strays(&points, &sampled.offsets);
+    let mut sorted = distances.clone();
+    sorted.sort_by(f64::total_cmp);
+    let most = sorted[(sorted.len() - 1) * 9 / 10];
+    let limit = f64::max(STRAY * most, NEGLIGIBLE * length);
+    let mut rows: Vec<(f64, usize)> = distances
+        .iter()
+        .zip(&sampled.rows)
+        .filter(|(d, _)| **d > limit)
+        .map(|(d, row)| (*d, row.number))
+        .collect();
+    rows.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let farthest = rows.first()?.0;
+    let rows = rows.into_iter().map(|r| r.1).collect();
+    Some(Suspicion { cause: Cause::StrayRows { rows }, before: farthest, after: kept })
+}
+
 /// Rows of a table, evenly taken, with what a registration needs of them.
 struct Sample<'a> {
     chain: &'a Chain,
@@ -159,6 +195,8 @@ struct Sample<'a> {
 }
 
 struct Row {
+    /// In the table, from 0.
+    number: usize,
     measured: Vector3<f64>,
     joints: Vec<f64>,
     next: Option<Vec<f64>>,
@@ -182,6 +220,7 @@ impl<'a> Sample<'a> {
             .iter()
             .step_by(step)
             .map(|&row| Row {
+                number: row,
                 measured: data.measured_position(row),
                 joints: q(row),
                 next: of_visit(data.visit[row].checked_add(1)),
@@ -197,7 +236,8 @@ impl<'a> Sample<'a> {
                 .iter()
                 .map(|t| Offset { at: tool.pose.apply(&t.position), known: t.known && tool.known }),
         );
-        Some(Sample { chain, bare, offsets, rows })
+        let rows: Vec<Row> = rows;
+        (rows.len() >= CONFIGURATIONS).then_some(Sample { chain, bare, offsets, rows })
     }
 
     /// The points with a cause undone.

@@ -42,6 +42,30 @@ pub(super) struct Offset {
 
 /// Root of the mean square of what is left with the base where it fits best, m.
 pub(super) fn anywhere(points: &[Point], offsets: &[Offset]) -> f64 {
+    let (base, offsets) = placed(points, offsets);
+    at(points, &offsets, &base)
+}
+
+/// What is left of the nearest nine tenths of the points when only they place the base (m, RMS), and how far every point is
+/// from there (m).
+pub(super) fn without_strays(points: &[Point], offsets: &[Offset]) -> (f64, Vec<f64>) {
+    let mut kept = points.to_vec();
+    let mut distances = Vec::new();
+    // A point far away bends the first placement; each round it bends the next one less.
+    for _ in 0..6 {
+        let (base, offsets) = placed(&kept, offsets);
+        distances = points.iter().map(|p| distance(p, &offsets, &base)).collect();
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|&a, &b| distances[a].total_cmp(&distances[b]).then(a.cmp(&b)));
+        order.truncate((points.len() * 9).div_ceil(10));
+        kept = order.iter().map(|&k| points[k]).collect();
+    }
+    let (base, offsets) = placed(&kept, offsets);
+    (at(&kept, &offsets, &base), distances)
+}
+
+/// Base and offsets that fit best.
+fn placed(points: &[Point], offsets: &[Offset]) -> (Pose, Vec<Offset>) {
     let mut offsets = offsets.to_vec();
     let open = offsets.iter().any(|o| !o.known);
     let mut base = fitted(points, &offsets);
@@ -58,15 +82,17 @@ pub(super) fn anywhere(points: &[Point], offsets: &[Offset]) -> f64 {
         }
         base = fitted(points, &offsets);
     }
-    at(points, &offsets, &base)
+    (base, offsets)
+}
+
+/// How far a point is from where the robot has it, m.
+fn distance(p: &Point, offsets: &[Offset], base: &Pose) -> f64 {
+    (p.measured - base.apply(&p.flange.apply(&offsets[p.target].at))).norm()
 }
 
 /// The same with the base at a place, m.
 pub(super) fn at(points: &[Point], offsets: &[Offset], base: &Pose) -> f64 {
-    let square: f64 = points
-        .iter()
-        .map(|p| (p.measured - base.apply(&p.flange.apply(&offsets[p.target].at))).norm_squared())
-        .sum();
+    let square: f64 = points.iter().map(|p| distance(p, offsets, base).powi(2)).sum();
     (square / points.len().max(1) as f64).sqrt()
 }
 

@@ -92,6 +92,16 @@ fn every_mistake_is_told() {
 }
 
 #[test]
+fn rows_that_stray_are_named() {
+    let (chain, mut data) = measured(&samples::heavy(), 9);
+    data.position[17][1] += 0.4;
+    data.position[41][2] = 1e20;
+    let told = suspicion(&chain, &data).unwrap();
+    assert_eq!(told.cause, Cause::StrayRows { rows: vec![41, 17] }, "{told:?}");
+    assert!(told.after < 5e-3 && told.before > 1e19, "{told:?}");
+}
+
+#[test]
 fn a_base_that_stands_elsewhere_is_told_and_one_that_is_unknown_is_not() {
     let (chain, data) = measured(&samples::ur10(), 5);
     let elsewhere = Placed { pose: Pose::from_xyz_rpy([2.0, 0.0, 0.0], [0.0, 0.0, 2.0]), known: true };

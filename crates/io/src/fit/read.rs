@@ -61,6 +61,9 @@ fn parsed<'t, T: Deserialize<'t>>(text: &'t Text) -> Result<T, IoError> {
         let words = words.split(" at line ").next().unwrap_or(&words);
         let message = match error.classify() {
             serde_json::error::Category::Eof => format!("the file ends too early ({words}); it is not whole"),
+            _ if !text.text.trim_start().starts_with('{') => {
+                "is no fit file; `truepose identify` writes such files".to_owned()
+            }
             serde_json::error::Category::Data => format!("is no fit file of format {FIT_FORMAT}: {words}"),
             _ => format!("is not JSON: {words}"),
         };

@@ -1,5 +1,6 @@
 //! Cells of a line: where they end, and the numbers in them.
 
+use crate::Unit;
 use std::borrow::Cow;
 
 /// Why a line cannot be cut into cells.
@@ -87,23 +88,49 @@ pub(crate) fn number(text: &str) -> Result<Option<f64>, String> {
             "`{}` is not a finite number; leave the cell empty if nothing was measured",
             shown(text)
         )),
-        Err(_) if decimal_comma(text) => {
-            Err(format!("`{}` is not a number; write decimals with a point", shown(text)))
-        }
-        Err(_) if matches!(text.to_lowercase().as_str(), "na" | "n/a" | "null" | "none" | "-") => {
-            Err(format!("`{}` is not a number; leave the cell empty if nothing was measured", shown(text)))
-        }
-        Err(_) => Err(format!("`{}` is not a number", shown(text))),
+        Err(_) => Err(format!("`{}` is not a number{}", shown(text), advice(text))),
     }
 }
 
+/// What to do about a text that is no number.
+#[cold]
+fn advice(text: &str) -> &'static str {
+    let reads = |text: &str| fast_float2::parse::<f64, _>(text).is_ok();
+    let blank = |c: char| matches!(c, ' ' | '\'' | '\u{2019}' | '\u{a0}' | '\u{202f}');
+    let units = text.trim_start_matches(|c: char| c.is_ascii_digit() || "+-.".contains(c)).trim_start();
+    if matches!(text.to_lowercase().as_str(), "na" | "n/a" | "null" | "none" | "-") {
+        "; leave the cell empty if nothing was measured"
+    } else if decimal_comma(text) {
+        "; write decimals with a point"
+    } else if reads(&text.replace(['\u{2212}', '\u{2013}'], "-")) {
+        "; write its minus as `-`"
+    } else if reads(&text.replace(blank, "").replace(',', ""))
+        && text.starts_with(|c: char| c.is_ascii_digit() || c == '-')
+    {
+        "; write it without separators between thousands"
+    } else if reads(text.trim_end_matches(units).trim_end()) && Unit::named(units).is_some() {
+        "; put the unit into the header, as in `x[mm]`"
+    } else if Unit::named(text).is_some() {
+        "; if this is a row of units, put them into the header, as in `x[mm]`"
+    } else if text.split(':').count() > 1 && text.chars().all(|c| c.is_ascii_digit() || ":.-T ".contains(c)) {
+        "; write a time as seconds"
+    } else {
+        ""
+    }
+}
+
+/// `1,5`, and not `1,234.5`.
 fn decimal_comma(text: &str) -> bool {
     text.matches(',').count() == 1 && fast_float2::parse::<f64, _>(text.replace(',', ".")).is_ok()
 }
 
 /// A text for a message: printable and not too long.
 pub(crate) fn shown(text: &str) -> String {
-    let mut shown: String = text.chars().take(40).flat_map(char::escape_debug).collect();
+    let one = |c: char| {
+        let plain = matches!(c, '\'' | '"' | '\\');
+        plain.then_some(c).into_iter().chain(c.escape_debug().take(if plain { 0 } else { 12 }))
+    };
+    let mut shown: String = text.chars().take(40).flat_map(one).collect();
     if text.chars().nth(40).is_some() {
         shown.push('…');
     }
@@ -137,7 +164,17 @@ mod tests {
             ("-inf", "`-inf` is not a finite number; leave the cell empty if nothing was measured"),
             ("1e999", "`1e999` is too large for a number"),
             ("1,5", "`1,5` is not a number; write decimals with a point"),
-            ("1 234.5", "`1 234.5` is not a number"),
+            ("1 234.5", "`1 234.5` is not a number; write it without separators between thousands"),
+            ("1,234.5", "`1,234.5` is not a number; write it without separators between thousands"),
+            ("1'234.5", "`1'234.5` is not a number; write it without separators between thousands"),
+            ("\u{2212}1.5", "`\u{2212}1.5` is not a number; write its minus as `-`"),
+            ("12.5 mm", "`12.5 mm` is not a number; put the unit into the header, as in `x[mm]`"),
+            (
+                "deg",
+                "`deg` is not a number; if this is a row of units, put them into the header, as in `x[mm]`",
+            ),
+            ("12:30:05", "`12:30:05` is not a number; write a time as seconds"),
+            ("1/2", "`1/2` is not a number"),
             ("+-1", "`+-1` is not a number"),
             ("0x10", "`0x10` is not a number"),
             ("N/A", "`N/A` is not a number; leave the cell empty if nothing was measured"),

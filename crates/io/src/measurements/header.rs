@@ -59,6 +59,13 @@ impl Header {
         needs: Needs,
         warnings: &mut Vec<Warning>,
     ) -> Result<Header, IoError> {
+        if let [b'{' | b'[', ..] = text {
+            return Err(IoError::line(
+                file,
+                line,
+                "looks like JSON; a table is CSV, and names its columns in the first line",
+            ));
+        }
         let names = cells(text)
             .map_err(|_| IoError::line(file, line, "a quote in the header does not end; close it"))?;
         separated_by_commas(file, line, text, names.len())?;
@@ -245,6 +252,11 @@ impl Header {
                         .iter()
                         .filter(|column| matches!(column.role, Role::Channel(_)))
                         .map(|column| column.name.as_str());
+                    if self.columns.iter().filter(|c| c.name.parse::<f64>().is_ok()).count() > 2 {
+                        return Err(self.error(
+                            "the first line holds numbers; put a line above it that names the columns, such as `theta[deg],x[mm]`",
+                        ));
+                    }
                     let hint = meant(name, others).replace("did you mean", "is it called");
                     return Err(self.error(format!(
                         "joint `{name}` has no column{hint}; add {} (columns here: {})",

@@ -97,6 +97,9 @@ impl Plausible {
 
 /// A number for a message, without the noise of a conversion.
 pub(crate) fn rounded(value: f64) -> String {
+    if value.abs() >= 1e9 {
+        return format!("{value:.1e}");
+    }
     let text = format!("{value:.4}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

@@ -10,6 +10,9 @@ use crate::nearest::{listed, meant};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Load, TargetId};
 
+/// No number of a table is larger (SI): squares and sums of such numbers are still numbers.
+const LARGEST: f64 = 1e30;
+
 /// Reads rows, one at a time, into the same memory.
 #[derive(Debug)]
 pub(crate) struct RowReader {
@@ -88,7 +91,7 @@ impl RowReader {
                             self.numbers[k] = f64::NAN;
                             continue;
                         }
-                        Err(message) => return Err(self.header.cell_error(line, k, message)),
+                        Err(message) => return Err(self.no_number(line, text, k, &content, message)),
                     }
                 }
             };
@@ -97,6 +100,13 @@ impl RowReader {
             }
             self.seen[k].see(raw);
             self.numbers[k] = self.header.columns[k].conversion.to_si(raw);
+            if self.numbers[k].abs() > LARGEST {
+                return Err(self.header.cell_error(
+                    line,
+                    k,
+                    format!("{raw:e} cannot be meant; check the number"),
+                ));
+            }
         }
         if at < text.len() {
             return Err(self.too_many(line, text));
@@ -149,7 +159,9 @@ impl RowReader {
                     let message = format!(
                         "the robot has no target `{name}`{hint}; declare it in [[targets]] (its targets: {known})"
                     );
-                    return Err(self.header.cell_error(line, k, message));
+                    return Err(self
+                        .miscounted(line, text)
+                        .unwrap_or_else(|| self.header.cell_error(line, k, message)));
                 }
             }
         };
@@ -183,6 +195,31 @@ impl RowReader {
         self.header.cell_error(line, k, message)
     }
 
+    /// A cell that is no number: most often because the row is none of this table.
+    #[cold]
+    fn no_number(&self, line: u64, text: &[u8], k: usize, content: &str, message: String) -> IoError {
+        if let Some(error) = self.miscounted(line, text) {
+            return error;
+        }
+        if content == self.header.columns[k].header {
+            let message = "the header stands here again; join tables below one header".to_owned();
+            return IoError::line(&self.header.file, line, message);
+        }
+        self.header.cell_error(line, k, message)
+    }
+
+    /// A row with another number of cells than the header has.
+    #[cold]
+    fn miscounted(&self, line: u64, text: &[u8]) -> Option<IoError> {
+        let have = super::cells::cells(text).ok()?.len();
+        let need = self.header.columns.len();
+        match have.cmp(&need) {
+            std::cmp::Ordering::Less => Some(self.too_few(line, have)),
+            std::cmp::Ordering::Equal => None,
+            std::cmp::Ordering::Greater => Some(self.too_many(line, text)),
+        }
+    }
+
     #[cold]
     fn too_few(&self, line: u64, k: usize) -> IoError {
         let message = format!("is missing: the row has {k} cells, the header {}", self.header.columns.len());
@@ -191,9 +228,15 @@ impl RowReader {
 
     #[cold]
     fn too_many(&self, line: u64, text: &[u8]) -> IoError {
-        let have = super::cells::cells(text).map_or(0, |cells| cells.len());
-        let need = self.header.columns.len();
-        let hint = if 2 * have >= 3 * need { "; write decimals with a point, not a comma" } else { "" };
+        let cells = super::cells::cells(text).unwrap_or_default();
+        let (have, need) = (cells.len(), self.header.columns.len());
+        let hint = if 2 * have >= 3 * need {
+            "; write decimals with a point, not a comma"
+        } else if cells.iter().skip(need).all(|cell| cell.is_empty()) {
+            "; it ends in a comma"
+        } else {
+            ""
+        };
         IoError::line(&self.header.file, line, format!("the row has {have} cells, the header {need}{hint}"))
     }
 

@@ -1,5 +1,6 @@
 //! What is not wrong in a table but looks as if something were.
 
+use super::columns::Cells;
 use super::copies::copies;
 use super::header::Needs;
 use super::plausible::rounded;
@@ -94,6 +95,18 @@ pub(super) fn look(
     }
     if needs.measured && data.len() >= 5 {
         unvaried(reader, data, warnings);
+        if let Some(k) = header.columns.iter().position(|column| column.cells == Cells::Target)
+            && let Some(first) = data.target.iter().position(Option::is_none)
+        {
+            let count = data.target.iter().filter(|t| t.is_none()).count();
+            if 3 * count < data.len() {
+                let message = format!(
+                    "is empty{}: the tool's origin was measured there; name the target if it was not",
+                    more(count)
+                );
+                warnings.push(at(data.line[first], Some(k), message));
+            }
+        }
         if let Some((row, of, count)) = copies(data) {
             let message = format!(
                 "is an exact copy of line {}{}; a copied row is no repeated measurement, and makes the noise look smaller than it is",
@@ -130,12 +143,19 @@ fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warn
             let message = "no joint moves: all rows are one configuration, which tells nothing about the arm";
             header.warn(warnings, None, message);
         } else {
-            for k in fixed {
+            if let [k] = fixed[..] {
                 header.warn(
                     warnings,
                     Some(k),
                     "never changes: the data says nothing about this joint's motion",
                 );
+            } else if !fixed.is_empty() {
+                let names: Vec<&str> = fixed.iter().map(|&k| header.columns[k].name.as_str()).collect();
+                let message = format!(
+                    "{} never change: the data says nothing about the motion of these joints",
+                    names.join(", ")
+                );
+                header.warn(warnings, None, message);
             }
         }
     }

@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn every_bad_cell_is_said() {
-        let cases: [(usize, &str, &str); 21] = [
+        let cases: [(usize, &str, &str); 22] = [
             (3, "abc", "column `theta[deg]` (4): `abc` is not a number"),
             (3, "", "column `theta[deg]` (4): is empty; every row needs all joint values"),
             (
@@ -178,7 +178,11 @@ mod tests {
             ),
             (6, "1e999", "column `x[mm]` (7): `1e999` is too large for a number"),
             (6, "\"1,5\"", "column `x[mm]` (7): `1,5` is not a number; write decimals with a point"),
-            (6, "1 234.5", "column `x[mm]` (7): `1 234.5` is not a number"),
+            (
+                6,
+                "1 234.5",
+                "column `x[mm]` (7): `1 234.5` is not a number; write it without separators between thousands",
+            ),
             (6, "\"1", "column `x[mm]` (7): a quote in the cell does not end; close it"),
             (
                 9,
@@ -212,19 +216,17 @@ mod tests {
                 "column `oil[degC]` (18): is empty; a channel needs a value in every row: fill it or remove the column",
             ),
             (17, "warm", "column `oil[degC]` (18): `warm` is not a number"),
+            (3, "1e300", "column `theta[deg]` (4): 1e300 cannot be meant; check the number"),
             (
                 3,
-                "1e300",
-                "column `theta[deg]` (4): 1e300 deg is beyond any plausible turn and far beyond the joint's limits, \
-                 -90 … 90 deg; check the unit",
+                "1e6",
+                "column `theta[deg]` (4): 1000000 deg is beyond any plausible turn and far beyond the joint's limits, -90 … 90 \
+                 deg; check the unit",
             ),
         ];
         for (column, cell, message) in cases {
             match read(&spoiled(column, cell)) {
                 Ok(_) => assert!(cell == "1.0005" || cell == "0", "{cell} passed"),
-                Err(error) if message.contains("1e300") => {
-                    assert!(error.contains("beyond any plausible turn"), "{error}")
-                }
                 Err(error) => assert_eq!(error, format!("d.csv:3: {message}")),
             }
         }
@@ -313,6 +315,7 @@ mod tests {
                 "d.csv:1: column `theta[deg]` (4): all joint values in [deg] are so small that they look like radians; if \
                  so, call the columns `name[rad]`",
                 "d.csv:1: column `x` (7): positions spread over 12700 m, but the robot is about 9.5304 m long; check the unit",
+                "d.csv:1: d2, d3, roll, pitch never change: the data says nothing about the motion of these joints",
             ]
         );
         let (_, _, warnings) = read(&format!("{HEAD}\n1,2,3,91,0,0,,,\n")).unwrap();

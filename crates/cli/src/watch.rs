@@ -1,0 +1,153 @@
+//! Ends a run that was interrupted or went beyond its limits: within a tenth of a second, with what was found so far, without
+//! a half-written file.
+
+use crate::args::Args;
+use crate::failure::Failure;
+use crate::terminal;
+use std::path::PathBuf;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use truepose_io::discard_unfinished;
+
+/// How often limits are looked at.
+const STEP: Duration = Duration::from_millis(40);
+/// As shells have it for a program that was interrupted.
+const INTERRUPTED: i32 = 130;
+/// A limit that the caller set was reached.
+const LIMIT: i32 = 3;
+
+#[derive(Debug, Default)]
+struct SoFar {
+    doing: String,
+    found: Vec<String>,
+}
+
+static SO_FAR: Mutex<SoFar> = Mutex::new(SoFar { doing: String::new(), found: Vec::new() });
+
+/// What is going on now.
+pub fn doing(words: &str) {
+    SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).doing = words.to_owned();
+}
+
+/// Something was found.
+pub fn found(words: &str) {
+    SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).found.push(words.to_owned());
+}
+
+/// Begins to watch.
+///
+/// # Errors
+/// When signals or the memory in use cannot be watched here.
+pub fn begin(args: &Args) -> Result<(), Failure> {
+    if args.memory_limit.is_some() && resident().is_none() {
+        return Err(Failure::Input(
+            "--memory-limit: this system does not say how much memory a program uses".into(),
+        ));
+    }
+    let (sender, receiver) = channel();
+    ctrlc::set_handler(move || {
+        let _ = sender.send(());
+    })?;
+    let (time, memory) = (args.time_limit, args.memory_limit);
+    let json = std::env::args().any(|argument| argument == "--json");
+    let began = Instant::now();
+    std::thread::Builder::new().name("watch".into()).spawn(move || {
+        loop {
+            match receiver.recv_timeout(STEP) {
+                Ok(()) => end("interrupted", began, json, INTERRUPTED),
+                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Timeout) => (),
+            }
+            if time.is_some_and(|limit| began.elapsed() > limit) {
+                end("the time limit was reached", began, json, LIMIT);
+            }
+            if let (Some(limit), Some(used)) = (memory, memory.and_then(|_| resident()))
+                && used > limit
+            {
+                let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
+                end(&words, began, json, LIMIT);
+            }
+        }
+    })?;
+    Ok(())
+}
+
+/// Says what was found so far and ends the program.
+fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
+    discard_unfinished();
+    let so_far = SO_FAR.lock().unwrap_or_else(PoisonError::into_inner);
+    let seconds = began.elapsed().as_secs_f64();
+    let doing = if so_far.doing.is_empty() { "reading" } else { &so_far.doing };
+    if json {
+        let value = serde_json::json!({
+            "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": so_far.found,
+        });
+        terminal::print(&format!("{value:#}\n"));
+    } else {
+        let found = match so_far.found.as_slice() {
+            [] => "nothing yet".to_owned(),
+            found => format!("{} (not yet judged on held-out rows)", found.join(", ")),
+        };
+        terminal::print(&format!(
+            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n"
+        ));
+    }
+    terminal::log(&format!("error: {why}; no file was written"));
+    std::process::exit(code)
+}
+
+/// Memory in use, bytes.
+fn resident() -> Option<u64> {
+    let status = std::fs::read_to_string(PathBuf::from("/proc/self/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| 1024 * kilobytes)
+}
+
+/// `90s`, `10min`, `2h`.
+pub fn parse_time(text: &str) -> Result<Duration, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let factor = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err("a time needs a unit: s, min or h, as in 10min".into()),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * factor < 1e9 => Ok(Duration::from_secs_f64(value * factor)),
+        _ => Err(format!("`{number}` is no time above 0")),
+    }
+}
+
+/// `500MB`, `2GB`; bytes.
+pub fn parse_memory(text: &str) -> Result<u64, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let factor = match unit {
+        "MB" => 1e6,
+        "GB" => 1e9,
+        _ => return Err("a size needs a unit: MB or GB, as in 2GB".into()),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * factor < 1e18 => Ok((value * factor) as u64),
+        _ => Err(format!("`{number}` is no size above 0")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_read_with_their_units() {
+        assert_eq!(parse_time("1.5min"), Ok(Duration::from_secs(90)));
+        assert_eq!(parse_memory("0.5GB"), Ok(500_000_000));
+        for bad in ["", "3", "s", "-1s", "nans", "1e30h", "3 weeks"] {
+            assert!(parse_time(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "3", "GB", "-1GB", "1e300MB", "3 bytes"] {
+            assert!(parse_memory(bad).is_err(), "{bad}");
+        }
+    }
+}

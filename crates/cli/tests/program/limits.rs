@@ -1,0 +1,88 @@
+//! A run that is interrupted, or reaches a limit, ends at once, says what it had found, and leaves no half-written file.
+
+use crate::folder::Folder;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const DISCOVER: &[&str] = &[
+    "discover",
+    "--robot",
+    "robot.toml",
+    "--data",
+    "data.csv",
+    "--out",
+    "fit.json",
+    "--report",
+    "page",
+    "--flips",
+    "99999",
+];
+
+/// Enough work for minutes.
+fn busy() -> Folder {
+    let folder = crate::report::discovered("small", "j1");
+    let plant = folder.read("plant.toml").replace("visits = 60", "visits = 400");
+    folder.write("plant.toml", &plant);
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    std::fs::remove_dir_all(folder.file("page")).unwrap();
+    folder.write("fit.json", "an older result");
+    folder
+}
+
+#[test]
+fn an_interrupted_run_ends_within_a_second_and_says_what_it_had() {
+    for (signal, more) in [("-INT", &[][..]), ("-TERM", &["--json"])] {
+        let folder = busy();
+        let child = Command::new(env!("CARGO_BIN_EXE_truepose"))
+            .current_dir(folder.path())
+            .args(DISCOVER)
+            .args(more)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(1500));
+        let asked = Instant::now();
+        Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert!(asked.elapsed() < Duration::from_secs(1), "{:?}", asked.elapsed());
+        assert_eq!(output.status.code(), Some(130));
+        let out = String::from_utf8(output.stdout).unwrap();
+        if more.is_empty() {
+            assert!(
+                out.starts_with("INCOMPLETE: interrupted after ") && out.contains("Found so far: "),
+                "{out}"
+            );
+        } else {
+            let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+            assert_eq!(value["incomplete"], true, "{out}");
+        }
+        untouched(&folder);
+    }
+}
+
+#[test]
+fn limits_that_the_caller_sets_are_kept() {
+    for (limit, words) in [
+        ("--time-limit=1s", "the time limit was reached"),
+        ("--memory-limit=1MB", "the memory limit was reached"),
+    ] {
+        let folder = busy();
+        let began = Instant::now();
+        let run = folder.run(&[DISCOVER, &[limit]].concat()).ended(3);
+        assert!(began.elapsed() < Duration::from_secs(3), "{limit}: {:?}", began.elapsed());
+        assert!(run.out.starts_with("INCOMPLETE: ") && run.log.contains(words), "{}{}", run.out, run.log);
+        untouched(&folder);
+    }
+    let folder = Folder::with_data();
+    folder.run(&["check", "--robot", "robot.toml", "--time-limit", "1min", "--memory-limit", "4GB"]).ended(0);
+    folder.run(&["check", "--robot", "robot.toml", "--time-limit", "3"]).ended(2);
+}
+
+fn untouched(folder: &Folder) {
+    assert_eq!(folder.read("fit.json"), "an older result");
+    assert!(folder.names().iter().all(|name| !name.starts_with(".truepose")), "{:?}", folder.names());
+    let page: Vec<_> =
+        std::fs::read_dir(folder.file("page")).map(|entries| entries.collect()).unwrap_or_default();
+    assert!(page.is_empty(), "{page:?}");
+}
