@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use truepose_errormodel::{Dataset, Visits};
 
 /// Rows that are searched at once.
-const ROWS: usize = 1600;
+const ROWS: usize = 1000;
 
 /// The data, or whole visits of it, in their order.
 pub(crate) fn sample(data: &Dataset, seed: u64) -> Cow<'_, Dataset> {

@@ -112,13 +112,11 @@ impl Tables {
     pub fn add(&self, visit: usize, entries: &[(usize, usize, f64)], sums: &mut Sums) {
         let scores = &self.scores[visit * self.sites..(visit + 1) * self.sites];
         for (k, &(column, site, value)) in entries.iter().enumerate() {
-            let mut first = 0;
+            let mut along = &mut sums.along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
             for band in &self.along {
-                let mut rows = sums.along.column_mut(column);
-                for (sum, h) in rows.rows_mut(first, band.rank).iter_mut().zip(band.at(visit, site)) {
-                    *sum += value * h;
-                }
-                first += band.rank;
+                let (own, rest) = along.split_at_mut(band.rank);
+                own.iter_mut().zip(band.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
+                along = rest;
             }
             sums.by_unit[(self.unit[visit], column)] += value * scores[site];
             sums.raw[(column, column)] += value * value * self.square(visit, site, site);
@@ -194,9 +192,8 @@ impl Band {
     pub fn along(&self, said: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(self.rank, width);
         for &(visit, column, site, value) in said {
-            for (sum, h) in along.column_mut(column).iter_mut().zip(self.at(visit, site)) {
-                *sum += value * h;
-            }
+            let own = &mut along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
+            own.iter_mut().zip(self.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
         }
         along
     }
