@@ -38,15 +38,12 @@ impl ErrorModel {
             columns.extend(effect.columns(&chain));
             first.push(columns.len());
         }
-        let pace = |(k, effect): (usize, &Box<dyn AnyEffect>)| match columns[first[k]..first[k + 1]]
-            .iter()
-            .all(|column| column.site.is_some())
-        {
+        let pace = |k: usize| match columns[first[k]..first[k + 1]].iter().all(|c| c.site.is_some()) {
             true => Pace::Constant,
-            false if effect.settles() => Pace::Settling,
+            false if effects[k].settles() => Pace::Settling,
             false => Pace::Moving,
         };
-        let paces = effects.iter().enumerate().map(pace).collect();
+        let paces = (0..effects.len()).map(pace).collect();
         Ok(ErrorModel { chain, effects, columns, first, paces })
     }
 
