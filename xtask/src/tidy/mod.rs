@@ -7,6 +7,7 @@ mod layers;
 mod length;
 mod manifests;
 mod names;
+mod supply;
 mod words;
 
 use anyhow::{Context, Result, bail};
@@ -40,6 +41,11 @@ pub fn run(root: &Path) -> Result<()> {
 
     let mut findings = layers::check(&table, &layers::packages(&metadata)?);
     findings.extend(manifests::check(&metadata, &files)?);
+    let deny = std::fs::read_to_string(root.join("deny.toml")).context("cannot read deny.toml")?;
+    findings.extend(supply::check(
+        &metadata_of(root, &["--all-features", "--filter-platform", "x86_64-unknown-linux-gnu"])?,
+        &deny,
+    )?);
     findings.extend(length::check(&files));
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
@@ -85,8 +91,14 @@ fn tracked_files(root: &Path) -> Result<Vec<SourceFile>> {
 
 /// `cargo metadata` of the workspace's own crates.
 fn metadata(root: &Path) -> Result<serde_json::Value> {
+    metadata_of(root, &["--no-deps"])
+}
+
+/// `cargo metadata` with these options.
+fn metadata_of(root: &Path, options: &[&str]) -> Result<serde_json::Value> {
     let output = Command::new("cargo")
-        .args(["metadata", "--format-version", "1", "--no-deps"])
+        .args(["metadata", "--format-version", "1", "--locked"])
+        .args(options)
         .current_dir(root)
         .output()
         .context("cannot start cargo")?;

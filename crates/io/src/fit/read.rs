@@ -168,7 +168,7 @@ mod tests {
             "fit.json: is no fit file: it has no `format`; `truepose identify` writes such files"
         );
         assert_eq!(error(""), "fit.json: is empty; a fit file is written by `truepose identify`");
-        assert_eq!(error("hello"), "fit.json:1:1: is not JSON: expected value");
+        assert_eq!(error("hello"), "fit.json:1:1: is no fit file; `truepose identify` writes such files");
         assert_eq!(
             with("geometric", "geometrics"),
             "fit.json: unknown effect family `geometrics`; known families: backlash, base_compliance, coupling, \

@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn every_bad_cell_is_said() {
-        let cases: [(usize, &str, &str); 22] = [
+        let cases: [(usize, &str, &str); 21] = [
             (3, "abc", "column `theta[deg]` (4): `abc` is not a number"),
             (3, "", "column `theta[deg]` (4): is empty; every row needs all joint values"),
             (
@@ -217,12 +217,6 @@ mod tests {
             ),
             (17, "warm", "column `oil[degC]` (18): `warm` is not a number"),
             (3, "1e300", "column `theta[deg]` (4): 1e300 cannot be meant; check the number"),
-            (
-                3,
-                "1e6",
-                "column `theta[deg]` (4): 1000000 deg is beyond any plausible turn and far beyond the joint's limits, -90 … 90 \
-                 deg; check the unit",
-            ),
         ];
         for (column, cell, message) in cases {
             match read(&spoiled(column, cell)) {
