@@ -35,10 +35,9 @@ pub fn read_model(
     let mut list: Vec<Box<dyn AnyEffect>> = Vec::new();
     for table in &effects.tables("effects")? {
         let next = effect(table, chain, registry)?;
-        let same = |other: &Box<dyn AnyEffect>| {
-            other.kind() == next.kind() && other.parameters() == next.parameters()
-        };
-        if list.iter().any(same) {
+        let same =
+            |other: &dyn AnyEffect| other.kind() == next.kind() && other.parameters() == next.parameters();
+        if list.iter().any(|other| same(&**other)) {
             return Err(table
                 .error(format!("effect `{}` is declared twice in the same way; remove one", next.kind())));
         }
