@@ -1,6 +1,6 @@
 //! The closed loop: fit, find the residual, trace it to an effect that the model lacks, add it, again.
 
-use crate::candidate::Candidate;
+use crate::candidate::{Candidate, Change};
 use crate::contest::{Contest, Rival, contest};
 use crate::diagnosis::{Diagnosis, Refused, Stop, Untestable};
 use crate::evidence::{Evidence, collect};
@@ -147,7 +147,7 @@ impl Search<'_> {
             let mut accepted = None;
             if p_value > self.options.alpha {
                 stop = Some(Stop::NothingLeft);
-            } else if self.accepted.len() >= self.options.most {
+            } else if self.accepted.len() >= self.options.most || round >= 2 * self.options.most as u64 {
                 stop = Some(Stop::Limit);
             } else {
                 accepted = winner(&scene, &screen, &null, self.options, &mut self.refused)?;
@@ -166,9 +166,8 @@ impl Search<'_> {
                 continue;
             };
             progress(Progress::Found(accepted.candidate.words()));
-            self.accepted.push(accepted);
+            let last = self.take(accepted);
             self.refit()?;
-            let last = self.accepted.len() - 1;
             if let Some(better) = polished(&self.ground, &self.now, last)? {
                 self.accepted[last].candidate = better;
                 self.refit()?;
@@ -176,10 +175,25 @@ impl Search<'_> {
             if self.accepted.len() <= FEW {
                 progress(Progress::Reconsidering);
                 // The last one has just won.
-                reconsider::reconsider(self, last)?;
+                reconsider::reconsider(self, self.accepted.len() - 1)?;
             }
         }
         unreachable!("the rounds end with a word")
+    }
+
+    /// Takes a find in; more of a cause that is known (further periods of one gear) goes to the find that it belongs to. Returns the
+    /// find's number.
+    fn take(&mut self, accepted: Accepted) -> usize {
+        let known = self.accepted.iter().position(|a| a.candidate.same_cause(&accepted.candidate));
+        if let Some(known) = known
+            && let (Change::Add(effects), Change::Add(more)) =
+                (&mut self.accepted[known].candidate.change, &accepted.candidate.change)
+        {
+            effects.extend(more.iter().cloned());
+            return known;
+        }
+        self.accepted.push(accepted);
+        self.accepted.len() - 1
     }
 
     /// Fits the model with everything that was accepted.
@@ -241,7 +255,7 @@ pub(crate) fn adopted(rival: &Rival) -> Candidate {
     let sizes = &rival.likelihood.coefficients;
     let typical = (sizes.norm_squared() / sizes.len().max(1) as f64).sqrt();
     candidate.width = Some(2.0 * typical.max(1e-3));
-    if let crate::candidate::Change::CorrectLoad { mass, .. } = &mut candidate.change {
+    if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
     }
     candidate

@@ -113,7 +113,7 @@ impl Likelihood {
         for (at, o) in scene.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
         }
-        let whole = cross(&white, &white);
+        let whole = cross(white, white);
         let mut residual = vec![f64::NAN; scene.len()];
         for members in &by_fold {
             let part = white.select_rows(members);

@@ -2,7 +2,8 @@
 //!
 //! Each row is standardised by what all others of its visit say; `t² = Σ e²` of its position has three degrees of freedom. The
 //! scale is the median's, the heaviness of the tail is that of the bulk: `t²/3 ~ F(3, ν)`, ν from the ratio of the
-//! 95 % quantile to the median. So a robot with heavy-tailed noise has no outliers, and one whose noise is normal has them
+//! 95 % quantile to the median. What is reported has to lie outside even if the tail is two standard errors of that ratio heavier than it
+//! looks: a handful of visits says little about a tail. So a robot with heavy-tailed noise has no outliers, and one whose noise is normal has them
 //! from five deviations on.
 
 use crate::scene::Scene;
@@ -26,6 +27,8 @@ pub(crate) struct Outliers {
 /// Expected number of good rows that would be kept out, and reported.
 const SUSPECT: f64 = 0.05;
 const CERTAIN: f64 = 0.002;
+/// Standard error of the logarithm of the ratio of quantiles, times √visits: of order statistics of a χ²_3.
+const RATIO_ERROR: f64 = 1.4;
 /// Nothing below so many robust deviations is an outlier.
 const LEAST: f64 = 5.0;
 /// At most this share of the rows: more are no outliers, but an effect.
@@ -50,20 +53,24 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
         return found;
     }
     let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
-    let freedom = tail(at(0.95) / at(0.5).max(f64::MIN_POSITIVE));
-    let law = Law::new(freedom);
-    let scale = (at(0.5) / (3.0 * law.quantile(0.5))).max(f64::MIN_POSITIVE);
+    let ratio = at(0.95) / at(0.5).max(f64::MIN_POSITIVE);
+    let law = Law::new(tail(ratio));
+    let scale_under = |law: &Law| (at(0.5) / (3.0 * law.quantile(0.5))).max(f64::MIN_POSITIVE);
+    let scale = scale_under(&law);
     let expected = |square: f64| whole.len() as f64 * law.above(square / (3.0 * scale));
+    let heavier = Law::new(tail(ratio * (2.0 * RATIO_ERROR / (scene.visits.max(1) as f64).sqrt()).exp()));
+    let scale_then = scale_under(&heavier);
+    let expected_then = |square: f64| whole.len() as f64 * heavier.above(square / (3.0 * scale_then));
     for (row, (&square, &count)) in squares.iter().zip(&counts).enumerate() {
         if count != 3 {
             continue;
         }
         found.distance[row] = (square / scale / 3.0).sqrt();
         if square > 3.0 * LEAST * LEAST * scale / 3.0 {
-            let expected = expected(square);
-            if expected < SUSPECT {
+            if expected(square) < SUSPECT {
                 found.suspects.push(row);
             }
+            let expected = expected_then(square);
             if expected < CERTAIN {
                 found.certain.push(row);
                 found.p_value = found.p_value.max(expected);

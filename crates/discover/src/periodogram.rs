@@ -52,9 +52,10 @@ pub(crate) fn scan(
     joint: JointId,
     periods: &[f64],
 ) -> Option<Periodogram> {
-    let (shares, values) = scene.motion(joint)?;
+    let shares = scene.motion(joint)?;
     let pulses = projection.tables.pulses(&shares);
-    let values: Vec<f64> = projection.tables.stations.iter().map(|&station| values[station]).collect();
+    let stations = projection.tables.stations.iter();
+    let values: Vec<f64> = stations.map(|&at| scene.joint_at(at, joint)).collect::<Option<_>>()?;
     if periods.is_empty() || pulses.square.iter().sum::<f64>() <= 0.0 {
         return None;
     }

@@ -5,10 +5,11 @@
 
 use crate::DiscoverError;
 use crate::candidate::Candidate;
-use crate::contest::{Contest, TIE, contest};
-use crate::diagnose::{Search, adopted};
+use crate::contest::{Contest, Rival, TIE, contest, rival};
+use crate::diagnose::{Accepted, Search, adopted};
 use crate::scene::Scene;
 use crate::screen::Screen;
+use truepose_errormodel::Visits;
 
 /// Takes each of the first `count` finds out in turn and lets it defend its place; true when something changed.
 pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, DiscoverError> {
@@ -25,14 +26,16 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
             .collect();
         let contest = without(search, at, &others)?;
         let mine = &search.accepted[at].candidate;
-        let Some(best) = contest.rivals.first().filter(|best| best.score < contest.present.deviance) else {
+        let still = contest.rivals.iter().find(|r| r.candidate.same_cause(mine));
+        let first = contest.rivals.first();
+        let worth = |rival: &&Rival| rival.score < contest.present.deviance;
+        let Some(best) = first.filter(worth).or(still.filter(worth)) else {
             // The others explain it.
             search.accepted.remove(at);
             search.refit()?;
             moved = true;
             continue;
         };
-        let still = contest.rivals.iter().find(|r| r.candidate.same_cause(mine));
         // Another cause has to be clearly better; the same cause may change its shape.
         let winner = match still {
             Some(still) if still.score < best.score + TIE => still,
@@ -61,9 +64,19 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
 /// The contest for the place of a find.
 fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
     let held = |scene: &Scene<'_>| {
-        let shortlist = &search.accepted[at].shortlist;
+        let Accepted { candidate, shortlist, .. } = &search.accepted[at];
         let screen = Screen::again(scene, &search.options.without, shortlist, &search.asked);
-        contest(scene, &screen, others)
+        let mut contest = contest(scene, &screen, others)?;
+        // The find as it stands defends its place, and its shape.
+        if let Some(own) = rival(scene, &screen, &Visits::of(scene.data), candidate.clone())? {
+            let same = contest.rivals.iter().position(|r| r.candidate.same_cause(candidate));
+            match same {
+                Some(k) if contest.rivals[k].score < own.score => {}
+                Some(k) => contest.rivals[k] = own,
+                None => contest.rivals.push(own),
+            }
+        }
+        Ok(contest)
     };
     let Search { ground, now, .. } = search;
     // A corrected load is in the data itself.

@@ -268,17 +268,22 @@ impl<'a> Scene<'a> {
         Ok(column)
     }
 
-    /// The sites that a joint's own motion touches, with the share of each, and the joint's value at every station.
-    pub fn motion(&self, joint: JointId) -> Option<(Vec<(usize, f64)>, Vec<f64>)> {
+    /// The sites that a joint's own motion touches, with the share of each.
+    pub fn motion(&self, joint: JointId) -> Option<Vec<(usize, f64)>> {
         let motion = self.chain().joint_motion(joint)?;
-        let coordinate = self.chain().coordinate(joint)?;
         let mut emission = Emission::new();
         emission.along(0, &motion, 1.0);
-        let shares = emission.entries().iter().map(|e| (self.chain().site_index(e.site), e.value)).collect();
-        let values = self.stations.iter().map(|station| station.conditions.joints[coordinate]).collect();
-        Some((shares, values))
+        Some(emission.entries().iter().map(|e| (self.chain().site_index(e.site), e.value)).collect())
+    }
+
+    /// A joint's value at a station.
+    pub fn joint_at(&self, station: usize, joint: JointId) -> Option<f64> {
+        Some(self.stations[station].conditions.joints[self.chain().coordinate(joint)?])
     }
 }
+
+/// (unknown, site, error of the site per expected size of the unknown).
+pub(crate) type Entry = (usize, usize, f64);
 
 /// Effects, asked at every station.
 pub(crate) struct Asked<'s> {
@@ -293,11 +298,11 @@ impl Asked<'_> {
         self.scales.len()
     }
 
-    /// Calls `each(k, entries)` for the k-th of some stations, entries being (unknown, site, error per expected size).
+    /// Calls `each(k, entries)` for the k-th of some stations, with what they say there.
     pub fn each(
         &self,
         stations: impl Iterator<Item = usize>,
-        each: &mut dyn FnMut(usize, &[(usize, usize, f64)]),
+        each: &mut dyn FnMut(usize, &[Entry]),
     ) -> Result<(), DiscoverError> {
         let chain = self.scene.chain();
         let bound = self.model.bind(&self.scene.data.schema)?;
