@@ -147,7 +147,7 @@ fn data(chain: &Chain, seen: &Seen) -> Dataset {
 
 fn numerical(model: &ErrorModel, data: &Dataset) -> Reduction {
     let zero = vec![0.0; model.columns().len()];
-    let factor = factorise(model, data, &Visits::of(data), NoiseModel::default(), &zero).unwrap();
+    let factor = factorise(model, data, &Visits::of(data), NoiseModel::default(), &zero, None).unwrap();
     reduce(model, data, &factor, RankRule::Default, &zero).unwrap()
 }
 

@@ -5,6 +5,7 @@ use crate::contest::{Contest, Rival, contest};
 use crate::diagnosis::{Diagnosis, Refused, Stop, Untestable};
 use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
+use crate::payload::weighed;
 use crate::polish::polished;
 use crate::sample::sample;
 use crate::scene::Scene;
@@ -135,7 +136,7 @@ impl Search<'_> {
         for round in 0.. {
             progress(Progress::Screening(self.accepted.len()));
             let scene = Scene::new(&self.now.fit, &self.now.data)?;
-            let screen = Screen::new(&scene, &self.options.without);
+            let screen = Screen::new(&scene, &self.options.without, &self.now.found);
             self.asked.clone_from(screen.questions());
             if round == 0 {
                 self.untestable = conclude::untestable(&scene, &screen);
@@ -150,7 +151,8 @@ impl Search<'_> {
             } else if self.accepted.len() >= self.options.most || round >= 2 * self.options.most as u64 {
                 stop = Some(Stop::Limit);
             } else {
-                accepted = winner(&scene, &screen, &null, self.options, &mut self.refused)?;
+                let asked = (&scene, &screen, &null);
+                accepted = winner(&self.ground, &self.now, asked, self.options, &mut self.refused)?;
             }
             let Some(accepted) = accepted else {
                 let stop = stop.unwrap_or(Stop::NothingConvincing);
@@ -175,7 +177,10 @@ impl Search<'_> {
             if self.accepted.len() <= FEW {
                 progress(Progress::Reconsidering);
                 // The last one has just won.
-                reconsider::reconsider(self, self.accepted.len() - 1)?;
+                if reconsider::reconsider(self, self.accepted.len() - 1)? {
+                    // It won against others than those that are there now.
+                    reconsider::reconsider(self, self.accepted.len())?;
+                }
             }
         }
         unreachable!("the rounds end with a word")
@@ -211,9 +216,9 @@ impl Search<'_> {
 
 /// The best rival that passes all tests; those that fail are noted and the next one is asked.
 fn winner(
-    scene: &Scene<'_>,
-    screen: &Screen,
-    null: &NullDistribution,
+    ground: &Ground<'_>,
+    now: &Working,
+    (scene, screen, null): (&Scene<'_>, &Screen, &NullDistribution),
     options: &DiscoverOptions,
     refused: &mut Vec<Refused>,
 ) -> Result<Option<Accepted>, DiscoverError> {
@@ -221,7 +226,8 @@ fn winner(
     const TRIES: usize = 4;
     let mut barred: Vec<Candidate> = Vec::new();
     for _ in 0..TRIES {
-        let Contest { present, rivals } = contest(scene, screen, &barred)?;
+        let Contest { present, mut rivals } = contest(scene, screen, &barred)?;
+        weighed(ground, now, &mut rivals)?;
         let Some(best) = rivals.first() else { return Ok(None) };
         let p = (null.p_value(Screen::statistic(best.gain, best.freedom)), parametric(screen, best));
         let evidence = collect(scene, &present, best, p, options.seed)?;

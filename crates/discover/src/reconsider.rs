@@ -65,7 +65,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
 fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
     let held = |scene: &Scene<'_>| {
         let Accepted { candidate, shortlist, .. } = &search.accepted[at];
-        let screen = Screen::again(scene, &search.options.without, shortlist, &search.asked);
+        let screen = Screen::again(scene, &search.options.without, (shortlist, others), &search.asked);
         let mut contest = contest(scene, &screen, others)?;
         // The find as it stands defends its place, and its shape.
         if let Some(own) = rival(scene, &screen, &Visits::of(scene.data), candidate.clone())? {
@@ -86,8 +86,8 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Conte
             return held(&scene);
         }
     }
-    let (data, fit) = ground.glance(others, &now.outliers.suspects)?;
-    held(&Scene::new(&fit, &data)?)
+    let fewer = ground.working(others.to_vec(), &now.outliers.suspects)?;
+    held(&Scene::new(&fewer.fit, &fewer.data)?)
 }
 
 /// Whether both change the model in the same way.

@@ -1,6 +1,6 @@
 //! One pass over all candidates: no refit, everything that the present model explains projected out.
 
-use crate::candidate::Candidate;
+use crate::candidate::{Candidate, Change};
 use crate::flips::{Block, NullDistribution};
 use crate::functions::Functions;
 use crate::library::{self, transmission_at};
@@ -43,10 +43,22 @@ pub(crate) fn price(numbers: usize) -> f64 {
     (numbers.max(2) as f64).ln()
 }
 
+/// Whether a candidate asks for a load that stands in the data because it was corrected.
+fn is_corrected(candidate: &Candidate, found: &[Candidate]) -> bool {
+    /// Masses still move a little while the model is fitted to the data that has them.
+    const SAME: f64 = 1e-3;
+    let Change::CorrectLoad { level, .. } = candidate.change else { return false };
+    found.iter().any(|other| match other.change {
+        Change::CorrectLoad { mass, .. } => (mass - level).abs() <= SAME * level.abs().max(1.0),
+        Change::Add(_) => false,
+    })
+}
+
 impl Screen {
-    /// Of everything but some families.
-    pub fn new(scene: &Scene<'_>, without: &[Family]) -> Self {
-        let all = library::candidates(scene.chain(), scene.data, without);
+    /// Of everything but some families; `found` is in the data and the model already.
+    pub fn new(scene: &Scene<'_>, without: &[Family], found: &[Candidate]) -> Self {
+        let mut all = library::candidates(scene.chain(), scene.data, without);
+        all.retain(|candidate| !is_corrected(candidate, found));
         let mut screen = Screen::of(scene, all, without);
         let judged = screen.candidates.iter().filter(|s| s.score.is_some());
         judged.for_each(|s| *screen.asked.entry(s.candidate.family).or_default() += 1);
@@ -55,15 +67,16 @@ impl Screen {
         screen
     }
 
-    /// Of all causes with a name and of these others, as part of a larger search.
+    /// Of all causes with a name and of a short list of others, as part of a larger search.
     pub fn again(
         scene: &Scene<'_>,
         without: &[Family],
-        others: &[Candidate],
+        (shortlist, found): (&[Candidate], &[Candidate]),
         asked: &BTreeMap<Family, usize>,
     ) -> Self {
         let mut candidates = library::named(scene.chain(), scene.data, without);
-        candidates.extend(others.iter().cloned());
+        candidates.extend(shortlist.iter().cloned());
+        candidates.retain(|candidate| !is_corrected(candidate, found));
         Screen { asked: asked.clone(), ..Screen::of(scene, candidates, without) }
     }
 

@@ -6,6 +6,7 @@ use crate::outliers::{Outliers, outliers};
 use crate::scene::Scene;
 use crate::wide::Wide;
 use crate::{DiscoverError, payload};
+use nalgebra::DMatrix;
 use std::ops::Range;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
 use truepose_identify::{Fit, FitOptions, PriorStrength, fit};
@@ -31,7 +32,7 @@ pub(crate) struct Working {
 }
 
 /// Times that outliers and loads are looked at again.
-const LOOKS: usize = 4;
+const LOOKS: usize = 8;
 
 impl Ground<'_> {
     /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
@@ -55,13 +56,6 @@ impl Ground<'_> {
             }
             out.clone_from(&outliers.suspects);
         }
-    }
-
-    /// As [`Ground::working`], with rows kept out and loads as they are known: for a look, not for a result.
-    pub fn glance(&self, found: &[Candidate], known: &[usize]) -> Result<(Dataset, Fit), DiscoverError> {
-        let data = self.prepared(found, known);
-        let fit = self.fitted(found, &data)?;
-        Ok((data, fit))
     }
 
     /// The effects of the model that belong to the k-th of these finds.
@@ -109,23 +103,31 @@ pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     })
 }
 
-/// Moves corrected loads to where the present model sees them; true when one moved.
+/// Moves corrected loads, all together, to where the present model sees them; true when one moved.
 fn corrected(scene: &Scene<'_>, found: &mut [Candidate]) -> Result<bool, DiscoverError> {
     /// kg, relative to the level.
     const STILL: f64 = 1e-5;
-    let visits = Visits::of(scene.data);
-    let mut moved = false;
+    let mut columns = Vec::new();
+    let mut loads = Vec::new();
     for candidate in found {
         if let Change::CorrectLoad { level, mass, deviation } = &mut candidate.change {
             let column = scene.heavier(*mass)?;
             if column.norm() > 0.0 {
-                let found = Likelihood::new(scene, &column, &visits)?;
-                let next = (*mass + found.coefficients[0]).max(0.0);
-                *deviation = found.deviations[0];
-                moved |= (next - *mass).abs() > STILL * level.abs().max(1.0);
-                *mass = next;
+                columns.push(column.column(0).into_owned());
+                loads.push((level, mass, deviation));
             }
         }
+    }
+    if columns.is_empty() {
+        return Ok(false);
+    }
+    let moves = Likelihood::new(scene, &DMatrix::from_columns(&columns), &Visits::of(scene.data))?;
+    let mut moved = false;
+    for (k, (level, mass, deviation)) in loads.into_iter().enumerate() {
+        let next = (*mass + moves.coefficients[k]).max(0.0);
+        *deviation = moves.deviations[k];
+        moved |= (next - *mass).abs() > STILL * level.abs().max(1.0);
+        *mass = next;
     }
     Ok(moved)
 }
