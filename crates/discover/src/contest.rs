@@ -101,15 +101,18 @@ pub(crate) fn contest(
         .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
         .collect();
     gears.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
-    for &k in gears.iter().take(GEARS) {
-        let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
-        if let Some(candidate) =
-            best.and_then(|best| more_periods(scene, &screen.projection, &best.candidate))
-        {
-            let grown = rival(scene, screen, &visits, candidate)?;
-            found[k].extend(grown);
-        }
-    }
+    gears.truncate(GEARS);
+    let grown: Vec<Option<Rival>> = gears
+        .par_iter()
+        .map(|&k| {
+            let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
+            match best.and_then(|best| more_periods(scene, &screen.projection, &best.candidate)) {
+                Some(candidate) => rival(scene, screen, &visits, candidate),
+                None => Ok(None),
+            }
+        })
+        .collect::<Result<_, _>>()?;
+    gears.iter().zip(grown).for_each(|(&k, grown)| found[k].extend(grown));
     let mut rivals = Vec::new();
     for mut part in found {
         // The best shape of each cause.

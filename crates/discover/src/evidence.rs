@@ -13,6 +13,7 @@ use crate::scene::Scene;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::configurations;
 use truepose_identify::{Folds, NoiseModel, Split};
@@ -169,23 +170,30 @@ fn halves(scene: &Scene<'_>, rival: &Rival, seed: u64) -> Result<(f64, f64), Dis
     let count = configuration.iter().max().map_or(0, |last| last + 1);
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x4a1f);
     let k = rival.columns.ncols();
-    let (mut there, mut agree) = (0, 0);
-    for _ in 0..HALVES {
-        let mut order: Vec<usize> = (0..count).collect();
-        order.shuffle(&mut random);
-        let first: std::collections::HashSet<usize> = order[..count / 2].iter().copied().collect();
-        let mine: Vec<bool> = configuration.iter().map(|c| first.contains(c)).collect();
-        let others: Vec<bool> = mine.iter().map(|m| !m).collect();
-        let (a, ca) = rival.likelihood.on_visits(scene, &mine, k)?;
-        let (b, cb) = rival.likelihood.on_visits(scene, &others, k)?;
-        let size = |value: &nalgebra::DVector<f64>, covariance: nalgebra::DMatrix<f64>| {
-            covariance.cholesky().map_or(0.0, |c| value.dot(&c.solve(value)))
-        };
-        let freedom = rival.freedom as f64;
-        let enough = freedom + 1.5 * (2.0 * freedom).sqrt();
-        let difference = size(&(&a - &b), &ca + &cb);
-        there += usize::from(size(&a, ca) > enough) + usize::from(size(&b, cb) > enough);
-        agree += usize::from(difference < freedom + 3.0 * (2.0 * freedom).sqrt());
-    }
+    let halves: Vec<Vec<bool>> = (0..HALVES)
+        .map(|_| {
+            let mut order: Vec<usize> = (0..count).collect();
+            order.shuffle(&mut random);
+            let first: std::collections::HashSet<usize> = order[..count / 2].iter().copied().collect();
+            configuration.iter().map(|c| first.contains(c)).collect()
+        })
+        .collect();
+    let size = |value: &nalgebra::DVector<f64>, covariance: nalgebra::DMatrix<f64>| {
+        covariance.cholesky().map_or(0.0, |c| value.dot(&c.solve(value)))
+    };
+    let freedom = rival.freedom as f64;
+    let enough = freedom + 1.5 * (2.0 * freedom).sqrt();
+    let judged: Vec<(usize, usize)> = halves
+        .par_iter()
+        .map(|mine| -> Result<(usize, usize), DiscoverError> {
+            let others: Vec<bool> = mine.iter().map(|m| !m).collect();
+            let (a, ca) = rival.likelihood.on_visits(scene, mine, k)?;
+            let (b, cb) = rival.likelihood.on_visits(scene, &others, k)?;
+            let difference = size(&(&a - &b), &ca + &cb);
+            let there = usize::from(size(&a, ca) > enough) + usize::from(size(&b, cb) > enough);
+            Ok((there, usize::from(difference < freedom + 3.0 * (2.0 * freedom).sqrt())))
+        })
+        .collect::<Result<_, _>>()?;
+    let (there, agree) = judged.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
     Ok((there as f64 / (2 * HALVES) as f64, agree as f64 / HALVES as f64))
 }

@@ -9,6 +9,7 @@ use crate::projection::Projection;
 use crate::scene::Scene;
 use crate::shape::{has_shape, refined};
 use crate::working::{Ground, Working};
+use rayon::prelude::*;
 
 /// Times that the shapes of a find with several effects are gone through: each moves the others a little.
 const SWEEPS: usize = 2;
@@ -33,24 +34,26 @@ pub(crate) fn polished(
     let present = Projection::new(&scene);
     let mut gained = false;
     for _ in 0..if parts.len() > 1 { SWEEPS } else { 1 } {
-        for k in 0..parts.len() {
-            if !has_shape(&parts[k]) {
-                continue;
-            }
-            let others: Vec<_> = parts
-                .iter()
-                .enumerate()
-                .filter(|(l, _)| *l != k)
-                .flat_map(|(_, p)| p.effects().to_vec())
-                .collect();
-            let with = if others.is_empty() { None } else { present.with(&scene.columns(&others)?) };
-            let projection = with.as_ref().unwrap_or(&present);
-            let gain = |candidate: &Candidate| {
-                projection.judge(&scene, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
-            };
-            let better = refined(&scene, projection, &parts[k]);
-            if gain(&better) > gain(&parts[k]) {
-                parts[k].change = better.change;
+        let better: Vec<Option<Candidate>> = (0..parts.len())
+            .into_par_iter()
+            .map(|k| -> Result<Option<Candidate>, DiscoverError> {
+                if !has_shape(&parts[k]) {
+                    return Ok(None);
+                }
+                let others: Vec<_> =
+                    (0..parts.len()).filter(|&l| l != k).flat_map(|l| parts[l].effects().to_vec()).collect();
+                let with = if others.is_empty() { None } else { present.with(&scene.columns(&others)?) };
+                let projection = with.as_ref().unwrap_or(&present);
+                let gain = |candidate: &Candidate| {
+                    projection.judge(&scene, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
+                };
+                let better = refined(&scene, projection, &parts[k]);
+                Ok((gain(&better) > gain(&parts[k])).then_some(better))
+            })
+            .collect::<Result<_, _>>()?;
+        for (part, better) in parts.iter_mut().zip(better) {
+            if let Some(better) = better {
+                part.change = better.change;
                 gained = true;
             }
         }
