@@ -51,11 +51,13 @@ pub(crate) struct Contest {
     pub rivals: Vec<Rival>,
 }
 
-/// Holds the contest between the best causes of a screen, leaving out those that are barred.
+/// Holds the contest between the best causes of a screen, leaving out those that are barred. The most promising gears may grow further
+/// periods, where a new cause is looked for.
 pub(crate) fn contest(
     scene: &Scene<'_>,
     screen: &Screen,
     barred: &[Candidate],
+    gears_grow: bool,
 ) -> Result<Contest, DiscoverError> {
     let visits = Visits::of(scene.data);
     let present = Likelihood::new(scene, &DMatrix::zeros(scene.len(), 0), &visits)?;
@@ -101,7 +103,7 @@ pub(crate) fn contest(
         .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
         .collect();
     gears.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
-    gears.truncate(GEARS);
+    gears.truncate(if gears_grow { GEARS } else { 0 });
     let grown: Vec<Option<Rival>> = gears
         .par_iter()
         .map(|&k| {

@@ -226,7 +226,7 @@ fn winner(
     const TRIES: usize = 4;
     let mut barred: Vec<Candidate> = Vec::new();
     for _ in 0..TRIES {
-        let Contest { present, mut rivals } = contest(scene, screen, &barred)?;
+        let Contest { present, mut rivals } = contest(scene, screen, &barred, true)?;
         weighed(ground, now, &mut rivals)?;
         let Some(best) = rivals.first() else { return Ok(None) };
         let p = (null.p_value(Screen::statistic(best.gain, best.freedom)), parametric(screen, best));

@@ -66,7 +66,7 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Conte
     let held = |scene: &Scene<'_>| {
         let Accepted { candidate, shortlist, .. } = &search.accepted[at];
         let screen = Screen::again(scene, &search.options.without, (shortlist, others), &search.asked);
-        let mut contest = contest(scene, &screen, others)?;
+        let mut contest = contest(scene, &screen, others, false)?;
         // The find as it stands defends its place, and its shape.
         if let Some(own) = rival(scene, &screen, &Visits::of(scene.data), candidate.clone())? {
             let same = contest.rivals.iter().position(|r| r.candidate.same_cause(candidate));
