@@ -176,7 +176,10 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         return;
     }
     if let Some(trace) = found.findings.get(number - 1).and_then(|f| f.trace.as_ref()) {
-        let drawn = trace_figure(trace, &effect.words(), effect.period);
+        // Laid on top of each other, waves that do not repeat together would be a cloud.
+        let alone =
+            |p: &f64| effect.periods.iter().all(|q| (p / q - (p / q).round()).abs() < 0.01 && p / q > 0.5);
+        let drawn = trace_figure(trace, &effect.words(), effect.period.filter(alone));
         let legend = if trace.classes.is_empty() {
             "Marks with bars: means with their 95 % intervals.".to_owned()
         } else {
