@@ -32,7 +32,8 @@ pub(crate) struct Working {
 }
 
 /// Times that outliers and loads are looked at again.
-const LOOKS: usize = 8;
+const LOOKS: usize = 4;
+const LOOKS_AT_LOADS: usize = 8;
 
 impl Ground<'_> {
     /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
@@ -51,7 +52,10 @@ impl Ground<'_> {
             let residual = &judged.y - &judged.base * judged.coefficients();
             let outliers = outliers(&judged, residual.as_slice(), fit.noise);
             looks += 1;
-            if (outliers.suspects == out && !moved) || looks > LOOKS {
+            // Of thousands of rows one or the other always stands on the threshold.
+            let settled = differing(&outliers.suspects, &out) <= whole.len() / 2000;
+            let most = if moved { LOOKS_AT_LOADS } else { LOOKS };
+            if (settled && !moved) || looks > most {
                 return Ok(Working { found, outliers, data, fit });
             }
             out.clone_from(&outliers.suspects);
@@ -93,6 +97,12 @@ impl Ground<'_> {
         }
         data
     }
+}
+
+/// How many rows are in one of two ascending lists and not in the other.
+fn differing(a: &[usize], b: &[usize]) -> usize {
+    let only = |a: &[usize], b: &[usize]| a.iter().filter(|&row| b.binary_search(row).is_err()).count();
+    only(a, b) + only(b, a)
 }
 
 /// The data with loads as they were found.
