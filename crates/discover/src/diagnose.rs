@@ -133,12 +133,14 @@ impl Search<'_> {
         /// With more finds than this they are looked at again only at the end.
         const FEW: usize = 4;
         let mut settled = false;
-        for round in 0.. {
+        let mut rounds = 0;
+        loop {
+            rounds += 1;
             progress(Progress::Screening(self.accepted.len()));
             let scene = Scene::new(&self.now.fit, &self.now.data)?;
             let screen = Screen::new(&scene, &self.options.without, &self.now.found);
             self.asked.clone_from(screen.questions());
-            if round == 0 {
+            if rounds == 1 {
                 self.untestable = conclude::untestable(&scene, &screen);
             }
             let null = screen.null(self.options.flips, self.options.seed);
@@ -148,7 +150,7 @@ impl Search<'_> {
             let mut accepted = None;
             if p_value > self.options.alpha {
                 stop = Some(Stop::NothingLeft);
-            } else if self.accepted.len() >= self.options.most || round >= 2 * self.options.most as u64 {
+            } else if self.accepted.len() >= self.options.most || rounds > 2 * self.options.most {
                 stop = Some(Stop::Limit);
             } else {
                 let asked = (&scene, &screen, &null);
@@ -183,7 +185,6 @@ impl Search<'_> {
                 }
             }
         }
-        unreachable!("the rounds end with a word")
     }
 
     /// Takes a find in; more of a cause that is known (further periods of one gear) goes to the find that it belongs to. Returns the

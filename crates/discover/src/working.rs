@@ -31,7 +31,7 @@ pub(crate) struct Working {
     pub fit: Fit,
 }
 
-/// Times that outliers and loads are looked at again.
+/// Times that outliers are looked at again, and loads: their masses move with the stiffnesses that carry them.
 const LOOKS: usize = 4;
 const LOOKS_AT_LOADS: usize = 8;
 
