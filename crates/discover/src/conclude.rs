@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection};
 use truepose_identify::{
-    Fit, FitOptions, NoiseSource, Placement, Residuals, refit, repeats, student_quantile,
+    Fit, FitOptions, NoiseSource, Placement, Residuals, fit_again, repeats, student_quantile,
 };
 
 /// The data as a whole, and what was known before the loop.
@@ -60,8 +60,7 @@ pub(crate) fn conclude(
         data.orientation[row] = None;
     }
     let frozen = FitOptions { noise: NoiseSource::Fixed(now.fit.noise), ..ground.fit.clone() };
-    let mut fit =
-        refit(now.fit.fitted.model(), &data, ground.solver, &frozen, &now.fit.reduction, &now.fit.prior)?;
+    let mut fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
 
     fit.fitted.loads = found
         .iter()
@@ -200,7 +199,8 @@ fn alternatives(
 
 /// Rows that no repeatable effect explains, as a find: `rms` with them and without, m.
 fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
-    let gain = Gain { before: rms.0, after: rms.1, t: 0.0, won: 1.0 - rms.1 / rms.0.max(f64::MIN_POSITIVE) };
+    let won = 1.0 - rms.1 / rms.0.max(f64::MIN_POSITIVE);
+    let gain = Gain { before: rms.0, after: rms.1, t: 0.0, won, middle: won };
     Finding {
         candidate: Candidate {
             family: Family::Outlier,

@@ -160,7 +160,7 @@ fn plausible(rival: &Rival) -> bool {
     if !rival.candidate.family.is_compliance() {
         return true;
     }
-    let (value, deviation) = (rival.likelihood.coefficients[0], rival.likelihood.deviations[0]);
+    let (value, deviation) = (rival.likelihood.coefficients[0], rival.likelihood.deviation(0));
     value > -2.0 * deviation
 }
 

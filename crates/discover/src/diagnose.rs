@@ -105,8 +105,9 @@ pub(crate) fn on_split(
     if part.len() < train.len() {
         // What was found in a part of the data is fitted to all of it.
         search.ground.data = &train;
-        search.now.outliers.suspects.clear();
-        search.refit()?;
+        let found = search.now.found.clone();
+        let working = search.ground.working_from(found, &[], Some(&search.now.fit))?;
+        search.stand_on(working);
     }
     let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
     conclude::conclude(search, whole, stopped, last)
@@ -206,12 +207,17 @@ impl Search<'_> {
     pub fn refit(&mut self) -> Result<(), DiscoverError> {
         let found: Vec<Candidate> = self.accepted.iter().map(|a| a.candidate.clone()).collect();
         let working = self.ground.working(found, &self.now.outliers.suspects)?;
+        self.stand_on(working);
+        Ok(())
+    }
+
+    /// Goes on from this model.
+    fn stand_on(&mut self, working: Working) {
         // Loads move while the model is fitted.
         for (accepted, found) in self.accepted.iter_mut().zip(&working.found) {
             accepted.candidate = found.clone();
         }
         self.now = working;
-        Ok(())
     }
 }
 
@@ -259,9 +265,7 @@ fn winner(
 /// The candidate with what the contest found out about its change.
 pub(crate) fn adopted(rival: &Rival) -> Candidate {
     let mut candidate = rival.candidate.clone();
-    let sizes = &rival.likelihood.coefficients;
-    let typical = (sizes.norm_squared() / sizes.len().max(1) as f64).sqrt();
-    candidate.width = Some(2.0 * typical.max(1e-3));
+    candidate.width = Some(2.0 * rival.likelihood.width().max(1e-3));
     if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
     }

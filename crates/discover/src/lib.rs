@@ -16,6 +16,7 @@ mod likelihood;
 mod linear;
 mod look_ahead;
 mod nested;
+mod normal;
 mod options;
 mod outliers;
 mod payload;

@@ -34,15 +34,14 @@ pub(crate) struct Likelihood {
     pub noise: NoiseModel,
     /// γ, in expected sizes.
     pub coefficients: DVector<f64>,
-    /// Standard deviations of γ.
-    pub deviations: DVector<f64>,
-    /// Raw [A | X | y].
-    columns: DMatrix<f64>,
+    /// Covariance of γ.
+    pub covariance: DMatrix<f64>,
+    /// Raw X, m × k.
+    extra: DMatrix<f64>,
     /// Precision that the priors add.
     prior: DMatrix<f64>,
-    whitener: Whitener,
-    /// The same, whitened, once it is asked for.
-    white: OnceLock<DMatrix<f64>>,
+    /// Raw and whitened [A | X | y], once they are asked for.
+    rows: OnceLock<(DMatrix<f64>, DMatrix<f64>)>,
 }
 
 /// [A | X | y], raw.
@@ -58,9 +57,8 @@ fn joined(scene: &Scene<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
 impl Likelihood {
     /// Of the present model with these raw columns added (m × k; k may be zero).
     pub fn new(scene: &Scene<'_>, extra: &DMatrix<f64>, visits: &Visits) -> Result<Self, DiscoverError> {
-        let columns = joined(scene, extra);
-        let n = columns.ncols() - 1;
         let (r, k) = (scene.base.ncols(), extra.ncols());
+        let n = r + k;
         let mut prior = DMatrix::zeros(n, n);
         if let Some(rows) = &scene.prior {
             prior.view_mut((0, 0), (r, r)).copy_from(&cross(rows, rows));
@@ -68,15 +66,22 @@ impl Likelihood {
         for at in r..n {
             prior[(at, at)] = 1.0 / (WIDE * WIDE);
         }
+        let known = scene.normal().map(|normal| (normal, normal.beside(extra)));
+        let gram = |noise: NoiseModel| match &known {
+            Some((normal, beside)) => normal.gram(noise, beside),
+            None => {
+                let whitener = Whitener::new(scene, noise);
+                let white = whitener.of(&joined(scene, extra));
+                (cross(&white, &white), whitener.log_determinant())
+            }
+        };
         let freedom = (1.0 - n as f64 / scene.len().max(1) as f64).max(0.02);
         let mut noise = scene.noise;
         let mut looks = 0;
         loop {
-            let whitener = Whitener::new(scene, noise);
-            let white = whitener.of(&columns);
-            let gram = cross(&white, &white);
+            let (gram, log_determinant) = gram(noise);
             let (solution, factor) = solved(&gram, &prior)?;
-            let residual = columns.column(n) - columns.columns(0, n) * &solution;
+            let residual = &scene.y - &scene.base * solution.rows(0, r) - extra * solution.rows(r, k);
             let again = estimate_noise(scene.data, visits, &as_residuals(scene, &residual), freedom);
             looks += 1;
             if looks < LOOKS && !near(&noise, &again) {
@@ -86,29 +91,56 @@ impl Likelihood {
             let squares = gram[(n, n)] - 2.0 * gram.view((0, n), (n, 1)).dot(&solution)
                 + (gram.view((0, 0), (n, n)) * &solution).dot(&solution);
             let penalty = (&prior * &solution).dot(&solution);
-            let inverse = factor.inverse();
-            let deviations = DVector::from_fn(k, |j, _| inverse[(r + j, r + j)].max(0.0).sqrt());
             return Ok(Likelihood {
-                deviance: whitener.log_determinant() + squares.max(0.0) + penalty,
+                deviance: log_determinant + squares.max(0.0) + penalty,
                 noise,
                 coefficients: solution.rows(r, k).into_owned(),
-                deviations,
-                columns,
+                covariance: factor.covariance(r),
+                extra: extra.clone(),
                 prior,
-                whitener,
-                white: OnceLock::new(),
+                rows: OnceLock::new(),
             });
         }
     }
 
-    fn white(&self) -> &DMatrix<f64> {
-        self.white.get_or_init(|| self.whitener.of(&self.columns))
+    /// Standard deviation of one of γ.
+    pub fn deviation(&self, at: usize) -> f64 {
+        self.covariance[(at, at)].max(0.0).sqrt()
+    }
+
+    /// The width of the law from which γ look drawn, in expected sizes: the most likely w of `γ ~ N(0, w² I)` (by expectation and
+    /// maximisation), which what the data leaves open does not blow up.
+    pub fn width(&self) -> f64 {
+        const ROUNDS: usize = 50;
+        let k = self.coefficients.len();
+        let mut square = self.coefficients.norm_squared() / k.max(1) as f64;
+        let Some(precision) = self.covariance.clone().cholesky().map(|c| c.inverse()) else {
+            return square.sqrt();
+        };
+        let right = &precision * &self.coefficients;
+        // What the wide prior added.
+        let data = precision - DMatrix::identity(k, k) / (WIDE * WIDE);
+        for _ in 0..ROUNDS {
+            let joined = &data + DMatrix::identity(k, k) / square.max(f64::MIN_POSITIVE);
+            let Some(covariance) = joined.cholesky().map(|c| c.inverse()) else { break };
+            square = ((&covariance * &right).norm_squared() + covariance.trace()) / k.max(1) as f64;
+        }
+        square.sqrt()
+    }
+
+    /// [A | X | y], raw and whitened.
+    fn rows(&self, scene: &Scene<'_>) -> &(DMatrix<f64>, DMatrix<f64>) {
+        self.rows.get_or_init(|| {
+            let raw = joined(scene, &self.extra);
+            let white = Whitener::new(scene, self.noise).of(&raw);
+            (raw, white)
+        })
     }
 
     /// Residuals of every measured number by a fit that did not see its fold, m or rad.
     pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds) -> Result<Vec<f64>, DiscoverError> {
-        let n = self.columns.ncols() - 1;
-        let white = self.white();
+        let (raw, white) = self.rows(scene);
+        let n = raw.ncols() - 1;
         let mut by_fold = vec![Vec::new(); folds.count];
         for (at, o) in scene.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
@@ -119,7 +151,7 @@ impl Likelihood {
             let part = white.select_rows(members);
             let (solution, _) = solved(&(&whole - cross(&part, &part)), &self.prior)?;
             for &at in members {
-                let row = self.columns.row(at);
+                let row = raw.row(at);
                 let predicted: f64 = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).sum();
                 residual[at] = row[n] - predicted;
             }
@@ -136,12 +168,10 @@ impl Likelihood {
     ) -> Result<(DVector<f64>, DMatrix<f64>), DiscoverError> {
         let members: Vec<usize> =
             (0..scene.len()).filter(|&at| visits[scene.observations[at].visit]).collect();
-        let white = self.white().select_rows(&members);
+        let white = self.rows(scene).1.select_rows(&members);
         let (solution, factor) = solved(&cross(&white, &white), &self.prior)?;
-        let first = self.columns.ncols() - 1 - unknowns;
-        let inverse = factor.inverse();
-        let covariance = inverse.view((first, first), (unknowns, unknowns)).into_owned();
-        Ok((solution.rows(first, unknowns).into_owned(), covariance))
+        let first = white.ncols() - 1 - unknowns;
+        Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
     }
 }
 
@@ -217,14 +247,20 @@ pub(crate) struct Scaled {
 }
 
 impl Scaled {
-    fn inverse(&self) -> DMatrix<f64> {
-        let mut inverse = self.factor.inverse();
-        for i in 0..self.scale.len() {
-            for j in 0..self.scale.len() {
-                inverse[(i, j)] *= self.scale[i] * self.scale[j];
+    /// The covariance of the unknowns from this one on.
+    fn covariance(&self, first: usize) -> DMatrix<f64> {
+        let n = self.scale.len();
+        // Of L⁻¹ e only what is below e is not zero.
+        let mut half = DMatrix::identity(n - first, n - first);
+        let lower = self.factor.l_dirty();
+        lower.view((first, first), (n - first, n - first)).solve_lower_triangular_mut(&mut half);
+        let mut covariance = cross(&half, &half);
+        for i in 0..n - first {
+            for j in 0..n - first {
+                covariance[(i, j)] *= self.scale[first + i] * self.scale[first + j];
             }
         }
-        inverse
+        covariance
     }
 }
 

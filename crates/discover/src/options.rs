@@ -23,6 +23,9 @@ pub struct DiscoverOptions {
     pub fit: FitOptions,
 }
 
+/// A search does not wait for the last digits of a curved valley: share of the objective below which a round gains nothing.
+const FLAT: f64 = 1e-4;
+
 impl Default for DiscoverOptions {
     fn default() -> Self {
         DiscoverOptions {
@@ -32,7 +35,7 @@ impl Default for DiscoverOptions {
             alpha: 0.002,
             most: 24,
             without: Vec::new(),
-            fit: FitOptions::default(),
+            fit: FitOptions { flat: FLAT, ..FitOptions::default() },
         }
     }
 }

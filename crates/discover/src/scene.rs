@@ -13,8 +13,10 @@
 
 use crate::DiscoverError;
 use crate::likelihood::Likelihood;
+use crate::normal::Normal;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use std::sync::OnceLock;
 use truepose_errormodel::{
     AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, Rest, Visits,
 };
@@ -47,6 +49,8 @@ pub(crate) struct Scene<'a> {
     sites: Vec<f64>,
     site_count: usize,
     stations: Vec<Station>,
+    /// Sums over the numbers, once they are asked for.
+    normal: OnceLock<Option<Normal>>,
 }
 
 /// Where the robot stood while some targets of one visit were measured: everything that an effect can depend on.
@@ -86,6 +90,7 @@ impl<'a> Scene<'a> {
             sites: Vec::new(),
             site_count,
             stations: Vec::new(),
+            normal: OnceLock::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Rest::new(model);
@@ -152,6 +157,11 @@ impl<'a> Scene<'a> {
         Ok(scene)
     }
 
+    /// The normal equations of `[A | y]`; none where noise has to be taken number by number.
+    pub fn normal(&self) -> Option<&Normal> {
+        self.normal.get_or_init(|| Normal::of(self)).as_ref()
+    }
+
     /// How many numbers were measured.
     pub fn len(&self) -> usize {
         self.observations.len()
@@ -189,6 +199,7 @@ impl<'a> Scene<'a> {
         self.base = self.base.remove_columns_at(&out);
         self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
         self.muted = muted;
+        self.normal = OnceLock::new();
         let nothing = DMatrix::zeros(self.len(), 0);
         self.noise = Likelihood::new(&self, &nothing, &Visits::of(self.data))?.noise;
         Ok(Some(self))

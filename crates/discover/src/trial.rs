@@ -7,7 +7,7 @@ use crate::conclude::Whole;
 use crate::linear::Linear;
 use crate::scene::Scene;
 use crate::working::{Ground, Working, with_loads};
-use truepose_identify::Residuals;
+use truepose_identify::{FitOptions, NoiseSource, Residuals};
 
 /// (training, held out) 3-D RMS, m.
 type Rms = (f64, f64);
@@ -71,10 +71,14 @@ impl<'a> Trial<'a> {
         without: std::ops::Range<usize>,
         with: Option<&Candidate>,
     ) -> Result<Rms, DiscoverError> {
+        /// Enough for the tenths of a percent of an RMS.
+        const ROUNDS: usize = 6;
+        let noise = NoiseSource::Fixed(self.now.fit.noise);
+        let options = FitOptions { noise, max_rounds: ROUNDS, ..self.ground.fit.clone() };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
         let data = self.ground.prepared(&found, &self.now.outliers.suspects);
-        let fit = self.ground.fitted(&found, &data)?;
+        let fit = self.ground.fitted_by(&found, &data, &options)?;
         let rms = |rows: &[usize]| -> Result<f64, DiscoverError> {
             let part = with_loads(&self.whole.data.select(rows), &found);
             Ok(Residuals::of(&fit.fitted, &part)?.positions().rms)

@@ -7,9 +7,10 @@ use crate::scene::Scene;
 use crate::wide::Wide;
 use crate::{DiscoverError, payload};
 use nalgebra::DMatrix;
+use std::borrow::Cow;
 use std::ops::Range;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
-use truepose_identify::{Fit, FitOptions, PriorStrength, fit};
+use truepose_identify::{Fit, FitOptions, PriorStrength, fit, fit_again};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -38,12 +39,26 @@ const LOOKS_AT_LOADS: usize = 8;
 impl Ground<'_> {
     /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
     pub fn working(&self, found: Vec<Candidate>, known: &[usize]) -> Result<Working, DiscoverError> {
+        self.working_from(found, known, None)
+    }
+
+    /// As [`Self::working`], from the fit of the same model to other data.
+    pub fn working_from(
+        &self,
+        found: Vec<Candidate>,
+        known: &[usize],
+        start: Option<&Fit>,
+    ) -> Result<Working, DiscoverError> {
         let mut found = found;
         let mut out = known.to_vec();
         let mut looks = 0;
+        let mut last = start.map(Cow::Borrowed);
         loop {
             let data = self.prepared(&found, &out);
-            let fit = self.fitted(&found, &data)?;
+            let fit = match &last {
+                None => self.fitted(&found, &data)?,
+                Some(last) => fit_again(last, &data, self.solver, &self.fit)?,
+            };
             let scene = Scene::new(&fit, &data)?;
             let moved = corrected(&scene, &mut found)?;
             // Every row is judged, those that are kept out as well.
@@ -59,6 +74,7 @@ impl Ground<'_> {
                 return Ok(Working { found, outliers, data, fit });
             }
             out.clone_from(&outliers.suspects);
+            last = Some(Cow::Owned(fit));
         }
     }
 
@@ -71,6 +87,16 @@ impl Ground<'_> {
 
     /// The fit of the declared model with these finds.
     pub fn fitted(&self, found: &[Candidate], data: &Dataset) -> Result<Fit, DiscoverError> {
+        self.fitted_by(found, data, &self.fit)
+    }
+
+    /// As [`Self::fitted`], in another way.
+    pub fn fitted_by(
+        &self,
+        found: &[Candidate],
+        data: &Dataset,
+        options: &FitOptions,
+    ) -> Result<Fit, DiscoverError> {
         let mut effects = self.declared.to_vec();
         let kappa = match self.fit.prior {
             PriorStrength::Fixed(kappa) => kappa,
@@ -85,7 +111,7 @@ impl Ground<'_> {
             }
         }
         let model = ErrorModel::new(self.chain.clone(), effects)?;
-        Ok(fit(&model, data, self.solver, &self.fit)?)
+        Ok(fit(&model, data, self.solver, options)?)
     }
 
     /// The data with loads as they were found and without these rows.
@@ -135,7 +161,7 @@ fn corrected(scene: &Scene<'_>, found: &mut [Candidate]) -> Result<bool, Discove
     let mut moved = false;
     for (k, (level, mass, deviation)) in loads.into_iter().enumerate() {
         let next = (*mass + moves.coefficients[k]).max(0.0);
-        *deviation = moves.deviations[k];
+        *deviation = moves.deviation(k);
         moved |= (next - *mass).abs() > STILL * level.abs().max(1.0);
         *mass = next;
     }

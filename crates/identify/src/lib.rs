@@ -24,7 +24,7 @@ pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, excitation};
-pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, refit, student_quantile};
+pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, fit_again, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
 pub use linearise::{Block, Lineariser, Rows, accumulate, collect, factorise};

@@ -93,6 +93,15 @@ impl Prior {
         (&self.unit * DVector::from_column_slice(grouped)).norm_squared() / (self.kappa * self.kappa)
     }
 
+    /// The most likely grouped errors when coarser groups `G β` have these values: `Σ Gᵀ (G Σ Gᵀ)⁻¹ values`; none where those
+    /// groups are not independent.
+    pub(crate) fn shared_out(&self, groups: &DMatrix<f64>, values: &[f64]) -> Option<DVector<f64>> {
+        let spread = groups * &self.spread;
+        let covariance = &spread * spread.transpose();
+        let pulled = covariance.cholesky()?.solve(&DVector::from_column_slice(values));
+        Some(&self.spread * spread.tr_mul(&pulled))
+    }
+
     /// The factor with the prior's rows, given that its unknowns are `β − at` (zero for absolute ones).
     ///
     /// # Errors

@@ -38,6 +38,9 @@ pub struct FitOptions {
     pub refine: bool,
     /// Rounds at most.
     pub max_rounds: usize,
+    /// Three rounds in turn that gain less than this share of the objective end the fit, however far they still go: the floor of a
+    /// flat valley.
+    pub flat: f64,
     /// How ranks are decided.
     pub rank: RankRule,
     /// How strongly coefficients are held to their expected sizes.
@@ -62,6 +65,7 @@ impl Default for FitOptions {
         FitOptions {
             refine: true,
             max_rounds: 500,
+            flat: 1e-6,
             rank: RankRule::Default,
             prior: PriorStrength::Evidence,
             noise: NoiseSource::Estimate,
@@ -81,6 +85,13 @@ impl FitOptions {
             && !(kappa.is_finite() && kappa > 0.0)
         {
             return Err(IdentifyError::Option { option: "prior", value: kappa, expected: "above 0" });
+        }
+        if !(self.flat >= 0.0 && self.flat < 1.0) {
+            return Err(IdentifyError::Option {
+                option: "flat",
+                value: self.flat,
+                expected: "from 0 to below 1",
+            });
         }
         if self.max_rounds == 0 {
             return Err(IdentifyError::Option { option: "max_rounds", value: 0.0, expected: "at least 1" });
@@ -236,11 +247,12 @@ pub(crate) fn fit_fixed(
     if options.refine
         && let Some(more) = state.looked_at_again(&reduction, &outcome)?
     {
-        reduction = more;
         // The same width as before, until the data is asked again.
         let kappa = state.prior.kappa;
-        state.prior = Prior::new(model, &reduction, options.prior);
+        state.prior = Prior::new(model, &more, options.prior);
         state.prior.kappa = kappa;
+        state.share_out(&reduction, &more);
+        reduction = more;
         let factor = state.linearise(Some(&reduction.kept))?;
         outcome = state.rounds(&reduction, factor)?;
     }
@@ -260,11 +272,38 @@ pub fn refit(
     reduction: &Reduction,
     prior: &Prior,
 ) -> Result<Fit, IdentifyError> {
+    refit_from(model, data, solver, options, (reduction, prior, None))
+}
+
+/// Fits the model of a fit to other data of the same robot: with its reduction and its prior, from where it ended.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_again(
+    known: &Fit,
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &FitOptions,
+) -> Result<Fit, IdentifyError> {
+    let start = known.fitted.coefficients();
+    refit_from(known.fitted.model(), data, solver, options, (&known.reduction, &known.prior, Some(start)))
+}
+
+fn refit_from(
+    model: &ErrorModel,
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &FitOptions,
+    (reduction, prior, start): (&Reduction, &Prior, Option<&[f64]>),
+) -> Result<Fit, IdentifyError> {
     let data = &*data.derived_for(model)?;
     let visits = Visits::of(data);
     let mut state = State::new(model, data, &visits, solver, options)?;
     state.prior = prior.clone();
     state.options.prior = PriorStrength::Fixed(prior.kappa);
+    if let Some(start) = start {
+        state.coefficients.copy_from_slice(start);
+    }
     let factor = state.linearise(Some(&reduction.kept))?;
     let outcome = state.rounds(reduction, factor)?;
     state.finish(reduction.clone(), outcome)

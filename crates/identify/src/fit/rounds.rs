@@ -7,7 +7,7 @@ use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Dataset, Domain, ErrorModel, FittedModel, Noise, Visits};
 use truepose_solvers::accumulator::Factor;
-use truepose_solvers::{Bounds, ColumnScale, LeastSquares, Need, Solution, Solver};
+use truepose_solvers::{Bounds, ColumnScale, LeastSquares, Need, Solution, SolveError, Solver};
 
 /// Everything that a fit has while it runs.
 pub(super) struct State<'a> {
@@ -82,7 +82,7 @@ impl<'a> State<'a> {
         const NEAR: f64 = 1e-4;
         const MOST_LOOKS: usize = 15;
         const FIRST_DAMPING: f64 = 1e-4;
-        const FLAT: f64 = 1e-6;
+        const WORSE: f64 = 1e-6;
         const MOST_FLAT: usize = 3;
         const MOST_UNGUARDED: usize = 20;
         // A penalty that only the solver knows, or weights that it changes, make no objective to hold steps against.
@@ -115,12 +115,21 @@ impl<'a> State<'a> {
                 let (residuals, squares) = self.misfit()?;
                 (Some(residuals), None, squares)
             } else {
-                let next = self.linearise(Some(&reduction.kept))?;
-                let squares = squares_of(&next);
-                (None, Some(next), squares)
+                match self.linearise(Some(&reduction.kept)) {
+                    Ok(next) => {
+                        let squares = squares_of(&next);
+                        (None, Some(next), squares)
+                    }
+                    // Beyond all numbers, not merely too far.
+                    Err(IdentifyError::Solve(SolveError::NotFinite { .. })) if guarded => {
+                        (None, None, f64::INFINITY)
+                    }
+                    Err(error) => return Err(error),
+                }
             };
+            let squares = if squares.is_nan() { f64::INFINITY } else { squares };
             let after = squares + self.penalty(reduction);
-            if guarded && moved > STILL && after > before * (1.0 + FLAT) && rounds < limit {
+            if guarded && moved > STILL && after > before * (1.0 + WORSE) && rounds < limit {
                 // Too far for the linear picture: the same point again, with a shorter step. Weights follow the posture
                 // from round to round only, so that the last steps may lose a trifle.
                 self.coefficients = start;
@@ -129,7 +138,7 @@ impl<'a> State<'a> {
             }
             damping = if damping > FIRST_DAMPING { 0.2 * damping } else { 0.0 };
             // In a flat valley steps stay long while nothing is gained any more: that is the end, too.
-            flat = if guarded && before - after < FLAT * before { flat + 1 } else { 0 };
+            flat = if guarded && before - after < self.options.flat * before { flat + 1 } else { 0 };
             if flat >= MOST_FLAT {
                 moved = 0.0;
             }
@@ -191,6 +200,22 @@ impl<'a> State<'a> {
             return Ok(None);
         }
         Ok(Some(more))
+    }
+
+    /// Shares the grouped errors out among the finer groups of another reduction, as the prior expects it: the same robot to first
+    /// order, and no long way through the valley between them.
+    pub(super) fn share_out(&mut self, coarse: &Reduction, fine: &Reduction) {
+        let mut place = vec![usize::MAX; self.coefficients.len()];
+        fine.kept.iter().enumerate().for_each(|(k, &column)| place[column] = k);
+        let mut groups = DMatrix::zeros(coarse.rank(), fine.rank());
+        for (row, group) in coarse.groups.iter().enumerate() {
+            groups[(row, place[group.column])] = 1.0;
+            let members = group.members.iter().filter(|(column, _)| place[*column] != usize::MAX);
+            members.for_each(|&(column, weight)| groups[(row, place[column])] = weight);
+        }
+        if let Some(shared) = self.prior.shared_out(&groups, &coarse.grouped(&self.coefficients)) {
+            self.coefficients = fine.expand(shared.as_slice(), self.coefficients.len());
+        }
     }
 
     /// Squares of the prior, unless the solver has an objective of its own.
