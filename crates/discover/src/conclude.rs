@@ -14,9 +14,10 @@ use crate::working::with_loads;
 use crate::{Family, Place, contest::TIE, lags, payload};
 use rayon::prelude::*;
 use std::ops::Range;
-use truepose_errormodel::{Dataset, Domain, LoadCorrection};
+use truepose_errormodel::{Dataset, Domain, LoadCorrection, Shape};
 use truepose_identify::{
-    Fit, FitOptions, NoiseSource, Placement, Residuals, fit_again, repeats, student_quantile,
+    Fit, FitOptions, FittedShape, NoiseSource, Placement, Residuals, fit_again, judge_shapes, repeats,
+    student_quantile,
 };
 
 /// The data as a whole, and what was known before the loop.
@@ -60,7 +61,14 @@ pub(crate) fn conclude(
         data.orientation[row] = None;
     }
     let frozen = FitOptions { noise: NoiseSource::Fixed(now.fit.noise), ..ground.fit.clone() };
-    let mut fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
+    let shapes: Vec<(usize, Shape)> = (0..found.len())
+        .flat_map(|k| ground.effects_of(&found, k).zip(found[k].effects()))
+        .flat_map(|(k, effect)| {
+            crate::shape::found(&**effect, &data).into_iter().map(move |shape| (k, shape))
+        })
+        .collect();
+    let fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
+    let mut fit = with_shapes(fit, &data, &shapes);
 
     fit.fitted.loads = found
         .iter()
@@ -81,6 +89,7 @@ pub(crate) fn conclude(
         let effects = ground.effects_of(&found, k);
         findings.push(Finding {
             parameters: parameters(&fit, &found[k], effects.clone()),
+            shape: shape(&fit, &effects),
             rows: match accepted.candidate.change {
                 Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
                 Change::Add(_) => Vec::new(),
@@ -157,14 +166,6 @@ fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parame
                 });
             }
         }
-        for shape in model.effects()[effect].shape() {
-            list.push(Parameter {
-                name: shape.name,
-                value: shape.value,
-                unit: shape.unit,
-                ci95: [shape.value, shape.value],
-            });
-        }
     }
     if let Change::CorrectLoad { mass, deviation, .. } = found.change {
         let half = student_quantile(0.975, fit.degrees_of_freedom()) * deviation;
@@ -172,6 +173,24 @@ fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parame
         list.push(Parameter { name: "mass".into(), value: mass, unit: "kg".into(), ci95 });
     }
     list
+}
+
+/// The fit with the intervals of what was found of the finds' shapes, and with what those add to the covariance.
+fn with_shapes(fit: Fit, data: &Dataset, shapes: &[(usize, Shape)]) -> Fit {
+    // Where columns beside the effect depend on each other nothing can be said: then the intervals are those of a known shape.
+    if shapes.is_empty() { fit } else { judge_shapes(&fit, data, shapes).unwrap_or(fit) }
+}
+
+/// What is known of the shape of a find.
+fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
+    let own: Vec<&FittedShape> = fit.shapes.iter().filter(|shape| effects.contains(&shape.effect)).collect();
+    let parameter = |(k, shape): (usize, &&FittedShape)| Parameter {
+        name: if own.len() > 1 { format!("{} {}", shape.name, k + 1) } else { shape.name.clone() },
+        value: shape.value,
+        unit: shape.unit.clone(),
+        ci95: shape.interval,
+    };
+    own.iter().enumerate().map(parameter).collect()
 }
 
 /// Rivals in place of a find, judged on the held-out rows.
@@ -221,6 +240,7 @@ fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout
         holdout,
         train: rms,
         parameters: Vec::new(),
+        shape: Vec::new(),
         alternatives: Vec::new(),
         rows: outside.certain.clone(),
         trace: None,

@@ -76,6 +76,9 @@ pub struct Finding {
     pub train: (f64, f64),
     /// Its sizes.
     pub parameters: Vec<Parameter>,
+    /// Its shape: periods, instants, time constants, lags, loads on a flank; an interval as wide as the range in which it was looked
+    /// for says that the data leaves it open.
+    pub shape: Vec<Parameter>,
     /// Rivals.
     pub alternatives: Vec<Alternative>,
     /// Rows (0-based, of the whole data) that it is about: outliers, or a wrong payload.

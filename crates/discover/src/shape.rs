@@ -7,8 +7,8 @@ use crate::library::{instants, shift_at, transmission_at};
 use crate::projection::Projection;
 use crate::scene::Scene;
 use std::any::Any;
-use truepose_errormodel::AnyEffect;
-use truepose_errormodel::effects::{Backlash, Drift, Shift, Transmission};
+use truepose_errormodel::effects::{Backlash, Drift, Shift, Thermal, Transmission};
+use truepose_errormodel::{AnyEffect, Dataset, Shape};
 
 /// What a shape is worth: the gain in the screen's units.
 fn gain(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
@@ -75,6 +75,33 @@ pub(crate) fn has_shape(candidate: &Candidate) -> bool {
         || seen_as::<Shift>(effect).is_some()
         || seen_as::<Backlash>(effect).is_some_and(|play| play.flank_load.is_some())
         || seen_as::<Drift>(effect).is_some_and(|drift| drift.time_constant.is_some())
+}
+
+/// What was found of an effect's shape, within the range in which its interval is looked for.
+pub(crate) fn found(effect: &dyn AnyEffect, data: &Dataset) -> Vec<Shape> {
+    /// Times, up and down.
+    const REACH: f64 = 4.0;
+    let around = |value: f64| Some([value / REACH, value * REACH]);
+    if let Some(wave) = seen_as::<Transmission>(effect) {
+        let range = free_period(wave).and_then(around);
+        return AnyEffect::shape(&Transmission { period_range: range, ..wave.clone() });
+    }
+    if let Some(jump) = seen_as::<Shift>(effect) {
+        let ends =
+            data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
+        return AnyEffect::shape(&Shift { at_range: Some(ends), ..jump.clone() });
+    }
+    if let Some(play) = seen_as::<Backlash>(effect) {
+        return AnyEffect::shape(&Backlash { flank_range: play.flank_load.and_then(around), ..play.clone() });
+    }
+    if let Some(drift) = seen_as::<Drift>(effect) {
+        let range = drift.time_constant.and_then(around);
+        return AnyEffect::shape(&Drift { time_constant_range: range, ..drift.clone() });
+    }
+    if let Some(growth) = seen_as::<Thermal>(effect) {
+        return AnyEffect::shape(&Thermal { lag_range: growth.lag.and_then(around), ..growth.clone() });
+    }
+    Vec::new()
 }
 
 /// A period that is not known; a turn of the joint is.

@@ -36,6 +36,6 @@ pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
-pub use shapes::{FittedShape, Shapes};
+pub use shapes::{FittedShape, Shapes, judge_shapes};
 pub use suspicion::{Cause, Suspicion, suspicion};
 pub use variance::estimate_noise;

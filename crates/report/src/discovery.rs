@@ -348,7 +348,7 @@ impl FindingSummary {
             train_rms_mm: mm(finding.train),
             cross_validated_rms_mm: cross_validated(&finding.evidence),
             stability: finding.evidence.stability,
-            parameters: finding.parameters.clone(),
+            parameters: finding.shape.iter().chain(&finding.parameters).cloned().collect(),
             alternatives: finding.alternatives.iter().map(AlternativeSummary::from).collect(),
             meaning: text::meaning(finding),
         }

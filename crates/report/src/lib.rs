@@ -30,5 +30,6 @@ pub use specification::{SpecificationSummary, Verdict};
 pub use spread::{PositionSpread, RotationSpread};
 pub use suspicion::suspicion_words;
 pub use words::{
-    advice_words, count, millimetres, milliradians, significant, value_with_interval, warning_words,
+    advice_words, count, millimetres, milliradians, parameter_words, significant, value_with_interval,
+    warning_words,
 };

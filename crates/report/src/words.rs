@@ -1,5 +1,6 @@
 //! Numbers and findings in words.
 
+use truepose_discover::Parameter;
 use truepose_identify::{Advice, Warning};
 use truepose_kinematics::Chain;
 
@@ -50,6 +51,24 @@ pub fn value_with_interval(value: f64, half_width: f64, unit: &str) -> (String, 
     // As many decimals as the interval has two significant digits of.
     let decimals = (1 - half.log10().floor() as i32).clamp(0, 9) as usize;
     (format!("{value:.decimals$}"), format!("{half:.decimals$}"), shown)
+}
+
+/// A size of a find with its interval, and its unit: `0.21 ± 0.02`, or `3014 (3002 to 3027)` where the interval is not centred. Periods
+/// of a turning joint are in degrees.
+pub fn parameter_words(parameter: &Parameter) -> (String, String) {
+    let degrees = parameter.name.starts_with("period") && parameter.unit == "rad";
+    let factor = if degrees { 180.0 / std::f64::consts::PI } else { 1.0 };
+    let unit = if degrees { "°" } else { &parameter.unit };
+    let [lower, upper] = parameter.ci95.map(|end| end * factor);
+    let value = parameter.value * factor;
+    let half = 0.5 * (upper - lower);
+    if (value - lower - half).abs() <= 1e-6 * half {
+        let (value, half, unit) = value_with_interval(value, half, unit);
+        return (format!("{value} ± {half}"), unit);
+    }
+    let (value, _, shown) = value_with_interval(value, 0.1 * half, unit);
+    let ends = [lower, upper].map(|end| value_with_interval(end, 0.1 * half, unit).0);
+    (format!("{value} ({} to {})", ends[0], ends[1]), shown)
 }
 
 /// A warning of a fit as a sentence that says what to do.

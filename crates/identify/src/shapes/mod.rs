@@ -133,6 +133,37 @@ pub(crate) fn fit(
     Err(IdentifyError::NothingMeasured { rows: data.len() })
 }
 
+/// A fit whose shape parameters were found elsewhere, each with its interval, and with what their uncertainty adds to the covariance.
+/// `found` are (effect, parameter at its value with the range in which it was looked for); those of which the data says nothing beside
+/// the others are taken as they stand, with their whole range.
+///
+/// # Errors
+/// As [`crate::fit()`].
+pub fn judge_shapes(fit: &Fit, data: &Dataset, found: &[(usize, Shape)]) -> Result<Fit, IdentifyError> {
+    let mut free = found.to_vec();
+    let mut given_up: Vec<FittedShape> = Vec::new();
+    while !free.is_empty() {
+        let trial = Trial::new(fit.fitted.model(), &free)?;
+        let picture = Picture::at(fit, &trial, data)?;
+        let theta: Vec<f64> = free.iter().map(|(_, shape)| shape.value).collect();
+        let mut judged = fit.clone();
+        judged.shapes.clear();
+        interval::judge(&picture, &free, &theta, &mut judged)?;
+        let (open, known): (Vec<FittedShape>, Vec<FittedShape>) =
+            judged.shapes.drain(..).partition(|shape| shape.interval == shape.range);
+        if open.is_empty() {
+            judged.shapes = known;
+            judged.shapes.append(&mut given_up);
+            return Ok(judged);
+        }
+        free.retain(|(effect, shape)| !open.iter().any(|o| o.effect == *effect && o.name == shape.name));
+        given_up.extend(open);
+    }
+    let mut judged = fit.clone();
+    judged.shapes = given_up;
+    Ok(judged)
+}
+
 /// The model with these values of its free parameters.
 fn with(model: &ErrorModel, free: &[(usize, Shape)], theta: &[f64]) -> Result<ErrorModel, IdentifyError> {
     let mut values: BTreeMap<usize, Vec<f64>> = BTreeMap::new();

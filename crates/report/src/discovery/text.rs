@@ -129,9 +129,8 @@ impl FindingSummary {
     fn story(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "   {}", self.meaning)?;
         for parameter in self.parameters.iter().take(4) {
-            let half = 0.5 * (parameter.ci95[1] - parameter.ci95[0]);
-            let (value, half, unit) = crate::value_with_interval(parameter.value, half, &parameter.unit);
-            writeln!(f, "   {} = {value} ± {half} {unit}", parameter.name)?;
+            let (value, unit) = crate::parameter_words(parameter);
+            writeln!(f, "   {} = {value} {unit}", parameter.name)?;
         }
         if self.parameters.len() > 4 {
             writeln!(f, "   and {} more coefficients", self.parameters.len() - 4)?;

@@ -4,7 +4,7 @@ use super::rows::{Rows, complement, merged};
 use super::{Page, Report};
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, trace_figure, unit_words, waterfall};
-use crate::{RunRecord, SpecificationSummary, count, significant, value_with_interval};
+use crate::{RunRecord, SpecificationSummary, count, parameter_words, significant};
 use truepose_discover::{Diagnosis, Family, Stop};
 use truepose_errormodel::Dataset;
 use truepose_identify::IdentifyError;
@@ -201,8 +201,8 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         .parameters
         .iter()
         .map(|p| {
-            let (value, half, unit) = value_with_interval(p.value, 0.5 * (p.ci95[1] - p.ci95[0]), &p.unit);
-            vec![p.name.clone(), format!("{value} ± {half}"), unit_words(&unit)]
+            let (value, unit) = parameter_words(p);
+            vec![p.name.clone(), value, unit_words(&unit)]
         })
         .collect();
     let folded = rows.len() > 6;
