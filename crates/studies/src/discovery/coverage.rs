@@ -4,8 +4,8 @@ use super::causes::Cause;
 use super::plants::Made;
 use super::record::Interval;
 use truepose_discover::Finding;
-use truepose_kinematics::Chain;
-use truepose_simulate::physics::changes::Mover;
+use truepose_kinematics::{Chain, JointKind};
+use truepose_simulate::physics::changes::{Amount, Mover};
 use truepose_simulate::physics::gear::Gear;
 
 /// Intervals of a find at the right place, each with its truth.
@@ -13,7 +13,8 @@ pub fn intervals(cause: Cause, made: &Made, found: &Finding) -> Vec<Interval> {
     truths(cause, made, found)
         .into_iter()
         .filter_map(|(name, truth)| {
-            let mut known = found.parameters.iter().filter(|parameter| parameter.name == name);
+            let all = found.shape.iter().chain(&found.parameters);
+            let mut known = all.filter(|parameter| parameter.name == name);
             let parameter = known.next()?;
             // Two of one name: nothing says which is which.
             let alone = known.next().is_none();
@@ -50,12 +51,25 @@ fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
             ],
             _ => Vec::new(),
         },
+        // A wheel's n-th tooth: whatever is not a sine in it repeats as often.
+        Cause::Mesh => match errors.and_then(|e| e.gears.first()) {
+            Some(Gear::Mesh { cycles, .. }) => {
+                let slides = at.is_some_and(|at| chain.joints()[at].kind == JointKind::Prismatic);
+                let turn = if slides { 1.0 } else { std::f64::consts::TAU };
+                vec![("period".to_owned(), turn / cycles)]
+            }
+            _ => Vec::new(),
+        },
         Cause::Shift => {
+            let when = truth.changes.iter().find_map(|change| match change.amount {
+                Amount::Since(at) => Some(("at".to_owned(), at)),
+                _ => None,
+            });
             let jump = truth.changes.iter().find_map(|change| match change.mover {
                 Mover::Joint(joint, size) if Some(joint) == at => Some(size),
                 _ => None,
             });
-            own(chain, found, "shift ", jump)
+            own(chain, found, "shift ", jump).into_iter().chain(when).collect()
         }
         Cause::Thermal => {
             let growth = truth.changes.iter().find_map(|change| match change.mover {
