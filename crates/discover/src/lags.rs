@@ -5,8 +5,12 @@ use truepose_errormodel::Dataset;
 /// Time constants tried for each temperature.
 const LAGS: usize = 12;
 
-/// The data with each temperature channel as bodies of several time constants follow it: from the pace of the visits to the
-/// length of the record, in equal ratios.
+/// Longest time constant, of the length of the record: what follows later than that hardly turns when the temperature does, and cannot be
+/// told from a drift.
+const LONGEST: f64 = 1.0 / 3.0;
+
+/// The data with each temperature channel as bodies of several time constants follow it: from the pace of the visits to a
+/// part of the length of the record, in equal ratios.
 pub(crate) fn with_lags(data: &Dataset) -> Dataset {
     let mut more = data.clone();
     let from = data.time.iter().copied().fold(f64::INFINITY, f64::min);
@@ -18,8 +22,9 @@ pub(crate) fn with_lags(data: &Dataset) -> Dataset {
     let visits = data.visit.iter().max().map_or(1, |last| last + 1);
     let shortest = (2.0 * length / visits as f64).max(1e-3 * length);
     for channel in data.schema.channels.iter().filter(|channel| channel.temperature) {
+        let longest = (LONGEST * length).max(shortest);
         for k in 0..LAGS {
-            let lag = shortest * (length / shortest).powf(k as f64 / (LAGS - 1) as f64);
+            let lag = shortest * (longest / shortest).powf(k as f64 / (LAGS - 1) as f64);
             // Three digits: the lag is part of a name.
             let digits = 10f64.powf(lag.log10().floor() - 2.0);
             more.follow_late(&channel.name, (lag / digits).round() * digits);
