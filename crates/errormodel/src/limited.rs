@@ -1,5 +1,6 @@
 //! An effect whose unknowns a user holds between bounds.
 
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Emission, ModelError, Shape, Signal};
 use truepose_kinematics::{Chain, Posture};
 
@@ -36,6 +37,9 @@ impl AnyEffect for Limited {
     }
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         self.effect.eval(at, out);
+    }
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        self.effect.eval_lanes(at, out)
     }
     fn needs(&self) -> Vec<Signal> {
         self.effect.needs()
