@@ -107,7 +107,7 @@ fn a_block_says_what_its_rows_say() {
         for model in models(&chain) {
             let zero = vec![0.0; model.columns().len()];
             check(&model, &data, &zero);
-            let some: Vec<f64> = model.columns().iter().map(|column| 0.3 * column.scale).collect();
+            let some: Vec<f64> = model.columns().iter().map(|column| 0.03 * column.scale).collect();
             check(&model, &data, &some);
         }
     }
