@@ -27,7 +27,7 @@ pub use excitation::{Advice, excitation};
 pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
-pub use linearise::{Block, Lineariser, Rows, accumulate, collect, factorise};
+pub use linearise::{Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram};
 pub use noise::NoiseModel;
 pub use observability::{Observability, observability};
 pub use placement::{Placement, Undetermined, place};

@@ -6,7 +6,7 @@ use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
 use std::path::Path;
 use truepose_errormodel::effects::{Polynomial, WrenchComponent};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
-use truepose_identify::{NoiseModel, factorise};
+use truepose_identify::{NoiseModel, factorise, gram};
 use truepose_kinematics::JointId;
 use truepose_solvers::{ColumnScale, RankRule};
 
@@ -52,11 +52,32 @@ fn stable(folder: &Path) -> Result<Way, Failure> {
     Ok(Way { run: Box::new(run), check: Box::new(check) })
 }
 
+fn guarded(folder: &Path) -> Result<Way, Failure> {
+    let (model, data) = (model(folder)?, rows(folder, true)?);
+    let state = std::rc::Rc::new(std::cell::RefCell::new((0.0, 0.0)));
+    let kept = state.clone();
+    let run = move || {
+        let visits = Visits::of(&data);
+        let zero = vec![0.0; model.columns().len()];
+        let gram = gram(&model, &data, &visits, PLAIN, &zero, None)?;
+        let solution = gram.solve_guarded(0, 1e6)?.ok_or("the guard refused")?;
+        if std::env::var_os("SHOW").is_some() { eprintln!("{:?}", solution.info.rank_decision); }
+        *kept.borrow_mut() =
+            (solution.rank as f64, rms_um(&model, &data, solution.info.residual_norm.powi(2)));
+        Ok(())
+    };
+    let check = move || {
+        let (rank, rms) = *state.borrow();
+        Ok(Answer::from([("rank".into(), rank), ("rms_fit_um".into(), rms)]))
+    };
+    Ok(Way { run: Box::new(run), check: Box::new(check) })
+}
+
 /// The paper's identification.
 pub const W1: Workload = Workload {
     name: "W1",
     about: "the paper's identification, 3 546 rows, 318 terms",
     bound: Bound { flops: 374e6, bytes: 0.0 },
     agree: &[("rank", 9), ("rms_fit_um", 9)],
-    ways: &[Declared { name: "stable", asked: &[("numpy-gram", 1.2), ("numpy-qr", 0.4)], prepare: stable }],
+    ways: &[Declared { name: "gram", asked: &[("numpy-gram", 0.7)], prepare: guarded }, Declared { name: "stable", asked: &[("numpy-gram", 1.2), ("numpy-qr", 0.4)], prepare: stable }],
 };

@@ -8,6 +8,7 @@ mod bytes;
 mod directions;
 mod factor;
 mod gram;
+mod pieces;
 mod solve;
 mod triangular;
 

@@ -1,25 +1,30 @@
 //! G = AᵀA and its Cholesky factor G = L Lᵀ.
 
-use super::view;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, MatMut, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
 /// Adds AᵀA to the lower triangle of `g`.
 pub(crate) fn gram(g: &mut DMatrix<f64>, a: &DMatrix<f64>) {
-    let p = a.ncols();
-    if p == 0 || a.nrows() == 0 {
+    gram_of(g, a.nrows(), a.nrows(), a.as_slice());
+}
+
+/// The same of the first `rows` rows of columns that are `stride` numbers apart.
+pub(crate) fn gram_of(g: &mut DMatrix<f64>, rows: usize, stride: usize, numbers: &[f64]) {
+    let p = g.ncols();
+    if p == 0 || rows == 0 {
         return;
     }
+    let a = MatRef::from_column_major_slice_with_stride(numbers, rows, p, stride);
     matmul(
         MatMut::from_column_major_slice_mut(g.as_mut_slice(), p, p),
         BlockStructure::TriangularLower,
         Accum::Add,
-        view(a).transpose(),
+        a.transpose(),
         BlockStructure::Rectangular,
-        view(a),
+        a,
         BlockStructure::Rectangular,
         1.0,
         Par::Seq,

@@ -11,6 +11,10 @@
 //! Rows of the same conditions, as those of several targets in one standstill, share one robot at rest; a fit that has
 //! decided which columns it keeps asks for those alone.
 
+mod blocks;
+
+pub use blocks::{Batch, Blocks, batches, gram};
+
 use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -264,14 +268,18 @@ pub fn accumulate(
 /// How many visits one block of work takes: fixed, so that results do not depend on the number of threads.
 const VISITS_PER_BLOCK: usize = 1024;
 
+/// The same for Gram matrices: rows of a kind are brought together within a block, and merging costs little.
+const VISITS_PER_GRAM: usize = 16384;
+
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order.
 fn by_blocks<T: Send>(
     visits: &Visits,
+    size: usize,
     work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
-    (0..visits.len().div_ceil(VISITS_PER_BLOCK))
+    (0..visits.len().div_ceil(size))
         .into_par_iter()
-        .map(|block| work(block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len())))
+        .map(|block| work(block * size..((block + 1) * size).min(visits.len())))
         .collect()
 }
 
@@ -287,7 +295,7 @@ pub fn factorise(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Factor, IdentifyError> {
-    let parts = by_blocks(visits, |range| {
+    let parts = by_blocks(visits, VISITS_PER_BLOCK, |range| {
         let lineariser = Lineariser::new(model, data, noise, coefficients)?;
         let lineariser = match columns {
             Some(columns) => lineariser.of_columns(columns),
@@ -315,7 +323,7 @@ pub(crate) fn misfit(
     noise: NoiseModel,
     coefficients: &[f64],
 ) -> Result<(Residuals, f64), IdentifyError> {
-    let parts = by_blocks(visits, |range| {
+    let parts = by_blocks(visits, VISITS_PER_BLOCK, |range| {
         let mut lineariser = Lineariser::new(model, data, noise, coefficients)?.of_columns(&[]);
         let (mut numbers, mut squares) = (Vec::new(), 0.0);
         for visit in range {

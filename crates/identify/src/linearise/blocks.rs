@@ -1,0 +1,226 @@
+//! The design matrix in blocks of rows, component by component, whitened, for accumulators that leave zeros out.
+//!
+//! The same numbers as those of a [`super::Lineariser`], [`LANES`] rows at once. Rows in which the same joints stand at zero come together,
+//! since whole columns of a model vanish there: a block has the columns of its kind and no others. Their order is a
+//! function of the data alone. A visit is never cut.
+
+use crate::{IdentifyError, NoiseModel};
+use truepose_errormodel::lanes::{Component, LANES, Lanes};
+use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_kinematics::Load;
+use truepose_solvers::Gram;
+
+/// A block that is begun with rows of another kind has at least so many.
+const LEAST: usize = 40;
+
+/// Turns blocks of visits into whitened columns.
+#[derive(Debug, Clone)]
+pub struct Blocks<'a> {
+    lanes: Lanes<'a>,
+    data: &'a Dataset,
+    noise: NoiseModel,
+    coefficients: &'a [f64],
+    places: Vec<Option<usize>>,
+    weights: Vec<f64>,
+    /// First lane of each visit of the block, and the number of lanes.
+    starts: Vec<usize>,
+}
+
+/// Rows of whole visits, [`LANES`] at most.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Batch {
+    /// The data's rows.
+    pub rows: Vec<usize>,
+    /// Where each visit begins, and the number of rows.
+    pub starts: Vec<usize>,
+}
+
+/// Some visits in batches of their kinds, in a fixed order; none where a visit is longer than a block.
+pub fn batches(data: &Dataset, visits: &Visits, which: impl Iterator<Item = usize>) -> Option<Vec<Batch>> {
+    let zero = |row: usize| {
+        let joints = data.joints.iter().enumerate();
+        let standing = joints.fold(0u64, |mask, (k, q)| mask | u64::from(q[row] == 0.0) << (k % 63));
+        let unloaded = match data.load[row] {
+            Load::None => true,
+            Load::Payload(payload) => payload.mass == 0.0,
+            Load::Wrench(wrench) => (0..6).all(|k| wrench.component(k) == 0.0),
+        };
+        standing | u64::from(unloaded) << 63
+    };
+    let mut order: Vec<(u64, usize)> =
+        which.filter(|&v| !visits.rows[v].is_empty()).map(|v| (zero(visits.rows[v][0]), v)).collect();
+    order.sort_by_key(|(kind, _)| *kind);
+    let mut made: Vec<Batch> = Vec::new();
+    let mut open = Batch::default();
+    let mut kind = None;
+    for (of, visit) in order {
+        let rows = &visits.rows[visit];
+        if rows.len() > LANES {
+            return None;
+        }
+        let other = kind.replace(of).is_some_and(|last| last != of) && open.rows.len() >= LEAST;
+        if other || open.rows.len() + rows.len() > LANES {
+            open.close(&mut made);
+        }
+        open.starts.push(open.rows.len());
+        open.rows.extend_from_slice(rows);
+    }
+    open.close(&mut made);
+    Some(made)
+}
+
+impl Batch {
+    fn close(&mut self, made: &mut Vec<Batch>) {
+        if !self.rows.is_empty() {
+            self.starts.push(self.rows.len());
+            made.push(std::mem::take(self));
+        }
+    }
+}
+
+impl<'a> Blocks<'a> {
+    /// Linearises at these coefficients, over all columns or over these.
+    ///
+    /// # Errors
+    /// When the data does not fit the robot, or lacks a signal that the model needs.
+    pub fn new(
+        model: &'a ErrorModel,
+        data: &'a Dataset,
+        noise: NoiseModel,
+        coefficients: &'a [f64],
+        columns: Option<&[usize]>,
+    ) -> Result<Self, IdentifyError> {
+        data.validate(model.chain())?;
+        let count = model.columns().len();
+        let places = match columns {
+            None => (0..count).map(Some).collect(),
+            Some(columns) => {
+                let mut places = vec![None; count];
+                columns.iter().enumerate().for_each(|(place, &column)| places[column] = Some(place));
+                places
+            }
+        };
+        Ok(Blocks {
+            lanes: Lanes::new(model.bind(&data.schema)?),
+            data,
+            noise,
+            coefficients,
+            places,
+            weights: vec![0.0; 6 * LANES],
+            starts: Vec::new(),
+        })
+    }
+
+    /// How many columns there are.
+    pub fn width(&self) -> usize {
+        self.places.iter().flatten().count()
+    }
+
+    /// Makes the whitened columns of a batch, and hands them on component by component.
+    ///
+    /// # Errors
+    /// What `each` returns.
+    pub fn each(
+        &mut self,
+        batch: &Batch,
+        mut each: impl FnMut(Component<'_>) -> Result<(), IdentifyError>,
+    ) -> Result<(), IdentifyError> {
+        self.lanes.gather(self.data, &batch.rows);
+        self.lanes.settle(self.data, self.coefficients);
+        self.weigh(&batch.rows);
+        self.lanes.columns(self.data, &self.weights, &self.places);
+        self.starts.clone_from(&batch.starts);
+        for index in 0..6 {
+            if index < 3 && self.noise.visit_sd > 0.0 {
+                self.share(index);
+            }
+            let component = self.lanes.component(index);
+            if !component.numbers.is_empty() {
+                each(component)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// One over the standard deviation of each component of each row; zero where nothing was measured.
+    fn weigh(&mut self, rows: &[usize]) {
+        for (lane, &row) in rows.iter().enumerate() {
+            for k in 0..3 {
+                let seen = !self.data.position[row][k].is_nan();
+                let weight = 1.0 / self.noise.position(self.data.position_sd[row][k]);
+                self.weights[k * LANES + lane] = if seen { weight } else { 0.0 };
+                let seen = self.data.orientation[row].is_some();
+                let weight = 1.0 / self.noise.orientation(self.data.orientation_sd[row][k]);
+                self.weights[(3 + k) * LANES + lane] = if seen { weight } else { 0.0 };
+            }
+        }
+    }
+
+    /// Takes out of each visit what its rows share: the rank-one formula of [`crate::NoiseModel`].
+    fn share(&mut self, component: usize) {
+        let weights = &self.weights[component * LANES..][..LANES];
+        let rho = self.noise.visit_sd;
+        let visits: Vec<(std::ops::Range<usize>, f64)> = self
+            .starts
+            .windows(2)
+            .map(|ends| {
+                let squares: f64 = weights[ends[0]..ends[1]].iter().map(|w| w * w).sum();
+                let shrink = if squares > 0.0 { (1.0 - 1.0 / (1.0 + rho * rho * squares).sqrt()) / squares } else { 0.0 };
+                (ends[0]..ends[1], shrink)
+            })
+            .collect();
+        let (_, numbers) = self.lanes.component_mut(component);
+        for column in numbers.chunks_exact_mut(LANES) {
+            for (lanes, shrink) in &visits {
+                let d = &weights[lanes.clone()];
+                let u = &mut column[lanes.clone()];
+                let along: f64 = d.iter().zip(u.iter()).map(|(d, u)| d * u).sum();
+                u.iter_mut().zip(d).for_each(|(u, d)| *u -= shrink * along * d);
+            }
+        }
+    }
+}
+
+/// The Gram matrix of `[A | r]` over all visits, over all columns or over these: in parallel over fixed blocks, merged in order.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn gram(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Gram, IdentifyError> {
+    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+        let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+        let mut gram = Gram::new(blocks.width(), 1);
+        match batches(data, visits, range.clone()) {
+            Some(batches) => {
+                for batch in &batches {
+                    blocks.each(batch, |c| {
+                        Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?)
+                    })?;
+                }
+            }
+            None => {
+                let mut lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
+                if let Some(columns) = columns {
+                    lineariser = lineariser.of_columns(columns);
+                }
+                for visit in range {
+                    gram.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
+                }
+            }
+        }
+        Ok(gram)
+    })?;
+    let mut parts = parts.into_iter();
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
+    for part in parts {
+        whole.merge(&part)?;
+    }
+    Ok(whole)
+}
