@@ -4,6 +4,7 @@
 //! as `LANES` numbers, of which the first ones, one a row, count; behind the last column stands the residual.
 
 use super::emission::LaneEntry;
+use super::errors::LaneErrors;
 use super::store::Store;
 use super::{LANES, LaneEmission, Lanes};
 use crate::Dataset;
@@ -38,25 +39,16 @@ pub(super) struct Fill {
     /// Position and rotation (by columns) as measured.
     measured: Vec<f64>,
     rows: usize,
+    /// Whether any orientation was measured.
+    turned: bool,
 }
 
 impl Lanes<'_> {
     /// Makes the columns. `weights` has `LANES` numbers a component (one over the standard deviation; zero: not measured), `places` says where
     /// a column of the model goes; none leaves it out.
     pub fn columns(&mut self, data: &Dataset, weights: &[f64], places: &[Option<usize>]) {
-        let chain = self.bound.model().chain();
-        let Fill { frames, slots, known, values, measured, .. } = &mut self.fill;
-        frames.clear();
-        frames.resize(self.store.frames, false);
-        let mut carried = vec![false; chain.targets().len()];
-        for entry in self.emission.entries.iter().filter(|entry| places[entry.column as usize].is_some()) {
-            match entry.site {
-                Site::Frame(frame, axis) => frames[frame.0] |= axis.is_rotation(),
-                Site::Target(target, _) => carried[target.0] = true,
-            }
-        }
-        self.store.reach(chain, &self.errors, frames, self.rows.len());
-        carried.iter().enumerate().filter(|(_, wanted)| **wanted).for_each(|(t, _)| self.store.carry(t));
+        self.ready(data, |column| places[column].is_some());
+        let Fill { slots, known, values, .. } = &mut self.fill;
         slots.clear();
         slots.resize(places.iter().flatten().max().map_or(0, |most| most + 1), usize::MAX);
         known.clear();
@@ -66,6 +58,35 @@ impl Lanes<'_> {
             let numbers = self.emission.numbers(super::LaneValue(k as u32));
             numbers[..self.rows.len()].iter().all(|&v| v == 0.0)
         }));
+        let (store, emission) = (&self.store, &self.emission);
+        Arch::new().dispatch(Columns { store, emission, fill: &mut self.fill, weights, places });
+    }
+
+    /// Writes what is left when the coefficients change: `y − y(c) − P J_e Φ δ`, `LANES` numbers a component, m and rad. What was not
+    /// measured counts as zero.
+    pub fn left(&mut self, data: &Dataset, change: &[f64], into: &mut [f64]) {
+        self.ready(data, |column| change[column] != 0.0);
+        self.change.clear();
+        self.change.add(&self.emission, 0, change);
+        let (store, change) = (&self.store, &self.change);
+        Arch::new().dispatch(Left { store, change, fill: &self.fill, into });
+    }
+
+    /// Levers of the sites that columns which count speak of, and the measurements.
+    fn ready(&mut self, data: &Dataset, counts: impl Fn(usize) -> bool) {
+        let chain = self.bound.model().chain();
+        let Fill { frames, measured, .. } = &mut self.fill;
+        frames.clear();
+        frames.resize(self.store.frames, false);
+        let mut carried = vec![false; chain.targets().len()];
+        for entry in self.emission.entries.iter().filter(|entry| counts(entry.column as usize)) {
+            match entry.site {
+                Site::Frame(frame, axis) => frames[frame.0] |= axis.is_rotation(),
+                Site::Target(target, _) => carried[target.0] = true,
+            }
+        }
+        self.store.reach(chain, &self.errors, frames, self.rows.len());
+        carried.iter().enumerate().filter(|(_, wanted)| **wanted).for_each(|(t, _)| self.store.carry(t));
         measured.resize(12 * LANES, 0.0);
         for (lane, &row) in self.rows.iter().enumerate() {
             for (k, &v) in data.position[row].iter().enumerate() {
@@ -77,8 +98,7 @@ impl Lanes<'_> {
             }
         }
         self.fill.rows = self.rows.len();
-        let (store, emission) = (&self.store, &self.emission);
-        Arch::new().dispatch(Columns { store, emission, fill: &mut self.fill, weights, places });
+        self.fill.turned = self.rows.iter().any(|&row| data.orientation[row].is_some());
     }
 
     /// A component of the block, as [`Lanes::columns`] made it.
@@ -94,6 +114,50 @@ impl Lanes<'_> {
     /// As [`Lanes::component`], to be changed.
     pub fn component_mut(&mut self, index: usize) -> (&[usize], &mut [f64]) {
         (&self.fill.active[index], &mut self.fill.numbers[index])
+    }
+}
+
+struct Left<'a> {
+    store: &'a Store,
+    change: &'a LaneErrors,
+    fill: &'a Fill,
+    into: &'a mut [f64],
+}
+
+impl WithSimd for Left<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Left { store, change, fill, into } = self;
+        let vectors = fill.rows.div_ceil(S::F64_LANES);
+        let turn = rotations(simd, store, fill);
+        for (component, into) in into.chunks_exact_mut(LANES).take(6).enumerate() {
+            if component < 3 {
+                let point = store.row(store.point() + component);
+                let measured = &fill.measured[component * LANES..][..LANES];
+                into.iter_mut().zip(measured).zip(point).for_each(|((into, y), p)| *into = y - p);
+            } else {
+                into.copy_from_slice(&turn[(component - 3) * LANES..][..LANES]);
+                if !fill.turned {
+                    continue;
+                }
+            }
+            let into = S::as_mut_simd_f64s(into).0;
+            for site in 0..change.sites() {
+                let (same, lanes) = change.at(site);
+                if same == 0.0 && lanes.is_none() {
+                    continue;
+                }
+                let Some(row) = store.of_site(store.site(site), component) else { continue };
+                let lever = S::as_simd_f64s(store.row(row)).0;
+                let same = simd.splat_f64s(same);
+                for v in 0..vectors {
+                    let by = lanes.map_or(same, |lanes| simd.add_f64s(same, S::as_simd_f64s(lanes).0[v]));
+                    into[v] = simd.negate_mul_add_e_f64s(lever[v], by, into[v]);
+                }
+            }
+        }
     }
 }
 
@@ -114,7 +178,7 @@ impl WithSimd for Columns<'_> {
         let rows = fill.rows;
         let vectors = rows.div_ceil(S::F64_LANES);
         let width = LANES / S::F64_LANES;
-        let rotation = rotations(simd, store, fill, &weights[3 * LANES..]);
+        let rotation = rotations(simd, store, fill);
         let kept = |row: usize| S::as_simd_f64s(store.row(row)).0;
         for component in 0..6 {
             let weight = &weights[component * LANES..][..LANES];
@@ -192,10 +256,9 @@ const SMALL: f64 = 1e-2;
 
 /// Rotation vectors from the model's orientation to the measured one, measurement frame, rad.
 #[inline(always)]
-fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill, weights: &[f64]) -> [f64; 3 * LANES] {
+fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill) -> [f64; 3 * LANES] {
     let mut out = [0.0; 3 * LANES];
-    let seen = |lane: usize| (0..3).any(|k| weights[k * LANES + lane] != 0.0);
-    if !(0..fill.rows).any(seen) {
+    if !fill.turned {
         return out;
     }
     let (vectors, width) = (fill.rows.div_ceil(S::F64_LANES), LANES / S::F64_LANES);
@@ -224,8 +287,10 @@ fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill, weights: &[f64]) -> [
     }
     // 1 + 2 cos of the angle, where the sine is small.
     let near = 1.0 + 2.0 * (1.0 - SMALL).sqrt();
-    for lane in (0..fill.rows).filter(|&lane| seen(lane)) {
-        if trace[lane] < near {
+    for lane in 0..fill.rows {
+        // What was not measured is a matrix of zeros, and turned by nothing.
+        let seen = fill.measured[3 * LANES..].chunks_exact(LANES).any(|row| row[lane] != 0.0);
+        if trace[lane] < near && seen {
             let at = |row: usize| Matrix3::from_fn(|i, k| store.row(row + 3 * k + i)[lane]);
             let measured = Matrix3::from_fn(|i, k| fill.measured[(3 + 3 * k + i) * LANES + lane]);
             let turn = rotation_log(&(measured * at(tool).transpose()));

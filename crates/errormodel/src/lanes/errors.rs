@@ -89,6 +89,18 @@ impl LaneErrors {
         self.same[site] + self.lanes[site * LANES + lane]
     }
 
+    /// How many sites there are.
+    #[inline(always)]
+    pub fn sites(&self) -> usize {
+        self.same.len()
+    }
+
+    /// What all lanes have at a site, and what comes on top.
+    #[inline(always)]
+    pub fn at(&self, site: usize) -> (f64, Option<&[f64]>) {
+        (self.same[site], self.varies[site].then(|| &self.lanes[site * LANES..][..LANES]))
+    }
+
     /// Whether any target has errors.
     pub fn of_targets(&self) -> bool {
         let first = self.of_frames;

@@ -52,6 +52,8 @@ pub struct Lanes<'m> {
     store: Store,
     emission: LaneEmission,
     errors: LaneErrors,
+    /// ε of a change of the coefficients.
+    change: LaneErrors,
     /// Effects speak of blocks.
     wide: bool,
     /// Row by row, where they do not.
@@ -74,6 +76,7 @@ impl<'m> Lanes<'m> {
             store: Store::new(chain),
             emission: LaneEmission::new(),
             errors: LaneErrors::new(chain),
+            change: LaneErrors::new(chain),
             wide: false,
             rest: Rest::new(model),
             settles: model.effects().iter().any(|effect| effect.settles()),

@@ -13,7 +13,7 @@
 
 use super::LANES;
 use crate::Dataset;
-use truepose_kinematics::{Chain, TargetId};
+use truepose_kinematics::{Axis, Chain, FrameId, Site, TargetId};
 
 /// The rows, and which of them stand for others.
 #[derive(Debug, Clone)]
@@ -103,6 +103,15 @@ impl Store {
     #[inline(always)]
     pub fn angle(&self, frame: usize, which: usize) -> usize {
         self.turn_of(self.frames, 0) + 12 * frame + which
+    }
+
+    /// As [`Chain::site_at`].
+    #[inline(always)]
+    pub fn site(&self, index: usize) -> Site {
+        match index.checked_sub(6 * self.frames) {
+            None => Site::Frame(FrameId(index / 6), Axis::ALL[index % 6]),
+            Some(rest) => Site::Target(TargetId(rest / 3), Axis::ALL[rest % 3]),
+        }
     }
 
     pub fn row(&self, row: usize) -> &[f64] {

@@ -49,6 +49,9 @@ fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64]) {
         }
     }
     lanes.columns(data, &weights, &places);
+    let change: Vec<f64> = model.columns().iter().map(|column| 1e-3 * column.scale).collect();
+    let mut left = vec![0.0; 6 * LANES];
+    lanes.left(data, &change, &mut left);
     let bound = model.bind(&data.schema).unwrap();
     let mut rest = Rest::new(model);
     for row in rows {
@@ -75,6 +78,11 @@ fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64]) {
             let mut have = vec![0.0; want.len()];
             for (slot, &column) in found.active.iter().chain([&last]).enumerate() {
                 have[column] = found.numbers.get(slot * LANES + row).copied().unwrap_or(0.0);
+            }
+            if weights[k * LANES + row] != 0.0 {
+                let moved: f64 = want.iter().zip(&change).map(|(a, d)| 0.5 * a[k] * d).sum();
+                let (want, have) = (0.5 * want[last][k] - moved, left[k * LANES + row]);
+                assert!((want - have).abs() < 1e-11, "{} row {row} component {k}: {want} {have}", chain.name());
             }
             for (column, (want, have)) in want.iter().zip(have).enumerate() {
                 let want = if weights[k * LANES + row] == 0.0 { 0.0 } else { want[k] };

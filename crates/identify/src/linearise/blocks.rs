@@ -4,7 +4,9 @@
 //! since whole columns of a model vanish there: a block has the columns of its kind and no others. Their order is a
 //! function of the data alone. A visit is never cut.
 
-use crate::{IdentifyError, NoiseModel};
+use crate::{IdentifyError, NoiseModel, Residuals};
+use nalgebra::Vector3;
+use rayon::prelude::*;
 use truepose_errormodel::lanes::{Component, LANES, Lanes};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_kinematics::Load;
@@ -223,4 +225,46 @@ pub fn gram(
         whole.merge(&part)?;
     }
     Ok(whole)
+}
+
+/// Residuals `y − y(c) − P J_e Φ δ` of every row, in metres and radians.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn left_over(
+    model: &ErrorModel,
+    data: &Dataset,
+    coefficients: &[f64],
+    change: &[f64],
+) -> Result<Residuals, IdentifyError> {
+    data.validate(model.chain())?;
+    let bound = model.bind(&data.schema)?;
+    const ROWS: usize = 128 * LANES;
+    let parts: Vec<Vec<f64>> = (0..data.len().div_ceil(ROWS))
+        .into_par_iter()
+        .map(|part| {
+            let mut lanes = Lanes::new(bound.clone());
+            let rows: Vec<usize> = (part * ROWS..((part + 1) * ROWS).min(data.len())).collect();
+            let mut numbers = vec![0.0; rows.len().div_ceil(LANES) * 6 * LANES];
+            for (rows, numbers) in rows.chunks(LANES).zip(numbers.chunks_exact_mut(6 * LANES)) {
+                lanes.gather(data, rows);
+                lanes.settle(data, coefficients);
+                lanes.left(data, change, numbers);
+            }
+            numbers
+        })
+        .collect();
+    let mut residuals = Residuals {
+        position: vec![Vector3::repeat(f64::NAN); data.len()],
+        orientation: vec![None; data.len()],
+    };
+    for row in 0..data.len() {
+        let block = &parts[row / ROWS][row % ROWS / LANES * 6 * LANES..][..6 * LANES];
+        let at = |component: usize| block[component * LANES + row % LANES];
+        for k in (0..3).filter(|&k| !data.position[row][k].is_nan()) {
+            residuals.position[row][k] = at(k);
+        }
+        residuals.orientation[row] = data.orientation[row].map(|_| Vector3::new(at(3), at(4), at(5)));
+    }
+    Ok(residuals)
 }

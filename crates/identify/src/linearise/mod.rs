@@ -13,7 +13,7 @@
 
 mod blocks;
 
-pub use blocks::{Batch, Blocks, batches, gram};
+pub use blocks::{Batch, Blocks, batches, gram, left_over};
 
 use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};
 use nalgebra::{DMatrix, DVector, Vector3};
