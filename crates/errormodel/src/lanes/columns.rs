@@ -11,7 +11,7 @@ use crate::Dataset;
 use nalgebra::Matrix3;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
-use truepose_kinematics::{Pose, Site, rotation_log};
+use truepose_kinematics::{Pose, Site, rotation_log, three};
 
 /// One component of all rows of a block.
 #[derive(Debug, Clone, Copy)]
@@ -153,7 +153,10 @@ impl WithSimd for Left<'_> {
                 let lever = S::as_simd_f64s(store.row(row)).0;
                 let same = simd.splat_f64s(same);
                 for v in 0..vectors {
-                    let by = lanes.map_or(same, |lanes| simd.add_f64s(same, S::as_simd_f64s(lanes).0[v]));
+                    let by = match lanes {
+                        Some(lanes) => simd.add_f64s(same, S::as_simd_f64s(lanes).0[v]),
+                        None => same,
+                    };
                     into[v] = simd.negate_mul_add_e_f64s(lever[v], by, into[v]);
                 }
             }
@@ -179,7 +182,6 @@ impl WithSimd for Columns<'_> {
         let vectors = rows.div_ceil(S::F64_LANES);
         let width = LANES / S::F64_LANES;
         let rotation = rotations(simd, store, fill);
-        let kept = |row: usize| S::as_simd_f64s(store.row(row)).0;
         for component in 0..6 {
             let weight = &weights[component * LANES..][..LANES];
             let active = &mut fill.active[component];
@@ -210,7 +212,7 @@ impl WithSimd for Columns<'_> {
                     active.push(place);
                 }
                 let into = &mut into[fill.slots[place] * width..][..vectors];
-                let lever = &kept(row)[..vectors];
+                let lever = &S::as_simd_f64s(store.row(row)).0[..vectors];
                 let value = match value == LaneEmission::ONE {
                     true => None,
                     false => Some(&S::as_simd_f64s(emission.numbers(value)).0[..vectors]),
@@ -226,7 +228,9 @@ impl WithSimd for Columns<'_> {
                         let factor = simd.splat_f64s(factor);
                         for v in 0..vectors {
                             let mut made = simd.mul_f64s(lever[v], factor);
-                            made = value.map_or(made, |value| simd.mul_f64s(made, value[v]));
+                            if let Some(value) = value {
+                                made = simd.mul_f64s(made, value[v]);
+                            }
                             made = if alike { made } else { simd.mul_f64s(made, weight[v]) };
                             into[v] = if first { made } else { simd.add_f64s(into[v], made) };
                         }
@@ -236,7 +240,7 @@ impl WithSimd for Columns<'_> {
             let last = &mut into[active.len() * width..][..vectors];
             if component < 3 {
                 let measured = S::as_simd_f64s(&fill.measured[component * LANES..][..LANES]).0;
-                let point = kept(store.point() + component);
+                let point = S::as_simd_f64s(store.row(store.point() + component)).0;
                 for v in 0..vectors {
                     last[v] = simd.mul_f64s(simd.sub_f64s(measured[v], point[v]), weight[v]);
                 }
@@ -268,12 +272,15 @@ fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill) -> [f64; 3 * LANES] {
     {
         let (turn, trace) = (S::as_mut_simd_f64s(&mut out).0, S::as_mut_simd_f64s(&mut trace).0);
         for v in 0..vectors {
-            // D = R_measured R_modelᵀ.
-            let m = |i: usize, k: usize| Lane::of(simd, measured[(3 + 3 * k + i) * width + v]);
-            let r = |j: usize, k: usize| Lane::of(simd, numbers[(tool + 3 * k + j) * width + v]);
-            let d = |i: usize, j: usize| m(i, 2).mul_add(r(j, 2), m(i, 1).mul_add(r(j, 1), m(i, 0) * r(j, 0)));
-            let w = [(2, 1), (0, 2), (1, 0)].map(|(i, j)| (d(i, j) - d(j, i)).times(0.5));
-            let z = w[2].mul_add(w[2], w[1].mul_add(w[1], w[0] * w[0]));
+            // D = R_measured R_modelᵀ, row by row of both.
+            let m = three!(i => three!(k => Lane::read(simd, measured, 3 + 3 * k + i, width, v)));
+            let r = three!(j => three!(k => Lane::read(simd, numbers, tool + 3 * k + j, width, v)));
+            let w = [
+                (dot(m[2], r[1]) - dot(m[1], r[2])).times(0.5),
+                (dot(m[0], r[2]) - dot(m[2], r[0])).times(0.5),
+                (dot(m[1], r[0]) - dot(m[0], r[1])).times(0.5),
+            ];
+            let z = dot(w, w);
             // asin(s)/s by powers of s².
             let mut series = Lane::splat(simd, ASIN[ASIN.len() - 1]);
             for &c in ASIN.iter().rev().skip(1) {
@@ -282,7 +289,7 @@ fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill) -> [f64; 3 * LANES] {
             for (k, w) in w.iter().enumerate() {
                 turn[k * width + v] = (*w * series).value();
             }
-            trace[v] = (d(0, 0) + d(1, 1) + d(2, 2)).value();
+            trace[v] = (dot(m[0], r[0]) + dot(m[1], r[1]) + dot(m[2], r[2])).value();
         }
     }
     // 1 + 2 cos of the angle, where the sine is small.
@@ -298,6 +305,11 @@ fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill) -> [f64; 3 * LANES] {
         }
     }
     out
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: [Lane<S>; 3], b: [Lane<S>; 3]) -> Lane<S> {
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
 /// (2k)! / (4^k k!² (2k + 1)).

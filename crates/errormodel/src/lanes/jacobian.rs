@@ -6,7 +6,7 @@ use super::LANES;
 use crate::ModelError;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
-use truepose_kinematics::{Chain, Site};
+use truepose_kinematics::{Chain, Site, three};
 
 impl Store {
     /// The targets' real positions and the levers of the frames that are asked for.
@@ -74,11 +74,10 @@ impl WithSimd for Reach<'_> {
         let axes: Vec<usize> = (0..count).map(|frame| store.axes(frame)).collect();
         let numbers = S::as_mut_simd_f64s(&mut store.numbers).0;
         for v in 0..vectors {
-            let read = |numbers: &[S::f64s], row: usize| Lane::of(simd, numbers[row * width + v]);
-            let mut p = [0, 1, 2].map(|c| read(numbers, place + 3 * (count - 1) + c));
+            let mut p = three!(c => Lane::read(simd, numbers, place + 3 * (count - 1) + c, width, v));
             for k in 0..3 {
-                let by = read(numbers, aimed + k);
-                p = [0, 1, 2].map(|c| read(numbers, tool + 3 * k + c).mul_add(by, p[c]));
+                let by = Lane::read(simd, numbers, aimed + k, width, v);
+                p = three!(c => Lane::read(simd, numbers, tool + 3 * k + c, width, v).mul_add(by, p[c]));
             }
             for (c, p) in p.iter().enumerate() {
                 numbers[(point + c) * width + v] = p.value();
@@ -86,10 +85,9 @@ impl WithSimd for Reach<'_> {
         }
         for (frame, _) in frames.iter().enumerate().filter(|(_, wanted)| **wanted) {
             for v in 0..vectors {
-                let read = |numbers: &[S::f64s], row: usize| Lane::of(simd, numbers[row * width + v]);
-                let d = [0, 1, 2].map(|c| read(numbers, point + c) - read(numbers, place + 3 * frame + c));
+                    let d = three!(c => Lane::read(simd, numbers, point + c, width, v) - Lane::read(simd, numbers, place + 3 * frame + c, width, v));
                 for k in 0..3 {
-                    let a = [0, 1, 2].map(|c| read(numbers, axes[frame] + 3 * k + c));
+                    let a = three!(c => Lane::read(simd, numbers, axes[frame] + 3 * k + c, width, v));
                     let made = [a[1] * d[2] - a[2] * d[1], a[2] * d[0] - a[0] * d[2], a[0] * d[1] - a[1] * d[0]];
                     for (c, made) in made.iter().enumerate() {
                         numbers[(lever + 9 * frame + 3 * k + c) * width + v] = made.value();

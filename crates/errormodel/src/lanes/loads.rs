@@ -6,7 +6,7 @@ use crate::Dataset;
 use nalgebra::Vector3;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
-use truepose_kinematics::{Chain, JointId, JointKind, Load};
+use truepose_kinematics::{Chain, JointId, JointKind, Load, three};
 
 /// What the tool carries, lane by lane.
 #[derive(Debug, Clone)]
@@ -75,7 +75,17 @@ fn cross<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
 
 #[inline(always)]
 fn turned<S: Simd>(columns: [Vector<S>; 3], by: Vector<S>) -> Vector<S> {
-    [0, 1, 2].map(|i| columns[2][i].mul_add(by[2], columns[1][i].mul_add(by[1], columns[0][i] * by[0])))
+    three!(i => columns[2][i].mul_add(by[2], columns[1][i].mul_add(by[1], columns[0][i] * by[0])))
+}
+
+#[inline(always)]
+fn vector<S: Simd>(simd: S, numbers: &[S::f64s], width: usize, v: usize, row: usize) -> Vector<S> {
+    three!(k => Lane::read(simd, numbers, row + k, width, v))
+}
+
+#[inline(always)]
+fn columns<S: Simd>(simd: S, numbers: &[S::f64s], width: usize, v: usize, row: usize) -> [Vector<S>; 3] {
+    three!(k => vector(simd, numbers, width, v, row + 3 * k))
 }
 
 impl WithSimd for Weigh<'_> {
@@ -89,32 +99,29 @@ impl WithSimd for Weigh<'_> {
         let (place, wrench, felt) = (store.place(0), store.wrench(0), store.load(0));
         let numbers = S::as_mut_simd_f64s(&mut store.numbers).0;
         let carried = S::as_simd_f64s(&load.numbers).0;
-        let g = [0, 1, 2].map(|k| Lane::splat(simd, gravity[k]));
+        let g = three!(k => Lane::splat(simd, gravity[k]));
         for v in 0..lanes.div_ceil(S::F64_LANES) {
-            let read = |numbers: &[S::f64s], row: usize| Lane::of(simd, numbers[row * width + v]);
-            let three = |numbers: &[S::f64s], row: usize| [0, 1, 2].map(|k| read(numbers, row + k));
-            let columns = |numbers: &[S::f64s], row: usize| [0, 3, 6].map(|k| three(numbers, row + k));
-            let tool = columns(numbers, rotation[frames - 1]);
-            let mass = read(carried, 0);
-            let weight = g.map(|g| g * mass);
-            let at_centre = cross(turned(tool, three(carried, 1)), weight);
-            let (measured, moment) = (turned(tool, three(carried, 4)), turned(tool, three(carried, 7)));
-            let mut force = [0, 1, 2].map(|k| weight[k] + measured[k]);
-            let mut moment = [0, 1, 2].map(|k| at_centre[k] + moment[k]);
+            let tool = columns(simd, numbers, width, v, rotation[frames - 1]);
+            let mass = Lane::read(simd, carried, 0, width, v);
+            let weight = three!(k => g[k] * mass);
+            let at_centre = cross(turned(tool, vector(simd, carried, width, v, 1)), weight);
+            let (measured, moment) = (turned(tool, vector(simd, carried, width, v, 4)), turned(tool, vector(simd, carried, width, v, 7)));
+            let mut force = three!(k => weight[k] + measured[k]);
+            let mut moment = three!(k => at_centre[k] + moment[k]);
             for frame in (0..frames).rev() {
                 if frame + 1 < frames {
-                    let (here, next) = (three(numbers, place + 3 * frame), three(numbers, place + 3 * frame + 3));
-                    let lever = cross([0, 1, 2].map(|k| next[k] - here[k]), force);
-                    moment = [0, 1, 2].map(|k| moment[k] + lever[k]);
+                    let (here, next) = (vector(simd, numbers, width, v, place + 3 * frame), vector(simd, numbers, width, v, place + 3 * frame + 3));
+                    let lever = cross(three!(k => next[k] - here[k]), force);
+                    moment = three!(k => moment[k] + lever[k]);
                     if frame > 0
                         && let Some(link) = &chain.joints()[frame - 1].link
                     {
-                        let arms = columns(numbers, rotation[frame]);
-                        let arm = turned(arms, [0, 1, 2].map(|k| Lane::splat(simd, link.com[k])));
-                        let own = g.map(|g| g.times(link.mass));
+                        let arms = columns(simd, numbers, width, v, rotation[frame]);
+                        let arm = turned(arms, three!(k => Lane::splat(simd, link.com[k])));
+                        let own = three!(k => g[k].times(link.mass));
                         let lever = cross(arm, own);
-                        force = [0, 1, 2].map(|k| force[k] + own[k]);
-                        moment = [0, 1, 2].map(|k| moment[k] + lever[k]);
+                        force = three!(k => force[k] + own[k]);
+                        moment = three!(k => moment[k] + lever[k]);
                     }
                 }
                 for k in 0..3 {
@@ -124,18 +131,18 @@ impl WithSimd for Weigh<'_> {
             }
             for joint in 0..chain.joints().len() {
                 let Some(motion) = chain.joint_motion(JointId(joint + 1)) else { continue };
-                let at = columns(numbers, rotation[motion.frame.0]);
-                let axis = turned(at, [0, 1, 2].map(|k| Lane::splat(simd, motion.axis[k])));
+                let at = columns(simd, numbers, width, v, rotation[motion.frame.0]);
+                let axis = turned(at, three!(k => Lane::splat(simd, motion.axis[k])));
                 let carried = wrench + 6 * (joint + 1);
-                let force = three(numbers, carried);
+                let force = vector(simd, numbers, width, v, carried);
                 let along = match motion.kind {
                     JointKind::Prismatic => force,
                     _ => {
-                        let here = three(numbers, place + 3 * motion.frame.0);
-                        let there = three(numbers, place + 3 * (joint + 1));
-                        let lever = cross([0, 1, 2].map(|k| there[k] - here[k]), force);
-                        let moment = three(numbers, carried + 3);
-                        [0, 1, 2].map(|k| moment[k] + lever[k])
+                        let here = vector(simd, numbers, width, v, place + 3 * motion.frame.0);
+                        let there = vector(simd, numbers, width, v, place + 3 * (joint + 1));
+                        let lever = cross(three!(k => there[k] - here[k]), force);
+                        let moment = vector(simd, numbers, width, v, carried + 3);
+                        three!(k => moment[k] + lever[k])
                     }
                 };
                 let felt_here = axis[2].mul_add(along[2], axis[1].mul_add(along[1], axis[0] * along[0]));

@@ -6,7 +6,7 @@ use super::LANES;
 use crate::{error_matrix, rotation_axes};
 use truepose_kinematics::lanes::{Lane, LanePose, sin_cos_of};
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
-use truepose_kinematics::{Axis, Chain, FrameId, JointId};
+use truepose_kinematics::{Axis, Chain, FrameId, JointId, three};
 
 impl Store {
     /// Sines and cosines of the joints (movable × `LANES`).
@@ -97,7 +97,6 @@ impl WithSimd for Walk<'_> {
         for v in 0..lanes.div_ceil(S::F64_LANES) {
             let mut pose = LanePose::splat(simd, &base);
             for frame in 0..frames {
-                let load = |numbers: &[S::f64s], row: usize| Lane::of(simd, numbers[row * width + v]);
                 put(numbers, &pose.rotation, at.before + 9 * frame, width, v);
                 match errors.of(FrameId(frame)) {
                     FrameErrors::Plain => {}
@@ -109,8 +108,11 @@ impl WithSimd for Walk<'_> {
                         put(numbers, &pose.rotation, at.behind + 9 * frame, width, v);
                     }
                     FrameErrors::Varying => {
-                        let e = [0, 1, 2, 6, 7, 8, 9, 10, 11].map(|k| load(numbers, at.angle + 12 * frame + k));
-                        let (rotation, axes) = turned(simd, [e[3], e[4], e[5], e[6], e[7], e[8]]);
+                        let first = at.angle + 12 * frame;
+                        let e = three!(k => Lane::read(simd, numbers, first + k, width, v));
+                        let x = three!(k => Lane::read(simd, numbers, first + 6 + k, width, v));
+                        let y = three!(k => Lane::read(simd, numbers, first + 9 + k, width, v));
+                        let (rotation, axes) = turned(simd, [x[0], x[1], x[2], y[0], y[1], y[2]]);
                         put(numbers, &pose.turned_lanes(&axes).rotation, at.axes + 9 * frame, width, v);
                         pose = pose.moved_lanes([e[0], e[1], e[2]]).turned_lanes(&rotation);
                         put(numbers, &pose.rotation, at.behind + 9 * frame, width, v);
@@ -124,7 +126,8 @@ impl WithSimd for Walk<'_> {
                         Some(k) => Lane::of(simd, joints[k * width + v]),
                         None => Lane::splat(simd, 0.0),
                     };
-                    let (s, c) = (load(numbers, at.turn + 2 * frame), load(numbers, at.turn + 2 * frame + 1));
+                    let s = Lane::read(simd, numbers, at.turn + 2 * frame, width, v);
+                    let c = Lane::read(simd, numbers, at.turn + 2 * frame + 1, width, v);
                     pose = pose.past(simd, chain, frame, q, s, c);
                 } else if frame + 1 < frames {
                     pose = pose.moved(&tool.translation).turned(&tool.rotation);

@@ -24,6 +24,12 @@ impl<S: Simd> Lane<S> {
         Lane { simd, value }
     }
 
+    /// Register `at` of row `row`, in rows of `width` registers.
+    #[inline(always)]
+    pub fn read(simd: S, numbers: &[S::f64s], row: usize, width: usize, at: usize) -> Self {
+        Lane { simd, value: numbers[row * width + at] }
+    }
+
     /// The register.
     #[inline(always)]
     pub fn value(self) -> S::f64s {
@@ -57,6 +63,27 @@ impl<S: Simd> Lane<S> {
             _ => other.mul_add(Lane::splat(self.simd, by), self),
         }
     }
+}
+
+/// `[e(0), e(1), e(2)]`. The closure of an array's `map` would not be compiled for wide registers.
+#[macro_export]
+macro_rules! three {
+    ($k:ident => $e:expr) => {
+        [
+            {
+                let $k = 0_usize;
+                $e
+            },
+            {
+                let $k = 1_usize;
+                $e
+            },
+            {
+                let $k = 2_usize;
+                $e
+            },
+        ]
+    };
 }
 
 impl<S: Simd> Add for Lane<S> {

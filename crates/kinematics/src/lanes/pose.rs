@@ -2,7 +2,7 @@
 
 use super::Lane;
 use crate::prepared::PreparedJoint;
-use crate::{Chain, Pose};
+use crate::{Chain, Pose, three};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Simd;
 
@@ -21,8 +21,8 @@ impl<S: Simd> LanePose<S> {
     pub fn splat(simd: S, pose: &Pose) -> Self {
         let (r, p) = (&pose.rotation, &pose.translation);
         LanePose {
-            rotation: [0, 1, 2].map(|j| [0, 1, 2].map(|i| Lane::splat(simd, r[(i, j)]))),
-            translation: [0, 1, 2].map(|i| Lane::splat(simd, p[i])),
+            rotation: three!(j => three!(i => Lane::splat(simd, r[(i, j)]))),
+            translation: three!(i => Lane::splat(simd, p[i])),
         }
     }
 
@@ -94,21 +94,17 @@ impl<S: Simd> LanePose<S> {
     /// Past a joint of the robot, at q (rad or m) with its sine and cosine: times `A_i(q)`.
     #[inline(always)]
     pub fn past(self, simd: S, chain: &Chain, joint: usize, q: Lane<S>, sine: Lane<S>, cosine: Lane<S>) -> Self {
-        let constant = |v: f64| Lane::splat(simd, v);
-        let added = |(s0, c0): (f64, f64)| {
-            (sine.times(c0).plus(cosine, s0), cosine.times(c0).plus(sine, -s0))
-        };
         match chain.prepared_joint(joint) {
             PreparedJoint::Fixed(pose) => self.moved(&pose.translation).turned(&pose.rotation),
             PreparedJoint::Dh { theta, d, a, alpha } => {
-                let (s, c) = added(*theta);
+                let (s, c) = added(*theta, sine, cosine);
                 let turned = self.moved(&Vector3::new(0.0, 0.0, *d)).turned_about(2, s, c);
-                turned.moved(&Vector3::new(*a, 0.0, 0.0)).turned_about(0, constant(alpha.0), constant(alpha.1))
+                turned.moved(&Vector3::new(*a, 0.0, 0.0)).turned_about(0, Lane::splat(simd, alpha.0), Lane::splat(simd, alpha.1))
             }
             PreparedJoint::Mdh { theta, d, a, alpha } => {
-                let (s, c) = added(*theta);
+                let (s, c) = added(*theta, sine, cosine);
                 let tilted = self.moved(&Vector3::new(*a, 0.0, 0.0));
-                let tilted = tilted.turned_about(0, constant(alpha.0), constant(alpha.1));
+                let tilted = tilted.turned_about(0, Lane::splat(simd, alpha.0), Lane::splat(simd, alpha.1));
                 tilted.moved(&Vector3::new(0.0, 0.0, *d)).turned_about(2, s, c)
             }
             PreparedJoint::Turn { pose, direction, sign } => {
@@ -118,22 +114,28 @@ impl<S: Simd> LanePose<S> {
             PreparedJoint::Skew { pose, axis } => {
                 let there = self.moved(&pose.translation).turned(&pose.rotation);
                 // I + sin K + (1 − cos) K².
-                let (k, rest) = (crate::skew(axis), constant(1.0) - cosine);
+                let (k, rest) = (crate::skew(axis), Lane::splat(simd, 1.0) - cosine);
                 let square = k * k;
-                let columns = [0, 1, 2].map(|j| {
-                    [0, 1, 2].map(|i| {
+                let columns = three!(j => {
+                    three!(i => {
                         let one = if i == j { 1.0 } else { 0.0 };
-                        constant(one).plus(sine, k[(i, j)]).plus(rest, square[(i, j)])
+                        Lane::splat(simd, one).plus(sine, k[(i, j)]).plus(rest, square[(i, j)])
                     })
                 });
                 there.turned_lanes(&columns)
             }
             PreparedJoint::Slide { pose, along } => {
                 let there = self.moved(&pose.translation);
-                there.moved_lanes([0, 1, 2].map(|i| q.times(along[i]))).turned(&pose.rotation)
+                there.moved_lanes(three!(i => q.times(along[i]))).turned(&pose.rotation)
             }
         }
     }
+}
+
+/// Sine and cosine of a constant angle and one of lanes.
+#[inline(always)]
+fn added<S: Simd>((s0, c0): (f64, f64), sine: Lane<S>, cosine: Lane<S>) -> (Lane<S>, Lane<S>) {
+    (sine.times(c0).plus(cosine, s0), cosine.times(c0).plus(sine, -s0))
 }
 
 #[cfg(test)]
@@ -154,7 +156,7 @@ mod tests {
             for joint in 0..chain.joints().len() {
                 let q = chain.coordinate(crate::JointId(joint + 1)).map_or(0.0, |k| joints[k]);
                 let (s, c) = sin_cos(q);
-                let [q, s, c] = [q, s, c].map(|v| Lane::splat(simd, v));
+                let (q, s, c) = (Lane::splat(simd, q), Lane::splat(simd, s), Lane::splat(simd, c));
                 pose = pose.past(simd, chain, joint, q, s, c);
             }
             let tool = chain.tool().pose;
