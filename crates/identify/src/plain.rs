@@ -8,8 +8,9 @@
 //! question is only what the least squares are, this is the short way. The Gram matrix answers as long as it is fit to, and the triangular
 //! factor, which keeps all digits, otherwise.
 
-use crate::linearise::{factorise, gram, left_over};
+use crate::linearise::{gram, left_over, triangular};
 use crate::{IdentifyError, NoiseModel, Residuals};
+use nalgebra::DVector;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_solvers::{ColumnScale, RankRule, Solution};
 
@@ -105,8 +106,16 @@ fn step(
         }
         Way::Stable(own) => rule = own,
     }
-    let factor = factorise(model, data, visits, noise, at, Some(columns))?;
-    Ok((factor.solve_pivoted(0, ColumnScale::Norms, rule)?, false))
+    let triangle = triangular(model, data, visits, noise, at, Some(columns))?;
+    let (factor, order) = triangle.into_factor_in_any_order();
+    let found = factor.solve_pivoted(0, ColumnScale::Norms, rule)?;
+    let mut solution = Solution { x: DVector::zeros(columns.len()), ..found.clone() };
+    order.iter().zip(found.x.iter()).for_each(|(&column, x)| solution.x[column] = *x);
+    if let Some(kept) = &mut solution.info.kept {
+        kept.iter_mut().for_each(|place| *place = order[*place]);
+        kept.sort_unstable();
+    }
+    Ok((solution, false))
 }
 
 impl Plain {

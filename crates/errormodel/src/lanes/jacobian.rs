@@ -119,7 +119,6 @@ pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Re
     let mut wanted = vec![true; store.frames];
     wanted[0] = false;
     wanted[store.frames - 1] = false;
-    let mut block = vec![0.0; size];
     for (k, into) in into.chunks_exact_mut(size).enumerate() {
         let first = k * LANES;
         for (to, from) in inputs.chunks_exact_mut(LANES).zip(joints) {
@@ -130,7 +129,7 @@ pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Re
         store.turn(chain, &inputs);
         store.walk(chain, &inputs, &errors, LANES);
         store.reach(chain, &errors, &wanted, LANES);
-        for (site, site_numbers) in block.chunks_exact_mut(6 * LANES).enumerate() {
+        for (site, site_numbers) in into.chunks_exact_mut(6 * LANES).enumerate() {
             let site = chain.site_at(6 + site);
             for (component, to) in site_numbers.chunks_exact_mut(LANES).enumerate() {
                 match store.of_site(site, component) {
@@ -139,7 +138,6 @@ pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Re
                 }
             }
         }
-        into.copy_from_slice(&block);
     }
     Ok(())
 }

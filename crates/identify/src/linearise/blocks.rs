@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use truepose_errormodel::lanes::{Component, LANES, Lanes};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_kinematics::Load;
+use std::collections::HashMap;
 use truepose_solvers::Gram;
+use truepose_solvers::accumulator::Triangular;
 
 /// A block that is begun with rows of another kind has at least so many.
 const LEAST: usize = 40;
@@ -144,6 +146,32 @@ impl<'a> Blocks<'a> {
         Ok(())
     }
 
+    /// The same, all components at once: rows × columns over the columns, ascending, that any of them has, and the residual.
+    fn whole(&mut self, batch: &Batch, whole: &mut Whole) -> Result<(), IdentifyError> {
+        whole.active.clear();
+        let mut rows = 0;
+        self.each(batch, |component| {
+            whole.active.extend_from_slice(component.active);
+            rows += component.rows;
+            Ok(())
+        })?;
+        whole.active.sort_unstable();
+        whole.active.dedup();
+        let place: HashMap<usize, usize> = whole.active.iter().enumerate().map(|(at, &column)| (column, at)).collect();
+        whole.rows = rows;
+        whole.numbers.clear();
+        whole.numbers.resize((whole.active.len() + 1) * rows, 0.0);
+        let mut first = 0;
+        for component in (0..6).map(|index| self.lanes.component(index)).filter(|c| !c.numbers.is_empty()) {
+            for (slot, from) in component.numbers.chunks_exact(LANES).take(component.active.len() + 1).enumerate() {
+                let at = component.active.get(slot).map_or(whole.active.len(), |column| place[column]);
+                whole.numbers[at * rows + first..][..component.rows].copy_from_slice(&from[..component.rows]);
+            }
+            first += component.rows;
+        }
+        Ok(())
+    }
+
     /// One over the standard deviation of each component of each row; zero where nothing was measured.
     fn weigh(&mut self, rows: &[usize]) {
         for (lane, &row) in rows.iter().enumerate() {
@@ -181,6 +209,52 @@ impl<'a> Blocks<'a> {
             }
         }
     }
+}
+
+/// All components of a batch.
+#[derive(Default)]
+struct Whole {
+    active: Vec<usize>,
+    rows: usize,
+    numbers: Vec<f64>,
+}
+
+/// The triangular factor of `[A | r]` over all visits, over all columns or over these: as [`gram`], with all digits.
+///
+/// # Errors
+/// When the model and the data do not fit, or a number is not finite.
+pub fn triangular(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Triangular, IdentifyError> {
+    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+        let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+        let mut triangle = Triangular::new(blocks.width(), 1);
+        let Some(batches) = batches(data, visits, range.clone()) else {
+            let mut lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
+            if let Some(columns) = columns {
+                lineariser = lineariser.of_columns(columns);
+            }
+            return super::accumulate(lineariser, visits, range);
+        };
+        let mut whole = Whole::default();
+        for batch in &batches {
+            blocks.whole(batch, &mut whole)?;
+            triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
+        }
+        Ok(triangle)
+    })?;
+    let mut parts = parts.into_iter();
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
+    for part in parts {
+        whole.merge(&part)?;
+    }
+    Ok(whole)
 }
 
 /// The Gram matrix of `[A | r]` over all visits, over all columns or over these: in parallel over fixed blocks, merged in order.
@@ -221,6 +295,7 @@ pub fn gram(
     let mut parts = parts.into_iter();
     let width = columns.map_or(model.columns().len(), <[usize]>::len);
     let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
+    whole.settle();
     for part in parts {
         whole.merge(&part)?;
     }

@@ -9,6 +9,7 @@ mod directions;
 mod factor;
 mod gram;
 mod pieces;
+mod sets;
 mod solve;
 mod triangular;
 

@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use std::ops::Range;
 
 /// How many sets of columns are kept apart.
-const SETS: usize = 24;
+const SETS: usize = 48;
 
 /// Gram matrices over some of the columns, right-hand sides among them.
 #[derive(Debug, Clone, Default)]
@@ -62,9 +62,11 @@ impl Pieces {
 
 impl Piece {
     fn into_whole(self, whole: &mut DMatrix<f64>) {
-        for (j, &column) in self.columns.iter().enumerate() {
-            for (i, &row) in self.columns.iter().enumerate().skip(j) {
-                whole[(row.max(column), row.min(column))] += self.g[(i, j)];
+        let (size, stride) = (self.columns.len(), whole.nrows());
+        let whole = whole.as_mut_slice();
+        for (j, (&column, from)) in self.columns.iter().zip(self.g.as_slice().chunks_exact(size)).enumerate() {
+            for (&row, value) in self.columns[j..].iter().zip(&from[j..]) {
+                whole[row.max(column) + stride * row.min(column)] += value;
             }
         }
     }
