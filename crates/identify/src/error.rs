@@ -22,6 +22,12 @@ pub enum IdentifyError {
         /// Rows without a measurement.
         rows: usize,
     },
+    /// A visit has more rows than a block.
+    #[error("a visit has more than {most} rows; give its standstills numbers of their own in the `visit` column")]
+    LongVisit {
+        /// Rows of a block.
+        most: usize,
+    },
     /// The solver came back without an answer.
     #[error("solver `{solver}` found no answer: {status}")]
     NoAnswer {

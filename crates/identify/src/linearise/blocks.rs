@@ -12,7 +12,7 @@ use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_kinematics::Load;
 use std::collections::HashMap;
 use truepose_solvers::Gram;
-use truepose_solvers::accumulator::Triangular;
+use truepose_solvers::accumulator::{LeftOut, Triangular};
 
 /// A block that is begun with rows of another kind has at least so many.
 const LEAST: usize = 40;
@@ -149,6 +149,7 @@ impl<'a> Blocks<'a> {
     /// The same, all components at once: rows × columns over the columns, ascending, that any of them has, and the residual.
     fn whole(&mut self, batch: &Batch, whole: &mut Whole) -> Result<(), IdentifyError> {
         whole.active.clear();
+        whole.groups.clear();
         let mut rows = 0;
         self.each(batch, |component| {
             whole.active.extend_from_slice(component.active);
@@ -168,6 +169,7 @@ impl<'a> Blocks<'a> {
                 whole.numbers[at * rows + first..][..component.rows].copy_from_slice(&from[..component.rows]);
             }
             first += component.rows;
+            whole.groups.extend(batch.rows.iter().map(|&row| self.data.visit[row]));
         }
         Ok(())
     }
@@ -216,6 +218,8 @@ impl<'a> Blocks<'a> {
 struct Whole {
     active: Vec<usize>,
     rows: usize,
+    /// The visit of each row.
+    groups: Vec<usize>,
     numbers: Vec<f64>,
 }
 
@@ -255,6 +259,31 @@ pub fn triangular(
         whole.merge(&part)?;
     }
     Ok(whole)
+}
+
+/// The rows of `[A | r]` by visits, for cross-validation of the linear fit; visits are its groups.
+///
+/// # Errors
+/// When the model and the data do not fit, or a visit is longer than a block.
+pub fn left_out(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<LeftOut, IdentifyError> {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let all = batches(data, visits, 0..visits.len());
+    let batches = all.ok_or(IdentifyError::LongVisit { most: LANES })?;
+    let mut wholes = Vec::with_capacity(batches.len());
+    for batch in &batches {
+        let mut whole = Whole::default();
+        blocks.whole(batch, &mut whole)?;
+        wholes.push(whole);
+    }
+    let parts = wholes.iter().map(|w| (w.active.as_slice(), w.groups.as_slice(), w.numbers.as_slice()));
+    Ok(LeftOut::new(blocks.width(), visits.len(), parts)?)
 }
 
 /// The Gram matrix of `[A | r]` over all visits, over all columns or over these: in parallel over fixed blocks, merged in order.

@@ -13,7 +13,7 @@
 
 mod blocks;
 
-pub use blocks::{Batch, Blocks, batches, gram, left_over, triangular};
+pub use blocks::{Batch, Blocks, batches, gram, left_out, left_over, triangular};
 
 use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};
 use nalgebra::{DMatrix, DVector, Vector3};

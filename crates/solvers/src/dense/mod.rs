@@ -9,7 +9,9 @@ mod pivoted_cholesky;
 mod singular;
 mod triangle;
 
-pub(crate) use cholesky::{cholesky, gram, gram_of};
+pub(crate) use cholesky::{
+    cholesky, cholesky_lower, gram, gram_of, gram_of_rows, residual_of_rows, solve_lower_many,
+};
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
 pub(crate) use pivoted::pivoted_qr;
