@@ -15,7 +15,7 @@ use truepose_solvers::Gram;
 use truepose_solvers::accumulator::{LeftOut, Triangular};
 
 /// A block that is begun with rows of another kind has at least so many.
-const LEAST: usize = 40;
+const LEAST: usize = 8;
 
 /// Turns blocks of visits into whitened columns.
 #[derive(Debug, Clone)]

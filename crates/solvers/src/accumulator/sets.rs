@@ -18,7 +18,7 @@ use nalgebra::DMatrix;
 const SETS: usize = 48;
 
 /// Rows of a triangle that are folded together.
-const CHUNK: usize = 48;
+const CHUNK: usize = 96;
 
 /// Factors over some of the columns.
 #[derive(Debug, Clone, Default)]
@@ -90,8 +90,8 @@ impl Sets {
         }
         for set in &self.list {
             let mut rows = set.rows.clone();
-            // What is no taller than wide gains nothing by being folded on its own.
-            let raw = rows.raw().filter(|raw| raw.nrows() <= set.columns.len());
+            // What is hardly taller than wide gains nothing by being folded on its own.
+            let raw = rows.raw().filter(|raw| raw.nrows() <= 2 * set.columns.len());
             match raw {
                 Some(raw) => made.fold(&set.columns, &raw, false, &place, &mut work),
                 None => {

@@ -3,6 +3,7 @@
 
 mod cholesky;
 mod householder;
+mod leaf;
 mod norm;
 mod pivoted;
 mod pivoted_cholesky;
@@ -14,7 +15,7 @@ pub(crate) use cholesky::{
 };
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
-pub(crate) use pivoted::pivoted_qr;
+pub(crate) use pivoted::{ordered_qr, pivoted_qr};
 pub(crate) use pivoted_cholesky::pivoted_cholesky;
 pub(crate) use singular::{singular_values, svd};
 pub(crate) use triangle::{inverse_gram, solve_lower, solve_lower_transposed, solve_upper, solve_upper_transposed};
