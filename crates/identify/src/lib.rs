@@ -29,7 +29,7 @@ pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, refit, student_quantil
 pub use folds::{Folds, Split, hold_out};
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
 pub use linearise::{Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out, left_over,
-    triangular,
+    triangular, triangular_of,
 };
 pub use noise::NoiseModel;
 pub use observability::{Observability, observability};

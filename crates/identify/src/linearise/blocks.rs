@@ -28,6 +28,8 @@ pub struct Blocks<'a> {
     weights: Vec<f64>,
     /// First lane of each visit of the block, and the number of lanes.
     starts: Vec<usize>,
+    /// For each component: the lanes in which it was measured.
+    seen: [Vec<usize>; 6],
 }
 
 /// Rows of whole visits, [`LANES`] at most.
@@ -112,6 +114,7 @@ impl<'a> Blocks<'a> {
             places,
             weights: vec![0.0; 6 * LANES],
             starts: Vec::new(),
+            seen: Default::default(),
         })
     }
 
@@ -138,12 +141,29 @@ impl<'a> Blocks<'a> {
             if index < 3 && self.noise.visit_sd > 0.0 {
                 self.share(index);
             }
+            let rows = self.pack(index);
             let component = self.lanes.component(index);
             if !component.numbers.is_empty() {
-                each(component)?;
+                each(Component { rows, ..component })?;
             }
         }
         Ok(())
+    }
+
+    /// Puts the rows that were measured to the front; how many there are.
+    fn pack(&mut self, component: usize) -> usize {
+        let weights = &self.weights[component * LANES..];
+        let rows = self.starts.last().copied().unwrap_or(0);
+        let seen = &mut self.seen[component];
+        seen.clear();
+        seen.extend((0..rows).filter(|&lane| weights[lane] != 0.0));
+        if seen.len() < rows {
+            let (_, numbers) = self.lanes.component_mut(component);
+            for column in numbers.chunks_exact_mut(LANES) {
+                seen.iter().enumerate().for_each(|(to, &from)| column[to] = column[from]);
+            }
+        }
+        seen.len()
     }
 
     /// The same, all components at once: rows × columns over the columns, ascending, that any of them has, and the residual.
@@ -164,12 +184,13 @@ impl<'a> Blocks<'a> {
         whole.numbers.resize((whole.active.len() + 1) * rows, 0.0);
         let mut first = 0;
         for component in (0..6).map(|index| self.lanes.component(index)).filter(|c| !c.numbers.is_empty()) {
+            let seen = &self.seen[component.index];
             for (slot, from) in component.numbers.chunks_exact(LANES).take(component.active.len() + 1).enumerate() {
                 let at = component.active.get(slot).map_or(whole.active.len(), |column| place[column]);
-                whole.numbers[at * rows + first..][..component.rows].copy_from_slice(&from[..component.rows]);
+                whole.numbers[at * rows + first..][..seen.len()].copy_from_slice(&from[..seen.len()]);
             }
-            first += component.rows;
-            whole.groups.extend(batch.rows.iter().map(|&row| self.data.visit[row]));
+            first += seen.len();
+            whole.groups.extend(seen.iter().map(|&lane| self.data.visit[batch.rows[lane]]));
         }
         Ok(())
     }
@@ -236,21 +257,7 @@ pub fn triangular(
     columns: Option<&[usize]>,
 ) -> Result<Triangular, IdentifyError> {
     let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
-        let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
-        let mut triangle = Triangular::new(blocks.width(), 1);
-        let Some(batches) = batches(data, visits, range.clone()) else {
-            let mut lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
-            if let Some(columns) = columns {
-                lineariser = lineariser.of_columns(columns);
-            }
-            return super::accumulate(lineariser, visits, range);
-        };
-        let mut whole = Whole::default();
-        for batch in &batches {
-            blocks.whole(batch, &mut whole)?;
-            triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
-        }
-        Ok(triangle)
+        triangular_of(model, data, visits, noise, coefficients, columns, range)
     })?;
     let mut parts = parts.into_iter();
     let width = columns.map_or(model.columns().len(), <[usize]>::len);
@@ -259,6 +266,37 @@ pub fn triangular(
         whole.merge(&part)?;
     }
     Ok(whole)
+}
+
+/// The same over some of the visits, by one thread.
+///
+/// # Errors
+/// As [`triangular`].
+pub fn triangular_of(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+    which: impl Iterator<Item = usize> + Clone,
+) -> Result<Triangular, IdentifyError> {
+    let Some(batches) = batches(data, visits, which.clone()) else {
+        let lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
+        let lineariser = match columns {
+            Some(columns) => lineariser.of_columns(columns),
+            None => lineariser,
+        };
+        return super::accumulate(lineariser, visits, which);
+    };
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let mut triangle = Triangular::new(blocks.width(), 1);
+    let mut whole = Whole::default();
+    for batch in &batches {
+        blocks.whole(batch, &mut whole)?;
+        triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
+    }
+    Ok(triangle)
 }
 
 /// The rows of `[A | r]` by visits, for cross-validation of the linear fit; visits are its groups.
