@@ -146,6 +146,13 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
         true
     }
 
+    /// The joints that yield, one for each column, when this is all that the effect says: column k is joint k's own motion,
+    /// in proportion to the load about (along) it, [`Posture::joint_load`]. Who evaluates many postures at once need not ask
+    /// such an effect posture by posture. `None`, which is always right, leaves it to `eval`.
+    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
+        None
+    }
+
     /// Checks the parameters against the robot, once, when a model is made.
     ///
     /// # Errors
@@ -180,6 +187,10 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
     fn needs(&self) -> Vec<Signal>;
     /// [`Effect::settles`].
     fn settles(&self) -> bool;
+    /// [`Effect::springs`].
+    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
+        None
+    }
     /// [`Effect::validate`].
     ///
     /// # Errors
@@ -213,6 +224,9 @@ impl<E: Effect> AnyEffect for E {
     }
     fn settles(&self) -> bool {
         Effect::settles(self)
+    }
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        Effect::springs(self, chain)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         Effect::validate(self, chain)

@@ -157,6 +157,10 @@ impl Effect for JointCompliance {
         true
     }
 
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        (self.own_weight == OwnWeight::Declared).then(|| self.joints(chain).to_vec())
+    }
+
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         for &joint in self.joints.iter().flatten() {
             joint_moves(Self::KIND, joint, chain)?;
