@@ -121,6 +121,6 @@ fn tried(chain: &Chain, k: usize, channels: usize) -> Conditions {
     }
     conditions.time = 100.0 * k as f64;
     conditions.channels = vec![20.0 + k as f64; channels];
-    conditions.approach = (0..n).map(|j| if (j + k) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+    conditions.approach = (0..n).map(|j| if (j + k).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
     conditions
 }

@@ -6,6 +6,9 @@
 //!
 //! J and e as in `task`. Where J is nearly singular the step is inaccurate, or no number: the walk measures what it does.
 
+// Indices name rows and columns of the equations above.
+#![allow(clippy::needless_range_loop)]
+
 use super::arm::JOINTS;
 use super::vector::Wide;
 use pulp::Simd;

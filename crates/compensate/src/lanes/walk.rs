@@ -11,6 +11,9 @@
 //!
 //! Loops are written out: what a closure or an adapter of the standard library calls is not compiled for the processor's vectors.
 
+// Indices name joints.
+#![allow(clippy::needless_range_loop)]
+
 use super::arm::{JOINTS, Place};
 use super::newton::Factors;
 use super::sines::SMALL;
