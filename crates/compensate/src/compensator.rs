@@ -377,20 +377,25 @@ impl<'m> Compensator<'m> {
     }
 
     fn within(&self, x: &[f64; MOST]) -> [f64; MOST] {
-        std::array::from_fn(|k| x[k].clamp(self.limits.lower[k], self.limits.upper[k]))
+        let mut inside = *x;
+        for (k, x) in inside.iter_mut().enumerate().take(self.nominal.joints()) {
+            *x = x.clamp(self.limits.lower[k], self.limits.upper[k]);
+        }
+        inside
     }
 
     fn wrapped(&self, x: &[f64; MOST]) -> [f64; MOST] {
-        std::array::from_fn(|k| {
+        let mut inside = *x;
+        for (k, x) in inside.iter_mut().enumerate().take(self.nominal.joints()) {
             let (lower, upper) = (self.limits.lower[k], self.limits.upper[k]);
-            let turns = k < self.nominal.joints() && !self.nominal.slides(k);
-            if !turns || (x[k] >= lower && x[k] <= upper) {
-                return x[k];
+            if self.nominal.slides(k) || (*x >= lower && *x <= upper) {
+                continue;
             }
-            let goal = if x[k] < lower { lower } else { upper };
-            let off = ((x[k] - goal) / TAU).abs().ceil() * TAU;
-            if x[k] < lower { x[k] + off } else { x[k] - off }
-        })
+            let goal = if *x < lower { lower } else { upper };
+            let off = ((*x - goal) / TAU).abs().ceil() * TAU;
+            *x = if *x < lower { *x + off } else { *x - off };
+        }
+        inside
     }
 
     fn nominal_point(&self, target: Option<TargetId>) -> Vector3<f64> {

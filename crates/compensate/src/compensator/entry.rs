@@ -128,8 +128,7 @@ fn load_is_finite(load: &Load) -> bool {
 
 /// A rotation, made exact (one step of Newton's polar iteration); none when it is none to six digits.
 fn orthonormal(r: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let (x, y, z): (Vector3<f64>, Vector3<f64>, Vector3<f64>) =
-        (r.column(0).into(), r.column(1).into(), r.column(2).into());
+    let [x, y, z] = r.data.0.map(Vector3::from);
     let (xx, yy, zz) = (x.dot(&x) - 1.0, y.dot(&y) - 1.0, z.dot(&z) - 1.0);
     let (xy, xz, yz) = (x.dot(&y), x.dot(&z), y.dot(&z));
     let off = [xx, yy, zz, xy, xz, yz].iter().fold(0.0, |most: f64, v| most.max(v.abs()));

@@ -4,16 +4,15 @@ use super::Compensator;
 use crate::command::{Command, Status, Wanted};
 use crate::lanes::{Block, WIDTH};
 use crate::options::Approach;
-use crate::search::Walk;
 
 impl Compensator<'_> {
     /// Commands for many desired poses, in their order, appended to `out`: what [`Compensator::command`] answers to each of
     /// them, to the last bit, in less time where the model allows it. Allocates only where `out` has no room.
     pub fn commands(&mut self, wanted: &[Wanted<'_>], out: &mut Vec<Command>) {
-        for block in wanted.chunks(WIDTH) {
-            let found = self.together(block);
-            for (one, found) in block.iter().zip(found) {
-                out.push(match found {
+        for some in wanted.chunks(WIDTH) {
+            let (block, lanes) = self.together(some);
+            for (one, lane) in some.iter().zip(lanes) {
+                out.push(match lane.and_then(|lane| block.found(lane)) {
                     Some(walk) => {
                         self.take_over(one.conditions);
                         self.answer(one.target.orientation.is_some(), &walk, Status::Ok, walk.rounds, true)
@@ -24,14 +23,12 @@ impl Compensator<'_> {
         }
     }
 
-    /// The straight ways of those that have one.
-    fn together(&mut self, wanted: &[Wanted<'_>]) -> [Option<Walk>; WIDTH] {
-        let mut found = [None; WIDTH];
+    /// The straight ways of those that have one, and where in the block each of them stands.
+    fn together(&mut self, wanted: &[Wanted<'_>]) -> (Block, [Option<usize>; WIDTH]) {
+        let (mut block, mut lanes) = (Block::empty(), [None; WIDTH]);
         if self.kernel.is_none() || self.options.approach != Approach::Stated {
-            return found;
+            return (block, lanes);
         }
-        let mut block = Block::empty();
-        let mut lanes = [None; WIDTH];
         for (one, lane) in wanted.iter().zip(&mut lanes) {
             let Some(seed) = one.seed else { continue };
             let Some(task) = self.enter(&one.target, one.conditions, one.seed) else { continue };
@@ -41,9 +38,6 @@ impl Compensator<'_> {
         if let Some(kernel) = &self.kernel {
             kernel.walk(&mut block);
         }
-        for (found, lane) in found.iter_mut().zip(lanes) {
-            *found = lane.and_then(|lane| block.found(lane));
-        }
-        found
+        (block, lanes)
     }
 }
