@@ -62,4 +62,10 @@ pub enum IdentifyError {
         /// What is missing, and what would help.
         why: String,
     },
+    /// Something that cannot be done on a stream of blocks.
+    #[error("this cannot be done block by block: {why}; read the data as a whole")]
+    NotStreamed {
+        /// What.
+        why: String,
+    },
 }

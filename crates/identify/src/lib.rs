@@ -18,6 +18,7 @@ pub mod reduction;
 mod repeats;
 mod residuals;
 mod shapes;
+mod streamed;
 mod suspicion;
 mod variance;
 
@@ -41,5 +42,8 @@ pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
 pub use shapes::{FittedShape, Shapes};
+pub use streamed::{
+    HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows,
+};
 pub use suspicion::{Cause, Suspicion, suspicion};
 pub use variance::estimate_noise;

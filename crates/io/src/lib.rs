@@ -24,7 +24,7 @@ pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, read_fit, write_fit};
 pub use map::{MapRow, write_map};
-pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements};
+pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements, sample_measurements};
 pub use model::read_model;
 pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};

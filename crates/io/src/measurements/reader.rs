@@ -26,13 +26,14 @@ impl Default for MeasurementsOptions {
 /// Reads measurements block by block, for files of any length.
 #[derive(Debug)]
 pub struct MeasurementsReader {
-    lines: Lines,
+    pub(super) lines: Lines,
     pub(super) rows: RowReader,
     schema: Schema,
     joints: usize,
     pub(super) visits: VisitNumbers,
+    labels: Vec<i64>,
     /// A row that was read and belongs to the next block.
-    pending: bool,
+    pub(super) pending: bool,
     pub(super) count: usize,
     pub(super) first_bytes: usize,
     last_time: f64,
@@ -74,6 +75,7 @@ impl MeasurementsReader {
             schema,
             joints: chain.movable().len(),
             visits: VisitNumbers::default(),
+            labels: Vec::new(),
             pending: false,
             count: 0,
             first_bytes: 0,
@@ -86,6 +88,16 @@ impl MeasurementsReader {
     /// Which signals the file carries. Directions of approach count only where the file states them for every joint.
     pub fn schema(&self) -> &Schema {
         &self.schema
+    }
+
+    /// How many bytes have been read, and how many the file has.
+    pub fn progress(&self) -> (u64, u64) {
+        (self.lines.handed_out(), self.lines.size())
+    }
+
+    /// The file's own numbers of the visits of the block that was read last; none where it numbers none.
+    pub fn block_labels(&self) -> &[i64] {
+        &self.labels
     }
 
     /// What was suspicious so far.
@@ -102,7 +114,8 @@ impl MeasurementsReader {
     /// At the first row that is wrong.
     pub fn read_block(&mut self, rows: usize, block: &mut Dataset) -> Result<usize, IoError> {
         self.clear(block);
-        let mut labels: Vec<i64> = Vec::new();
+        let mut labels = std::mem::take(&mut self.labels);
+        labels.clear();
         let mut visit = 0;
         loop {
             if !self.pending && !self.next_row()? {
@@ -136,6 +149,7 @@ impl MeasurementsReader {
         if !labels.is_empty() {
             check_standstills(block, &labels, &self.rows.header)?;
         }
+        self.labels = labels;
         if self.count == 0 {
             return Err(self.no_rows());
         }
