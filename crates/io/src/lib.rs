@@ -28,7 +28,7 @@ pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsRea
 pub use model::read_model;
 pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
-pub use predictions::write_predictions;
+pub use predictions::{PredictionsWriter, write_predictions};
 pub use robot::{RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_toml, robot_urdf};
 pub use text::read_text;
 pub use unfinished::discard_unfinished;

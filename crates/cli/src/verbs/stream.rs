@@ -103,7 +103,7 @@ impl Source for Table<'_> {
             progress.at(reader.progress().0);
         }
         if self.passes == 1 {
-            terminal::warn(reader.warnings());
+            terminal::warn(&reader.warnings(self.chain));
         }
         Ok(())
     }

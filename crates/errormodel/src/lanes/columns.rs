@@ -67,7 +67,9 @@ impl Lanes<'_> {
     pub fn left(&mut self, data: &Dataset, change: &[f64], into: &mut [f64]) {
         self.ready(data, |column| change[column] != 0.0);
         self.change.clear();
-        self.change.add(&self.emission, 0, change);
+        if change.iter().any(|&c| c != 0.0) {
+            self.change.add(&self.emission, 0, change);
+        }
         let (store, change) = (&self.store, &self.change);
         Arch::new().dispatch(Left { store, change, fill: &self.fill, into });
     }

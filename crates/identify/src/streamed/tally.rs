@@ -2,16 +2,18 @@
 
 use crate::Spread;
 
-/// Up to so many are kept, and their statistics are those of [`Spread::of`].
+/// Up to so many are kept, unless more are asked for, and their statistics are those of [`Spread::of`].
 const KEPT: usize = 1 << 16;
 /// Beyond that a quantile comes from a histogram of this many bins an octave: right to a four-hundredth part.
 const BINS: usize = 256;
 /// Octaves of the histogram, downwards from 2^32.
 const OCTAVES: usize = 96;
 
-/// Count, mean, root mean square, maximum, and the 95 % quantile: exact up to 65 536 values, right to 0.4 % beyond.
-#[derive(Debug, Clone, Default)]
+/// Count, mean, root mean square, maximum, and the 95 % quantile: exact up to 65 536 values or as many as are to be kept,
+/// right to 0.4 % beyond.
+#[derive(Debug, Clone)]
 pub struct Tally {
+    most: usize,
     kept: Vec<f64>,
     bins: Vec<u64>,
     count: usize,
@@ -20,7 +22,18 @@ pub struct Tally {
     max: f64,
 }
 
+impl Default for Tally {
+    fn default() -> Self {
+        Tally::keeping(KEPT)
+    }
+}
+
 impl Tally {
+    /// One that is exact up to so many values.
+    pub fn keeping(most: usize) -> Self {
+        Tally { most, kept: Vec::new(), bins: Vec::new(), count: 0, sum: 0.0, squares: 0.0, max: 0.0 }
+    }
+
     /// Takes in some more; what is no number is left out.
     pub fn add(&mut self, values: impl Iterator<Item = f64>) {
         for value in values.filter(|value| value.is_finite()) {
@@ -30,7 +43,7 @@ impl Tally {
             self.max = self.max.max(value);
             if self.bins.is_empty() {
                 self.kept.push(value);
-                if self.kept.len() > KEPT {
+                if self.kept.len() > self.most {
                     self.bins = vec![0; BINS * OCTAVES];
                     std::mem::take(&mut self.kept).into_iter().for_each(|value| self.bins[bin(value)] += 1);
                 }

@@ -1,5 +1,6 @@
 //! Rows of a table in blocks, in constant memory.
 
+use super::columns::Cells;
 use super::header::{Header, Needs};
 use super::info::{ColumnInfo, CsvInfo};
 use super::lines::Lines;
@@ -100,9 +101,17 @@ impl MeasurementsReader {
         &self.labels
     }
 
-    /// What was suspicious so far.
-    pub fn warnings(&self) -> &[Warning] {
-        &self.warnings
+    /// What was suspicious so far: about the header, and about the rows read as far as no row has to be remembered for that.
+    pub fn warnings(&self, chain: &Chain) -> Vec<Warning> {
+        let mut warnings = self.warnings.clone();
+        super::suspicious::look_at_columns(self, chain, &mut warnings);
+        warnings
+    }
+
+    /// Whether the file numbers visits, and whether it has a column of targets.
+    pub fn names(&self) -> (bool, bool) {
+        let targets = self.rows.header.columns.iter().any(|column| column.cells == Cells::Target);
+        (self.rows.header.slots.visit.is_some(), targets)
     }
 
     /// Reads the next block into `block`, replacing what it holds: at least `rows` rows, so many more that no visit
