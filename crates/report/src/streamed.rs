@@ -3,8 +3,8 @@
 use crate::identification::groups;
 use crate::layout::Alignment::{Left, Right};
 use crate::{
-    GroupSummary, PositionSpread, RotationSpread, count, significant, table,
-    value_with_interval, warning_words,
+    GroupSummary, PositionSpread, RotationSpread, count, significant, table, value_with_interval,
+    warning_words,
 };
 use serde::Serialize;
 use std::fmt;

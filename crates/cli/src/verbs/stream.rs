@@ -29,12 +29,11 @@ pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) 
     }
     let solver = args.solver.build();
     let mut file = Table { path: &args.data, chain, positions_only: args.positions_only, passes: 0 };
-    let mut found = identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| {
-        match error {
+    let mut found =
+        identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| match error {
             Wrong::Reading(error) => error.into(),
             Wrong::Identifying(error) => refused(args, error),
-        }
-    })?;
+        })?;
     let summary = StreamedSummary::new(&found, &args.solver.to_string());
     if args.json {
         print_json(&summary)?;

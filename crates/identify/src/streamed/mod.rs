@@ -102,6 +102,8 @@ const TRUSTED: f64 = 1e6;
 /// Passes on which the model is linearised, at most, and the step (relative, whitened) below which nothing moves.
 const ROUNDS: usize = 6;
 const STILL: f64 = 1e-6;
+/// A pass that gained less than this share of the whitened squares over the one before was the last.
+const FLAT: f64 = 1e-6;
 
 /// Rows of a sample for a model of so many unknowns.
 pub fn sample_rows(unknowns: usize) -> usize {
@@ -129,13 +131,7 @@ pub fn identify_streamed<S: Source>(
     }
     let placement = place(chain, &sample)?;
     let model = declared.on(placement.chain.clone()).map_err(IdentifyError::from)?;
-    // Structure of the nominal robot: what its errors alone tell apart (see `fit`) a sample does not determine.
-    let linear = FitOptions { refine: false, ..options.fit.clone() };
-    let mut first = fit(&model, &sample, solver, &linear)?;
-    if options.fit.refine {
-        let again = refit(first.fitted.model(), &sample, solver, &options.fit, &first.reduction, &first.prior)?;
-        first = Fit { shapes: first.shapes, ..again };
-    }
+    let first = of_sample(&model, &sample, solver, &options.fit)?;
     let unknowns = first.fitted.coefficients().len();
     let mut at = match options.fit.refine {
         true => first.fitted.coefficients().to_vec(),
@@ -146,7 +142,7 @@ pub fn identify_streamed<S: Source>(
     let rank = first.reduction.rank();
     let most = if options.fit.refine { ROUNDS } else { 1 };
     let mut gram = true;
-    let mut rounds = 0;
+    let (mut rounds, mut before) = (0, f64::INFINITY);
     let (sums, mut whole, mut changes) = loop {
         rounds += 1;
         let mut sums = Sums::new(rank, folds, !gram);
@@ -158,7 +154,11 @@ pub fn identify_streamed<S: Source>(
         };
         let fitted = from_factor(&first, &sample, solver, &options.fit, &at, &factor, sums.observations)?;
         let (mut whole, step) = fitted;
-        let converged = !options.fit.refine || step < STILL;
+        // In a flat valley steps need not become short: nothing is gained any more.
+        let squares = factor.z.column(0).norm_squared() + factor.rss[0];
+        let flat = before - squares < FLAT * squares;
+        before = squares;
+        let converged = !options.fit.refine || step < STILL || flat;
         if !converged && rounds < most {
             at = whole.fitted.coefficients().to_vec();
             continue;
@@ -193,6 +193,36 @@ pub fn identify_streamed<S: Source>(
         orientation: judged.orientation.spread(),
         held_out,
         gram,
+    })
+}
+
+/// The fit of the sample, on which the structure is decided. What can be told apart only because errors have moved the robot (see [`fit`]) is
+/// taken in where the sample comes to rest with it and gains more than that many unknowns cost (Schwarz 1978).
+fn of_sample(
+    model: &ErrorModel,
+    sample: &Dataset,
+    solver: &dyn Solver,
+    options: &FitOptions,
+) -> Result<Fit, IdentifyError> {
+    let nominal = fit(model, sample, solver, &FitOptions { refine: false, ..options.clone() })?;
+    if !options.refine {
+        return Ok(nominal);
+    }
+    let again = refit(nominal.fitted.model(), sample, solver, options, &nominal.reduction, &nominal.prior)?;
+    let nominal = Fit { shapes: nominal.shapes, ..again };
+    let bent =
+        fit(model, sample, solver, &FitOptions { max_rounds: options.max_rounds.min(40), ..options.clone() });
+    let squares = |fit: &Fit| match fit.residuals.positions() {
+        none if none.count == 0 => fit.residuals.orientations().rms.powi(2),
+        some => some.rms.powi(2),
+    };
+    let m = nominal.observations as f64;
+    Ok(match bent {
+        Ok(bent) if bent.converged && bent.reduction.rank() > nominal.reduction.rank() => {
+            let more = (bent.reduction.rank() - nominal.reduction.rank()) as f64;
+            if m * (squares(&nominal) / squares(&bent)).ln() > more * m.ln() { bent } else { nominal }
+        }
+        _ => nominal,
     })
 }
 

@@ -37,13 +37,8 @@ pub(crate) fn from_factor(
     there.z.column_mut(0).zip_apply(&moved, |z, s| *z -= s);
     let length = state.step(reduction, factor, &target);
     state.coefficients = target;
-    let outcome = Outcome {
-        solution,
-        rounds: 1,
-        converged: true,
-        factor: there,
-        residuals: Residuals::default(),
-    };
+    let outcome =
+        Outcome { solution, rounds: 1, converged: true, factor: there, residuals: Residuals::default() };
     let mut whole = state.finish(reduction.clone(), outcome)?;
     whole.shapes.clone_from(&fit.shapes);
     Ok((whole, length))
