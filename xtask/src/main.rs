@@ -41,9 +41,9 @@ enum Verb {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },
-    /// All benchmarks.
+    /// Workloads against the peers, in release; leaves its numbers in target/bench.
     Bench {
-        /// Passed on to the benchmarks, e.g. a filter.
+        /// Passed on: workloads, `--rounds 15`, `--against old.json`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },
@@ -78,9 +78,12 @@ fn run(verb: Verb) -> Result<()> {
                 .args(rest)
                 .current_dir(&root),
         ),
-        Verb::Bench { rest } => {
-            finished(Command::new("cargo").args(["bench", "--workspace", "--"]).args(rest).current_dir(&root))
-        }
+        Verb::Bench { rest } => finished(
+            Command::new("cargo")
+                .args(["run", "--release", "--package", "truepose-bench", "--bin", "bench", "--"])
+                .args(rest)
+                .current_dir(&root),
+        ),
     }
 }
 

@@ -109,6 +109,9 @@ pub struct Identify {
     /// The paper's single linear step, without refinement at the exact model
     #[arg(long)]
     pub linear: bool,
+    /// Read the data block by block, in memory that does not grow with it: for files larger than memory
+    #[arg(long, conflicts_with_all = ["split", "repeat", "fold_by", "holdout", "report", "spec"])]
+    pub stream: bool,
     /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,

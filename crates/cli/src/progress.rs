@@ -19,6 +19,22 @@ impl Progress {
         Progress(bar)
     }
 
+    /// Through so many bytes.
+    pub fn bytes(count: u64) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(count), ProgressDrawTarget::stderr());
+        let template = "{spinner} [{bar:24}] {msg} {bytes} of {total_bytes}, {bytes_per_sec}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("━╸ "));
+        }
+        bar.enable_steady_tick(Duration::from_millis(120));
+        Progress(bar)
+    }
+
+    /// So many of them have been read.
+    pub fn at(&self, bytes: u64) {
+        self.0.set_position(bytes);
+    }
+
     /// Of which nobody knows how many steps there are.
     pub fn spinner() -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());

@@ -18,11 +18,11 @@
 use crate::command::MOST;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use truepose_errormodel::error_matrix;
-use truepose_kinematics::{Chain, JointId, JointKind, Placement, Pose, sin_cos};
+use truepose_kinematics::{Chain, FrameId, JointId, JointKind, Placement, Pose, sin_cos};
 
 /// One factor of T.
 #[derive(Debug, Clone)]
-enum Factor {
+pub(crate) enum Factor {
     /// A constant, all neighbouring ones multiplied out.
     Constant(Pose),
     /// A constant translation.
@@ -37,7 +37,20 @@ enum Factor {
     Turn,
     /// The next joint slides.
     Slide,
+    /// No factor: something that stands at this place.
+    Mark(Mark),
 }
+
+/// Something whose place is asked for: which, and where its point and its direction lie in the axes of the factors so far.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Mark {
+    pub what: usize,
+    pub point: Vector3<f64>,
+    pub direction: Vector3<f64>,
+}
+
+/// A mark in a frame of the robot, in its axes.
+pub(crate) type Marked = (FrameId, Mark);
 
 /// The factors of T in order.
 #[derive(Debug, Clone)]
@@ -71,10 +84,16 @@ impl Reached {
 impl Arm {
     /// Of a robot with these generalized errors, six a frame, constant except at those that `moves` marks.
     pub fn new(chain: &Chain, errors: &[f64], moves: &[bool]) -> Self {
+        Arm::with_marks(chain, errors, moves, &[])
+    }
+
+    /// The same with marks, each behind the errors of its frame.
+    pub fn with_marks(chain: &Chain, errors: &[f64], moves: &[bool], marks: &[Marked]) -> Self {
         let mut made = Factors { factors: Vec::new(), pending: chain.base().pose };
         let mut slides = [false; MOST];
         let mut joints = 0;
         made.errors(0, errors, moves);
+        made.marks(0, marks);
         for (index, joint) in chain.joints().iter().enumerate() {
             let (pre, post) = around_motion(chain, JointId(index + 1));
             made.constant(&pre);
@@ -94,6 +113,7 @@ impl Arm {
             }
             made.constant(&post);
             made.errors(index + 1, errors, moves);
+            made.marks(index + 1, marks);
         }
         made.constant(&chain.tool().pose);
         made.errors(chain.joints().len() + 1, errors, moves);
@@ -104,6 +124,11 @@ impl Arm {
     /// Whether joint k slides.
     pub fn slides(&self, k: usize) -> bool {
         self.slides[k]
+    }
+
+    /// The factors in order.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
     }
 
     /// How many joints move.
@@ -146,6 +171,7 @@ impl Arm {
                     at += z * q[k];
                     k += 1;
                 }
+                Factor::Mark(_) => {}
             }
         }
         out.tool = Pose::new(Matrix3::from_columns(&[x, y, z]), at);
@@ -219,6 +245,15 @@ impl Factors {
             } else {
                 self.constant(&Pose::rot(k - 3, error(k)));
             }
+        }
+    }
+
+    /// Relative to what is pending, so that constants on either side of a mark remain one.
+    fn marks(&mut self, frame: usize, marks: &[Marked]) {
+        for (_, mark) in marks.iter().filter(|(at, _)| at.0 == frame) {
+            let (point, direction) =
+                (self.pending.apply(&mark.point), self.pending.rotation * mark.direction);
+            self.factors.push(Factor::Mark(Mark { point, direction, ..*mark }));
         }
     }
 

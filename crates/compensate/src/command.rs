@@ -72,6 +72,17 @@ impl Target {
     }
 }
 
+/// One of many desired poses, for `Compensator::commands`: what `Compensator::command` is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// The pose.
+    pub target: Target,
+    /// Under which conditions.
+    pub conditions: &'a Conditions,
+    /// Where the search begins, rad or m.
+    pub seed: Option<&'a [f64]>,
+}
+
 /// What became of a desired pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {

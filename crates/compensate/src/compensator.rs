@@ -12,10 +12,12 @@
 //! the last bit: nothing is carried over from one command to the next.
 
 mod entry;
+mod many;
 
 use crate::CompensateError;
 use crate::arm::{Arm, Reached};
 use crate::command::{Command, Extrapolation, MOST, Status, Target, Values};
+use crate::lanes::{Block, Kernel};
 use crate::options::{Approach, CompensatorOptions};
 use crate::position_first::walk_position_first;
 use crate::real::RealArm;
@@ -42,6 +44,8 @@ pub struct Compensator<'m> {
     real: RealArm<'m>,
     nominal: Arm,
     starts: Starts,
+    /// For models that can be asked for several commands at once.
+    kernel: Option<Kernel>,
     /// Joint units per unit of the search.
     scale: [f64; MOST],
     limits: Limits,
@@ -100,12 +104,14 @@ impl<'m> Compensator<'m> {
         };
         let starts = Starts::new(&nominal, &limits, &scale);
         let at = Reached::nowhere();
+        let kernel = Kernel::of(fitted, real.constant(), &scale, &limits, &options);
         Ok(Compensator {
             fitted,
             options,
             real,
             nominal,
             starts,
+            kernel,
             scale,
             limits,
             length,
@@ -159,7 +165,7 @@ impl<'m> Compensator<'m> {
                 start = Some(found.walk.x);
             }
         }
-        self.answer(&task, &found, rounds, approach_holds)
+        self.answer(task.rotation.is_some(), &found.walk, found.status, rounds, approach_holds)
     }
 
     /// Where the real robot's target is under these conditions (joints included), and how the tool is turned: as
@@ -195,6 +201,9 @@ impl<'m> Compensator<'m> {
                 return Found::ok(ended, rounds);
             }
             rounds += ended.rounds;
+        }
+        if let Some(found) = seed.and_then(|x| self.straight(task, x)) {
+            return Found::ok(found, rounds);
         }
         if let Some(x) = seed {
             let found = walk(&mut self.exact(), task, x, &limits, most);
@@ -299,6 +308,15 @@ impl<'m> Compensator<'m> {
         Found { walk: best, status }
     }
 
+    /// The straight way from a seed, as [`Compensator::commands`] takes it for several at once.
+    fn straight(&mut self, task: &Task, seed: &[f64; MOST]) -> Option<Walk> {
+        let kernel = self.kernel.as_ref()?;
+        let mut block = Block::empty();
+        let lane = block.push(task, &self.real.still_point(task.target), &self.conditions.load, seed)?;
+        kernel.walk(&mut block);
+        block.found(lane)
+    }
+
     /// After so many exact walks that began where the nominal robot is there and got stuck, the pose is at the edge of
     /// what can be reached. A robot of fewer joints than six may have to try all its postures: each tilts otherwise.
     fn enough(&self) -> usize {
@@ -309,19 +327,26 @@ impl<'m> Compensator<'m> {
         (0..self.nominal.joints()).any(|k| x[k] <= self.limits.lower[k] || x[k] >= self.limits.upper[k])
     }
 
-    fn answer(&mut self, task: &Task, found: &Found, rounds: usize, approach_holds: bool) -> Command {
+    fn answer(
+        &self,
+        turned: bool,
+        walk: &Walk,
+        status: Status,
+        rounds: usize,
+        approach_holds: bool,
+    ) -> Command {
         let n = self.nominal.joints();
         let mut joints = Values::zeros(n);
         let mut approach = Values::zeros(n);
         for k in 0..n {
-            joints[k] = self.joint(k, found.walk.x[k]);
+            joints[k] = self.joint(k, walk.x[k]);
             approach[k] = self.conditions.approach[k];
         }
         Command {
             joints,
-            status: found.status,
-            position_error: found.walk.gap.position(self.length),
-            orientation_error: if task.rotation.is_some() { found.walk.gap.orientation() } else { 0.0 },
+            status,
+            position_error: walk.gap.position(self.length),
+            orientation_error: if turned { walk.gap.orientation() } else { 0.0 },
             rounds,
             extrapolation: Extrapolation::of(
                 &self.fitted.domain,
@@ -352,20 +377,25 @@ impl<'m> Compensator<'m> {
     }
 
     fn within(&self, x: &[f64; MOST]) -> [f64; MOST] {
-        std::array::from_fn(|k| x[k].clamp(self.limits.lower[k], self.limits.upper[k]))
+        let mut inside = *x;
+        for (k, x) in inside.iter_mut().enumerate().take(self.nominal.joints()) {
+            *x = x.clamp(self.limits.lower[k], self.limits.upper[k]);
+        }
+        inside
     }
 
     fn wrapped(&self, x: &[f64; MOST]) -> [f64; MOST] {
-        std::array::from_fn(|k| {
+        let mut inside = *x;
+        for (k, x) in inside.iter_mut().enumerate().take(self.nominal.joints()) {
             let (lower, upper) = (self.limits.lower[k], self.limits.upper[k]);
-            let turns = k < self.nominal.joints() && !self.nominal.slides(k);
-            if !turns || (x[k] >= lower && x[k] <= upper) {
-                return x[k];
+            if self.nominal.slides(k) || (*x >= lower && *x <= upper) {
+                continue;
             }
-            let goal = if x[k] < lower { lower } else { upper };
-            let off = ((x[k] - goal) / TAU).abs().ceil() * TAU;
-            if x[k] < lower { x[k] + off } else { x[k] - off }
-        })
+            let goal = if *x < lower { lower } else { upper };
+            let off = ((*x - goal) / TAU).abs().ceil() * TAU;
+            *x = if *x < lower { *x + off } else { *x - off };
+        }
+        inside
     }
 
     fn nominal_point(&self, target: Option<TargetId>) -> Vector3<f64> {

@@ -7,6 +7,7 @@ mod command;
 mod compensator;
 mod error;
 mod export;
+mod lanes;
 mod options;
 mod position_first;
 mod real;
@@ -18,7 +19,7 @@ mod task;
 pub use accuracy::{
     AccuracyMap, MapGrid, MapNode, MapOptions, PredictedError, accuracy_map, predicted_error, radius_95,
 };
-pub use command::{Command, Extrapolation, MOST, Status, Target, Values};
+pub use command::{Command, Extrapolation, MOST, Status, Target, Values, Wanted};
 pub use compensator::Compensator;
 pub use error::CompensateError;
 pub use export::{

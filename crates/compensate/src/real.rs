@@ -139,13 +139,26 @@ impl<'m> RealArm<'m> {
         arm.reach(&conditions.joints, turns, &self.errors, out);
     }
 
+    /// The constant generalized errors, in the order of `Chain::site_index`.
+    pub fn constant(&self) -> &[f64] {
+        &self.constant
+    }
+
+    /// The same as [`RealArm::point`] where no effect that moves speaks of targets, m.
+    pub fn still_point(&self, target: Option<TargetId>) -> Vector3<f64> {
+        self.place_of(target, &self.constant)
+    }
+
     /// The real place of a target in the tool's axes at the conditions reached last, m.
     pub fn point(&self, target: Option<TargetId>) -> Vector3<f64> {
+        self.place_of(target, &self.errors)
+    }
+
+    fn place_of(&self, target: Option<TargetId>, errors: &[f64]) -> Vector3<f64> {
         let chain = self.fitted.chain();
         target.map_or(Vector3::zeros(), |t| {
             let at = 6 * chain.frames().len() + 3 * t.0;
-            let error = Vector3::new(self.errors[at], self.errors[at + 1], self.errors[at + 2]);
-            chain.targets()[t.0].position + error
+            chain.targets()[t.0].position + Vector3::new(errors[at], errors[at + 1], errors[at + 2])
         })
     }
 

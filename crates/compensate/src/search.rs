@@ -60,7 +60,7 @@ impl Walk {
 }
 
 /// |e|² from which Newton's step is tried.
-const NEAR: f64 = 2e-3;
+pub(crate) const NEAR: f64 = 2e-3;
 const BIAS: f64 = 1e-8;
 /// A walk whose |e|² fell by less than a hundredth in so many rounds is at the edge of what can be reached.
 const CHECK: usize = 10;

@@ -38,7 +38,7 @@ pub(crate) struct Linear<'a> {
 }
 
 /// Largest step of one joint, rad or characteristic lengths.
-const LARGEST: f64 = 0.7;
+pub(crate) const LARGEST: f64 = 0.7;
 
 impl Linear<'_> {
     /// J of Newton's step, when the problem is square and regular.

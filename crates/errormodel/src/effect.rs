@@ -1,5 +1,6 @@
 //! The seam through which effects enter: the only trait that an author of an effect implements.
 
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Emission, ModelError};
 use serde::{Serialize, de::DeserializeOwned};
 use std::any::Any;
@@ -128,6 +129,11 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
     /// Emits Φ at a posture. Called for every row: no allocation, no panic.
     fn eval(&self, at: &Posture<'_>, out: &mut Emission);
 
+    /// Emits Φ in a block of rows at once: the same as `eval` in each of them, faster. `false`, having said nothing: `eval` is asked.
+    fn eval_lanes(&self, _at: &LanePosture<'_>, _out: &mut LaneEmission) -> bool {
+        false
+    }
+
     /// The signals that `eval` reads as `at.signal(0)`, `at.signal(1)`, … Checked once against the data's schema.
     fn needs(&self) -> Vec<Signal> {
         Vec::new()
@@ -138,6 +144,13 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
     /// signals alone.
     fn settles(&self) -> bool {
         true
+    }
+
+    /// The joints that yield, one for each column, when this is all that the effect says: column k is joint k's own motion,
+    /// in proportion to the load about (along) it, [`Posture::joint_load`]. Who evaluates many postures at once need not ask
+    /// such an effect posture by posture. `None`, which is always right, leaves it to `eval`.
+    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
+        None
     }
 
     /// Checks the parameters against the robot, once, when a model is made.
@@ -168,10 +181,18 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
     fn columns(&self, chain: &Chain) -> Vec<Column>;
     /// [`Effect::eval`].
     fn eval(&self, at: &Posture<'_>, out: &mut Emission);
+    /// [`Effect::eval_lanes`].
+    fn eval_lanes(&self, _at: &LanePosture<'_>, _out: &mut LaneEmission) -> bool {
+        false
+    }
     /// [`Effect::needs`].
     fn needs(&self) -> Vec<Signal>;
     /// [`Effect::settles`].
     fn settles(&self) -> bool;
+    /// [`Effect::springs`].
+    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
+        None
+    }
     /// [`Effect::validate`].
     ///
     /// # Errors
@@ -197,11 +218,17 @@ impl<E: Effect> AnyEffect for E {
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         Effect::eval(self, at, out);
     }
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        Effect::eval_lanes(self, at, out)
+    }
     fn needs(&self) -> Vec<Signal> {
         Effect::needs(self)
     }
     fn settles(&self) -> bool {
         Effect::settles(self)
+    }
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        Effect::springs(self, chain)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         Effect::validate(self, chain)

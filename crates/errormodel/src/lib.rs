@@ -8,6 +8,7 @@ mod error;
 mod fitted;
 mod generalized;
 mod jacobian;
+pub mod lanes;
 mod limited;
 mod model;
 mod real;

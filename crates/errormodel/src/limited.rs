@@ -1,7 +1,8 @@
 //! An effect whose unknowns a user holds between bounds.
 
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Emission, ModelError, Shape, Signal};
-use truepose_kinematics::{Chain, Posture};
+use truepose_kinematics::{Chain, JointId, Posture};
 
 /// Another effect, all of its unknowns between two bounds. It is the same effect in every other respect, in files as well:
 /// bounds belong to a fit, not to what was fitted.
@@ -37,11 +38,17 @@ impl AnyEffect for Limited {
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         self.effect.eval(at, out);
     }
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        self.effect.eval_lanes(at, out)
+    }
     fn needs(&self) -> Vec<Signal> {
         self.effect.needs()
     }
     fn settles(&self) -> bool {
         self.effect.settles()
+    }
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        self.effect.springs(chain)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         self.effect.validate(chain)
@@ -64,7 +71,7 @@ impl AnyEffect for Limited {
 mod tests {
     use super::*;
     use crate::effects::{JointCompliance, Transmission};
-    use truepose_kinematics::{JointId, samples};
+    use truepose_kinematics::samples;
 
     #[test]
     fn it_is_the_same_effect_between_bounds() {
@@ -73,6 +80,7 @@ mod tests {
         let limited = Limited::new(plain.clone(), [0.0, 1e-5]).unwrap();
         assert_eq!(limited.parameters(), plain.parameters());
         assert_eq!(limited.kind(), "joint_compliance");
+        assert_eq!(limited.springs(&chain), Some(chain.movable().to_vec()));
         for (column, bare) in limited.columns(&chain).iter().zip(plain.columns(&chain)) {
             assert_eq!(column.bounds.map(f64::to_bits), [0.0, 1e-5].map(f64::to_bits));
             assert!(bare.bounds[0] >= 0.0 && bare.bounds[1] == f64::INFINITY, "a compliance is not negative");

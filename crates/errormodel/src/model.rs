@@ -95,6 +95,10 @@ impl ErrorModel {
         self.paces[effect] == Pace::Constant
     }
 
+    pub(crate) fn pace(&self, effect: usize) -> Pace {
+        self.paces[effect]
+    }
+
     /// Resolves every signal that the effects need, once, so that evaluation cannot fail.
     ///
     /// # Errors
@@ -139,6 +143,16 @@ impl<'m> BoundModel<'m> {
     /// The model.
     pub fn model(&self) -> &'m ErrorModel {
         self.model
+    }
+
+    /// Where the signals stand that the effects need, effect after effect.
+    pub(crate) fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    /// Those of the k-th effect.
+    pub(crate) fn slots_of(&self, effect: usize) -> Range<usize> {
+        self.first[effect]..self.first[effect + 1]
     }
 
     /// True when Φ is the same in both rows: joints, load and every signal that an effect reads, to the last bit.

@@ -10,7 +10,8 @@ use truepose_kinematics::{Chain, Conditions, Load, Payload, PostureBuffer};
 /// * expected sizes are positive, names differ;
 /// * evaluation is pure: the same posture gives the same emission;
 /// * it comes back from a file as itself;
-/// * shape parameters read back what was set.
+/// * shape parameters read back what was set;
+/// * where it says that it is springs, it emits what springs would.
 ///
 /// # Panics
 /// When one of these does not hold: it is meant for tests.
@@ -46,6 +47,23 @@ pub fn check_effect<E: Effect>(effect: &E, chain: &Chain) {
     assert_eq!(moved.len(), shape.len());
     for (now, value) in moved.iter().zip(&values) {
         assert!((now.value - value).abs() <= 1e-12 * value.abs(), "shape `{}` does not read back", now.name);
+    }
+
+    if let Some(joints) = effect.springs(chain) {
+        assert_eq!(joints.len(), columns.len(), "springs: one joint for each column");
+        assert!(effect.needs().is_empty(), "springs read no signals");
+        let mut buffer = PostureBuffer::new(chain);
+        for (k, said) in first.iter().enumerate() {
+            let conditions = tried(chain, k, 0);
+            let posture = buffer.update(chain, &conditions);
+            let mut springs = Emission::new();
+            for (column, &joint) in joints.iter().enumerate() {
+                if let Some(motion) = chain.joint_motion(joint) {
+                    springs.along(column, &motion, posture.joint_load(joint));
+                }
+            }
+            assert_eq!(springs.entries(), said, "emits other than springs would");
+        }
     }
 }
 
@@ -85,18 +103,24 @@ fn emissions<E: Effect>(effect: &E, chain: &Chain) -> Vec<Vec<Entry>> {
     let mut out = Emission::new();
     (0..3)
         .map(|k| {
-            let n = chain.movable().len();
-            let joints: Vec<f64> = (0..n).map(|j| 0.1 + 0.13 * (j * k) as f64 - 0.05 * k as f64).collect();
-            let mut conditions = Conditions::at(chain, &joints);
-            if k > 0 {
-                let com = Vector3::new(0.02, 0.03, 0.1);
-                conditions.load = Load::Payload(Payload { mass: 20.0 * k as f64, com });
-            }
-            conditions.time = 100.0 * k as f64;
-            conditions.channels = vec![20.0 + k as f64; schema.channels.len()];
-            conditions.approach = (0..n).map(|j| if (j + k) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            let conditions = tried(chain, k, schema.channels.len());
             bound.emit(&buffer.update(chain, &conditions), &mut out);
             out.entries().to_vec()
         })
         .collect()
+}
+
+/// The k-th of those postures.
+fn tried(chain: &Chain, k: usize, channels: usize) -> Conditions {
+    let n = chain.movable().len();
+    let joints: Vec<f64> = (0..n).map(|j| 0.1 + 0.13 * (j * k) as f64 - 0.05 * k as f64).collect();
+    let mut conditions = Conditions::at(chain, &joints);
+    if k > 0 {
+        let com = Vector3::new(0.02, 0.03, 0.1);
+        conditions.load = Load::Payload(Payload { mass: 20.0 * k as f64, com });
+    }
+    conditions.time = 100.0 * k as f64;
+    conditions.channels = vec![20.0 + k as f64; channels];
+    conditions.approach = (0..n).map(|j| if (j + k).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
+    conditions
 }

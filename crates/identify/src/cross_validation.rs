@@ -13,7 +13,9 @@
 //! the same numbers. Folds without which the rest loses rank, and solvers that are not plain least squares, are
 //! fitted again.
 
-use crate::{Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, accumulate, refit};
+use crate::{
+    Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, refit, triangular_of,
+};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truepose_errormodel::{Dataset, Visits};
@@ -129,8 +131,9 @@ impl Work<'_> {
         let parts: Vec<Triangular> = members
             .par_iter()
             .map(|of_fold| {
-                let lineariser = self.lineariser()?.of_columns(&self.fit.reduction.kept);
-                accumulate(lineariser, self.visits, of_fold.iter().copied())
+                let (model, at) = (self.fit.fitted.model(), self.fit.fitted.coefficients());
+                let (kept, of_fold) = (Some(&*self.fit.reduction.kept), of_fold.iter().copied());
+                triangular_of(model, self.data, self.visits, self.fit.noise, at, kept, of_fold)
             })
             .collect::<Result<_, _>>()?;
         let empty = Triangular::new(self.fit.reduction.rank(), 1);

@@ -22,6 +22,14 @@ pub enum IdentifyError {
         /// Rows without a measurement.
         rows: usize,
     },
+    /// A visit has more rows than a block.
+    #[error(
+        "a visit has more than {most} rows; give its standstills numbers of their own in the `visit` column"
+    )]
+    LongVisit {
+        /// Rows of a block.
+        most: usize,
+    },
     /// The solver came back without an answer.
     #[error("solver `{solver}` found no answer: {status}")]
     NoAnswer {
@@ -54,6 +62,12 @@ pub enum IdentifyError {
         /// Base, tool or target.
         what: String,
         /// What is missing, and what would help.
+        why: String,
+    },
+    /// Something that cannot be done on a stream of blocks.
+    #[error("this cannot be done block by block: {why}; read the data as a whole")]
+    NotStreamed {
+        /// What.
         why: String,
     },
 }

@@ -11,12 +11,14 @@ mod linearise;
 mod noise;
 mod observability;
 mod placement;
+mod plain;
 mod planning;
 mod prior;
 pub mod reduction;
 mod repeats;
 mod residuals;
 mod shapes;
+mod streamed;
 mod suspicion;
 mod variance;
 
@@ -27,15 +29,20 @@ pub use excitation::{Advice, excitation};
 pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, fit_again, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
-pub use linearise::{Block, Lineariser, Rows, accumulate, collect, factorise};
+pub use linearise::{
+    Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
+    left_over, triangular, triangular_of,
+};
 pub use noise::NoiseModel;
 pub use observability::{Observability, observability};
 pub use placement::{Placement, Undetermined, place};
+pub use plain::{Plain, Way, plain};
 pub use planning::{Plan, PlanOptions, Planned, Why, plan};
 pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
 pub use shapes::{FittedShape, Shapes, judge_shapes};
+pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
 pub use suspicion::{Cause, Suspicion, suspicion};
 pub use variance::estimate_noise;

@@ -24,11 +24,13 @@ pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, read_fit, write_fit};
 pub use map::{MapRow, write_map};
-pub use measurements::{ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements};
+pub use measurements::{
+    ColumnInfo, CsvInfo, MeasurementsOptions, MeasurementsReader, read_measurements, sample_measurements,
+};
 pub use model::read_model;
 pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
-pub use predictions::write_predictions;
+pub use predictions::{PredictionsWriter, write_predictions};
 pub use robot::{RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_toml, robot_urdf};
 pub use text::read_text;
 pub use unfinished::discard_unfinished;

@@ -7,11 +7,80 @@ use std::path::Path;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Pose};
 
-/// Writes one predicted row for each row of the data, in its order.
+/// Predicted rows, block after block, in the order of the data. The file appears with [`PredictionsWriter::finish`].
 ///
-/// `predicted` holds the position of the row's target (m) and the orientation of the tool, both in the measurement
-/// frame. Besides `x[m],y[m],z[m]` and `qw,qx,qy,qz` each row repeats its visit (by the file's own number, from
-/// `info`), its joints in rad and m, and its target, where the data has them.
+/// Besides `x[m],y[m],z[m]` and `qw,qx,qy,qz` each row repeats its visit (by the file's own number), its joints in rad and m, and its
+/// target, where the data has them.
+#[derive(Debug)]
+pub struct PredictionsWriter<'a> {
+    chain: &'a Chain,
+    visits: bool,
+    targets: bool,
+    table: TableWriter,
+}
+
+impl<'a> PredictionsWriter<'a> {
+    /// Begins a file, with visits and targets or without.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn create(
+        path: impl AsRef<Path>,
+        chain: &'a Chain,
+        visits: bool,
+        targets: bool,
+    ) -> Result<Self, IoError> {
+        let mut header: Vec<String> = Vec::new();
+        if visits {
+            header.push("visit".into());
+        }
+        header.extend(chain.movable().iter().map(|&joint| {
+            let joint = chain.joint(joint);
+            format!("{}[{}]", joint.name, si_unit(joint.kind).word)
+        }));
+        if targets {
+            header.push("target".into());
+        }
+        header.extend(["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"].map(String::from));
+        let table = TableWriter::create(path.as_ref(), &header)?;
+        Ok(PredictionsWriter { chain, visits, targets, table })
+    }
+
+    /// One row for each row of the data: position of its target (m) and orientation of the tool, in the measurement frame. `labels` are the
+    /// file's numbers of the data's visits.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&mut self, data: &Dataset, labels: &[i64], predicted: &[Pose]) -> Result<(), IoError> {
+        let table = &mut self.table;
+        for (row, pose) in predicted.iter().enumerate() {
+            if self.visits {
+                table.integer(labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
+            }
+            for column in &data.joints {
+                table.number(column[row]);
+            }
+            if self.targets {
+                table.text(data.target[row].map_or("", |target| &self.chain.targets()[target.0].name));
+            }
+            pose.translation.iter().for_each(|&v| table.number(v));
+            pose.quaternion().iter().for_each(|&v| table.number(v));
+            table.end_row()?;
+        }
+        Ok(())
+    }
+
+    /// Makes the file appear.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn finish(self) -> Result<(), IoError> {
+        self.table.finish()
+    }
+}
+
+/// Writes one predicted row for each row of the data, in its order, as [`PredictionsWriter`] does; visits bear the file's own numbers, from
+/// `info`.
 ///
 /// # Errors
 /// When the file cannot be written, or there is not one prediction for each row.
@@ -27,36 +96,10 @@ pub fn write_predictions(
         let message = format!("there are {} predictions for {} rows", predicted.len(), data.len());
         return Err(IoError::Write { file: path.into(), message });
     }
-    let visits = !info.visit_labels.is_empty();
-    let targets = data.target.iter().any(Option::is_some);
-    let mut header: Vec<String> = Vec::new();
-    if visits {
-        header.push("visit".into());
-    }
-    header.extend(chain.movable().iter().map(|&joint| {
-        let joint = chain.joint(joint);
-        format!("{}[{}]", joint.name, si_unit(joint.kind).word)
-    }));
-    if targets {
-        header.push("target".into());
-    }
-    header.extend(["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"].map(String::from));
-    let mut table = TableWriter::create(path, &header)?;
-    for (row, pose) in predicted.iter().enumerate() {
-        if visits {
-            table.integer(info.visit_labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
-        }
-        for column in &data.joints {
-            table.number(column[row]);
-        }
-        if targets {
-            table.text(data.target[row].map_or("", |target| &chain.targets()[target.0].name));
-        }
-        pose.translation.iter().for_each(|&v| table.number(v));
-        pose.quaternion().iter().for_each(|&v| table.number(v));
-        table.end_row()?;
-    }
-    table.finish()
+    let (visits, targets) = (!info.visit_labels.is_empty(), data.target.iter().any(Option::is_some));
+    let mut file = PredictionsWriter::create(path, chain, visits, targets)?;
+    file.write(data, &info.visit_labels, predicted)?;
+    file.finish()
 }
 
 #[cfg(test)]

@@ -334,6 +334,12 @@ impl Chain {
         self.prepared.iter().zip(self.coordinates.iter().copied())
     }
 
+    /// One joint (0…) with its constants worked out.
+    #[inline]
+    pub(crate) fn prepared_joint(&self, index: usize) -> &PreparedJoint {
+        &self.prepared[index]
+    }
+
     /// Nominal pose of the tool in the measurement frame; `joints` in rad or m, movable joints only.
     pub fn forward(&self, joints: &[f64]) -> Pose {
         let mut pose = self.base.pose;

@@ -6,6 +6,7 @@ mod error;
 mod ids;
 mod jacobian;
 mod joint;
+pub mod lanes;
 mod link;
 mod load;
 mod motion;
@@ -31,3 +32,4 @@ pub use sines::sin_cos;
 pub use target::Target;
 
 pub use nalgebra;
+pub use pulp;

@@ -16,7 +16,7 @@ const PI_2: f64 = 6.077_100_506_303_966e-11;
 const PI_3: f64 = 2.022_266_248_795_950_6e-21;
 
 /// Beyond it the reduction would lose digits.
-const LARGEST: f64 = 1e5;
+pub(crate) const LARGEST: f64 = 1e5;
 
 /// Adding and subtracting it rounds to an integer, which then stands in the last bits of the sum.
 const ROUND: f64 = 6_755_399_441_055_744.0;
@@ -45,6 +45,12 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() > LARGEST || x.is_nan() {
         return x.sin_cos();
     }
+    sin_cos_near(x)
+}
+
+/// The same for an angle within the range of the reduction.
+#[inline(always)]
+pub(crate) fn sin_cos_near(x: f64) -> (f64, f64) {
     let shifted = x * FRAC_2_PI + ROUND;
     let n = shifted - ROUND;
     let r = ((x - n * PI_1) - n * PI_2) - n * PI_3;

@@ -10,6 +10,7 @@ mod plan;
 mod run;
 mod specification;
 mod spread;
+mod streamed;
 mod suspicion;
 mod words;
 
@@ -28,6 +29,7 @@ pub use plan::PlanSummary;
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};
 pub use spread::{PositionSpread, RotationSpread};
+pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_words;
 pub use words::{
     advice_words, count, millimetres, milliradians, parameter_words, significant, value_with_interval,

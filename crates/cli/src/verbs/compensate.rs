@@ -7,7 +7,9 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use rayon::prelude::*;
-use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Target, predicted_error};
+use truepose_compensate::{
+    Command, Compensator, CompensatorOptions, Status, Target, Wanted, predicted_error,
+};
 use truepose_errormodel::{EffectRegistry, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
 use truepose_kinematics::Conditions;
@@ -15,6 +17,8 @@ use truepose_report::{CommandView, CommandsView, commands_report, count, millime
 
 /// Poses that one thread takes at a time.
 const CHUNK: usize = 2048;
+/// Of which so many are asked together.
+const TOGETHER: usize = 64;
 
 /// Runs the verb.
 pub fn run(args: &Compensate) -> Result<(), Failure> {
@@ -100,6 +104,13 @@ fn views(fitted: &FittedModel, poses: &Poses, commands: &[Command]) -> Result<Ve
     Ok(commands.iter().enumerate().map(one).collect())
 }
 
+/// What is asked of one row.
+fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> Wanted<'a> {
+    let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
+    target.orientation = poses.rows.measured_rotation(row);
+    Wanted { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
+}
+
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
 fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
@@ -111,17 +122,17 @@ fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure
         .map(|chunk| {
             progress.begin("commands");
             let mut compensator = compensator.clone();
-            let mut conditions = Conditions::default();
-            chunk
-                .iter()
-                .map(|&row| {
-                    inputs.conditions_into(row, &mut conditions);
-                    let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
-                    target.orientation = poses.rows.measured_rotation(row);
-                    let seed = poses.seeded.then_some(conditions.joints.as_slice());
-                    compensator.command(&target, &conditions, seed)
-                })
-                .collect()
+            let mut conditions = vec![Conditions::default(); TOGETHER];
+            let mut commands = Vec::with_capacity(chunk.len());
+            for rows in chunk.chunks(TOGETHER) {
+                for (conditions, &row) in conditions.iter_mut().zip(rows) {
+                    inputs.conditions_into(row, conditions);
+                }
+                let wanted = |(conditions, &row): (_, &usize)| wanted(poses, conditions, row);
+                let wanted: Vec<Wanted<'_>> = conditions.iter().zip(rows).map(wanted).collect();
+                compensator.commands(&wanted, &mut commands);
+            }
+            commands
         })
         .collect();
     Ok(parts.concat())

@@ -23,6 +23,9 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
         None => vec![Box::new(Geometric::default())],
     };
+    if args.stream {
+        return super::stream::identify(args, &chain, &effects);
+    }
     let (mut data, info, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
     if args.positions_only {
@@ -77,20 +80,26 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     }
     if let Some(out) = &args.out {
         let provenance = &mut found.fit.fitted.provenance;
-        provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
-        provenance.insert("verb".into(), "identify".into());
-        provenance.insert("solver".into(), summary.solver.clone().into());
-        provenance.insert("rows".into(), summary.rows.into());
+        origin(provenance, &summary.solver, summary.rows);
         provenance.insert("seed".into(), args.seed.into());
         provenance.insert("structure_frozen_then_all_rows".into(), args.holdout.is_some().into());
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));
     }
-    met(args, &summary)
+    let Some(last) = summary.stages.last() else { return Ok(()) };
+    met(args, last.locked.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
+}
+
+/// Where a fit comes from.
+pub(super) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
+    provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
+    provenance.insert("verb".into(), "identify".into());
+    provenance.insert("solver".into(), solver.into());
+    provenance.insert("rows".into(), rows.into());
 }
 
 /// An error with the file that it is about, where it is about the data.
-fn refused(args: &Identify, error: IdentifyError) -> Failure {
+pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
     match error {
         IdentifyError::NothingMeasured { .. }
         | IdentifyError::Placement { .. }
@@ -101,10 +110,9 @@ fn refused(args: &Identify, error: IdentifyError) -> Failure {
     }
 }
 
-/// The criterion that was asked for.
-fn met(args: &Identify, summary: &IdentificationSummary) -> Result<(), Failure> {
-    let (Some(required), Some(last)) = (args.require, summary.stages.last()) else { return Ok(()) };
-    let judged = last.locked.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3;
+/// The criterion that was asked for, against an RMS, m.
+pub(super) fn met(args: &Identify, judged: f64) -> Result<(), Failure> {
+    let Some(required) = args.require else { return Ok(()) };
     if judged <= required {
         return Ok(());
     }

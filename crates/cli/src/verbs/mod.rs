@@ -12,6 +12,7 @@ pub mod plan;
 pub mod predict;
 mod reporting;
 pub mod simulate;
+mod stream;
 pub mod verify;
 
 use crate::args::Robot;

@@ -17,3 +17,4 @@ mod page;
 mod report;
 mod round_trip;
 mod spoiled;
+mod stream;

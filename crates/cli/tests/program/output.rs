@@ -3,7 +3,7 @@
 use crate::folder::Folder;
 use std::path::{Path, PathBuf};
 
-fn example(file: &str) -> String {
+pub fn example(file: &str) -> String {
     let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/01_identify");
     folder.join(file).canonicalize().unwrap().to_string_lossy().into_owned()
 }

@@ -32,20 +32,13 @@ impl Compensator<'_> {
             None => None,
             Some(r) => Some(orthonormal(&r)?),
         };
-        self.conditions.load = self.fitted.carried(conditions.load);
-        self.conditions.time = conditions.time;
-        match conditions.approach.len() {
-            0 => self.conditions.approach.fill(0.0),
-            given if given == n && finite(&conditions.approach) => {
-                self.conditions.approach.copy_from_slice(&conditions.approach);
-            }
-            _ => return None,
-        }
-        if conditions.channels.len() == self.conditions.channels.len() {
-            self.conditions.channels.copy_from_slice(&conditions.channels);
-        } else if !self.read.is_empty() {
+        let approach = &conditions.approach;
+        if !(approach.is_empty() || approach.len() == n && finite(approach))
+            || conditions.channels.len() != self.conditions.channels.len() && !self.read.is_empty()
+        {
             return None;
         }
+        self.take_over(conditions);
         if self.read.iter().any(|&(_, given)| !self.conditions.channels[given].is_finite()) {
             return None;
         }
@@ -57,6 +50,20 @@ impl Compensator<'_> {
             position_tolerance: self.options.position_tolerance,
             orientation_tolerance: self.options.orientation_tolerance,
         })
+    }
+
+    /// Load, time, channels and approach of conditions that were looked at.
+    pub(super) fn take_over(&mut self, conditions: &Conditions) {
+        self.conditions.load = self.fitted.carried(conditions.load);
+        self.conditions.time = conditions.time;
+        if conditions.approach.is_empty() {
+            self.conditions.approach.fill(0.0);
+        } else {
+            self.conditions.approach.copy_from_slice(&conditions.approach);
+        }
+        if conditions.channels.len() == self.conditions.channels.len() {
+            self.conditions.channels.copy_from_slice(&conditions.channels);
+        }
     }
 
     /// The answer to what cannot be asked: the seed, if it is one, within the limits; else the middle of the ranges.
@@ -121,8 +128,7 @@ fn load_is_finite(load: &Load) -> bool {
 
 /// A rotation, made exact (one step of Newton's polar iteration); none when it is none to six digits.
 fn orthonormal(r: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let (x, y, z): (Vector3<f64>, Vector3<f64>, Vector3<f64>) =
-        (r.column(0).into(), r.column(1).into(), r.column(2).into());
+    let [x, y, z] = r.data.0.map(Vector3::from);
     let (xx, yy, zz) = (x.dot(&x) - 1.0, y.dot(&y) - 1.0, z.dot(&z) - 1.0);
     let (xy, xz, yz) = (x.dot(&y), x.dot(&z), y.dot(&z));
     let off = [xx, yy, zz, xy, xz, yz].iter().fold(0.0, |most: f64, v| most.max(v.abs()));

@@ -16,7 +16,7 @@ pub use visits::{Visits, configurations, visits_from_rows};
 use crate::ModelError;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
-use truepose_kinematics::{Chain, Conditions, Load, Pose, TargetId};
+use truepose_kinematics::{Chain, Conditions, Load, Pose, Slot, TargetId};
 
 /// Measured (or to be predicted) rows of one robot. All columns have the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -92,6 +92,15 @@ impl Dataset {
     /// The measured orientation as a rotation matrix.
     pub fn measured_rotation(&self, row: usize) -> Option<Matrix3<f64>> {
         self.orientation[row].map(Pose::rotation_from_quaternion)
+    }
+
+    /// The column to which a signal was resolved.
+    pub(crate) fn slot(&self, slot: Slot) -> &[f64] {
+        match slot {
+            Slot::Time => &self.time,
+            Slot::Approach(k) => &self.approach[k],
+            Slot::Channel(k) => &self.channels[k],
+        }
     }
 
     /// Writes the inputs of a row into `into`, without allocating when it already has the right shape.

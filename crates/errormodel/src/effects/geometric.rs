@@ -3,6 +3,7 @@
 //! `ε_i = c`, one unknown a site.
 
 use super::{frame_exists, target_exists};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, UNBOUNDED};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, Posture, Site, TargetId};
@@ -102,6 +103,15 @@ impl Effect for Geometric {
             out.push(column, site, 1.0);
             column += 1;
         });
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let mut column = 0;
+        self.for_each_site(at.chain(), |site| {
+            out.push(column, site, LaneEmission::ONE);
+            column += 1;
+        });
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

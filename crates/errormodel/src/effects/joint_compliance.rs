@@ -19,6 +19,7 @@
 
 use super::geometric::EXPECTED_ANGLE;
 use super::{OwnWeight, joint_moves, listed_once, refused};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
@@ -141,6 +142,23 @@ impl Effect for JointCompliance {
                 }
             }
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        if self.own_weight != OwnWeight::Declared {
+            return false;
+        }
+        let chain = at.chain();
+        let motions = self.joints(chain).iter().filter_map(|&joint| chain.joint_motion(joint));
+        for (column, motion) in motions.enumerate() {
+            let load = out.value(|into| into.copy_from_slice(at.joint_load(motion.joint)));
+            out.along(column, &motion, load);
+        }
+        true
+    }
+
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        (self.own_weight == OwnWeight::Declared).then(|| self.joints(chain).to_vec())
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

@@ -61,8 +61,47 @@ impl Domain {
         }
     }
 
+    /// Widens it to what another one has seen as well.
+    pub fn widen(&mut self, other: &Domain) {
+        let both = |a: Option<Interval>, b: Option<Interval>| match (a, b) {
+            (Some(a), Some(b)) => Some(Interval { lower: a.lower.min(b.lower), upper: a.upper.max(b.upper) }),
+            (a, b) => a.or(b),
+        };
+        let all = |to: &mut Vec<Interval>, from: &[Interval]| {
+            if to.is_empty() {
+                to.extend_from_slice(from);
+            }
+            to.iter_mut().zip(from).for_each(|(a, b)| {
+                *a = Interval { lower: a.lower.min(b.lower), upper: a.upper.max(b.upper) };
+            });
+        };
+        all(&mut self.joints, &other.joints);
+        all(&mut self.channels, &other.channels);
+        self.payload = both(self.payload, other.payload);
+        self.time = both(self.time, other.time);
+    }
+
     /// True when every joint lies within the range that was seen.
     pub fn contains_joints(&self, conditions: &Conditions) -> bool {
         self.joints.iter().zip(&conditions.joints).all(|(range, &q)| range.beyond(q) <= 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_widen_to_the_whole() {
+        let of = |lower: f64, upper: f64| Interval { lower, upper };
+        let mut whole = Domain::default();
+        whole.widen(&Domain { joints: vec![of(0.0, 1.0)], time: Some(of(5.0, 6.0)), ..Domain::default() });
+        whole.widen(&Domain {
+            joints: vec![of(-1.0, 0.5)],
+            payload: Some(of(2.0, 2.0)),
+            ..Domain::default()
+        });
+        assert_eq!(whole.joints, [of(-1.0, 1.0)]);
+        assert_eq!((whole.time, whole.payload), (Some(of(5.0, 6.0)), Some(of(2.0, 2.0))));
     }
 }

@@ -26,10 +26,11 @@ use crate::reduction::{Reduction, grouped, reduce};
 use crate::shapes::{self, FittedShape, Shapes};
 use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
 use rounds::State;
+pub(crate) use rounds::from_factor;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits};
 use truepose_solvers::accumulator::Factor;
-use truepose_solvers::{RankRule, Solution, Solver};
+use truepose_solvers::{RankRule, Solution, SolveError, Solver};
 
 /// How to fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -248,13 +249,17 @@ pub(crate) fn fit_fixed(
         && let Some(more) = state.looked_at_again(&reduction, &outcome)?
     {
         // The same width as before, until the data is asked again.
-        let kappa = state.prior.kappa;
+        let before = state.spoilable();
         state.prior = Prior::new(model, &more, options.prior);
-        state.prior.kappa = kappa;
+        state.prior.kappa = before.0.kappa;
         state.share_out(&reduction, &more);
-        reduction = more;
-        let factor = state.linearise(Some(&reduction.kept))?;
-        outcome = state.rounds(&reduction, factor)?;
+        let factor = state.linearise(Some(&more.kept))?;
+        match state.rounds(&more, factor) {
+            Ok(further) => (reduction, outcome) = (more, further),
+            // What was taken in ran away until nothing was a number any more: the fit without it stands.
+            Err(IdentifyError::Solve(SolveError::NotFinite { .. })) => state.back_to(before),
+            Err(error) => return Err(error),
+        }
     }
     state.finish(reduction, outcome)
 }

@@ -1,5 +1,9 @@
 //! The rounds of a fit: solve, move, look at the noise and the prior, until nothing moves.
 
+mod whole;
+
+pub(crate) use whole::from_factor;
+
 use super::{Fit, FitOptions, NoiseSource, Warning, constraints, warnings};
 use crate::linearise::{collect, factorise, misfit};
 use crate::reduction::{Reduction, reduce_further};

@@ -3,9 +3,9 @@
 //! Postures follow a Halton sequence (Halton 1960), so that the answer is the same everywhere. What was measured
 //! (which components, which targets), loads and channels are taken from the data in turn.
 
-use crate::{IdentifyError, Lineariser, NoiseModel};
+use crate::{IdentifyError, NoiseModel, triangular};
 use nalgebra::DMatrix;
-use truepose_errormodel::{Dataset, ErrorModel, Interval};
+use truepose_errormodel::{Dataset, ErrorModel, Interval, Visits};
 use truepose_kinematics::{Chain, JointKind};
 use truepose_solvers::accumulator::{Factor, Triangular};
 
@@ -77,18 +77,17 @@ pub fn spread_factor(
     }
     let length = model.chain().characteristic_length();
     let noise = NoiseModel { position_sd: 1e-3, visit_sd: 0.0, orientation_sd: 1e-3 / length };
-    let mut lineariser = Lineariser::new(model, &sample, noise, coefficients)?;
-    let mut factor = Triangular::new(model.columns().len(), 1);
-    for row in 0..sample.len() {
-        factor.update_rows(lineariser.visit(&[row]).rows)?;
-    }
+    let visits = Visits { rows: (0..sample.len()).map(|row| vec![row]).collect() };
+    let factor = triangular(model, &sample, &visits, noise, coefficients, None)?;
     // What the data itself shows can be shown: a function with narrow support may be missed by the postures above. Its
     // rows are whitened by other deviations, which moves no null space; they are made as large as those above.
-    let spread = factor.finish();
+    let spread = factor.into_factor();
     let (mine, theirs) = (spread.r.norm(), own.r.norm());
     let share = if theirs > 0.0 { mine / theirs } else { 1.0 };
-    factor.update(&(&own.r * share), &DMatrix::zeros(own.columns(), 1))?;
-    Ok(factor.into_factor())
+    let mut both = Triangular::new(own.columns(), 1);
+    both.update(&spread.r, &spread.z)?;
+    both.update(&(&own.r * share), &DMatrix::zeros(own.columns(), 1))?;
+    Ok(both.into_factor())
 }
 
 const PRIMES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];

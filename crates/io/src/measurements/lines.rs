@@ -7,7 +7,7 @@ use crate::IoError;
 use crate::text::other_encoding;
 use memchr::{memchr, memrchr};
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 const BLOCK: usize = 256 << 10;
@@ -27,6 +27,8 @@ pub(crate) struct Lines {
     whole: usize,
     /// Bytes read end here.
     filled: usize,
+    /// So many bytes of the file stand in front of that.
+    read: u64,
     /// Number of the line returned last.
     line: u64,
     ended: bool,
@@ -43,6 +45,7 @@ impl Lines {
             start: 0,
             whole: 0,
             filled: 0,
+            read: 0,
             line: 0,
             ended: false,
             first: true,
@@ -56,6 +59,19 @@ impl Lines {
     /// Size of the file, bytes; zero where it has none.
     pub fn size(&self) -> u64 {
         self.source.metadata().map_or(0, |metadata| metadata.len())
+    }
+
+    /// How many bytes of the file have been handed out.
+    pub fn handed_out(&self) -> u64 {
+        self.read - (self.filled - self.start) as u64
+    }
+
+    /// Goes on behind the line that this byte belongs to. Numbers of lines mean nothing from here on.
+    pub fn jump(&mut self, to: u64) -> Result<(), IoError> {
+        self.source.seek(SeekFrom::Start(to)).map_err(|error| IoError::read(&self.file, error))?;
+        (self.start, self.whole, self.filled) = (0, 0, 0);
+        (self.read, self.ended, self.first) = (to, false, false);
+        self.next().map(|_| ())
     }
 
     /// The next line that is neither blank nor a comment, with its number and without its end.
@@ -105,6 +121,7 @@ impl Lines {
                 Ok(count) => {
                     let new = self.filled;
                     self.filled += count;
+                    self.read += count as u64;
                     if let Some(at) = memrchr(b'\n', &self.buffer[new..self.filled]) {
                         self.whole = new + at + 1;
                         break;

@@ -1,5 +1,6 @@
 //! Rows of a table in blocks, in constant memory.
 
+use super::columns::Cells;
 use super::header::{Header, Needs};
 use super::info::{ColumnInfo, CsvInfo};
 use super::lines::Lines;
@@ -26,13 +27,14 @@ impl Default for MeasurementsOptions {
 /// Reads measurements block by block, for files of any length.
 #[derive(Debug)]
 pub struct MeasurementsReader {
-    lines: Lines,
+    pub(super) lines: Lines,
     pub(super) rows: RowReader,
     schema: Schema,
     joints: usize,
     pub(super) visits: VisitNumbers,
+    labels: Vec<i64>,
     /// A row that was read and belongs to the next block.
-    pending: bool,
+    pub(super) pending: bool,
     pub(super) count: usize,
     pub(super) first_bytes: usize,
     last_time: f64,
@@ -74,6 +76,7 @@ impl MeasurementsReader {
             schema,
             joints: chain.movable().len(),
             visits: VisitNumbers::default(),
+            labels: Vec::new(),
             pending: false,
             count: 0,
             first_bytes: 0,
@@ -88,9 +91,27 @@ impl MeasurementsReader {
         &self.schema
     }
 
-    /// What was suspicious so far.
-    pub fn warnings(&self) -> &[Warning] {
-        &self.warnings
+    /// How many bytes have been read, and how many the file has.
+    pub fn progress(&self) -> (u64, u64) {
+        (self.lines.handed_out(), self.lines.size())
+    }
+
+    /// The file's own numbers of the visits of the block that was read last; none where it numbers none.
+    pub fn block_labels(&self) -> &[i64] {
+        &self.labels
+    }
+
+    /// What was suspicious so far: about the header, and about the rows read as far as no row has to be remembered for that.
+    pub fn warnings(&self, chain: &Chain) -> Vec<Warning> {
+        let mut warnings = self.warnings.clone();
+        super::suspicious::look_at_columns(self, chain, &mut warnings);
+        warnings
+    }
+
+    /// Whether the file numbers visits, and whether it has a column of targets.
+    pub fn names(&self) -> (bool, bool) {
+        let targets = self.rows.header.columns.iter().any(|column| column.cells == Cells::Target);
+        (self.rows.header.slots.visit.is_some(), targets)
     }
 
     /// Reads the next block into `block`, replacing what it holds: at least `rows` rows, so many more that no visit
@@ -102,7 +123,8 @@ impl MeasurementsReader {
     /// At the first row that is wrong.
     pub fn read_block(&mut self, rows: usize, block: &mut Dataset) -> Result<usize, IoError> {
         self.clear(block);
-        let mut labels: Vec<i64> = Vec::new();
+        let mut labels = std::mem::take(&mut self.labels);
+        labels.clear();
         let mut visit = 0;
         loop {
             if !self.pending && !self.next_row()? {
@@ -136,6 +158,7 @@ impl MeasurementsReader {
         if !labels.is_empty() {
             check_standstills(block, &labels, &self.rows.header)?;
         }
+        self.labels = labels;
         if self.count == 0 {
             return Err(self.no_rows());
         }

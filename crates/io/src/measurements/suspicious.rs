@@ -20,12 +20,62 @@ pub(super) fn look(
     warnings: &mut Vec<Warning>,
 ) {
     let header = &reader.rows.header;
-    let at = |line: u64, column: Option<usize>, message: String| Warning {
+    look_at_columns(reader, chain, warnings);
+    let at = |line, column, message| told(reader, line, column, message);
+    if needs.measured && data.len() >= 5 {
+        unvaried(reader, data, warnings);
+        if let Some(k) = header.columns.iter().position(|column| column.cells == Cells::Target)
+            && let Some(first) = data.target.iter().position(Option::is_none)
+        {
+            let count = data.target.iter().filter(|t| t.is_none()).count();
+            if 3 * count < data.len() {
+                let message = format!(
+                    "is empty{}: the tool's origin was measured there; name the target if it was not",
+                    more(count)
+                );
+                warnings.push(at(data.line[first], Some(k), message));
+            }
+        }
+        if let Some((row, of, count)) = copies(data) {
+            let message = format!(
+                "is an exact copy of line {}{}; a copied row is no repeated measurement, and makes the noise look smaller than it is",
+                data.line[of],
+                match count {
+                    1 => String::new(),
+                    2 => ", and another row is a copy too".into(),
+                    n => format!(", and {} other rows are copies too", n - 1),
+                }
+            );
+            warnings.push(at(data.line[row], None, message));
+        }
+    }
+    if needs.measured {
+        let empty = (0..data.len()).filter(|&row| data.seen(row).count() == 0);
+        let mut empty = empty.peekable();
+        if let Some(&first) = empty.peek() {
+            let count = empty.count();
+            let message =
+                format!("nothing was measured in this row{}; it takes no part in a fit", more(count));
+            warnings.push(at(data.line[first], None, message));
+        }
+    }
+}
+
+/// What a row says to a person.
+fn told(reader: &MeasurementsReader, line: u64, column: Option<usize>, message: String) -> Warning {
+    let header = &reader.rows.header;
+    Warning {
         file: header.file.clone(),
         line: Some(line),
         column: column.map(|k| (header.columns[k].header.clone(), k + 1)),
         message,
-    };
+    }
+}
+
+/// What needs no row to be remembered.
+pub(super) fn look_at_columns(reader: &MeasurementsReader, chain: &Chain, warnings: &mut Vec<Warning>) {
+    let header = &reader.rows.header;
+    let at = |line, column, message| told(reader, line, column, message);
     if let Some((line, count)) = reader.backwards {
         let message = format!("time goes backwards here{}; it counts as the order all the same", more(count));
         warnings.push(at(line, header.slots.time, message));
@@ -52,7 +102,7 @@ pub(super) fn look(
                 .collect();
             if let Some(&(k, _)) = judged.first()
                 && judged.iter().all(|(_, small)| *small)
-                && data.len() >= 5
+                && reader.count >= 5
             {
                 let message = format!(
                     "all joint values in [{unit}] are so small that they look like {what}; if so, call the columns `name[{larger}]`"
@@ -91,43 +141,6 @@ pub(super) fn look(
                 rounded(length)
             );
             header.warn(warnings, Some(slots[0]), message);
-        }
-    }
-    if needs.measured && data.len() >= 5 {
-        unvaried(reader, data, warnings);
-        if let Some(k) = header.columns.iter().position(|column| column.cells == Cells::Target)
-            && let Some(first) = data.target.iter().position(Option::is_none)
-        {
-            let count = data.target.iter().filter(|t| t.is_none()).count();
-            if 3 * count < data.len() {
-                let message = format!(
-                    "is empty{}: the tool's origin was measured there; name the target if it was not",
-                    more(count)
-                );
-                warnings.push(at(data.line[first], Some(k), message));
-            }
-        }
-        if let Some((row, of, count)) = copies(data) {
-            let message = format!(
-                "is an exact copy of line {}{}; a copied row is no repeated measurement, and makes the noise look smaller than it is",
-                data.line[of],
-                match count {
-                    1 => String::new(),
-                    2 => ", and another row is a copy too".into(),
-                    n => format!(", and {} other rows are copies too", n - 1),
-                }
-            );
-            warnings.push(at(data.line[row], None, message));
-        }
-    }
-    if needs.measured {
-        let empty = (0..data.len()).filter(|&row| data.seen(row).count() == 0);
-        let mut empty = empty.peekable();
-        if let Some(&first) = empty.peek() {
-            let count = empty.count();
-            let message =
-                format!("nothing was measured in this row{}; it takes no part in a fit", more(count));
-            warnings.push(at(data.line[first], None, message));
         }
     }
 }

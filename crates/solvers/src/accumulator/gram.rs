@@ -13,34 +13,38 @@
 
 use super::Factor;
 use super::bytes::{Stored, read, write};
+use super::pieces::Pieces;
 use super::triangular::check_finite;
-use crate::SolveError;
-use crate::dense::{Reflectors, fold, gram, svd};
+use crate::dense::{Reflectors, fold, gram_of, pivoted_cholesky, solve_lower, solve_lower_transposed, svd};
 use crate::problem::check_len;
+use crate::solver::status_of_rank;
+use crate::{RankDecision, Solution, SolveError, SolverInfo};
 use faer::MatMut;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 const MAGIC: [u8; 4] = *b"TPGR";
+
+/// How many times larger than round-off, and than what is dropped, the square of the last pivot has to be.
+const CLEAR: f64 = 100.0;
 
 /// AᵀA, AᵀY and the squares of Y over a stream of rows.
 #[derive(Debug, Clone)]
 pub struct Gram {
-    /// Lower triangle of G.
-    g: DMatrix<f64>,
-    h: DMatrix<f64>,
-    q: Vec<f64>,
+    columns: usize,
+    rhs: usize,
+    /// Lower triangle of [A | Y]ᵀ [A | Y].
+    whole: DMatrix<f64>,
+    /// What has not come to the whole yet.
+    pieces: Pieces,
     rows: usize,
 }
 
 impl Gram {
     /// An empty accumulator of `columns` unknowns and `rhs` right-hand sides.
     pub fn new(columns: usize, rhs: usize) -> Self {
-        Self {
-            g: DMatrix::zeros(columns, columns),
-            h: DMatrix::zeros(columns, rhs),
-            q: vec![0.0; rhs],
-            rows: 0,
-        }
+        let size = columns + rhs;
+        Self { columns, rhs, whole: DMatrix::zeros(size, size), pieces: Pieces::default(), rows: 0 }
     }
 
     /// Number of rows seen.
@@ -48,25 +52,27 @@ impl Gram {
         self.rows
     }
 
+    /// Number of unknowns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
     /// Takes in rows of A and the same rows of Y.
     pub fn update(&mut self, a: &DMatrix<f64>, y: &DMatrix<f64>) -> Result<(), SolveError> {
-        check_len("columns of the block", self.h.nrows(), a.ncols())?;
-        check_len("right-hand sides of the block", self.h.ncols(), y.ncols())?;
+        check_len("columns of the block", self.columns, a.ncols())?;
+        check_len("right-hand sides of the block", self.rhs, y.ncols())?;
         check_len("rows of the right-hand sides", a.nrows(), y.nrows())?;
         check_finite("the block", a)?;
         check_finite("the right-hand side", y)?;
-        gram(&mut self.g, a);
-        self.h += a.tr_mul(y);
-        for (q, column) in self.q.iter_mut().zip(y.column_iter()) {
-            *q += column.norm_squared();
-        }
+        let numbers = [a.as_slice(), y.as_slice()].concat();
+        gram_of(&mut self.whole, a.nrows(), a.nrows(), &numbers);
         self.rows += a.nrows();
         Ok(())
     }
 
     /// Takes in rows given one after the other, each [a_1 … a_p, y_1 … y_k].
     pub fn update_rows(&mut self, rows: &[f64]) -> Result<(), SolveError> {
-        let (p, k) = self.h.shape();
+        let (p, k) = (self.columns, self.rhs);
         if p + k == 0 || !rows.len().is_multiple_of(p + k) {
             let expected = (p + k) * rows.len().div_ceil((p + k).max(1));
             return Err(SolveError::Shape { what: "the slice of rows", expected, found: rows.len() });
@@ -75,28 +81,135 @@ impl Gram {
         self.update(&all.columns(0, p).into_owned(), &all.columns(p, k).into_owned())
     }
 
+    /// Takes in rows of which only these columns are not zero, column after column, `stride` numbers from one to the next, the
+    /// right-hand sides last. A number that is not finite is found by [`Gram::finish`] and [`Gram::solve_guarded`].
+    pub fn update_columns(
+        &mut self,
+        active: &[usize],
+        rows: usize,
+        stride: usize,
+        numbers: &[f64],
+    ) -> Result<(), SolveError> {
+        let width = active.len() + self.rhs;
+        let need = if width == 0 || rows == 0 { 0 } else { (width - 1) * stride + rows };
+        if numbers.len() < need || (rows > stride && width > 1) {
+            return Err(SolveError::Shape {
+                what: "the numbers of the columns",
+                expected: need,
+                found: numbers.len(),
+            });
+        }
+        if let Some(&far) = active.iter().find(|&&column| column >= self.columns) {
+            return Err(SolveError::Shape { what: "the columns", expected: self.columns, found: far + 1 });
+        }
+        self.pieces.add(
+            active,
+            self.columns..self.columns + self.rhs,
+            rows,
+            stride,
+            numbers,
+            &mut self.whole,
+        );
+        self.rows += rows;
+        Ok(())
+    }
+
     /// Takes in what another has seen.
     pub fn merge(&mut self, other: &Self) -> Result<(), SolveError> {
-        check_len("columns of the other accumulator", self.h.nrows(), other.h.nrows())?;
-        check_len("right-hand sides of the other accumulator", self.h.ncols(), other.h.ncols())?;
-        self.g += &other.g;
-        self.h += &other.h;
-        self.q.iter_mut().zip(&other.q).for_each(|(q, o)| *q += o);
+        check_len("columns of the other accumulator", self.columns, other.columns)?;
+        check_len("right-hand sides of the other accumulator", self.rhs, other.rhs)?;
+        self.pieces.flush(&mut self.whole);
+        self.whole += other.flushed().as_ref();
         self.rows += other.rows;
         Ok(())
+    }
+
+    /// Brings everything to one matrix, which [`Gram::solve_guarded`] and [`Gram::finish`] otherwise do on a copy.
+    pub fn settle(&mut self) {
+        self.pieces.flush(&mut self.whole);
+    }
+
+    /// The whole with everything in it.
+    fn flushed(&self) -> Cow<'_, DMatrix<f64>> {
+        if self.pieces.is_empty() {
+            return Cow::Borrowed(&self.whole);
+        }
+        let (mut whole, mut pieces) = (self.whole.clone(), self.pieces.clone());
+        pieces.flush(&mut whole);
+        Cow::Owned(whole)
+    }
+
+    /// Basic solution of right-hand side `k` from a Cholesky factor with the largest pivot first, if the Gram matrix is fit to give one: columns
+    /// that depend on others get zero. None where it is not, because no gap separates what is kept from round-off: then take a
+    /// [`Triangular`](super::Triangular). `limit` is the highest condition number of the columns, brought to length one, that it
+    /// is trusted with. What differs from other columns by less than 1e-7 of its length is not seen at all.
+    pub fn solve_guarded(&self, k: usize, limit: f64) -> Result<Option<Solution>, SolveError> {
+        let p = self.columns;
+        check_len("right-hand sides", self.rhs, k + 1)?;
+        let whole = self.flushed();
+        let size: Vec<f64> =
+            (0..p).map(|i| if whole[(i, i)] > 0.0 { 1.0 / whole[(i, i)].sqrt() } else { 1.0 }).collect();
+        let mut scaled = DMatrix::zeros(p, p);
+        for (j, (to, from)) in scaled
+            .as_mut_slice()
+            .chunks_exact_mut(p)
+            .zip(whole.as_slice().chunks_exact(p + self.rhs))
+            .enumerate()
+        {
+            let mut sum = 0.0;
+            for ((to, from), size_of) in to[j..].iter_mut().zip(&from[j..]).zip(&size[j..]) {
+                *to = from * size_of * size[j];
+                sum += *to;
+            }
+            if !sum.is_finite() {
+                return Err(SolveError::NotFinite { what: "the Gram matrix", row: j, column: j });
+            }
+        }
+        let floor = p as f64 * f64::EPSILON;
+        let found = pivoted_cholesky(scaled, floor);
+        let rank = found.pivots.len();
+        let last = found.pivots.last().copied().unwrap_or(1.0);
+        if last * limit * limit < 1.0 || last < CLEAR * found.rest.max(floor) {
+            return Ok(None);
+        }
+        let kept = &found.order[..rank];
+        let moments: Vec<f64> = kept.iter().map(|&c| whole[(p + k, c)] * size[c]).collect();
+        let inner = solve_lower(&found.l, &moments);
+        let reached: f64 = inner.iter().map(|v| v * v).sum();
+        let inner = solve_lower_transposed(&found.l, inner.as_slice());
+        let mut x = DVector::zeros(p);
+        kept.iter().zip(inner.iter()).for_each(|(&c, v)| x[c] = v * size[c]);
+        let mut kept = kept.to_vec();
+        kept.sort_unstable();
+        let decision = RankDecision {
+            rank,
+            tolerance: floor.sqrt(),
+            last_kept: last.sqrt(),
+            first_dropped: found.rest.sqrt(),
+            gap: if found.rest > 0.0 { (last / found.rest).sqrt() } else { f64::INFINITY },
+            dropped: p - rank,
+        };
+        let info = SolverInfo {
+            residual_norm: (whole[(p + k, p + k)] - reached).max(0.0).sqrt(),
+            rank_decision: Some(decision),
+            kept: Some(kept),
+            ..SolverInfo::default()
+        };
+        Ok(Some(Solution { x, rank, status: status_of_rank(rank, p), info }))
     }
 
     /// The factor of all rows seen: G = V D Vᵀ of the equilibrated G, R from the QR of D^{1/2} Vᵀ. Directions below the
     /// resolution come out as zero.
     pub fn finish(&self) -> Result<Factor, SolveError> {
-        let (p, k) = self.h.shape();
+        let (p, k) = (self.columns, self.rhs);
+        let whole = self.flushed();
         let size: Vec<f64> =
-            self.g.diagonal().iter().map(|g| if *g > 0.0 { g.sqrt() } else { 1.0 }).collect();
-        let full = DMatrix::from_fn(p, p, |i, j| self.g[(i.max(j), i.min(j))] / size[i] / size[j]);
+            (0..p).map(|i| if whole[(i, i)] > 0.0 { whole[(i, i)].sqrt() } else { 1.0 }).collect();
+        let full = DMatrix::from_fn(p, p, |i, j| whole[(i.max(j), i.min(j))] / size[i] / size[j]);
         check_finite("the Gram matrix", &full)?;
         let parts = svd(&full)?;
         let floor = parts.d.first().map_or(0.0, |d| d * p as f64 * f64::EPSILON);
-        let moments = DMatrix::from_fn(p, k, |i, j| self.h[(i, j)] / size[i]);
+        let moments = DMatrix::from_fn(p, k, |i, j| whole[(p + j, i)] / size[i]);
         let turned = parts.v.tr_mul(&moments);
         let mut block = DMatrix::from_fn(p, p + k, |i, j| {
             if parts.d[i] <= floor {
@@ -116,27 +229,35 @@ impl Gram {
             );
         }
         let z = top.columns(p, k).into_owned();
-        let rss = self.q.iter().enumerate().map(|(j, q)| (q - z.column(j).norm_squared()).max(0.0)).collect();
+        let rss = (0..k).map(|j| (whole[(p + j, p + j)] - z.column(j).norm_squared()).max(0.0)).collect();
         let resolution = (p.max(1) as f64 * f64::EPSILON).sqrt();
         Ok(Factor { r: top.columns(0, p).into_owned(), z, rss, rows: self.rows, resolution })
     }
 
     /// The stored form, independent of the machine.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let numbers = [self.g.as_slice(), self.h.as_slice(), &self.q].concat();
-        write(MAGIC, &Stored { columns: self.h.nrows(), rhs: self.h.ncols(), rows: self.rows, numbers })
+        let (p, k, whole) = (self.columns, self.rhs, self.flushed());
+        let g = (0..p).flat_map(|j| (0..p).map(move |i| (i, j)));
+        let mut numbers: Vec<f64> = g.map(|(i, j)| if i >= j { whole[(i, j)] } else { 0.0 }).collect();
+        numbers.extend((0..k).flat_map(|j| (0..p).map(move |i| (p + j, i))).map(|at| whole[at]));
+        numbers.extend((p..p + k).map(|j| whole[(j, j)]));
+        write(MAGIC, &Stored { columns: p, rhs: k, rows: self.rows, numbers })
     }
 
     /// Reads the stored form; refuses what is cut off or altered.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SolveError> {
         let count = |p: usize, k: usize| p.checked_mul(p)?.checked_add(p.checked_mul(k)?)?.checked_add(k);
         let Stored { columns: p, rhs: k, rows, numbers } = read(MAGIC, bytes, count)?;
-        Ok(Self {
-            g: DMatrix::from_column_slice(p, p, &numbers[..p * p]),
-            h: DMatrix::from_column_slice(p, k, &numbers[p * p..p * (p + k)]),
-            q: numbers[p * (p + k)..].to_vec(),
-            rows,
-        })
+        let mut made = Self::new(p, k);
+        made.rows = rows;
+        for j in 0..p {
+            (j..p).for_each(|i| made.whole[(i, j)] = numbers[j * p + i]);
+        }
+        for j in 0..k {
+            (0..p).for_each(|i| made.whole[(p + j, i)] = numbers[(p + j) * p + i]);
+            made.whole[(p + j, p + j)] = numbers[(p + k) * p + j];
+        }
+        Ok(made)
     }
 }
 
@@ -182,5 +303,52 @@ mod tests {
         g.update(&a, &block(100, 1, 5)).unwrap();
         let f = g.finish().unwrap();
         assert_eq!(f.rank(ColumnScale::Norms, RankRule::Default).unwrap().rank, 2);
+    }
+
+    #[test]
+    fn blocks_with_some_of_the_columns_are_the_same_rows() {
+        let (mut sparse, mut dense) = (Gram::new(6, 1), Gram::new(6, 1));
+        for (k, active) in [[0, 2, 5], [1, 2, 4], [0, 2, 5], [3, 4, 5]].iter().enumerate() {
+            let some = block(11, 4, k);
+            let mut numbers = vec![f64::NAN; 4 * 16];
+            (0..4).for_each(|j| numbers[16 * j..16 * j + 11].copy_from_slice(some.column(j).as_slice()));
+            sparse.update_columns(active, 11, 16, &numbers).unwrap();
+            let mut a = DMatrix::zeros(11, 6);
+            active.iter().enumerate().for_each(|(j, &column)| a.set_column(column, &some.column(j)));
+            dense.update(&a, &some.columns(3, 1).into_owned()).unwrap();
+        }
+        let (have, want) = (sparse.flushed(), dense.flushed());
+        assert!(have.iter().zip(want.iter()).all(|(h, w)| (h - w).abs() <= 1e-14 * w.abs().max(1.0)));
+        let back = Gram::from_bytes(&sparse.to_bytes()).unwrap();
+        assert_eq!(back.finish().unwrap(), sparse.finish().unwrap());
+        assert!(sparse.update_columns(&[6], 1, 4, &[0.0; 8]).is_err());
+        assert!(sparse.update_columns(&[0], 3, 4, &[0.0; 6]).is_err());
+    }
+
+    #[test]
+    fn the_guard_gives_the_basic_solution_or_none() {
+        let noise = |i: usize, j: usize| ((i * i * 31 + j * 17 + i * j * 7) as f64 * 0.9).sin();
+        let mut a = DMatrix::from_fn(60, 8, noise);
+        let sum = a.column(0) + a.column(1) * 2.0;
+        a.set_column(5, &sum);
+        a.column_mut(3).scale_mut(1e6);
+        let y = DMatrix::from_fn(60, 1, |i, _| noise(i, 40));
+        let (mut gram, mut triangle) = (Gram::new(8, 1), Triangular::new(8, 1));
+        gram.update(&a, &y).unwrap();
+        triangle.update(&a, &y).unwrap();
+        let found = gram.solve_guarded(0, 1e6).unwrap().unwrap();
+        let want = triangle.finish().solve_pivoted(0, ColumnScale::Norms, RankRule::Default).unwrap();
+        assert_eq!((found.rank, want.rank, found.info.kept.map(|kept| kept.len())), (7, 7, Some(7)));
+        // The square of the condition number times round-off.
+        assert!((&a * (&found.x - &want.x)).norm() < 1e-6);
+        assert!((found.info.residual_norm - want.info.residual_norm).abs() < 1e-6);
+        // A column that is another one but for 1e-4 of its length: trusted or not, as the caller says.
+        let near = a.column(0) + DVector::from_fn(60, |i, _| 1e-4 * noise(i, 50));
+        a.set_column(5, &near);
+        let mut gram = Gram::new(8, 1);
+        gram.update(&a, &y).unwrap();
+        assert!(gram.solve_guarded(0, 1e3).unwrap().is_none());
+        assert_eq!(gram.solve_guarded(0, 1e6).unwrap().unwrap().rank, 8);
+        assert!(gram.solve_guarded(1, 1e6).is_err());
     }
 }

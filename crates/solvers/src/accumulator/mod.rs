@@ -8,10 +8,14 @@ mod bytes;
 mod directions;
 mod factor;
 mod gram;
+mod left_out;
+mod pieces;
+mod sets;
 mod solve;
 mod triangular;
 
 pub use directions::Directions;
 pub use factor::{ColumnScale, Factor, NullSpace};
 pub use gram::Gram;
+pub use left_out::LeftOut;
 pub use triangular::Triangular;

@@ -5,7 +5,7 @@
 //! Notation as in [`Factor`]. Source: Golub and Van Loan, §5.5 and §6.1.
 
 use super::{ColumnScale, Factor};
-use crate::dense::{pivoted_qr, solve_upper, svd};
+use crate::dense::{ordered_qr, pivoted_qr, solve_upper, svd};
 use crate::solver::status_of_rank;
 use crate::{RankDecision, RankRule, Solution, SolveError, SolverInfo};
 use nalgebra::DVector;
@@ -20,9 +20,23 @@ impl Factor {
     ) -> Result<Solution, SolveError> {
         rule.validate()?;
         let s = self.multipliers(scale)?;
-        let qr = pivoted_qr(&self.scaled(&s), &self.z.columns(k, 1).into_owned());
-        let pivots = qr.pivots();
-        let decision = self.decide(&pivots, rule);
+        let (scaled, z) = (self.scaled(&s), self.z.columns(k, 1).into_owned());
+        let quick = ordered_qr(&scaled, &z).and_then(|(qr, rest)| {
+            let mut pivots = qr.pivots();
+            let rank = pivots.len();
+            if rank < self.columns() {
+                pivots.push(rest);
+            }
+            // The rule has to cut where the order did, and there alone.
+            let decision = self.decide(&pivots, rule);
+            (decision.rank == rank).then_some((qr, pivots, decision))
+        });
+        let (qr, pivots, decision) = quick.unwrap_or_else(|| {
+            let qr = pivoted_qr(&scaled, &z);
+            let pivots = qr.pivots();
+            let decision = self.decide(&pivots, rule);
+            (qr, pivots, decision)
+        });
         let inner = solve_upper(&qr.r, &qr.z.as_slice()[..decision.rank]);
         let mut x = DVector::zeros(self.columns());
         for (place, value) in inner.iter().enumerate() {

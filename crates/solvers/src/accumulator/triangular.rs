@@ -11,6 +11,7 @@
 
 use super::Factor;
 use super::bytes::{Stored, read, write};
+use super::sets::{Ordered, Sets};
 use crate::dense::{Reflectors, fold, norm};
 use crate::problem::check_len;
 use crate::{LeastSquares, SolveError};
@@ -26,13 +27,15 @@ pub struct Triangular {
     rhs: usize,
     rows: usize,
     /// p × (p + k), upper triangular.
-    top: DMatrix<f64>,
+    pub(super) top: DMatrix<f64>,
     /// ‖E_k‖.
-    below: Vec<f64>,
+    pub(super) below: Vec<f64>,
     /// Rows not folded yet, capacity × (p + k).
     buffer: DMatrix<f64>,
     filled: usize,
     work: Reflectors,
+    /// Rows over some of the columns.
+    sets: Sets,
 }
 
 impl Triangular {
@@ -45,9 +48,10 @@ impl Triangular {
             rows: 0,
             top: DMatrix::zeros(columns, width),
             below: vec![0.0; rhs],
-            buffer: DMatrix::zeros((2 * width).clamp(256, 2048), width),
+            buffer: DMatrix::zeros(0, 0),
             filled: 0,
             work: Reflectors::default(),
+            sets: Sets::default(),
         }
     }
 
@@ -81,11 +85,78 @@ impl Triangular {
         Ok(())
     }
 
+    /// Takes in rows of which only these columns, ascending, are not zero: column after column, `stride` numbers from one to the next, the right-hand
+    /// sides last. Costs the width of the block and not that of the whole.
+    pub fn update_columns(
+        &mut self,
+        active: &[usize],
+        rows: usize,
+        stride: usize,
+        numbers: &[f64],
+    ) -> Result<(), SolveError> {
+        let width = active.len() + self.rhs;
+        let need = if width == 0 || rows == 0 { 0 } else { (width - 1) * stride + rows };
+        if numbers.len() < need || (rows > stride && width > 1) {
+            return Err(SolveError::Shape {
+                what: "the numbers of the columns",
+                expected: need,
+                found: numbers.len(),
+            });
+        }
+        if let Some(&far) = active.iter().find(|&&column| column >= self.columns) {
+            return Err(SolveError::Shape { what: "the columns", expected: self.columns, found: far + 1 });
+        }
+        for column in 0..width {
+            let column_of = &numbers[column * stride..][..rows];
+            if !column_of.iter().fold(true, |all, v| all & v.is_finite()) {
+                let row = column_of.iter().position(|v| !v.is_finite()).unwrap_or(0);
+                return Err(SolveError::NotFinite { what: "the block", row, column });
+            }
+        }
+        if let Some(out) = self.sets.take(active, self.rhs, rows, |i, j| numbers[j * stride + i]) {
+            self.flush();
+            self.natural(&out);
+        }
+        self.rows += rows;
+        Ok(())
+    }
+
+    /// Brings sets to the triangle over all columns, in their own order.
+    fn natural(&mut self, sets: &Sets) {
+        let Ordered { top, below, order } = sets.ordered(&self.top, &self.below);
+        let (p, width) = (self.columns, self.columns + self.rhs);
+        let mut block = DMatrix::zeros(p, width);
+        order.iter().enumerate().for_each(|(at, &column)| block.set_column(column, &top.column(at)));
+        (p..width).for_each(|j| block.set_column(j, &top.column(j)));
+        self.top = DMatrix::zeros(p, width);
+        self.below = below;
+        self.fold_in(&mut block, p);
+    }
+
+    /// Rows that wait, where none has been folded yet.
+    pub(super) fn raw(&self) -> Option<DMatrix<f64>> {
+        let fresh = self.filled == self.rows;
+        fresh.then(|| self.buffer.rows(0, self.filled).into_owned())
+    }
+
+    /// The factor of all rows seen, with its columns in the order that is cheapest, and that order: the problem's column at each place.
+    pub fn into_factor_in_any_order(mut self) -> (Factor, Vec<usize>) {
+        if self.sets.is_empty() {
+            let columns = self.columns;
+            return (self.into_factor(), (0..columns).collect());
+        }
+        self.flush();
+        let Ordered { top, below, order } = std::mem::take(&mut self.sets).ordered(&self.top, &self.below);
+        (self.top, self.below) = (top, below);
+        (self.into_factor(), order)
+    }
+
     /// Takes in what another has seen.
     pub fn merge(&mut self, other: &Self) -> Result<(), SolveError> {
         check_len("columns of the other accumulator", self.columns, other.columns)?;
         check_len("right-hand sides of the other accumulator", self.rhs, other.rhs)?;
         self.flush();
+        self.sets.merge(&other.sets)?;
         let mut other = other.clone();
         other.flush();
         self.fold_in(&mut other.top, self.columns);
@@ -104,6 +175,10 @@ impl Triangular {
     /// The factor of all rows seen.
     pub fn into_factor(mut self) -> Factor {
         self.flush();
+        let sets = std::mem::take(&mut self.sets);
+        if !sets.is_empty() {
+            self.natural(&sets);
+        }
         let z = self.top.columns(self.columns, self.rhs).into_owned();
         Factor {
             r: self.top.remove_columns(self.columns, self.rhs),
@@ -118,6 +193,10 @@ impl Triangular {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut done = self.clone();
         done.flush();
+        let sets = std::mem::take(&mut done.sets);
+        if !sets.is_empty() {
+            done.natural(&sets);
+        }
         let mut numbers = done.top.as_slice().to_vec();
         numbers.extend_from_slice(&done.below);
         write(MAGIC, &Stored { columns: self.columns, rhs: self.rhs, rows: self.rows, numbers })
@@ -154,7 +233,11 @@ impl Triangular {
         }
     }
 
-    fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+    pub(super) fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+        if self.buffer.is_empty() {
+            let width = self.columns + self.rhs;
+            self.buffer = DMatrix::zeros((2 * width).clamp(256, 2048), width);
+        }
         let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
             let many = (height - self.filled).min(rows - from);
@@ -172,7 +255,7 @@ impl Triangular {
         self.rows += rows;
     }
 
-    fn flush(&mut self) {
+    pub(super) fn flush(&mut self) {
         if self.filled == 0 {
             return;
         }
@@ -282,5 +365,44 @@ mod tests {
         ));
         assert!(matches!(t.update_rows(&[0.0; 7]), Err(SolveError::Shape { expected: 10, found: 7, .. })));
         assert_eq!(back.finish(), t.finish(), "a refused update leaves no trace");
+    }
+
+    #[test]
+    fn blocks_with_some_of_the_columns_are_the_same_rows() {
+        let (mut sparse, mut dense, mut parts) = (Triangular::new(9, 1), Triangular::new(9, 1), Vec::new());
+        let sets: [&[usize]; 5] =
+            [&[0, 2, 5], &[1, 2, 4, 8], &[0, 2, 5], &[3, 4, 5, 6, 7], &[0, 1, 2, 3, 4, 5, 6, 7, 8]];
+        for (k, active) in sets.iter().enumerate() {
+            let (rows, n) = ([40, 30, 2, 3, 4][k], active.len());
+            let some = block(rows, n + 1, k);
+            let mut numbers = vec![f64::NAN; (n + 1) * 64];
+            (0..=n).for_each(|j| numbers[64 * j..64 * j + rows].copy_from_slice(some.column(j).as_slice()));
+            sparse.update_columns(active, rows, 64, &numbers).unwrap();
+            let mut part = Triangular::new(9, 1);
+            part.update_columns(active, rows, 64, &numbers).unwrap();
+            parts.push(part);
+            let mut a = DMatrix::zeros(rows, 9);
+            active.iter().enumerate().for_each(|(j, &column)| a.set_column(column, &some.column(j)));
+            dense.update(&a, &some.columns(n, 1).into_owned()).unwrap();
+        }
+        let mut merged = parts.remove(0);
+        parts.iter().for_each(|part| merged.merge(part).unwrap());
+        let want = dense.finish();
+        for have in
+            [sparse.finish(), merged.finish(), Triangular::from_bytes(&sparse.to_bytes()).unwrap().finish()]
+        {
+            assert!((&have.r - &want.r).amax() < 1e-13 && (&have.z - &want.z).amax() < 1e-13);
+            assert!((have.rss[0] - want.rss[0]).abs() < 1e-12 && have.rows == 79);
+        }
+        let (have, order) = sparse.clone().into_factor_in_any_order();
+        let gram = |r: &DMatrix<f64>| r.tr_mul(r);
+        let (have, want) = (gram(&have.r), gram(&want.r));
+        for (i, &a) in order.iter().enumerate() {
+            for (j, &b) in order.iter().enumerate() {
+                assert!((have[(i, j)] - want[(a, b)]).abs() < 1e-12);
+            }
+        }
+        assert!(sparse.update_columns(&[9], 1, 4, &[0.0; 8]).is_err());
+        assert!(sparse.update_columns(&[0], 1, 4, &[0.0, 0.0, 0.0, 0.0, f64::NAN]).is_err());
     }
 }

@@ -1,29 +1,90 @@
 //! G = AᵀA and its Cholesky factor G = L Lᵀ.
 
-use super::view;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, MatMut, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
 /// Adds AᵀA to the lower triangle of `g`.
 pub(crate) fn gram(g: &mut DMatrix<f64>, a: &DMatrix<f64>) {
-    let p = a.ncols();
-    if p == 0 || a.nrows() == 0 {
+    gram_of(g, a.nrows(), a.nrows(), a.as_slice());
+}
+
+/// The same of the first `rows` rows of columns that are `stride` numbers apart.
+pub(crate) fn gram_of(g: &mut DMatrix<f64>, rows: usize, stride: usize, numbers: &[f64]) {
+    let p = g.ncols();
+    if p == 0 || rows == 0 {
         return;
     }
+    let a = MatRef::from_column_major_slice_with_stride(numbers, rows, p, stride);
     matmul(
         MatMut::from_column_major_slice_mut(g.as_mut_slice(), p, p),
         BlockStructure::TriangularLower,
         Accum::Add,
-        view(a).transpose(),
+        a.transpose(),
         BlockStructure::Rectangular,
-        view(a),
+        a,
         BlockStructure::Rectangular,
         1.0,
         Par::Seq,
     );
+}
+
+/// Adds ± BᵀB to the lower triangle of `g`, B given row after row.
+pub(crate) fn gram_of_rows(g: &mut DMatrix<f64>, rows: &[f64], sign: f64) {
+    let p = g.ncols();
+    let turned = MatRef::from_column_major_slice(rows, p, rows.len() / p.max(1));
+    matmul(
+        MatMut::from_column_major_slice_mut(g.as_mut_slice(), p, p),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        turned,
+        BlockStructure::Rectangular,
+        turned.transpose(),
+        BlockStructure::Rectangular,
+        sign,
+        Par::Seq,
+    );
+}
+
+/// y − A x of rows given one after the other, each with its y behind its x.len() numbers.
+pub(crate) fn residual_of_rows(x: &[f64], rows: &[f64]) -> Vec<f64> {
+    let width = x.len() + 1;
+    let count = rows.len() / width;
+    let mut left: Vec<f64> = rows.chunks_exact(width).map(|row| row[width - 1]).collect();
+    let turned = MatRef::from_column_major_slice(rows, width, count).subrows(0, x.len());
+    let by = MatRef::from_column_major_slice(x, x.len(), 1);
+    let into = MatMut::from_column_major_slice_mut(&mut left, count, 1);
+    faer::linalg::matmul::matmul(into, Accum::Add, turned.transpose(), by, -1.0, Par::Seq);
+    left
+}
+
+/// L of the leading p × p part of a matrix whose lower triangle is `g`; nothing if it is not positive definite to round-off.
+pub(crate) fn cholesky_lower(mut g: DMatrix<f64>, p: usize) -> Option<DMatrix<f64>> {
+    let stride = g.nrows();
+    if p == 0 {
+        return Some(g);
+    }
+    let floor = (0..p).fold(0.0_f64, |most, k| most.max(g[(k, k)])) * p as f64 * f64::EPSILON;
+    let need = cholesky_in_place_scratch::<f64>(p, Par::Seq, Default::default());
+    cholesky_in_place(
+        MatMut::from_column_major_slice_with_stride_mut(g.as_mut_slice(), p, p, stride),
+        Default::default(),
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(need)),
+        Default::default(),
+    )
+    .ok()?;
+    (0..p).all(|k| g[(k, k)] * g[(k, k)] > floor).then_some(g)
+}
+
+/// L⁻¹ B, in place, with the leading part of L.
+pub(crate) fn solve_lower_many(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
+    let (p, columns) = b.shape();
+    let l = MatRef::from_column_major_slice_with_stride(l.as_slice(), p, p, l.nrows());
+    let b = MatMut::from_column_major_slice_mut(b.as_mut_slice(), p, columns);
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(l, b, Par::Seq);
 }
 
 /// Lᵀ (upper) of the symmetric matrix whose lower triangle is `g`; nothing if it is not positive definite.

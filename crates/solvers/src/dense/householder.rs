@@ -14,12 +14,16 @@
 //! out of our hands (at 200 000 rows that is 7e-10), and because the triangle's zeros save work.
 //! The diagonal is normalised to ≥ 0, so that the triangle is a function of AᵀA alone.
 
-use super::norm::norm;
+use super::leaf::leaf;
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
-const PANEL: usize = 48;
+pub(super) const PANEL: usize = 48;
+
+/// Columns that are reflected one by one, at most; fewer where they would not stay in the nearest cache.
+const LEAF: usize = 12;
+const NEAR: usize = 4096;
 
 /// Work space of [`fold`], kept between calls.
 #[derive(Debug, Clone)]
@@ -97,9 +101,8 @@ fn panel(
     mut turned: MatMut<'_, f64>,
 ) {
     let width = top.ncols();
-    if width == 1 {
-        s[(0, 0)] = reflect(&mut top[(0, 0)], block.col_mut(0).try_as_col_major_mut());
-        return;
+    if width <= LEAF.min(NEAR / block.nrows().max(1)).max(4) {
+        return leaf(top, block, s);
     }
     let half = width / 2;
     let rest = width - half;
@@ -162,25 +165,10 @@ fn apply(
     matmul(block, Accum::Add, v, t.rb(), -1.0, Par::Seq);
 }
 
-/// Turns [α; tail] into [β; 0]: β replaces `head`, v replaces `tail`; gives τ of I − τ v vᵀ.
-fn reflect(head: &mut f64, tail: Option<faer::ColMut<'_, f64, usize, faer::ContiguousFwd>>) -> f64 {
-    let Some(tail) = tail else { return 0.0 };
-    let tail = tail.as_slice_mut();
-    let below = norm(tail);
-    if below == 0.0 {
-        return 0.0;
-    }
-    let alpha = *head;
-    let beta = -alpha.hypot(below).copysign(alpha);
-    let lead = alpha - beta;
-    tail.iter_mut().for_each(|v| *v /= lead);
-    *head = beta;
-    lead / -beta
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dense::norm;
 
     fn noise(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed;

@@ -3,24 +3,27 @@
 
 mod cholesky;
 mod householder;
+mod leaf;
 mod norm;
 mod pivoted;
+mod pivoted_cholesky;
 mod singular;
 mod triangle;
 
-pub(crate) use cholesky::{cholesky, gram};
+pub(crate) use cholesky::{
+    cholesky, cholesky_lower, gram, gram_of, gram_of_rows, residual_of_rows, solve_lower_many,
+};
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
-pub(crate) use pivoted::pivoted_qr;
+pub(crate) use pivoted::{ordered_qr, pivoted_qr};
+pub(crate) use pivoted_cholesky::pivoted_cholesky;
 pub(crate) use singular::{singular_values, svd};
-pub(crate) use triangle::{inverse_gram, solve_upper, solve_upper_transposed};
+pub(crate) use triangle::{
+    inverse_gram, solve_lower, solve_lower_transposed, solve_upper, solve_upper_transposed,
+};
 
 use faer::{Mat, MatRef};
 use nalgebra::DMatrix;
-
-fn view(m: &DMatrix<f64>) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(m.as_slice(), m.nrows(), m.ncols())
-}
 
 fn copy_out(m: MatRef<'_, f64>) -> DMatrix<f64> {
     DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)])

@@ -2,7 +2,14 @@
 
 /// Euclidean norm, scaled by the largest entry where squares would leave the range.
 pub(crate) fn norm(v: &[f64]) -> f64 {
-    let plain: f64 = v.iter().map(|x| x * x).sum();
+    // Eight sums side by side, so that none waits for the one before.
+    let mut sums = [0.0; 8];
+    let eights = v.chunks_exact(8);
+    let rest: f64 = eights.remainder().iter().map(|x| x * x).sum();
+    for eight in eights {
+        sums.iter_mut().zip(eight).for_each(|(sum, x)| *sum += x * x);
+    }
+    let plain = sums.iter().sum::<f64>() + rest;
     if plain > 1e-280 && plain < 1e280 {
         return plain.sqrt();
     }

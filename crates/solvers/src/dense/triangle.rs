@@ -28,6 +28,29 @@ pub(crate) fn solve_upper_transposed(r: &DMatrix<f64>, b: &[f64]) -> DVector<f64
     x
 }
 
+/// x with L x = b, on the leading n = b.len() rows and columns of a lower triangle.
+pub(crate) fn solve_lower(l: &DMatrix<f64>, b: &[f64]) -> DVector<f64> {
+    let mut x = DVector::from_column_slice(b);
+    for j in 0..b.len() {
+        x[j] /= l[(j, j)];
+        let xj = x[j];
+        let below = &l.as_slice()[j * l.nrows()..][..b.len()];
+        x.as_mut_slice()[j + 1..].iter_mut().zip(&below[j + 1..]).for_each(|(x, l)| *x -= l * xj);
+    }
+    x
+}
+
+/// x with Lᵀ x = b.
+pub(crate) fn solve_lower_transposed(l: &DMatrix<f64>, b: &[f64]) -> DVector<f64> {
+    let mut x = DVector::from_column_slice(b);
+    for j in (0..b.len()).rev() {
+        let below = &l.as_slice()[j * l.nrows()..][..b.len()];
+        let known: f64 = x.as_slice()[j + 1..].iter().zip(&below[j + 1..]).map(|(x, l)| x * l).sum();
+        x[j] = (x[j] - known) / l[(j, j)];
+    }
+    x
+}
+
 /// (RᵀR)⁻¹ = R⁻¹ R⁻ᵀ of an upper triangle without zeros on its diagonal.
 pub(crate) fn inverse_gram(r: &DMatrix<f64>) -> DMatrix<f64> {
     let n = r.ncols();
@@ -52,5 +75,8 @@ mod tests {
         assert!(
             (r.transpose() * solve_upper_transposed(&r, &b) - DVector::from_column_slice(&b)).norm() < 1e-15
         );
+        let l = r.transpose();
+        assert!((&l * solve_lower(&l, &b) - DVector::from_column_slice(&b)).norm() < 1e-15);
+        assert!((&r * solve_lower_transposed(&l, &b) - DVector::from_column_slice(&b)).norm() < 1e-15);
     }
 }

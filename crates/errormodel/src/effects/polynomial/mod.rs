@@ -28,6 +28,7 @@
 //! columns that were dropped for good may have come to differ by a trifle. Which errors are grouped depends on what was measured: the fit
 //! puts it into `groups`.
 
+mod known;
 mod term;
 
 pub use term::WrenchComponent;
@@ -35,7 +36,9 @@ pub use term::WrenchComponent;
 use super::geometric::EXPECTED_ANGLE;
 use super::spot::distinct;
 use super::{frame_exists, joint_moves, refused};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Effect, Emission, ModelError, UNBOUNDED};
+use known::Known;
 use serde::{Deserialize, Serialize};
 use term::{Term, lives};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site};
@@ -279,6 +282,24 @@ impl Effect for Polynomial {
             });
             first += place.components.len() * terms;
         });
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let chain = at.chain();
+        let mut known = Known::default();
+        let mut first = 0;
+        self.for_each_place(chain, |place| {
+            let own = if self.wrench_of == WrenchOf::Tool { chain.tool_frame() } else { place.frame };
+            let terms = self.for_each_term(place, chain, |_, _| {});
+            self.for_each_term(place, chain, |k, term| {
+                let value = known.value(term, own, at, out);
+                for (c, &axis) in place.components.iter().enumerate() {
+                    out.push(first + c * terms + k, Site::Frame(place.frame, axis), value);
+                }
+            });
+            first += place.components.len() * terms;
+        });
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

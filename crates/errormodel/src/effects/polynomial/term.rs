@@ -35,7 +35,7 @@ pub(super) fn lives(joint: JointId, frame: FrameId, chain: &Chain) -> bool {
 }
 
 impl WrenchComponent {
-    fn index(self) -> usize {
+    pub(super) fn index(self) -> usize {
         self as usize
     }
 

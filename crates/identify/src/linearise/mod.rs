@@ -11,6 +11,10 @@
 //! Rows of the same conditions, as those of several targets in one standstill, share one robot at rest; a fit that has
 //! decided which columns it keeps asks for those alone.
 
+mod blocks;
+
+pub use blocks::{Batch, Blocks, batches, gram, left_out, left_over, triangular, triangular_of};
+
 use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -264,14 +268,18 @@ pub fn accumulate(
 /// How many visits one block of work takes: fixed, so that results do not depend on the number of threads.
 const VISITS_PER_BLOCK: usize = 1024;
 
+/// The same for Gram matrices: rows of a kind are brought together within a block, and merging costs little.
+const VISITS_PER_GRAM: usize = 16384;
+
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order.
 fn by_blocks<T: Send>(
     visits: &Visits,
+    size: usize,
     work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
-    (0..visits.len().div_ceil(VISITS_PER_BLOCK))
+    (0..visits.len().div_ceil(size))
         .into_par_iter()
-        .map(|block| work(block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len())))
+        .map(|block| work(block * size..((block + 1) * size).min(visits.len())))
         .collect()
 }
 
@@ -287,21 +295,7 @@ pub fn factorise(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Factor, IdentifyError> {
-    let parts = by_blocks(visits, |range| {
-        let lineariser = Lineariser::new(model, data, noise, coefficients)?;
-        let lineariser = match columns {
-            Some(columns) => lineariser.of_columns(columns),
-            None => lineariser,
-        };
-        accumulate(lineariser, visits, range)
-    })?;
-    let width = columns.map_or(model.columns().len(), <[usize]>::len);
-    let mut parts = parts.into_iter();
-    let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
-    for part in parts {
-        whole.merge(&part)?;
-    }
-    Ok(whole.into_factor())
+    Ok(triangular(model, data, visits, noise, coefficients, columns)?.into_factor())
 }
 
 /// What is left at these coefficients: the residuals, and the sum of their whitened squares.
@@ -315,33 +309,35 @@ pub(crate) fn misfit(
     noise: NoiseModel,
     coefficients: &[f64],
 ) -> Result<(Residuals, f64), IdentifyError> {
-    let parts = by_blocks(visits, |range| {
-        let mut lineariser = Lineariser::new(model, data, noise, coefficients)?.of_columns(&[]);
-        let (mut numbers, mut squares) = (Vec::new(), 0.0);
-        for visit in range {
-            let rows = &visits.rows[visit];
-            let raw = lineariser.unweighted(rows);
-            numbers.extend(raw.source.iter().copied().zip(raw.rows.iter().copied()));
-            lineariser.whiten_block(rows);
-            squares += lineariser.block.iter().map(|v| v * v).sum::<f64>();
-        }
-        Ok((numbers, squares))
-    })?;
-    let mut residuals = Residuals {
-        position: vec![Vector3::repeat(f64::NAN); data.len()],
-        orientation: data.orientation.iter().map(|seen| seen.map(|_| Vector3::zeros())).collect(),
-    };
-    let mut whole = 0.0;
-    for (numbers, squares) in parts {
-        whole += squares;
-        for ((row, component), value) in numbers {
-            match &mut residuals.orientation[row] {
-                Some(turn) if component >= 3 => turn[component - 3] = value,
-                _ => residuals.position[row][component] = value,
+    let residuals = left_over(model, data, coefficients, &vec![0.0; coefficients.len()])?;
+    let mut squares = 0.0;
+    let (mut numbers, mut sd) = (Vec::new(), Vec::new());
+    for rows in &visits.rows {
+        for component in 0..6 {
+            numbers.clear();
+            sd.clear();
+            for &row in rows {
+                let (value, deviation) = match component {
+                    0..3 => {
+                        (residuals.position[row][component], noise.position(data.position_sd[row][component]))
+                    }
+                    _ => {
+                        let turn = residuals.orientation[row].map_or(f64::NAN, |turn| turn[component - 3]);
+                        (turn, noise.orientation(data.orientation_sd[row][component - 3]))
+                    }
+                };
+                if !value.is_nan() {
+                    numbers.push(value);
+                    sd.push(deviation);
+                }
             }
+            let shared = if component < 3 { noise.visit_sd } else { 0.0 };
+            let places: Vec<usize> = (0..numbers.len()).collect();
+            whiten(&mut numbers, 1, &places, &sd, shared, &mut [0.0]);
+            squares += numbers.iter().map(|v| v * v).sum::<f64>();
         }
     }
-    Ok((residuals, whole))
+    Ok((residuals, squares))
 }
 
 /// All whitened rows at once.

@@ -1,0 +1,46 @@
+#![doc = include_str!("../README.md")]
+
+mod arguments;
+mod child;
+mod clock;
+mod peaks;
+mod robots;
+mod runner;
+mod summary;
+mod table;
+mod workload;
+mod workloads;
+
+use arguments::Arguments;
+use std::io::Write;
+use std::process::ExitCode;
+use workload::Failure;
+
+/// A line to the terminal, or to the process that asked.
+fn say(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = writeln!(out, "{text}");
+    let _ = out.flush();
+}
+
+fn run() -> Result<(), Failure> {
+    let arguments = Arguments::read()?;
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    if let Some((workload, way)) = &arguments.serve {
+        let found = workloads::ALL.iter().find(|w| w.name == workload);
+        let declared = found.and_then(|w| w.ways.iter().find(|d| d.name == way));
+        let prepare = declared.ok_or(format!("there is no way `{way}` of `{workload}`"))?.prepare;
+        return child::serve(prepare(&arguments.data)?);
+    }
+    runner::run(&arguments)
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr().lock(), "error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! What a workload is: what the peers' script calls it, who does it there, and the ways in which we do it.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+
+/// What went wrong.
+pub type Failure = Box<dyn Error>;
+
+/// Numbers of an answer by name: `rank`, `rms_fit_um`, …
+pub type Answer = BTreeMap<String, f64>;
+
+/// One way of doing a workload.
+pub struct Way {
+    /// Does the work once.
+    pub run: Box<dyn FnMut() -> Result<(), Failure>>,
+    /// What came of the last run: under the names that the peers use, so that both can be held against each other.
+    pub check: Box<dyn FnMut() -> Result<Answer, Failure>>,
+}
+
+/// A way, before its data has been read.
+#[derive(Clone, Copy)]
+pub struct Declared {
+    /// `gram`, `stable`, …
+    pub name: &'static str,
+    /// Peers that it is held against, and the share of their time that is asked for; the strongest decides.
+    pub asked: &'static [(&'static str, f64)],
+    /// Reads the data and makes ready; the folder is that of the peers' data.
+    pub prepare: fn(&Path) -> Result<Way, Failure>,
+}
+
+/// A workload.
+#[derive(Clone, Copy)]
+pub struct Workload {
+    /// As in the peers' script: `W1`, `W3-200k`, …
+    pub name: &'static str,
+    /// One line for people.
+    pub about: &'static str,
+    /// Floating-point operations that any way has to make, and bytes that it has to move.
+    pub bound: Bound,
+    /// Numbers of the answer that have to agree, and to how many digits.
+    pub agree: &'static [(&'static str, i32)],
+    /// Our ways.
+    pub ways: &'static [Declared],
+}
+
+/// The least work that there is.
+#[derive(Clone, Copy)]
+pub struct Bound {
+    /// Floating-point operations.
+    pub flops: f64,
+    /// Bytes.
+    pub bytes: f64,
+}

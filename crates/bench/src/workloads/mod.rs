@@ -1,0 +1,67 @@
+//! The workloads, one file each.
+
+mod arm;
+mod commands;
+mod folds;
+mod paper;
+mod points;
+
+use crate::workload::{Answer, Failure, Way, Workload};
+use std::cell::RefCell;
+use std::rc::Rc;
+use truepose_identify::Residuals;
+
+/// In the order in which they run.
+pub const ALL: &[Workload] =
+    &[paper::W1, arm::W2, points::W3_200K, points::W3_1M, folds::W4, arm::W5, commands::W6, arm::W7];
+
+/// A way whose runs leave their answer behind.
+fn shared(mut run: impl FnMut() -> Result<Answer, Failure> + 'static) -> Result<Way, Failure> {
+    shared_with(move || run(), |answer: &Answer| Ok(answer.clone()))
+}
+
+/// A way whose runs leave behind what the answer is then made of.
+fn shared_with<T: 'static>(
+    mut run: impl FnMut() -> Result<T, Failure> + 'static,
+    mut answer: impl FnMut(&T) -> Result<Answer, Failure> + 'static,
+) -> Result<Way, Failure> {
+    let last = Rc::new(RefCell::new(None));
+    let kept = last.clone();
+    Ok(Way {
+        run: Box::new(move || {
+            kept.replace(Some(run()?));
+            Ok(())
+        }),
+        check: Box::new(move || answer(last.borrow().as_ref().ok_or("nothing was run")?)),
+    })
+}
+
+/// Sizes of residuals under the peers' names.
+struct Residual {
+    /// 3-D RMS of the position, µm.
+    position_um: f64,
+    /// 3-D RMS of the orientation, µrad.
+    orientation_urad: f64,
+}
+
+impl Residual {
+    fn of(residuals: &Residuals) -> Self {
+        let rms = |squares: f64, count: usize| 1e6 * (squares / count.max(1) as f64).sqrt();
+        let position: f64 = residuals.position.iter().map(|v| v.norm_squared()).sum();
+        let turned: f64 = residuals.orientation.iter().flatten().map(|v| v.norm_squared()).sum();
+        let turns = residuals.orientation.iter().flatten().count();
+        Residual {
+            position_um: rms(position, residuals.position.len()),
+            orientation_urad: rms(turned, turns),
+        }
+    }
+
+    fn answer(self, rank: usize) -> Answer {
+        [
+            ("rank".into(), rank as f64),
+            ("rms_pos_um".into(), self.position_um),
+            ("rms_rot_urad".into(), self.orientation_urad),
+        ]
+        .into()
+    }
+}

@@ -1,0 +1,109 @@
+//! Identification of files that are larger than memory: read block by block, several times.
+
+use super::identify::{met, origin, refused};
+use super::print_json;
+use crate::args::Identify;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::terminal;
+use std::path::Path;
+use truepose_errormodel::{AnyEffect, Dataset};
+use truepose_identify::{FitOptions, IdentifyError, Source, StreamedOptions, identify_streamed};
+use truepose_io::{IoError, MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
+use truepose_kinematics::Chain;
+use truepose_report::StreamedSummary;
+
+/// Rows of a block: some megabytes, and work enough for every fold.
+const BLOCK: usize = 16384;
+
+/// Runs the verb.
+pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) -> Result<(), Failure> {
+    let options = StreamedOptions {
+        fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
+        folds: args.folds,
+    };
+    if args.folds == 1 {
+        return Err(Failure::Input(
+            "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
+        ));
+    }
+    let solver = args.solver.build();
+    let mut file = Table { path: &args.data, chain, positions_only: args.positions_only, passes: 0 };
+    let mut found =
+        identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| match error {
+            Wrong::Reading(error) => error.into(),
+            Wrong::Identifying(error) => refused(args, error),
+        })?;
+    let summary = StreamedSummary::new(&found, &args.solver.to_string());
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    if let Some(out) = &args.out {
+        let provenance = &mut found.fit.fitted.provenance;
+        origin(provenance, &summary.solver, summary.rows);
+        provenance.insert("structure_from_rows".into(), summary.sampled.into());
+        write_fit(out, &found.fit.fitted)?;
+        terminal::log(&format!("wrote {}", out.display()));
+    }
+    met(args, summary.held_out.unwrap_or(summary.train).rms_mm * 1e-3)
+}
+
+/// A file of measurements.
+struct Table<'a> {
+    path: &'a Path,
+    chain: &'a Chain,
+    positions_only: bool,
+    passes: usize,
+}
+
+/// What goes wrong with one.
+enum Wrong {
+    Reading(IoError),
+    Identifying(IdentifyError),
+}
+
+impl From<IdentifyError> for Wrong {
+    fn from(error: IdentifyError) -> Self {
+        Wrong::Identifying(error)
+    }
+}
+
+impl From<IoError> for Wrong {
+    fn from(error: IoError) -> Self {
+        Wrong::Reading(error)
+    }
+}
+
+impl Source for Table<'_> {
+    type Error = Wrong;
+
+    fn sample(&mut self, rows: usize) -> Result<Dataset, Wrong> {
+        let options = MeasurementsOptions::default();
+        let mut sample = sample_measurements(self.path, self.chain, &options, rows)?;
+        if self.positions_only {
+            sample.orientation.fill(None);
+        }
+        Ok(sample)
+    }
+
+    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Wrong> {
+        let mut reader = MeasurementsReader::open(self.path, self.chain, &MeasurementsOptions::default())?;
+        self.passes += 1;
+        let progress = Progress::bytes(reader.progress().1);
+        progress.say(if self.passes == 1 { "fitting" } else { "judging" });
+        let mut block = Dataset::default();
+        while reader.read_block(BLOCK, &mut block)? > 0 {
+            if self.positions_only {
+                block.orientation.fill(None);
+            }
+            take(&block)?;
+            progress.at(reader.progress().0);
+        }
+        if self.passes == 1 {
+            terminal::warn(&reader.warnings(self.chain));
+        }
+        Ok(())
+    }
+}

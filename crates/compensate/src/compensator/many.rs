@@ -1,0 +1,43 @@
+//! Many commands: those that can be computed side by side are, and the answers are the same as one after the other.
+
+use super::Compensator;
+use crate::command::{Command, Status, Wanted};
+use crate::lanes::{Block, WIDTH};
+use crate::options::Approach;
+
+impl Compensator<'_> {
+    /// Commands for many desired poses, in their order, appended to `out`: what [`Compensator::command`] answers to each of
+    /// them, to the last bit, in less time where the model allows it. Allocates only where `out` has no room.
+    pub fn commands(&mut self, wanted: &[Wanted<'_>], out: &mut Vec<Command>) {
+        for some in wanted.chunks(WIDTH) {
+            let (block, lanes) = self.together(some);
+            for (one, lane) in some.iter().zip(lanes) {
+                out.push(match lane.and_then(|lane| block.found(lane)) {
+                    Some(walk) => {
+                        self.take_over(one.conditions);
+                        self.answer(one.target.orientation.is_some(), &walk, Status::Ok, walk.rounds, true)
+                    }
+                    None => self.command(&one.target, one.conditions, one.seed),
+                });
+            }
+        }
+    }
+
+    /// The straight ways of those that have one, and where in the block each of them stands.
+    fn together(&mut self, wanted: &[Wanted<'_>]) -> (Block, [Option<usize>; WIDTH]) {
+        let (mut block, mut lanes) = (Block::empty(), [None; WIDTH]);
+        if self.kernel.is_none() || self.options.approach != Approach::Stated {
+            return (block, lanes);
+        }
+        for (one, lane) in wanted.iter().zip(&mut lanes) {
+            let Some(seed) = one.seed else { continue };
+            let Some(task) = self.enter(&one.target, one.conditions, one.seed) else { continue };
+            let point = self.real.still_point(task.target);
+            *lane = block.push(&task, &point, &self.conditions.load, &self.seed(seed));
+        }
+        if let Some(kernel) = &self.kernel {
+            kernel.walk(&mut block);
+        }
+        (block, lanes)
+    }
+}

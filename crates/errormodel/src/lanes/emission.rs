@@ -1,0 +1,144 @@
+//! What effects say in a block of rows: which column makes how much error at which site, with a value a lane.
+
+use super::LANES;
+use crate::Entry;
+use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
+
+/// Values of one function in a block; several entries may share them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LaneValue(pub(super) u32);
+
+/// One triple (column, site, factor · value).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LaneEntry {
+    pub column: u32,
+    pub site: Site,
+    pub value: LaneValue,
+    pub factor: f64,
+}
+
+/// The non-zero entries of Φ in a block of rows.
+#[derive(Debug, Clone)]
+pub struct LaneEmission {
+    pub(super) entries: Vec<LaneEntry>,
+    /// Value k: `LANES` numbers; value 0 is one everywhere.
+    values: Vec<f64>,
+    first_column: usize,
+}
+
+impl LaneEmission {
+    /// One everywhere.
+    pub const ONE: LaneValue = LaneValue(0);
+
+    /// Without entries.
+    pub(super) fn new() -> Self {
+        LaneEmission { entries: Vec::new(), values: vec![1.0; LANES], first_column: 0 }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.entries.clear();
+        self.values.truncate(LANES);
+        self.first_column = 0;
+    }
+
+    /// From here on, an effect's column 0 is this column of the model.
+    pub(super) fn start_at(&mut self, first_column: usize) {
+        self.first_column = first_column;
+    }
+
+    /// How many entries and values there are.
+    pub(super) fn mark(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Forgets all but the first entries; values that only later ones have go, too.
+    pub(super) fn truncate(&mut self, entries: usize) {
+        self.entries.truncate(entries);
+        let last = self.entries.iter().map(|entry| entry.value.0 as usize).max().unwrap_or(0);
+        self.values.truncate((last + 1) * LANES);
+    }
+
+    /// Values that `fill` writes into `LANES` zeros; those beyond the rows of the block are read by nobody but have to be finite.
+    #[inline]
+    pub fn value(&mut self, fill: impl FnOnce(&mut [f64])) -> LaneValue {
+        let at = self.values.len();
+        self.values.resize(at + LANES, 0.0);
+        fill(&mut self.values[at..]);
+        LaneValue((at / LANES) as u32)
+    }
+
+    /// The product of a value with another one's numbers.
+    #[inline]
+    pub fn product(&mut self, a: LaneValue, b: LaneValue) -> LaneValue {
+        if a == Self::ONE {
+            return b;
+        }
+        if b == Self::ONE {
+            return a;
+        }
+        let (a, b) = (a.0 as usize * LANES, b.0 as usize * LANES);
+        let at = self.values.len();
+        self.values.resize(at + LANES, 0.0);
+        let (old, new) = self.values.split_at_mut(at);
+        for (new, (a, b)) in new.iter_mut().zip(old[a..a + LANES].iter().zip(&old[b..b + LANES])) {
+            *new = a * b;
+        }
+        LaneValue((at / LANES) as u32)
+    }
+
+    /// Per unit of the effect's own column, the error at this site is `value`.
+    #[inline]
+    pub fn push(&mut self, column: usize, site: Site, value: LaneValue) {
+        let column = (self.first_column + column) as u32;
+        self.entries.push(LaneEntry { column, site, value, factor: 1.0 });
+    }
+
+    /// Per unit of the effect's own column, the joint moves by `value` (rad or m) beyond what it says.
+    #[inline]
+    pub fn along(&mut self, column: usize, motion: &JointMotion, value: LaneValue) {
+        let first = if motion.kind == JointKind::Prismatic { 0 } else { 3 };
+        let column = (self.first_column + column) as u32;
+        for direction in 0..3 {
+            let factor = motion.axis[direction];
+            if factor != 0.0 {
+                let site = Site::Frame(motion.frame, Axis::ALL[first + direction]);
+                self.entries.push(LaneEntry { column, site, value, factor });
+            }
+        }
+    }
+
+    /// Numbers of a value.
+    pub(super) fn numbers(&self, value: LaneValue) -> &[f64] {
+        &self.values[value.0 as usize * LANES..][..LANES]
+    }
+
+    /// How many values there are.
+    pub(super) fn values(&self) -> usize {
+        self.values.len() / LANES
+    }
+
+    /// The entries of one lane, which another way of asking has found.
+    pub(super) fn take(&mut self, lane: usize, entries: &[Entry], chain: &Chain) {
+        let mut next = 0;
+        for entry in entries {
+            let same = |known: &LaneEntry| {
+                known.column as usize == entry.column
+                    && chain.site_index(known.site) == chain.site_index(entry.site)
+            };
+            // Lanes mostly speak of the same columns in the same order. A column may speak of a site twice.
+            let found = match self.entries.get(next) {
+                Some(known) if same(known) => Some(next),
+                _ => self.entries[next.min(self.entries.len())..].iter().position(same).map(|k| next + k),
+            };
+            let at = found.unwrap_or_else(|| {
+                let value = self.value(|_| {});
+                let (column, site) = (entry.column as u32, entry.site);
+                self.entries.push(LaneEntry { column, site, value, factor: 1.0 });
+                self.entries.len() - 1
+            });
+            self.values[self.entries[at].value.0 as usize * LANES + lane] += entry.value;
+            // An entry that was put at the end leaves the order as it was.
+            next = if found.is_some() { at + 1 } else { next };
+        }
+    }
+}

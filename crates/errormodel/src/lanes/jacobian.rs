@@ -1,0 +1,149 @@
+//! The levers of all sites in a block: the error Jacobian, as [`crate::ErrorJacobian`] has it for one row.
+
+use super::LANES;
+use super::errors::LaneErrors;
+use super::store::Store;
+use crate::ModelError;
+use truepose_kinematics::lanes::Lane;
+use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
+use truepose_kinematics::{Chain, Site, three};
+
+impl Store {
+    /// The targets' real positions and the levers of the frames that are asked for.
+    pub fn reach(&mut self, chain: &Chain, errors: &LaneErrors, frames: &[bool], lanes: usize) {
+        if errors.of_targets() {
+            for direction in 0..3 {
+                let row = self.aimed() + direction;
+                for lane in 0..self.target.len() {
+                    if let Some(target) = self.target[lane] {
+                        let nominal = chain.targets()[target.0].position[direction];
+                        self.numbers[row * LANES + lane] =
+                            nominal + errors.target(chain, target, direction, lane);
+                    }
+                }
+            }
+        }
+        Arch::new().dispatch(Reach { store: self, frames, lanes });
+    }
+
+    /// The tool's axes where a target is measured, zero where it is not.
+    pub fn carry(&mut self, target: usize) {
+        let (from, to) = (self.behind(self.frames - 1), self.carried(target));
+        for k in 0..9 {
+            for lane in 0..self.target.len() {
+                let here = self.target[lane].is_some_and(|t| t.0 == target);
+                let value = if here { self.numbers[(from + k) * LANES + lane] } else { 0.0 };
+                self.numbers[(to + k) * LANES + lane] = value;
+            }
+            self.numbers[(to + k) * LANES..][self.target.len()..LANES].fill(0.0);
+        }
+    }
+
+    /// The row of a site's component (0…2 position, 3…5 rotation); none where it is zero by its nature.
+    #[inline]
+    pub fn of_site(&self, site: Site, component: usize) -> Option<usize> {
+        match site {
+            Site::Frame(frame, axis) if axis.is_rotation() => Some(match component {
+                0..3 => self.lever(frame.0) + 3 * axis.direction() + component,
+                _ => self.axes(frame.0) + 3 * axis.direction() + component - 3,
+            }),
+            Site::Frame(frame, axis) if component < 3 => {
+                Some(self.before(frame.0) + 3 * axis.direction() + component)
+            }
+            Site::Target(target, axis) if component < 3 => {
+                Some(self.carried(target.0) + 3 * axis.direction() + component)
+            }
+            _ => None,
+        }
+    }
+}
+
+struct Reach<'a> {
+    store: &'a mut Store,
+    frames: &'a [bool],
+    lanes: usize,
+}
+
+impl WithSimd for Reach<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Reach { store, frames, lanes } = self;
+        let width = LANES / S::F64_LANES;
+        let vectors = lanes.div_ceil(S::F64_LANES);
+        let (count, tool, aimed, point) =
+            (store.frames, store.behind(store.frames - 1), store.aimed(), store.point());
+        let (place, lever) = (store.place(0), store.lever(0));
+        let axes: Vec<usize> = (0..count).map(|frame| store.axes(frame)).collect();
+        let numbers = S::as_mut_simd_f64s(&mut store.numbers).0;
+        for v in 0..vectors {
+            let mut p = three!(c => Lane::read(simd, numbers, place + 3 * (count - 1) + c, width, v));
+            for k in 0..3 {
+                let by = Lane::read(simd, numbers, aimed + k, width, v);
+                p = three!(c => Lane::read(simd, numbers, tool + 3 * k + c, width, v).mul_add(by, p[c]));
+            }
+            for (c, p) in p.iter().enumerate() {
+                numbers[(point + c) * width + v] = p.value();
+            }
+        }
+        for (frame, _) in frames.iter().enumerate().filter(|(_, wanted)| **wanted) {
+            for v in 0..vectors {
+                let d = three!(c => Lane::read(simd, numbers, point + c, width, v) - Lane::read(simd, numbers, place + 3 * frame + c, width, v));
+                for k in 0..3 {
+                    let a = three!(c => Lane::read(simd, numbers, axes[frame] + 3 * k + c, width, v));
+                    let made =
+                        [a[1] * d[2] - a[2] * d[1], a[2] * d[0] - a[0] * d[2], a[0] * d[1] - a[1] * d[0]];
+                    for (c, made) in made.iter().enumerate() {
+                        numbers[(lever + 9 * frame + 3 * k + c) * width + v] = made.value();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Error Jacobians of the tool at many postures of the nominal robot, into memory that is there.
+///
+/// `joints` has one column a movable joint, `into` as many blocks of [`LANES`] postures as are begun, each with
+/// `6 n × 6 × LANES` numbers: site by site of the n joints' frames (x, y, z, rx, ry, rz), in each the components of position
+/// and rotation, in each the postures. Numbers of postures that are not there are those of a robot at zero.
+///
+/// # Errors
+/// When sizes do not fit.
+pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Result<(), ModelError> {
+    let shape =
+        |what, have, need| if have == need { Ok(()) } else { Err(ModelError::Shape { what, have, need }) };
+    shape("joint columns", joints.len(), chain.movable().len())?;
+    let postures = joints.first().map_or(0, |column| column.len());
+    joints.iter().try_for_each(|column| shape("rows of a column", column.len(), postures))?;
+    let size = 36 * chain.joints().len() * LANES;
+    shape("numbers of the Jacobians", into.len(), postures.div_ceil(LANES) * size)?;
+    let mut store = Store::new(chain);
+    let errors = LaneErrors::new(chain);
+    let mut inputs = vec![0.0; joints.len() * LANES];
+    let mut wanted = vec![true; store.frames];
+    wanted[0] = false;
+    wanted[store.frames - 1] = false;
+    for (k, into) in into.chunks_exact_mut(size).enumerate() {
+        let first = k * LANES;
+        for (to, from) in inputs.chunks_exact_mut(LANES).zip(joints) {
+            let from = &from[first..(first + LANES).min(postures)];
+            to[..from.len()].copy_from_slice(from);
+            to[from.len()..].fill(0.0);
+        }
+        store.turn(chain, &inputs);
+        store.walk(chain, &inputs, &errors, LANES);
+        store.reach(chain, &errors, &wanted, LANES);
+        for (site, site_numbers) in into.chunks_exact_mut(6 * LANES).enumerate() {
+            let site = chain.site_at(6 + site);
+            for (component, to) in site_numbers.chunks_exact_mut(LANES).enumerate() {
+                match store.of_site(site, component) {
+                    Some(row) => to.copy_from_slice(store.row(row)),
+                    None => to.fill(0.0),
+                }
+            }
+        }
+    }
+    Ok(())
+}

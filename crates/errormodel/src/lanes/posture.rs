@@ -1,0 +1,53 @@
+//! A block of postures, as effects see it.
+
+use super::LANES;
+use super::loads::LaneLoad;
+use super::store::Store;
+use truepose_kinematics::{Chain, FrameId, JointId};
+
+/// The robot in each row of a block: `LANES` numbers of everything, of which those beyond the rows mean nothing and are finite.
+#[derive(Debug, Clone, Copy)]
+pub struct LanePosture<'a> {
+    pub(super) chain: &'a Chain,
+    pub(super) joints: &'a [f64],
+    pub(super) signals: &'a [f64],
+    pub(super) load: &'a LaneLoad,
+    pub(super) store: &'a Store,
+}
+
+impl<'a> LanePosture<'a> {
+    /// The robot.
+    pub fn chain(&self) -> &'a Chain {
+        self.chain
+    }
+
+    /// Values of a joint, rad or m; none for a fixed joint.
+    pub fn joint(&self, joint: JointId) -> Option<&'a [f64]> {
+        self.chain.coordinate(joint).map(|k| &self.joints[k * LANES..][..LANES])
+    }
+
+    /// The k-th signal that the effect being evaluated asked for.
+    pub fn signal(&self, k: usize) -> &'a [f64] {
+        &self.signals[k * LANES..][..LANES]
+    }
+
+    /// Loads about (N·m) or along (N) a joint's axis.
+    pub fn joint_load(&self, joint: JointId) -> &'a [f64] {
+        self.store.row(self.store.load(joint.index()))
+    }
+
+    /// Writes a component (0…5: `[fx fy fz mx my mz]`) of the wrench that a frame carries, about its origin, in its axes: N, N·m.
+    pub fn wrench(&self, frame: FrameId, component: usize, into: &mut [f64]) {
+        if frame == self.chain.tool_frame() && self.load.measured {
+            into.copy_from_slice(self.load.component(component));
+            return;
+        }
+        let axis = self.store.behind(frame.0) + 3 * (component % 3);
+        let of = self.store.wrench(frame.0) + 3 * (component / 3);
+        into.fill(0.0);
+        for k in 0..3 {
+            let numbers = self.store.row(axis + k).iter().zip(self.store.row(of + k));
+            into.iter_mut().zip(numbers).for_each(|(into, (r, w))| *into += r * w);
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Where the numbers of a block stand: one array of rows, `LANES` numbers each.
+//!
+//! | row | what | frame |
+//! | --- | --- | --- |
+//! | `before(i, k, c)` | component c of column k of the rotation in front of `E_i` | measurement |
+//! | `axes(i, k, c)` | of the axis about which rx, ry, rz of `E_i` turn | measurement |
+//! | `behind(i, k, c)` | of column k of the rotation behind `E_i` | measurement |
+//! | `place(i, c)` | of the origin behind `E_i`, m | measurement |
+//! | `point(c)` | of the target, m | measurement |
+//! | `lever(i, k, c)` | of ω_ik × (p − o_i), m per rad | measurement |
+//! | `carried(t, k, c)` | of column k of the tool's rotation, where target t is measured | measurement |
+//! | `wrench(i, c)`, `load(j)` | what frame i carries, what joint j feels | measurement; the joint's axis |
+
+use super::LANES;
+use crate::Dataset;
+use truepose_kinematics::{Axis, Chain, FrameId, Site, TargetId};
+
+/// The rows, and which of them stand for others.
+#[derive(Debug, Clone)]
+pub(super) struct Store {
+    pub numbers: Vec<f64>,
+    /// Whether the errors of a frame are none: then its axes and what is behind them are what is before them.
+    pub plain: Vec<bool>,
+    pub frames: usize,
+    targets: usize,
+    /// The target of each lane.
+    pub target: Vec<Option<TargetId>>,
+}
+
+impl Store {
+    pub fn new(chain: &Chain) -> Self {
+        let (frames, targets) = (chain.frames().len(), chain.targets().len());
+        let mut store = Store {
+            numbers: Vec::new(),
+            plain: vec![true; frames],
+            frames,
+            targets,
+            target: Vec::with_capacity(LANES),
+        };
+        store.numbers = vec![0.0; (store.angle(frames, 0)) * LANES];
+        store
+    }
+
+    #[inline(always)]
+    pub fn before(&self, frame: usize) -> usize {
+        9 * frame
+    }
+
+    #[inline(always)]
+    pub fn axes(&self, frame: usize) -> usize {
+        if self.plain[frame] { self.before(frame) } else { 9 * (self.frames + frame) }
+    }
+
+    #[inline(always)]
+    pub fn behind(&self, frame: usize) -> usize {
+        if self.plain[frame] { self.before(frame) } else { 9 * (2 * self.frames + frame) }
+    }
+
+    #[inline(always)]
+    pub fn place(&self, frame: usize) -> usize {
+        27 * self.frames + 3 * frame
+    }
+
+    #[inline(always)]
+    pub fn lever(&self, frame: usize) -> usize {
+        30 * self.frames + 9 * frame
+    }
+
+    #[inline(always)]
+    pub fn point(&self) -> usize {
+        39 * self.frames
+    }
+
+    /// The target in the tool's axes, m.
+    #[inline(always)]
+    pub fn aimed(&self) -> usize {
+        39 * self.frames + 3
+    }
+
+    #[inline(always)]
+    pub fn carried(&self, target: usize) -> usize {
+        39 * self.frames + 6 + 9 * target
+    }
+
+    #[inline(always)]
+    pub fn wrench(&self, frame: usize) -> usize {
+        self.carried(self.targets) + 6 * frame
+    }
+
+    /// Of a joint, fixed ones included: 0….
+    #[inline(always)]
+    pub fn load(&self, joint: usize) -> usize {
+        self.wrench(self.frames) + joint
+    }
+
+    /// Sine (0) and cosine (1) of a joint's value.
+    #[inline(always)]
+    pub fn turn_of(&self, joint: usize, which: usize) -> usize {
+        self.load(self.frames) + 2 * joint + which
+    }
+
+    /// Errors (0…5) and sines and cosines (6…11) of a frame's angles.
+    #[inline(always)]
+    pub fn angle(&self, frame: usize, which: usize) -> usize {
+        self.turn_of(self.frames, 0) + 12 * frame + which
+    }
+
+    /// As [`Chain::site_at`].
+    #[inline(always)]
+    pub fn site(&self, index: usize) -> Site {
+        match index.checked_sub(6 * self.frames) {
+            None => Site::Frame(FrameId(index / 6), Axis::ALL[index % 6]),
+            Some(rest) => Site::Target(TargetId(rest / 3), Axis::ALL[rest % 3]),
+        }
+    }
+
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.numbers[row * LANES..][..LANES]
+    }
+
+    pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.numbers[row * LANES..][..LANES]
+    }
+
+    /// Where the targets of these rows nominally are.
+    pub fn aim(&mut self, chain: &Chain, data: &Dataset, rows: &[usize]) {
+        self.target.clear();
+        self.target.extend(rows.iter().map(|&row| data.target[row]));
+        for direction in 0..3 {
+            let at = (self.aimed() + direction) * LANES;
+            for (lane, target) in self.target.iter().enumerate() {
+                self.numbers[at + lane] = target.map_or(0.0, |t| chain.targets()[t.0].position[direction]);
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+use super::*;
+use crate::effects::{Geometric, JointCompliance, LinkCompliance, Polynomial, Transmission, WrenchComponent};
+use crate::{AnyEffect, ErrorJacobian, ErrorModel, Schema};
+use truepose_kinematics::{Chain, JointId, Load, Payload, TargetId, Wrench, rotation_log, samples};
+
+fn data(chain: &Chain, rows: usize) -> Dataset {
+    let movable = chain.movable().len();
+    let wave = |k: usize, row: usize| 0.9 * ((1 + k) as f64 * 1.3 + row as f64 * 0.37).sin();
+    let mut data = Dataset {
+        schema: Schema { load: true, ..Schema::default() },
+        joints: (0..movable).map(|k| (0..rows).map(|row| wave(k, row)).collect()).collect(),
+        approach: vec![vec![0.0; rows]; movable],
+        ..Dataset::default()
+    };
+    for row in 0..rows {
+        data.position.push([0.3, if row % 7 == 0 { f64::NAN } else { -0.2 }, 0.5]);
+        let turn = 0.5 * wave(3, row);
+        data.orientation.push((row % 3 > 0).then(|| [turn.cos(), turn.sin(), 0.0, 0.0]));
+        data.position_sd.push([f64::NAN; 3]);
+        data.orientation_sd.push([f64::NAN; 3]);
+        data.target.push((row % 2 == 0 && !chain.targets().is_empty()).then_some(TargetId(0)));
+        data.visit.push(row);
+        let payload = Payload { mass: 5.0 + row as f64, com: Vector3::new(0.1, 0.0, 0.2) };
+        let wrench = Wrench { force: Vector3::new(1.0, -40.0, 3.0), moment: Vector3::new(0.5, 0.0, 2.0) };
+        data.load.push(match row % 3 {
+            0 => Load::None,
+            1 => Load::Payload(payload),
+            _ => Load::Wrench(wrench),
+        });
+        data.time.push(0.0);
+    }
+    data
+}
+
+/// Every number of a block against that of one row after the other.
+fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64]) {
+    let chain = model.chain();
+    let rows: Vec<usize> = (0..data.len()).collect();
+    let places: Vec<Option<usize>> = (0..model.columns().len()).map(Some).collect();
+    let mut lanes = Lanes::new(model.bind(&data.schema).unwrap());
+    lanes.gather(data, &rows);
+    lanes.settle(data, coefficients);
+    let mut weights = vec![0.0; 6 * LANES];
+    for &row in &rows {
+        let seen = data.seen(row);
+        for k in 0..6 {
+            let seen = if k < 3 { seen.position[k] } else { seen.orientation };
+            weights[k * LANES + row] = if seen { 2.0 } else { 0.0 };
+        }
+    }
+    lanes.columns(data, &weights, &places);
+    let change: Vec<f64> = model.columns().iter().map(|column| 1e-3 * column.scale).collect();
+    let mut left = vec![0.0; 6 * LANES];
+    lanes.left(data, &change, &mut left);
+    let bound = model.bind(&data.schema).unwrap();
+    let mut rest = Rest::new(model);
+    for row in rows {
+        let conditions = data.conditions(row);
+        rest.settle(&bound, &conditions, coefficients);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.target[row]);
+        let mut want = vec![[0.0; 6]; model.columns().len() + 1];
+        for entry in rest.emission().entries() {
+            let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
+            for k in 0..3 {
+                want[entry.column][k] += 2.0 * entry.value * p[k];
+                want[entry.column][k + 3] += 2.0 * entry.value * r[k];
+            }
+        }
+        let away = data.measured_position(row) - jacobian.point();
+        let last = want.len() - 1;
+        (0..3).for_each(|k| want[last][k] = 2.0 * away[k]);
+        if let Some(measured) = data.measured_rotation(row) {
+            let turn = rotation_log(&(measured * rest.real().tool().rotation.transpose()));
+            (0..3).for_each(|k| want[last][k + 3] = 2.0 * turn[k]);
+        }
+        for k in 0..6 {
+            let found = lanes.component(k);
+            let mut have = vec![0.0; want.len()];
+            for (slot, &column) in found.active.iter().chain([&last]).enumerate() {
+                have[column] = found.numbers.get(slot * LANES + row).copied().unwrap_or(0.0);
+            }
+            if weights[k * LANES + row] != 0.0 {
+                let moved: f64 = want.iter().zip(&change).map(|(a, d)| 0.5 * a[k] * d).sum();
+                let (want, have) = (0.5 * want[last][k] - moved, left[k * LANES + row]);
+                assert!(
+                    (want - have).abs() < 1e-11,
+                    "{} row {row} component {k}: {want} {have}",
+                    chain.name()
+                );
+            }
+            for (column, (want, have)) in want.iter().zip(have).enumerate() {
+                let want = if weights[k * LANES + row] == 0.0 { 0.0 } else { want[k] };
+                // Rows follow the levers of weights to the fourth power of an angle, blocks exactly.
+                let close = (want - have).abs() <= 1e-10 * (1.0 + want.abs());
+                assert!(close, "{} row {row} component {k} column {column}: {want} {have}", chain.name());
+            }
+        }
+    }
+}
+
+fn models(chain: &Chain) -> Vec<ErrorModel> {
+    let effects: [Vec<Box<dyn AnyEffect>>; 4] = [
+        vec![Box::new(Geometric::default())],
+        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())],
+        vec![Box::new(Polynomial::of(2, vec![WrenchComponent::Fy, WrenchComponent::Mx]))],
+        vec![
+            Box::new(Geometric::default()),
+            Box::new(LinkCompliance::default()),
+            Box::new(Transmission::of(JointId(chain.movable()[0].0), 0.3)),
+        ],
+    ];
+    effects.into_iter().map(|effects| ErrorModel::new(chain.clone(), effects).unwrap()).collect()
+}
+
+#[test]
+fn a_block_says_what_its_rows_say() {
+    for chain in samples::all() {
+        let data = data(&chain, 21);
+        for model in models(&chain) {
+            let zero = vec![0.0; model.columns().len()];
+            check(&model, &data, &zero);
+            let some: Vec<f64> = model.columns().iter().map(|column| 0.03 * column.scale).collect();
+            check(&model, &data, &some);
+        }
+    }
+}
+
+#[test]
+fn what_is_zero_is_left_out() {
+    let chain = samples::pps();
+    let model = ErrorModel::new(chain.clone(), vec![Box::new(Geometric::default())]).unwrap();
+    let data = data(&chain, 5);
+    let mut lanes = Lanes::new(model.bind(&data.schema).unwrap());
+    lanes.gather(&data, &[0, 1, 2, 3, 4]);
+    let columns = model.columns().len();
+    lanes.settle(&data, &vec![0.0; columns]);
+    let places: Vec<Option<usize>> = (0..columns).map(Some).collect();
+    lanes.columns(&data, &[1.0; 6 * LANES], &places);
+    for k in 0..6 {
+        let component = lanes.component(k);
+        assert!(component.active.len() < columns - 6, "{k}: {}", component.active.len());
+        for (slot, column) in component.active.iter().enumerate() {
+            let numbers = &component.numbers[slot * LANES..][..5];
+            assert!(numbers.iter().any(|v| *v != 0.0), "column {column} of {k}");
+        }
+    }
+}

@@ -1,0 +1,417 @@
+//! The design matrix in blocks of rows, component by component, whitened, for accumulators that leave zeros out.
+//!
+//! The same numbers as those of a [`super::Lineariser`], [`LANES`] rows at once. Rows in which the same joints stand at zero come together,
+//! since whole columns of a model vanish there: a block has the columns of its kind and no others. Their order is a
+//! function of the data alone. A visit is never cut.
+
+use crate::{IdentifyError, NoiseModel, Residuals};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use truepose_errormodel::lanes::{Component, LANES, Lanes};
+use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_kinematics::Load;
+use truepose_solvers::Gram;
+use truepose_solvers::accumulator::{LeftOut, Triangular};
+
+/// A block that is begun with rows of another kind has at least so many.
+const LEAST: usize = 8;
+
+/// Turns blocks of visits into whitened columns.
+#[derive(Debug, Clone)]
+pub struct Blocks<'a> {
+    lanes: Lanes<'a>,
+    data: &'a Dataset,
+    noise: NoiseModel,
+    coefficients: &'a [f64],
+    places: Vec<Option<usize>>,
+    weights: Vec<f64>,
+    /// First lane of each visit of the block, and the number of lanes.
+    starts: Vec<usize>,
+    /// For each component: the lanes in which it was measured.
+    seen: [Vec<usize>; 6],
+}
+
+/// Rows of whole visits, [`LANES`] at most.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Batch {
+    /// The data's rows.
+    pub rows: Vec<usize>,
+    /// Where each visit begins, and the number of rows.
+    pub starts: Vec<usize>,
+}
+
+/// Some visits in batches of their kinds, in a fixed order; none where a visit is longer than a block.
+pub fn batches(data: &Dataset, visits: &Visits, which: impl Iterator<Item = usize>) -> Option<Vec<Batch>> {
+    let zero = |row: usize| {
+        let joints = data.joints.iter().enumerate();
+        let standing = joints.fold(0u64, |mask, (k, q)| mask | u64::from(q[row] == 0.0) << (k % 63));
+        let unloaded = match data.load[row] {
+            Load::None => true,
+            Load::Payload(payload) => payload.mass == 0.0,
+            Load::Wrench(wrench) => (0..6).all(|k| wrench.component(k) == 0.0),
+        };
+        standing | u64::from(unloaded) << 63
+    };
+    let mut order: Vec<(u64, usize)> =
+        which.filter(|&v| !visits.rows[v].is_empty()).map(|v| (zero(visits.rows[v][0]), v)).collect();
+    order.sort_by_key(|(kind, _)| *kind);
+    let mut made: Vec<Batch> = Vec::new();
+    let mut open = Batch::default();
+    let mut kind = None;
+    for (of, visit) in order {
+        let rows = &visits.rows[visit];
+        if rows.len() > LANES {
+            return None;
+        }
+        let other = kind.replace(of).is_some_and(|last| last != of) && open.rows.len() >= LEAST;
+        if other || open.rows.len() + rows.len() > LANES {
+            open.close(&mut made);
+        }
+        open.starts.push(open.rows.len());
+        open.rows.extend_from_slice(rows);
+    }
+    open.close(&mut made);
+    Some(made)
+}
+
+impl Batch {
+    fn close(&mut self, made: &mut Vec<Batch>) {
+        if !self.rows.is_empty() {
+            self.starts.push(self.rows.len());
+            made.push(std::mem::take(self));
+        }
+    }
+}
+
+impl<'a> Blocks<'a> {
+    /// Linearises at these coefficients, over all columns or over these.
+    ///
+    /// # Errors
+    /// When the data does not fit the robot, or lacks a signal that the model needs.
+    pub fn new(
+        model: &'a ErrorModel,
+        data: &'a Dataset,
+        noise: NoiseModel,
+        coefficients: &'a [f64],
+        columns: Option<&[usize]>,
+    ) -> Result<Self, IdentifyError> {
+        data.validate(model.chain())?;
+        let count = model.columns().len();
+        let places = match columns {
+            None => (0..count).map(Some).collect(),
+            Some(columns) => {
+                let mut places = vec![None; count];
+                columns.iter().enumerate().for_each(|(place, &column)| places[column] = Some(place));
+                places
+            }
+        };
+        Ok(Blocks {
+            lanes: Lanes::new(model.bind(&data.schema)?),
+            data,
+            noise,
+            coefficients,
+            places,
+            weights: vec![0.0; 6 * LANES],
+            starts: Vec::new(),
+            seen: Default::default(),
+        })
+    }
+
+    /// How many columns there are.
+    pub fn width(&self) -> usize {
+        self.places.iter().flatten().count()
+    }
+
+    /// Makes the whitened columns of a batch, and hands them on component by component.
+    ///
+    /// # Errors
+    /// What `each` returns.
+    pub fn each(
+        &mut self,
+        batch: &Batch,
+        mut each: impl FnMut(Component<'_>) -> Result<(), IdentifyError>,
+    ) -> Result<(), IdentifyError> {
+        self.lanes.gather(self.data, &batch.rows);
+        self.lanes.settle(self.data, self.coefficients);
+        self.weigh(&batch.rows);
+        self.lanes.columns(self.data, &self.weights, &self.places);
+        self.starts.clone_from(&batch.starts);
+        for index in 0..6 {
+            if index < 3 && self.noise.visit_sd > 0.0 {
+                self.share(index);
+            }
+            let rows = self.pack(index);
+            let component = self.lanes.component(index);
+            if !component.numbers.is_empty() {
+                each(Component { rows, ..component })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the rows that were measured to the front; how many there are.
+    fn pack(&mut self, component: usize) -> usize {
+        let weights = &self.weights[component * LANES..];
+        let rows = self.starts.last().copied().unwrap_or(0);
+        let seen = &mut self.seen[component];
+        seen.clear();
+        seen.extend((0..rows).filter(|&lane| weights[lane] != 0.0));
+        if seen.len() < rows {
+            let (_, numbers) = self.lanes.component_mut(component);
+            for column in numbers.chunks_exact_mut(LANES) {
+                seen.iter().enumerate().for_each(|(to, &from)| column[to] = column[from]);
+            }
+        }
+        seen.len()
+    }
+
+    /// The same, all components at once: rows × columns over the columns, ascending, that any of them has, and the residual.
+    fn whole(&mut self, batch: &Batch, whole: &mut Whole) -> Result<(), IdentifyError> {
+        whole.active.clear();
+        whole.groups.clear();
+        let mut rows = 0;
+        self.each(batch, |component| {
+            whole.active.extend_from_slice(component.active);
+            rows += component.rows;
+            Ok(())
+        })?;
+        whole.active.sort_unstable();
+        whole.active.dedup();
+        let place: HashMap<usize, usize> =
+            whole.active.iter().enumerate().map(|(at, &column)| (column, at)).collect();
+        whole.rows = rows;
+        whole.numbers.clear();
+        whole.numbers.resize((whole.active.len() + 1) * rows, 0.0);
+        let mut first = 0;
+        for component in (0..6).map(|index| self.lanes.component(index)).filter(|c| !c.numbers.is_empty()) {
+            let seen = &self.seen[component.index];
+            for (slot, from) in
+                component.numbers.chunks_exact(LANES).take(component.active.len() + 1).enumerate()
+            {
+                let at = component.active.get(slot).map_or(whole.active.len(), |column| place[column]);
+                whole.numbers[at * rows + first..][..seen.len()].copy_from_slice(&from[..seen.len()]);
+            }
+            first += seen.len();
+            whole.groups.extend(seen.iter().map(|&lane| self.data.visit[batch.rows[lane]]));
+        }
+        Ok(())
+    }
+
+    /// One over the standard deviation of each component of each row; zero where nothing was measured.
+    fn weigh(&mut self, rows: &[usize]) {
+        for (lane, &row) in rows.iter().enumerate() {
+            for k in 0..3 {
+                let seen = !self.data.position[row][k].is_nan();
+                let weight = 1.0 / self.noise.position(self.data.position_sd[row][k]);
+                self.weights[k * LANES + lane] = if seen { weight } else { 0.0 };
+                let seen = self.data.orientation[row].is_some();
+                let weight = 1.0 / self.noise.orientation(self.data.orientation_sd[row][k]);
+                self.weights[(3 + k) * LANES + lane] = if seen { weight } else { 0.0 };
+            }
+        }
+    }
+
+    /// Takes out of each visit what its rows share: the rank-one formula of [`crate::NoiseModel`].
+    fn share(&mut self, component: usize) {
+        let weights = &self.weights[component * LANES..][..LANES];
+        let rho = self.noise.visit_sd;
+        let visits: Vec<(std::ops::Range<usize>, f64)> = self
+            .starts
+            .windows(2)
+            .map(|ends| {
+                let squares: f64 = weights[ends[0]..ends[1]].iter().map(|w| w * w).sum();
+                let shrink = if squares > 0.0 {
+                    (1.0 - 1.0 / (1.0 + rho * rho * squares).sqrt()) / squares
+                } else {
+                    0.0
+                };
+                (ends[0]..ends[1], shrink)
+            })
+            .collect();
+        let (_, numbers) = self.lanes.component_mut(component);
+        for column in numbers.chunks_exact_mut(LANES) {
+            for (lanes, shrink) in &visits {
+                let d = &weights[lanes.clone()];
+                let u = &mut column[lanes.clone()];
+                let along: f64 = d.iter().zip(u.iter()).map(|(d, u)| d * u).sum();
+                u.iter_mut().zip(d).for_each(|(u, d)| *u -= shrink * along * d);
+            }
+        }
+    }
+}
+
+/// All components of a batch.
+#[derive(Default)]
+struct Whole {
+    active: Vec<usize>,
+    rows: usize,
+    /// The visit of each row.
+    groups: Vec<usize>,
+    numbers: Vec<f64>,
+}
+
+/// The triangular factor of `[A | r]` over all visits, over all columns or over these: as [`gram`], with all digits.
+///
+/// # Errors
+/// When the model and the data do not fit, or a number is not finite.
+pub fn triangular(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Triangular, IdentifyError> {
+    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+        triangular_of(model, data, visits, noise, coefficients, columns, range)
+    })?;
+    let mut parts = parts.into_iter();
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
+    for part in parts {
+        whole.merge(&part)?;
+    }
+    Ok(whole)
+}
+
+/// The same over some of the visits, by one thread.
+///
+/// # Errors
+/// As [`triangular`].
+pub fn triangular_of(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+    which: impl Iterator<Item = usize> + Clone,
+) -> Result<Triangular, IdentifyError> {
+    let Some(batches) = batches(data, visits, which.clone()) else {
+        let lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
+        let lineariser = match columns {
+            Some(columns) => lineariser.of_columns(columns),
+            None => lineariser,
+        };
+        return super::accumulate(lineariser, visits, which);
+    };
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let mut triangle = Triangular::new(blocks.width(), 1);
+    let mut whole = Whole::default();
+    for batch in &batches {
+        blocks.whole(batch, &mut whole)?;
+        triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
+    }
+    Ok(triangle)
+}
+
+/// The rows of `[A | r]` by visits, for cross-validation of the linear fit; visits are its groups.
+///
+/// # Errors
+/// When the model and the data do not fit, or a visit is longer than a block.
+pub fn left_out(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<LeftOut, IdentifyError> {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let all = batches(data, visits, 0..visits.len());
+    let batches = all.ok_or(IdentifyError::LongVisit { most: LANES })?;
+    let mut wholes = Vec::with_capacity(batches.len());
+    for batch in &batches {
+        let mut whole = Whole::default();
+        blocks.whole(batch, &mut whole)?;
+        wholes.push(whole);
+    }
+    let parts = wholes.iter().map(|w| (w.active.as_slice(), w.groups.as_slice(), w.numbers.as_slice()));
+    Ok(LeftOut::new(blocks.width(), visits.len(), parts)?)
+}
+
+/// The Gram matrix of `[A | r]` over all visits, over all columns or over these: in parallel over fixed blocks, merged in order.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn gram(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Gram, IdentifyError> {
+    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+        let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+        let mut gram = Gram::new(blocks.width(), 1);
+        match batches(data, visits, range.clone()) {
+            Some(batches) => {
+                for batch in &batches {
+                    blocks.each(batch, |c| Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?))?;
+                }
+            }
+            None => {
+                let mut lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
+                if let Some(columns) = columns {
+                    lineariser = lineariser.of_columns(columns);
+                }
+                for visit in range {
+                    gram.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
+                }
+            }
+        }
+        Ok(gram)
+    })?;
+    let mut parts = parts.into_iter();
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
+    whole.settle();
+    for part in parts {
+        whole.merge(&part)?;
+    }
+    Ok(whole)
+}
+
+/// Residuals `y − y(c) − P J_e Φ δ` of every row, in metres and radians.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn left_over(
+    model: &ErrorModel,
+    data: &Dataset,
+    coefficients: &[f64],
+    change: &[f64],
+) -> Result<Residuals, IdentifyError> {
+    data.validate(model.chain())?;
+    let bound = model.bind(&data.schema)?;
+    const ROWS: usize = 128 * LANES;
+    let parts: Vec<Vec<f64>> = (0..data.len().div_ceil(ROWS))
+        .into_par_iter()
+        .map(|part| {
+            let mut lanes = Lanes::new(bound.clone());
+            let rows: Vec<usize> = (part * ROWS..((part + 1) * ROWS).min(data.len())).collect();
+            let mut numbers = vec![0.0; rows.len().div_ceil(LANES) * 6 * LANES];
+            for (rows, numbers) in rows.chunks(LANES).zip(numbers.chunks_exact_mut(6 * LANES)) {
+                lanes.gather(data, rows);
+                lanes.settle(data, coefficients);
+                lanes.left(data, change, numbers);
+            }
+            numbers
+        })
+        .collect();
+    let mut residuals = Residuals {
+        position: vec![Vector3::repeat(f64::NAN); data.len()],
+        orientation: vec![None; data.len()],
+    };
+    for row in 0..data.len() {
+        let block = &parts[row / ROWS][row % ROWS / LANES * 6 * LANES..][..6 * LANES];
+        let at = |component: usize| block[component * LANES + row % LANES];
+        for k in (0..3).filter(|&k| !data.position[row][k].is_nan()) {
+            residuals.position[row][k] = at(k);
+        }
+        residuals.orientation[row] = data.orientation[row].map(|_| Vector3::new(at(3), at(4), at(5)));
+    }
+    Ok(residuals)
+}

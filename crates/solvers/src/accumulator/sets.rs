@@ -1,0 +1,167 @@
+//! Triangular factors of blocks in which most columns are zero, each over the columns that it has, and how they come together.
+//!
+//! ```text
+//! [A_1 | y_1] over columns S_1,  [A_2 | y_2] over S_2, …   ⟶   R over all, columns that few blocks have first
+//! ```
+//!
+//! Rows of one set fold into the triangle of that set, at the cost of its own width. At the end the columns are put in the order of how
+//! many sets have them: a set's triangle then begins where its first column stands, and each of its rows further right, so that little is
+//! filled in. It is the row-merge of sparse QR (George and Heath 1980; Liu 1986) with sets in place of an elimination tree.
+
+use super::Triangular;
+use crate::SolveError;
+use crate::dense::{Reflectors, fold, norm};
+use faer::MatMut;
+use nalgebra::DMatrix;
+
+/// How many sets are kept apart.
+const SETS: usize = 48;
+
+/// Rows of a triangle that are folded together.
+const CHUNK: usize = 96;
+
+/// Factors over some of the columns.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sets {
+    list: Vec<Set>,
+}
+
+#[derive(Debug, Clone)]
+struct Set {
+    columns: Vec<usize>,
+    rows: Triangular,
+}
+
+/// A triangle whose columns stand in another order.
+pub(super) struct Ordered {
+    /// p × (p + k).
+    pub top: DMatrix<f64>,
+    /// Norms of what no column reaches.
+    pub below: Vec<f64>,
+    /// The column of the problem at each place.
+    pub order: Vec<usize>,
+}
+
+impl Sets {
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Takes rows over these columns; a set that has to make place is returned as a triangle over all.
+    pub fn take(
+        &mut self,
+        columns: &[usize],
+        rhs: usize,
+        rows: usize,
+        at: impl Fn(usize, usize) -> f64,
+    ) -> Option<Self> {
+        let found = self.list.iter().position(|set| set.columns == columns);
+        let (index, out) = match found {
+            Some(index) => (index, None),
+            None => {
+                let out = (self.list.len() == SETS).then(|| Sets { list: vec![self.list.remove(0)] });
+                self.list.push(Set { columns: columns.to_vec(), rows: Triangular::new(columns.len(), rhs) });
+                (self.list.len() - 1, out)
+            }
+        };
+        self.list[index].rows.take(rows, at);
+        out
+    }
+
+    /// Takes what another has seen.
+    pub fn merge(&mut self, other: &Self) -> Result<(), SolveError> {
+        for set in &other.list {
+            match self.list.iter().position(|own| own.columns == set.columns) {
+                Some(index) => self.list[index].rows.merge(&set.rows)?,
+                None => self.list.push(set.clone()),
+            }
+        }
+        Ok(())
+    }
+
+    /// All sets over a triangle (p × (p + k)) that may have seen rows of its own.
+    pub fn ordered(&self, top: &DMatrix<f64>, below: &[f64]) -> Ordered {
+        let (p, k) = (top.nrows(), below.len());
+        let mut common = vec![0_usize; p];
+        self.list.iter().flat_map(|set| &set.columns).for_each(|&column| common[column] += 1);
+        let mut order: Vec<usize> = (0..p).collect();
+        order.sort_by_key(|&column| common[column]);
+        let mut place = vec![0; p];
+        order.iter().enumerate().for_each(|(at, &column)| place[column] = at);
+        let mut made = Ordered { top: DMatrix::zeros(p, p + k), below: below.to_vec(), order };
+        let mut work = Reflectors::default();
+        if top.iter().any(|v| *v != 0.0) {
+            let all: Vec<usize> = (0..p).collect();
+            made.fold(&all, top, true, &place, &mut work);
+        }
+        for set in &self.list {
+            let mut rows = set.rows.clone();
+            // What is hardly taller than wide gains nothing by being folded on its own.
+            let raw = rows.raw().filter(|raw| raw.nrows() <= 2 * set.columns.len());
+            match raw {
+                Some(raw) => made.fold(&set.columns, &raw, false, &place, &mut work),
+                None => {
+                    rows.flush();
+                    made.below.iter_mut().zip(&rows.below).for_each(|(own, set)| *own = own.hypot(*set));
+                    made.fold(&set.columns, &rows.top, true, &place, &mut work);
+                }
+            }
+        }
+        made
+    }
+}
+
+impl Ordered {
+    /// Folds rows over some columns; `tall` ones are brought to a triangle in the new order first.
+    fn fold(
+        &mut self,
+        columns: &[usize],
+        rows: &DMatrix<f64>,
+        tall: bool,
+        place: &[usize],
+        work: &mut Reflectors,
+    ) {
+        let (n, k) = (columns.len(), self.below.len());
+        let mut sorted: Vec<usize> = (0..n).collect();
+        sorted.sort_by_key(|&j| place[columns[j]]);
+        let mut block = DMatrix::zeros(rows.nrows(), n + k);
+        sorted.iter().enumerate().for_each(|(to, &from)| block.set_column(to, &rows.column(from)));
+        (0..k).for_each(|j| block.set_column(n + j, &rows.column(n + j)));
+        let mut chunk = block.nrows();
+        if tall && n > 0 {
+            let mut triangle = DMatrix::zeros(n, n + k);
+            fold(view(&mut triangle), view(&mut block), work);
+            self.rest(&block, n);
+            (block, chunk) = (triangle, CHUNK);
+        }
+        let mut from = 0;
+        while from < block.nrows() {
+            let count = chunk.min(block.nrows() - from);
+            // Rows of a triangle begin where their own column stands.
+            let first = if tall { from } else { 0 };
+            let start = sorted.get(first).map_or(place.len(), |&j| place[columns[j]]);
+            let width = place.len() - start;
+            let mut part = DMatrix::zeros(count, width + k);
+            for (at, &j) in sorted.iter().enumerate().skip(first) {
+                part.set_column(place[columns[j]] - start, &block.column(at).rows(from, count));
+            }
+            (0..k).for_each(|j| part.set_column(width + j, &block.column(n + j).rows(from, count)));
+            let top = view(&mut self.top).submatrix_mut(start, start, width, width + k);
+            fold(top, view(&mut part), work);
+            self.rest(&part, width);
+            from += count;
+        }
+    }
+
+    /// What a block leaves of the right-hand sides.
+    fn rest(&mut self, block: &DMatrix<f64>, columns: usize) {
+        for (j, below) in self.below.iter_mut().enumerate() {
+            *below = below.hypot(norm(block.column(columns + j).into_owned().as_slice()));
+        }
+    }
+}
+
+fn view(m: &mut DMatrix<f64>) -> MatMut<'_, f64> {
+    let (rows, columns) = m.shape();
+    MatMut::from_column_major_slice_mut(m.as_mut_slice(), rows, columns)
+}
