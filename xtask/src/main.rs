@@ -78,14 +78,12 @@ fn run(verb: Verb) -> Result<()> {
                 .args(rest)
                 .current_dir(&root),
         ),
-        Verb::Bench { rest } => {
-            finished(
-                Command::new("cargo")
-                    .args(["run", "--release", "--package", "truepose-bench", "--bin", "bench", "--"])
-                    .args(rest)
-                    .current_dir(&root),
-            )
-        }
+        Verb::Bench { rest } => finished(
+            Command::new("cargo")
+                .args(["run", "--release", "--package", "truepose-bench", "--bin", "bench", "--"])
+                .args(rest)
+                .current_dir(&root),
+        ),
     }
 }
 

@@ -31,7 +31,8 @@ pub struct Arguments {
 impl Arguments {
     /// Reads the command line and the environment.
     pub fn read() -> Result<Self, Failure> {
-        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+        let target =
+            std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
         let from = |name: &str, otherwise: PathBuf| std::env::var_os(name).map_or(otherwise, PathBuf::from);
         let mut read = Arguments {
             only: Vec::new(),

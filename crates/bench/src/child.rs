@@ -44,7 +44,8 @@ pub struct Process {
 impl Process {
     /// Starts it and waits until its data has been read.
     pub fn start(command: &mut Command) -> Result<Self, Failure> {
-        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn()?;
+        let mut child =
+            command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn()?;
         let to = child.stdin.take().ok_or("no pipe to the process")?;
         let from = BufReader::new(child.stdout.take().ok_or("no pipe from the process")?).lines();
         let mut made = Process { child, to, from, ready: Value::Null };

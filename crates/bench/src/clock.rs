@@ -19,7 +19,8 @@ pub fn timed<T>(work: impl FnOnce() -> T) -> (f64, f64, T) {
 /// A line of /proc/self/status in MB; zero where the system does not tell.
 pub fn memory_mb(line: &str) -> f64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let found = text.lines().find_map(|l| l.strip_prefix(line)?.split_whitespace().next()?.parse::<f64>().ok());
+    let found =
+        text.lines().find_map(|l| l.strip_prefix(line)?.split_whitespace().next()?.parse::<f64>().ok());
     found.unwrap_or(0.0) / 1024.0
 }
 

@@ -36,12 +36,14 @@ impl WithSimd for Multiply {
 
 /// The best of some tries.
 pub fn measure() -> Peaks {
-    let flops = (0..5).map(|_| timed(|| Arch::new().dispatch(Multiply(2_000_000)))).map(|(cpu, _, n)| n / cpu);
+    let flops =
+        (0..5).map(|_| timed(|| Arch::new().dispatch(Multiply(2_000_000)))).map(|(cpu, _, n)| n / cpu);
     let source = vec![1.0_f64; 1 << 13];
     let mut target = vec![0.0_f64; 1 << 24];
     let size = 8.0 * target.len() as f64;
     let bytes = (0..5).map(|_| {
-        let (cpu, ..) = timed(|| target.chunks_exact_mut(source.len()).for_each(|c| c.copy_from_slice(&source)));
+        let (cpu, ..) =
+            timed(|| target.chunks_exact_mut(source.len()).for_each(|c| c.copy_from_slice(&source)));
         black_box(&target);
         size / cpu
     });

@@ -7,8 +7,8 @@ use std::path::Path;
 use truepose_errormodel::{Dataset, Schema};
 use truepose_kinematics::nalgebra::{Matrix3, Unit, Vector3};
 use truepose_kinematics::{
-    Chain, Gravity, GravityFrame, Joint, JointKind, Link, Load, Payload, Placed, Placement, Pose, Target, TargetId,
-    Wrench,
+    Chain, Gravity, GravityFrame, Joint, JointKind, Link, Load, Payload, Placed, Placement, Pose, Target,
+    TargetId, Wrench,
 };
 
 fn numbers(value: &Value) -> Vec<f64> {

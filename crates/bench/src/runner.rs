@@ -93,7 +93,8 @@ fn one(
 ) -> Result<Summary, Failure> {
     let mut sides: Vec<(Side, Process)> = Vec::new();
     for way in workload.ways {
-        let asked = way.asked.iter().map(|(peer, share)| Peer { name: (*peer).into(), share: *share }).collect();
+        let asked =
+            way.asked.iter().map(|(peer, share)| Peer { name: (*peer).into(), share: *share }).collect();
         let process = ours(arguments, workload.name, way.name)?;
         sides.push((Side::ours(way.name, asked), process));
     }

@@ -155,7 +155,8 @@ impl Summary {
                     line += &format!("  {ratio:.2} × {} (≤ {}: {verdict})", asked.name, asked.share);
                 }
             }
-            let before = known.and_then(|w| w.sides.iter().find(|s| s.name == side.name && s.ours == side.ours));
+            let before =
+                known.and_then(|w| w.sides.iter().find(|s| s.name == side.name && s.ours == side.ours));
             if let Some(before) = before {
                 line += &format!("  {:.2} × the earlier run", cpu / median(&before.cpu));
             }

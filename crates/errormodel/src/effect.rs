@@ -175,7 +175,9 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
     /// [`Effect::eval`].
     fn eval(&self, at: &Posture<'_>, out: &mut Emission);
     /// [`Effect::eval_lanes`].
-    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool;
+    fn eval_lanes(&self, _at: &LanePosture<'_>, _out: &mut LaneEmission) -> bool {
+        false
+    }
     /// [`Effect::needs`].
     fn needs(&self) -> Vec<Signal>;
     /// [`Effect::settles`].

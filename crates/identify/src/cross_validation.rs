@@ -13,7 +13,9 @@
 //! the same numbers. Folds without which the rest loses rank, and solvers that are not plain least squares, are
 //! fitted again.
 
-use crate::{Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, refit, triangular_of};
+use crate::{
+    Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, refit, triangular_of,
+};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truepose_errormodel::{Dataset, Visits};

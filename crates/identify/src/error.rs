@@ -23,7 +23,9 @@ pub enum IdentifyError {
         rows: usize,
     },
     /// A visit has more rows than a block.
-    #[error("a visit has more than {most} rows; give its standstills numbers of their own in the `visit` column")]
+    #[error(
+        "a visit has more than {most} rows; give its standstills numbers of their own in the `visit` column"
+    )]
     LongVisit {
         /// Rows of a block.
         most: usize,

@@ -28,8 +28,9 @@ pub use excitation::{Advice, excitation};
 pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
-pub use linearise::{Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out, left_over,
-    triangular, triangular_of,
+pub use linearise::{
+    Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
+    left_over, triangular, triangular_of,
 };
 pub use noise::NoiseModel;
 pub use observability::{Observability, observability};

@@ -123,7 +123,12 @@ impl Plain {
     ///
     /// # Errors
     /// When the model and the data do not fit.
-    pub fn residuals(&self, model: &ErrorModel, data: &Dataset, exact: bool) -> Result<Residuals, IdentifyError> {
+    pub fn residuals(
+        &self,
+        model: &ErrorModel,
+        data: &Dataset,
+        exact: bool,
+    ) -> Result<Residuals, IdentifyError> {
         let zero = vec![0.0; self.coefficients.len()];
         match exact {
             true => left_over(model, data, &self.coefficients, &zero),

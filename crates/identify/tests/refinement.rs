@@ -6,7 +6,7 @@ use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
 use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, Way, fit, left_over, plain};
 use truepose_kinematics::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use truepose_kinematics::{Chain, Load, Placed, Pose, samples};
-use truepose_solvers::{RankRule, NormalEquations, PivotedQr, Solver, Svd};
+use truepose_solvers::{NormalEquations, PivotedQr, RankRule, Solver, Svd};
 
 const POSES: &str = include_str!("refinement/poses.csv");
 const KEPT: &str = include_str!("refinement/kept.csv");
@@ -79,7 +79,8 @@ fn the_short_way_ends_there_as_well() {
     let effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
     let model = ErrorModel::new(chain(), effects).expect("a model");
     let noise = NoiseModel { position_sd: 5e-5, visit_sd: 0.0, orientation_sd: 1e-4 };
-    let want: f64 = DIGITS.lines().next().and_then(|l| l.split_once(',')?.1.parse().ok()).expect("the sum of squares");
+    let want: f64 =
+        DIGITS.lines().next().and_then(|l| l.split_once(',')?.1.parse().ok()).expect("the sum of squares");
     for way in [Way::default(), Way::Stable(RankRule::Relative(1e-9))] {
         let found = plain(&model, &data, noise, None, way, 20).expect("an answer");
         assert!(found.converged && found.guarded == matches!(way, Way::Guarded(_)), "{way:?}");
@@ -87,7 +88,11 @@ fn the_short_way_ends_there_as_well() {
         let square = |v: &Vector3<f64>, sd: f64| v.norm_squared() / (sd * sd);
         let positions: f64 = left.position.iter().map(|v| square(v, noise.position_sd)).sum();
         let turns: f64 = left.orientation.iter().flatten().map(|v| square(v, noise.orientation_sd)).sum();
-        assert!(((positions + turns) / want - 1.0).abs() < 1e-8, "{way:?}: {} against {want}", positions + turns);
+        assert!(
+            ((positions + turns) / want - 1.0).abs() < 1e-8,
+            "{way:?}: {} against {want}",
+            positions + turns
+        );
         // The linear picture at the solution says the same as one more step.
         let zero = vec![0.0; found.coefficients.len()];
         let again = left_over(&model, &data, &found.coefficients, &zero).expect("residuals");

@@ -15,7 +15,8 @@ fn model(folder: &Path, yields: bool) -> Result<ErrorModel, Failure> {
     let chain = robot(&folder.join("arm6r.json"))?;
     let chain = chain.with_targets(Vec::new())?;
     let frames = chain.frames().map(Where::Frame).collect();
-    let mut effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric { frames: Some(frames), components: None })];
+    let mut effects: Vec<Box<dyn AnyEffect>> =
+        vec![Box::new(Geometric { frames: Some(frames), components: None })];
     if yields {
         effects.push(Box::new(JointCompliance::default()));
     }

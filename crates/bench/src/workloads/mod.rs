@@ -11,7 +11,8 @@ use std::rc::Rc;
 use truepose_identify::Residuals;
 
 /// In the order in which they run.
-pub const ALL: &[Workload] = &[paper::W1, arm::W2, points::W3_200K, points::W3_1M, folds::W4, arm::W5, arm::W7];
+pub const ALL: &[Workload] =
+    &[paper::W1, arm::W2, points::W3_200K, points::W3_1M, folds::W4, arm::W5, arm::W7];
 
 /// A way whose runs leave their answer behind.
 fn shared(mut run: impl FnMut() -> Result<Answer, Failure> + 'static) -> Result<Way, Failure> {

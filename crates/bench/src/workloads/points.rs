@@ -1,7 +1,7 @@
 //! W3: the paper's model over many points, in memory.
 
-use super::{Residual, shared_with};
 use super::paper::{PLAIN, STABLE, model, rows};
+use super::{Residual, shared_with};
 use crate::robots::dataset;
 use crate::table::Table;
 use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
@@ -28,7 +28,10 @@ fn way(folder: &Path, file: &str, by: By) -> Result<Way, Failure> {
     shared_with(run, move |found| {
         let zero = vec![0.0; found.coefficients.len()];
         let residual = Residual::of(&left_over(&also, &again, &zero, &found.coefficients)?);
-        Ok(Answer::from([("rank".into(), found.kept.len() as f64), ("rms_fit_um".into(), residual.position_um)]))
+        Ok(Answer::from([
+            ("rank".into(), found.kept.len() as f64),
+            ("rms_fit_um".into(), residual.position_um),
+        ]))
     })
 }
 
@@ -43,13 +46,11 @@ pub const W3_200K: Workload = Workload {
     about: "200 000 points, 224 columns, in memory",
     bound: bound(2e5),
     agree: &[("rank", 9), ("rms_fit_um", 9)],
-    ways: &[
-        Declared {
-            name: "gram",
-            asked: &[("numba-chunk", 0.7), ("numpy-chunk", 0.7)],
-            prepare: |folder| way(folder, "w3_200k.csv", By::Guarded(1e6)),
-        },
-    ],
+    ways: &[Declared {
+        name: "gram",
+        asked: &[("numba-chunk", 0.7), ("numpy-chunk", 0.7)],
+        prepare: |folder| way(folder, "w3_200k.csv", By::Guarded(1e6)),
+    }],
 };
 
 /// A million.
@@ -58,11 +59,9 @@ pub const W3_1M: Workload = Workload {
     about: "1 000 000 points, 224 columns, in memory",
     bound: bound(1e6),
     agree: &[("rank", 9), ("rms_fit_um", 9)],
-    ways: &[
-        Declared {
-            name: "gram",
-            asked: &[("numba-chunk", 0.7), ("numpy-chunk", 0.7)],
-            prepare: |folder| way(folder, "w3_1m.csv", By::Guarded(1e6)),
-        },
-    ],
+    ways: &[Declared {
+        name: "gram",
+        asked: &[("numba-chunk", 0.7), ("numpy-chunk", 0.7)],
+        prepare: |folder| way(folder, "w3_1m.csv", By::Guarded(1e6)),
+    }],
 };

@@ -201,8 +201,8 @@ impl WithSimd for Columns<'_> {
                 if fill.values[value.0 as usize] {
                     continue;
                 }
-                let zero = *fill.known[row]
-                    .get_or_insert_with(|| store.row(row)[..rows].iter().all(|&v| v == 0.0));
+                let zero =
+                    *fill.known[row].get_or_insert_with(|| store.row(row)[..rows].iter().all(|&v| v == 0.0));
                 if zero {
                     continue;
                 }

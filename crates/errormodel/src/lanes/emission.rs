@@ -122,7 +122,8 @@ impl LaneEmission {
         let mut next = 0;
         for entry in entries {
             let same = |known: &LaneEntry| {
-                known.column as usize == entry.column && chain.site_index(known.site) == chain.site_index(entry.site)
+                known.column as usize == entry.column
+                    && chain.site_index(known.site) == chain.site_index(entry.site)
             };
             // Lanes mostly speak of the same columns in the same order. A column may speak of a site twice.
             let found = match self.entries.get(next) {

@@ -1,8 +1,8 @@
 //! The levers of all sites in a block: the error Jacobian, as [`crate::ErrorJacobian`] has it for one row.
 
+use super::LANES;
 use super::errors::LaneErrors;
 use super::store::Store;
-use super::LANES;
 use crate::ModelError;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
@@ -17,7 +17,8 @@ impl Store {
                 for lane in 0..self.target.len() {
                     if let Some(target) = self.target[lane] {
                         let nominal = chain.targets()[target.0].position[direction];
-                        self.numbers[row * LANES + lane] = nominal + errors.target(chain, target, direction, lane);
+                        self.numbers[row * LANES + lane] =
+                            nominal + errors.target(chain, target, direction, lane);
                     }
                 }
             }
@@ -46,7 +47,9 @@ impl Store {
                 0..3 => self.lever(frame.0) + 3 * axis.direction() + component,
                 _ => self.axes(frame.0) + 3 * axis.direction() + component - 3,
             }),
-            Site::Frame(frame, axis) if component < 3 => Some(self.before(frame.0) + 3 * axis.direction() + component),
+            Site::Frame(frame, axis) if component < 3 => {
+                Some(self.before(frame.0) + 3 * axis.direction() + component)
+            }
             Site::Target(target, axis) if component < 3 => {
                 Some(self.carried(target.0) + 3 * axis.direction() + component)
             }
@@ -69,7 +72,8 @@ impl WithSimd for Reach<'_> {
         let Reach { store, frames, lanes } = self;
         let width = LANES / S::F64_LANES;
         let vectors = lanes.div_ceil(S::F64_LANES);
-        let (count, tool, aimed, point) = (store.frames, store.behind(store.frames - 1), store.aimed(), store.point());
+        let (count, tool, aimed, point) =
+            (store.frames, store.behind(store.frames - 1), store.aimed(), store.point());
         let (place, lever) = (store.place(0), store.lever(0));
         let axes: Vec<usize> = (0..count).map(|frame| store.axes(frame)).collect();
         let numbers = S::as_mut_simd_f64s(&mut store.numbers).0;
@@ -85,10 +89,11 @@ impl WithSimd for Reach<'_> {
         }
         for (frame, _) in frames.iter().enumerate().filter(|(_, wanted)| **wanted) {
             for v in 0..vectors {
-                    let d = three!(c => Lane::read(simd, numbers, point + c, width, v) - Lane::read(simd, numbers, place + 3 * frame + c, width, v));
+                let d = three!(c => Lane::read(simd, numbers, point + c, width, v) - Lane::read(simd, numbers, place + 3 * frame + c, width, v));
                 for k in 0..3 {
                     let a = three!(c => Lane::read(simd, numbers, axes[frame] + 3 * k + c, width, v));
-                    let made = [a[1] * d[2] - a[2] * d[1], a[2] * d[0] - a[0] * d[2], a[0] * d[1] - a[1] * d[0]];
+                    let made =
+                        [a[1] * d[2] - a[2] * d[1], a[2] * d[0] - a[0] * d[2], a[0] * d[1] - a[1] * d[0]];
                     for (c, made) in made.iter().enumerate() {
                         numbers[(lever + 9 * frame + 3 * k + c) * width + v] = made.value();
                     }
@@ -107,7 +112,8 @@ impl WithSimd for Reach<'_> {
 /// # Errors
 /// When sizes do not fit.
 pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Result<(), ModelError> {
-    let shape = |what, have, need| if have == need { Ok(()) } else { Err(ModelError::Shape { what, have, need }) };
+    let shape =
+        |what, have, need| if have == need { Ok(()) } else { Err(ModelError::Shape { what, have, need }) };
     shape("joint columns", joints.len(), chain.movable().len())?;
     let postures = joints.first().map_or(0, |column| column.len());
     joints.iter().try_for_each(|column| shape("rows of a column", column.len(), postures))?;

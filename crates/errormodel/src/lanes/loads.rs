@@ -66,11 +66,7 @@ type Vector<S> = [Lane<S>; 3];
 
 #[inline(always)]
 fn cross<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline(always)]
@@ -105,12 +101,18 @@ impl WithSimd for Weigh<'_> {
             let mass = Lane::read(simd, carried, 0, width, v);
             let weight = three!(k => g[k] * mass);
             let at_centre = cross(turned(tool, vector(simd, carried, width, v, 1)), weight);
-            let (measured, moment) = (turned(tool, vector(simd, carried, width, v, 4)), turned(tool, vector(simd, carried, width, v, 7)));
+            let (measured, moment) = (
+                turned(tool, vector(simd, carried, width, v, 4)),
+                turned(tool, vector(simd, carried, width, v, 7)),
+            );
             let mut force = three!(k => weight[k] + measured[k]);
             let mut moment = three!(k => at_centre[k] + moment[k]);
             for frame in (0..frames).rev() {
                 if frame + 1 < frames {
-                    let (here, next) = (vector(simd, numbers, width, v, place + 3 * frame), vector(simd, numbers, width, v, place + 3 * frame + 3));
+                    let (here, next) = (
+                        vector(simd, numbers, width, v, place + 3 * frame),
+                        vector(simd, numbers, width, v, place + 3 * frame + 3),
+                    );
                     let lever = cross(three!(k => next[k] - here[k]), force);
                     moment = three!(k => moment[k] + lever[k]);
                     if frame > 0

@@ -1,8 +1,8 @@
 //! A block of postures, as effects see it.
 
+use super::LANES;
 use super::loads::LaneLoad;
 use super::store::Store;
-use super::LANES;
 use truepose_kinematics::{Chain, FrameId, JointId};
 
 /// The robot in each row of a block: `LANES` numbers of everything, of which those beyond the rows mean nothing and are finite.

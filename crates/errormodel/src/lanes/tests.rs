@@ -82,7 +82,11 @@ fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64]) {
             if weights[k * LANES + row] != 0.0 {
                 let moved: f64 = want.iter().zip(&change).map(|(a, d)| 0.5 * a[k] * d).sum();
                 let (want, have) = (0.5 * want[last][k] - moved, left[k * LANES + row]);
-                assert!((want - have).abs() < 1e-11, "{} row {row} component {k}: {want} {have}", chain.name());
+                assert!(
+                    (want - have).abs() < 1e-11,
+                    "{} row {row} component {k}: {want} {have}",
+                    chain.name()
+                );
             }
             for (column, (want, have)) in want.iter().zip(have).enumerate() {
                 let want = if weights[k * LANES + row] == 0.0 { 0.0 } else { want[k] };

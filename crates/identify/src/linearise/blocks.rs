@@ -7,10 +7,10 @@
 use crate::{IdentifyError, NoiseModel, Residuals};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 use truepose_errormodel::lanes::{Component, LANES, Lanes};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_kinematics::Load;
-use std::collections::HashMap;
 use truepose_solvers::Gram;
 use truepose_solvers::accumulator::{LeftOut, Triangular};
 
@@ -178,14 +178,17 @@ impl<'a> Blocks<'a> {
         })?;
         whole.active.sort_unstable();
         whole.active.dedup();
-        let place: HashMap<usize, usize> = whole.active.iter().enumerate().map(|(at, &column)| (column, at)).collect();
+        let place: HashMap<usize, usize> =
+            whole.active.iter().enumerate().map(|(at, &column)| (column, at)).collect();
         whole.rows = rows;
         whole.numbers.clear();
         whole.numbers.resize((whole.active.len() + 1) * rows, 0.0);
         let mut first = 0;
         for component in (0..6).map(|index| self.lanes.component(index)).filter(|c| !c.numbers.is_empty()) {
             let seen = &self.seen[component.index];
-            for (slot, from) in component.numbers.chunks_exact(LANES).take(component.active.len() + 1).enumerate() {
+            for (slot, from) in
+                component.numbers.chunks_exact(LANES).take(component.active.len() + 1).enumerate()
+            {
                 let at = component.active.get(slot).map_or(whole.active.len(), |column| place[column]);
                 whole.numbers[at * rows + first..][..seen.len()].copy_from_slice(&from[..seen.len()]);
             }
@@ -218,7 +221,11 @@ impl<'a> Blocks<'a> {
             .windows(2)
             .map(|ends| {
                 let squares: f64 = weights[ends[0]..ends[1]].iter().map(|w| w * w).sum();
-                let shrink = if squares > 0.0 { (1.0 - 1.0 / (1.0 + rho * rho * squares).sqrt()) / squares } else { 0.0 };
+                let shrink = if squares > 0.0 {
+                    (1.0 - 1.0 / (1.0 + rho * rho * squares).sqrt()) / squares
+                } else {
+                    0.0
+                };
                 (ends[0]..ends[1], shrink)
             })
             .collect();
@@ -256,7 +263,7 @@ pub fn triangular(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Triangular, IdentifyError> {
-    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+    let parts = super::by_blocks(visits, |range| {
         triangular_of(model, data, visits, noise, coefficients, columns, range)
     })?;
     let mut parts = parts.into_iter();
@@ -281,7 +288,9 @@ pub fn triangular_of(
     columns: Option<&[usize]>,
     which: impl Iterator<Item = usize> + Clone,
 ) -> Result<Triangular, IdentifyError> {
-    let Some(batches) = batches(data, visits, which.clone()) else {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let wide = blocks.lanes.speaks_of_blocks();
+    let Some(batches) = batches(data, visits, which.clone()).filter(|_| wide) else {
         let lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
         let lineariser = match columns {
             Some(columns) => lineariser.of_columns(columns),
@@ -289,7 +298,6 @@ pub fn triangular_of(
         };
         return super::accumulate(lineariser, visits, which);
     };
-    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
     let mut triangle = Triangular::new(blocks.width(), 1);
     let mut whole = Whole::default();
     for batch in &batches {
@@ -336,15 +344,13 @@ pub fn gram(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Gram, IdentifyError> {
-    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+    let parts = super::by_blocks(visits, |range| {
         let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
         let mut gram = Gram::new(blocks.width(), 1);
         match batches(data, visits, range.clone()) {
             Some(batches) => {
                 for batch in &batches {
-                    blocks.each(batch, |c| {
-                        Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?)
-                    })?;
+                    blocks.each(batch, |c| Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?))?;
                 }
             }
             None => {

@@ -93,13 +93,25 @@ impl<S: Simd> LanePose<S> {
 
     /// Past a joint of the robot, at q (rad or m) with its sine and cosine: times `A_i(q)`.
     #[inline(always)]
-    pub fn past(self, simd: S, chain: &Chain, joint: usize, q: Lane<S>, sine: Lane<S>, cosine: Lane<S>) -> Self {
+    pub fn past(
+        self,
+        simd: S,
+        chain: &Chain,
+        joint: usize,
+        q: Lane<S>,
+        sine: Lane<S>,
+        cosine: Lane<S>,
+    ) -> Self {
         match chain.prepared_joint(joint) {
             PreparedJoint::Fixed(pose) => self.moved(&pose.translation).turned(&pose.rotation),
             PreparedJoint::Dh { theta, d, a, alpha } => {
                 let (s, c) = added(*theta, sine, cosine);
                 let turned = self.moved(&Vector3::new(0.0, 0.0, *d)).turned_about(2, s, c);
-                turned.moved(&Vector3::new(*a, 0.0, 0.0)).turned_about(0, Lane::splat(simd, alpha.0), Lane::splat(simd, alpha.1))
+                turned.moved(&Vector3::new(*a, 0.0, 0.0)).turned_about(
+                    0,
+                    Lane::splat(simd, alpha.0),
+                    Lane::splat(simd, alpha.1),
+                )
             }
             PreparedJoint::Mdh { theta, d, a, alpha } => {
                 let (s, c) = added(*theta, sine, cosine);

@@ -93,12 +93,23 @@ impl Gram {
         let width = active.len() + self.rhs;
         let need = if width == 0 || rows == 0 { 0 } else { (width - 1) * stride + rows };
         if numbers.len() < need || (rows > stride && width > 1) {
-            return Err(SolveError::Shape { what: "the numbers of the columns", expected: need, found: numbers.len() });
+            return Err(SolveError::Shape {
+                what: "the numbers of the columns",
+                expected: need,
+                found: numbers.len(),
+            });
         }
         if let Some(&far) = active.iter().find(|&&column| column >= self.columns) {
             return Err(SolveError::Shape { what: "the columns", expected: self.columns, found: far + 1 });
         }
-        self.pieces.add(active, self.columns..self.columns + self.rhs, rows, stride, numbers, &mut self.whole);
+        self.pieces.add(
+            active,
+            self.columns..self.columns + self.rhs,
+            rows,
+            stride,
+            numbers,
+            &mut self.whole,
+        );
         self.rows += rows;
         Ok(())
     }
@@ -139,7 +150,12 @@ impl Gram {
         let size: Vec<f64> =
             (0..p).map(|i| if whole[(i, i)] > 0.0 { 1.0 / whole[(i, i)].sqrt() } else { 1.0 }).collect();
         let mut scaled = DMatrix::zeros(p, p);
-        for (j, (to, from)) in scaled.as_mut_slice().chunks_exact_mut(p).zip(whole.as_slice().chunks_exact(p + self.rhs)).enumerate() {
+        for (j, (to, from)) in scaled
+            .as_mut_slice()
+            .chunks_exact_mut(p)
+            .zip(whole.as_slice().chunks_exact(p + self.rhs))
+            .enumerate()
+        {
             let mut sum = 0.0;
             for ((to, from), size_of) in to[j..].iter_mut().zip(&from[j..]).zip(&size[j..]) {
                 *to = from * size_of * size[j];

@@ -14,9 +14,11 @@
 //! *Numerical Methods for Least Squares Problems*, §3.4; Zhang (1993) on leaving groups out. For columns that are known to be
 //! independent, as [`super::Gram::solve_guarded`] has found them.
 
-use crate::dense::{cholesky_lower, gram_of_rows, residual_of_rows, solve_lower, solve_lower_many, solve_lower_transposed};
-use crate::problem::check_len;
 use crate::SolveError;
+use crate::dense::{
+    cholesky_lower, gram_of_rows, residual_of_rows, solve_lower, solve_lower_many, solve_lower_transposed,
+};
+use crate::problem::check_len;
 use nalgebra::{DMatrix, DVector};
 
 /// A set takes in rows with fewer columns if it has at most this many times as many.
@@ -75,7 +77,11 @@ impl LeftOut {
             return Err(SolveError::Shape { what: "the columns", expected: self.columns, found: far + 1 });
         }
         if let Some(&far) = group.iter().find(|&&group| group >= self.groups.len()) {
-            return Err(SolveError::Shape { what: "the groups", expected: self.groups.len(), found: far + 1 });
+            return Err(SolveError::Shape {
+                what: "the groups",
+                expected: self.groups.len(),
+                found: far + 1,
+            });
         }
         let fits = |cluster: &Cluster| {
             cluster.columns.len() <= WIDER * active.len().max(1)
@@ -90,8 +96,11 @@ impl LeftOut {
         };
         let cluster = &mut self.clusters[at];
         let width = cluster.columns.len() + 1;
-        let places: Vec<usize> =
-            active.iter().filter_map(|column| cluster.columns.binary_search(column).ok()).chain([width - 1]).collect();
+        let places: Vec<usize> = active
+            .iter()
+            .filter_map(|column| cluster.columns.binary_search(column).ok())
+            .chain([width - 1])
+            .collect();
         let first = cluster.numbers.len() / width;
         cluster.numbers.resize((first + rows) * width, 0.0);
         for (from, place) in numbers.chunks_exact(rows.max(1)).zip(places) {
@@ -101,7 +110,9 @@ impl LeftOut {
         }
         for (row, &group) in group.iter().enumerate() {
             match self.groups[group].last_mut() {
-                Some((cluster, start, count)) if *cluster == at && *start + *count == first + row => *count += 1,
+                Some((cluster, start, count)) if *cluster == at && *start + *count == first + row => {
+                    *count += 1
+                }
                 _ => self.groups[group].push((at, first + row, 1)),
             }
         }
@@ -142,7 +153,8 @@ impl LeftOut {
         let mut gathered: Vec<Vec<f64>> = vec![Vec::new(); self.clusters.len()];
         for &(cluster, start, count) in out.iter().flat_map(|&group| &self.groups[group]) {
             let width = self.clusters[cluster].columns.len() + 1;
-            gathered[cluster].extend_from_slice(&self.clusters[cluster].numbers[start * width..(start + count) * width]);
+            gathered[cluster]
+                .extend_from_slice(&self.clusters[cluster].numbers[start * width..(start + count) * width]);
         }
         for (cluster, numbers) in self.clusters.iter().zip(&gathered) {
             scatter(&cluster.columns, numbers, -1.0, &mut rest, &mut work);
@@ -151,10 +163,17 @@ impl LeftOut {
         let moments: Vec<f64> = (0..p).map(|column| rest[(p, column)]).collect();
         let l = cholesky_lower(rest, p)?;
         let x = solve_lower_transposed(&l, solve_lower(&l, &moments).as_slice());
-        let mut left: Vec<std::vec::IntoIter<f64>> =
-            self.clusters.iter().zip(&gathered).map(|(c, numbers)| c.residuals(numbers, &x).into_iter()).collect();
+        let mut left: Vec<std::vec::IntoIter<f64>> = self
+            .clusters
+            .iter()
+            .zip(&gathered)
+            .map(|(c, numbers)| c.residuals(numbers, &x).into_iter())
+            .collect();
         let runs = out.iter().flat_map(|&group| &self.groups[group]);
-        Some(runs.flat_map(|&(cluster, _, count)| left[cluster].by_ref().take(count).collect::<Vec<f64>>()).collect())
+        Some(
+            runs.flat_map(|&(cluster, _, count)| left[cluster].by_ref().take(count).collect::<Vec<f64>>())
+                .collect(),
+        )
     }
 
     /// What is left of each group's rows when it alone is left out, group after group.
@@ -163,7 +182,8 @@ impl LeftOut {
     /// When the rows do not determine the unknowns, or would not without one of the groups.
     pub fn one_by_one(&self) -> Result<Vec<Vec<f64>>, SolveError> {
         let p = self.columns;
-        let broken = || SolveError::Breakdown { what: "leaving a group out", rows: self.groups.len(), columns: p };
+        let broken =
+            || SolveError::Breakdown { what: "leaving a group out", rows: self.groups.len(), columns: p };
         let moments: Vec<f64> = (0..p).map(|column| self.whole[(p, column)]).collect();
         let l = cholesky_lower(self.whole.clone(), p).ok_or_else(broken)?;
         let x = solve_lower_transposed(&l, solve_lower(&l, &moments).as_slice());
@@ -262,7 +282,8 @@ mod tests {
 
     /// Squares of what is left of these groups by a fit that has not seen them.
     fn by_hand(a: &DMatrix<f64>, y: &DVector<f64>, groups: &[usize], out: &[usize]) -> f64 {
-        let (left, kept): (Vec<usize>, Vec<usize>) = (0..y.len()).partition(|&row| out.contains(&groups[row]));
+        let (left, kept): (Vec<usize>, Vec<usize>) =
+            (0..y.len()).partition(|&row| out.contains(&groups[row]));
         let x = a.select_rows(&kept).svd(true, true).solve(&y.select_rows(&kept), 1e-12).unwrap();
         (y.select_rows(&left) - a.select_rows(&left) * x).norm_squared()
     }
@@ -284,7 +305,9 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        let one = |active: &[usize], group: &[usize], numbers: &[f64]| LeftOut::new(2, 1, [(active, group, numbers)]).is_err();
+        let one = |active: &[usize], group: &[usize], numbers: &[f64]| {
+            LeftOut::new(2, 1, [(active, group, numbers)]).is_err()
+        };
         assert!(one(&[0, 2], &[0], &[1.0; 3]) && one(&[0], &[1], &[1.0; 2]) && one(&[0], &[0], &[1.0; 3]));
         assert!(one(&[0], &[0], &[f64::NAN, 1.0]));
     }

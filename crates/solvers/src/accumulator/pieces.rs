@@ -39,7 +39,11 @@ impl Pieces {
         numbers: &[f64],
         whole: &mut DMatrix<f64>,
     ) {
-        let at = match self.sets.iter().position(|piece| piece.columns[..piece.columns.len() - rhs.len()] == *columns) {
+        let at = match self
+            .sets
+            .iter()
+            .position(|piece| piece.columns[..piece.columns.len() - rhs.len()] == *columns)
+        {
             Some(at) => at,
             None => {
                 if self.sets.len() == SETS {
@@ -64,7 +68,8 @@ impl Piece {
     fn into_whole(self, whole: &mut DMatrix<f64>) {
         let (size, stride) = (self.columns.len(), whole.nrows());
         let whole = whole.as_mut_slice();
-        for (j, (&column, from)) in self.columns.iter().zip(self.g.as_slice().chunks_exact(size)).enumerate() {
+        for (j, (&column, from)) in self.columns.iter().zip(self.g.as_slice().chunks_exact(size)).enumerate()
+        {
             for (&row, value) in self.columns[j..].iter().zip(&from[j..]) {
                 whole[row.max(column) + stride * row.min(column)] += value;
             }

@@ -97,7 +97,11 @@ impl Triangular {
         let width = active.len() + self.rhs;
         let need = if width == 0 || rows == 0 { 0 } else { (width - 1) * stride + rows };
         if numbers.len() < need || (rows > stride && width > 1) {
-            return Err(SolveError::Shape { what: "the numbers of the columns", expected: need, found: numbers.len() });
+            return Err(SolveError::Shape {
+                what: "the numbers of the columns",
+                expected: need,
+                found: numbers.len(),
+            });
         }
         if let Some(&far) = active.iter().find(|&&column| column >= self.columns) {
             return Err(SolveError::Shape { what: "the columns", expected: self.columns, found: far + 1 });
@@ -109,16 +113,16 @@ impl Triangular {
                 return Err(SolveError::NotFinite { what: "the block", row, column });
             }
         }
-        if let Some(out) = self.sets.take(active, self.rhs, rows, |i, j| numbers[j * stride + i]) {
+        if let Some(out) = self.sets.take(active, self.rhs, rows, stride, numbers) {
             self.flush();
-            self.natural(&out);
+            self.natural(out);
         }
         self.rows += rows;
         Ok(())
     }
 
     /// Brings sets to the triangle over all columns, in their own order.
-    fn natural(&mut self, sets: &Sets) {
+    fn natural(&mut self, sets: Sets) {
         let Ordered { top, below, order } = sets.ordered(&self.top, &self.below);
         let (p, width) = (self.columns, self.columns + self.rhs);
         let mut block = DMatrix::zeros(p, width);
@@ -173,7 +177,7 @@ impl Triangular {
         self.flush();
         let sets = std::mem::take(&mut self.sets);
         if !sets.is_empty() {
-            self.natural(&sets);
+            self.natural(sets);
         }
         let z = self.top.columns(self.columns, self.rhs).into_owned();
         Factor {
@@ -191,7 +195,7 @@ impl Triangular {
         done.flush();
         let sets = std::mem::take(&mut done.sets);
         if !sets.is_empty() {
-            done.natural(&sets);
+            done.natural(sets);
         }
         let mut numbers = done.top.as_slice().to_vec();
         numbers.extend_from_slice(&done.below);
@@ -229,11 +233,35 @@ impl Triangular {
         }
     }
 
-    pub(super) fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+    fn reserve(&mut self) {
         if self.buffer.is_empty() {
             let width = self.columns + self.rhs;
             self.buffer = DMatrix::zeros((2 * width).clamp(256, 2048), width);
         }
+    }
+
+    /// Rows of all columns, column after column.
+    pub(super) fn take_columns(&mut self, rows: usize, stride: usize, numbers: &[f64]) {
+        self.reserve();
+        let (height, mut from) = (self.buffer.nrows(), 0);
+        while from < rows {
+            let many = (height - self.filled).min(rows - from);
+            for (into, column) in
+                self.buffer.as_mut_slice().chunks_exact_mut(height).zip(numbers.chunks(stride))
+            {
+                into[self.filled..self.filled + many].copy_from_slice(&column[from..from + many]);
+            }
+            self.filled += many;
+            from += many;
+            if self.filled == height {
+                self.flush();
+            }
+        }
+        self.rows += rows;
+    }
+
+    fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+        self.reserve();
         let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
             let many = (height - self.filled).min(rows - from);
@@ -366,7 +394,8 @@ mod tests {
     #[test]
     fn blocks_with_some_of_the_columns_are_the_same_rows() {
         let (mut sparse, mut dense, mut parts) = (Triangular::new(9, 1), Triangular::new(9, 1), Vec::new());
-        let sets: [&[usize]; 5] = [&[0, 2, 5], &[1, 2, 4, 8], &[0, 2, 5], &[3, 4, 5, 6, 7], &[0, 1, 2, 3, 4, 5, 6, 7, 8]];
+        let sets: [&[usize]; 5] =
+            [&[0, 2, 5], &[1, 2, 4, 8], &[0, 2, 5], &[3, 4, 5, 6, 7], &[0, 1, 2, 3, 4, 5, 6, 7, 8]];
         for (k, active) in sets.iter().enumerate() {
             let (rows, n) = ([40, 30, 2, 3, 4][k], active.len());
             let some = block(rows, n + 1, k);
@@ -383,7 +412,9 @@ mod tests {
         let mut merged = parts.remove(0);
         parts.iter().for_each(|part| merged.merge(part).unwrap());
         let want = dense.finish();
-        for have in [sparse.finish(), merged.finish(), Triangular::from_bytes(&sparse.to_bytes()).unwrap().finish()] {
+        for have in
+            [sparse.finish(), merged.finish(), Triangular::from_bytes(&sparse.to_bytes()).unwrap().finish()]
+        {
             assert!((&have.r - &want.r).amax() < 1e-13 && (&have.z - &want.z).amax() < 1e-13);
             assert!((have.rss[0] - want.rss[0]).abs() < 1e-12 && have.rows == 79);
         }

@@ -18,7 +18,9 @@ pub(crate) use norm::norm;
 pub(crate) use pivoted::{ordered_qr, pivoted_qr};
 pub(crate) use pivoted_cholesky::pivoted_cholesky;
 pub(crate) use singular::{singular_values, svd};
-pub(crate) use triangle::{inverse_gram, solve_lower, solve_lower_transposed, solve_upper, solve_upper_transposed};
+pub(crate) use triangle::{
+    inverse_gram, solve_lower, solve_lower_transposed, solve_upper, solve_upper_transposed,
+};
 
 use faer::{Mat, MatRef};
 use nalgebra::DMatrix;

@@ -28,7 +28,8 @@ pub(crate) struct PivotedCholesky {
 /// Factors the lower triangle of `g` as long as pivots are above `tolerance`.
 pub(crate) fn pivoted_cholesky(g: DMatrix<f64>, tolerance: f64) -> PivotedCholesky {
     let p = g.nrows();
-    let mut made = PivotedCholesky { l: g, order: (0..p).collect(), pivots: Vec::with_capacity(p), rest: 0.0 };
+    let mut made =
+        PivotedCholesky { l: g, order: (0..p).collect(), pivots: Vec::with_capacity(p), rest: 0.0 };
     let mut squares = vec![0.0; p];
     let mut from = 0;
     while from < p {
@@ -46,12 +47,25 @@ pub(crate) fn pivoted_cholesky(g: DMatrix<f64>, tolerance: f64) -> PivotedCholes
             squares.swap(k, best);
             made.order.swap(k, best);
             made.pivots.push(pivot);
-            Arch::new().dispatch(Column { l: made.l.as_mut_slice(), squares: &mut squares, p, from, k, root: pivot.sqrt() });
+            Arch::new().dispatch(Column {
+                l: made.l.as_mut_slice(),
+                squares: &mut squares,
+                p,
+                from,
+                k,
+                root: pivot.sqrt(),
+            });
         }
         if to < p {
             let (left, right) = made.l.as_mut_slice().split_at_mut(to * p);
-            let done = faer::MatRef::from_column_major_slice_with_stride(&left[from * p + to..], p - to, to - from, p);
-            let mut rest = MatMut::from_column_major_slice_with_stride_mut(&mut right[to..], p - to, p - to, p);
+            let done = faer::MatRef::from_column_major_slice_with_stride(
+                &left[from * p + to..],
+                p - to,
+                to - from,
+                p,
+            );
+            let mut rest =
+                MatMut::from_column_major_slice_with_stride_mut(&mut right[to..], p - to, p - to, p);
             matmul(
                 rest.rb_mut(),
                 BlockStructure::TriangularLower,
