@@ -92,6 +92,11 @@ impl<'m> Lanes<'m> {
         &self.bound
     }
 
+    /// Whether all effects speak of blocks: otherwise a block is no faster than its rows.
+    pub fn speaks_of_blocks(&self) -> bool {
+        self.wide
+    }
+
     /// The rows of the block, as they were gathered.
     pub fn rows(&self) -> &[usize] {
         &self.rows

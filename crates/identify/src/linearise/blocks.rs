@@ -263,7 +263,7 @@ pub fn triangular(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Triangular, IdentifyError> {
-    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+    let parts = super::by_blocks(visits, |range| {
         triangular_of(model, data, visits, noise, coefficients, columns, range)
     })?;
     let mut parts = parts.into_iter();
@@ -288,7 +288,9 @@ pub fn triangular_of(
     columns: Option<&[usize]>,
     which: impl Iterator<Item = usize> + Clone,
 ) -> Result<Triangular, IdentifyError> {
-    let Some(batches) = batches(data, visits, which.clone()) else {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let wide = blocks.lanes.speaks_of_blocks();
+    let Some(batches) = batches(data, visits, which.clone()).filter(|_| wide) else {
         let lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
         let lineariser = match columns {
             Some(columns) => lineariser.of_columns(columns),
@@ -296,7 +298,6 @@ pub fn triangular_of(
         };
         return super::accumulate(lineariser, visits, which);
     };
-    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
     let mut triangle = Triangular::new(blocks.width(), 1);
     let mut whole = Whole::default();
     for batch in &batches {
@@ -343,7 +344,7 @@ pub fn gram(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Gram, IdentifyError> {
-    let parts = super::by_blocks(visits, super::VISITS_PER_GRAM, |range| {
+    let parts = super::by_blocks(visits, |range| {
         let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
         let mut gram = Gram::new(blocks.width(), 1);
         match batches(data, visits, range.clone()) {

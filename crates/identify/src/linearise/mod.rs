@@ -265,21 +265,18 @@ pub fn accumulate(
     Ok(factor)
 }
 
-/// How many visits one block of work takes: fixed, so that results do not depend on the number of threads.
-const VISITS_PER_BLOCK: usize = 1024;
-
-/// The same for Gram matrices: rows of a kind are brought together within a block, and merging costs little.
-const VISITS_PER_GRAM: usize = 16384;
+/// How many visits one block of work takes: fixed, so that results do not depend on the number of threads; many, since rows of a kind are
+/// brought together within it.
+const VISITS_PER_BLOCK: usize = 16384;
 
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order.
 fn by_blocks<T: Send>(
     visits: &Visits,
-    size: usize,
     work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
-    (0..visits.len().div_ceil(size))
+    (0..visits.len().div_ceil(VISITS_PER_BLOCK))
         .into_par_iter()
-        .map(|block| work(block * size..((block + 1) * size).min(visits.len())))
+        .map(|block| work(block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len())))
         .collect()
 }
 
@@ -317,19 +314,22 @@ pub(crate) fn misfit(
             numbers.clear();
             sd.clear();
             for &row in rows {
-                let (value, deviation) = match component {
-                    0..3 => {
+                let (value, deviation) = match (component, residuals.orientation[row]) {
+                    (0..3, _) if data.position[row][component].is_nan() => continue,
+                    (0..3, _) => {
                         (residuals.position[row][component], noise.position(data.position_sd[row][component]))
                     }
-                    _ => {
-                        let turn = residuals.orientation[row].map_or(f64::NAN, |turn| turn[component - 3]);
-                        (turn, noise.orientation(data.orientation_sd[row][component - 3]))
+                    (_, Some(turn)) => {
+                        (turn[component - 3], noise.orientation(data.orientation_sd[row][component - 3]))
                     }
+                    _ => continue,
                 };
-                if !value.is_nan() {
-                    numbers.push(value);
-                    sd.push(deviation);
+                // A step that leads nowhere is the worst one.
+                if value.is_nan() {
+                    return Ok((residuals, f64::INFINITY));
                 }
+                numbers.push(value);
+                sd.push(deviation);
             }
             let shared = if component < 3 { noise.visit_sd } else { 0.0 };
             let places: Vec<usize> = (0..numbers.len()).collect();

@@ -115,6 +115,32 @@ impl Factor {
         Ok(self.decide(&self.singular_values(scale)?, rule))
     }
 
+    /// The decision that the rank is full, where the inverse of the triangle shows it without singular values: by the default rule and by a
+    /// wide margin. Its `last_kept` is a lower bound of the smallest singular value.
+    ///
+    /// # Errors
+    /// When the scale does not fit.
+    pub fn certainly_full(&self, scale: ColumnScale<'_>) -> Result<Option<RankDecision>, SolveError> {
+        const MARGIN: f64 = 1e3;
+        let scaled = Self { r: self.scaled(&self.multipliers(scale)?), ..self.clone() };
+        let Some(inverse) = scaled.inverse_gram() else { return Ok(None) };
+        // ‖R⁻¹‖_F² is the trace of (RᵀR)⁻¹, and σ_min ≥ 1/‖R⁻¹‖_F.
+        let (least, most) = (1.0 / inverse.trace().sqrt(), scaled.r.norm());
+        let size = self.rows.max(self.columns()) as f64;
+        let tolerance = (size * f64::EPSILON).max(self.resolution) * most;
+        let rank = self.columns();
+        let sure = self.rows >= rank && least > MARGIN * tolerance;
+        let gap = f64::INFINITY;
+        Ok(sure.then_some(RankDecision {
+            rank,
+            tolerance,
+            last_kept: least,
+            first_dropped: 0.0,
+            gap,
+            dropped: 0,
+        }))
+    }
+
     /// A basis of the directions that the rows do not determine.
     pub fn null_space(&self, scale: ColumnScale<'_>, rule: RankRule) -> Result<NullSpace, SolveError> {
         rule.validate()?;
@@ -186,5 +212,17 @@ pub(super) mod tests {
         assert_eq!(n.basis.shape(), (5, 2));
         let directions = DMatrix::from_fn(5, 2, |i, j| n.basis[(i, j)] * n.scale[i]);
         assert!((a * directions).amax() < 1e-14);
+    }
+
+    #[test]
+    fn what_is_certainly_full_is_full() {
+        let a = DMatrix::from_fn(30, 5, |i, j| ((i * i * 3 + j * 7 + i * j) as f64 * 0.7).sin());
+        let mut t = Triangular::new(5, 1);
+        t.update(&a, &DMatrix::zeros(30, 1)).unwrap();
+        let f = t.finish();
+        let sure = f.certainly_full(ColumnScale::Norms).unwrap().unwrap();
+        let values = f.singular_values(ColumnScale::Norms).unwrap();
+        assert!(sure.rank == 5 && sure.is_clear() && sure.last_kept <= values[4] * (1.0 + 1e-12));
+        assert!(deficient().2.certainly_full(ColumnScale::Norms).unwrap().is_none());
     }
 }

@@ -53,7 +53,8 @@ impl Sets {
         columns: &[usize],
         rhs: usize,
         rows: usize,
-        at: impl Fn(usize, usize) -> f64,
+        stride: usize,
+        numbers: &[f64],
     ) -> Option<Self> {
         let found = self.list.iter().position(|set| set.columns == columns);
         let (index, out) = match found {
@@ -64,7 +65,7 @@ impl Sets {
                 (self.list.len() - 1, out)
             }
         };
-        self.list[index].rows.take(rows, at);
+        self.list[index].rows.take_columns(rows, stride, numbers);
         out
     }
 
@@ -80,7 +81,7 @@ impl Sets {
     }
 
     /// All sets over a triangle (p × (p + k)) that may have seen rows of its own.
-    pub fn ordered(&self, top: &DMatrix<f64>, below: &[f64]) -> Ordered {
+    pub fn ordered(self, top: &DMatrix<f64>, below: &[f64]) -> Ordered {
         let (p, k) = (top.nrows(), below.len());
         let mut common = vec![0_usize; p];
         self.list.iter().flat_map(|set| &set.columns).for_each(|&column| common[column] += 1);
@@ -94,16 +95,18 @@ impl Sets {
             let all: Vec<usize> = (0..p).collect();
             made.fold(&all, top, true, &place, &mut work);
         }
-        for set in &self.list {
-            let mut rows = set.rows.clone();
+        for Set { columns, mut rows } in self.list {
             // What is hardly taller than wide gains nothing by being folded on its own.
-            let raw = rows.raw().filter(|raw| raw.nrows() <= 2 * set.columns.len());
+            let raw = rows.raw().filter(|raw| raw.nrows() <= 2 * columns.len());
             match raw {
-                Some(raw) => made.fold(&set.columns, &raw, false, &place, &mut work),
+                Some(raw) => made.fold(&columns, &raw, false, &place, &mut work),
                 None => {
                     rows.flush();
-                    made.below.iter_mut().zip(&rows.below).for_each(|(own, set)| *own = own.hypot(*set));
-                    made.fold(&set.columns, &rows.top, true, &place, &mut work);
+                    made.below
+                        .iter_mut()
+                        .zip(&rows.below)
+                        .for_each(|(own, of_set)| *own = own.hypot(*of_set));
+                    made.fold(&columns, &rows.top, true, &place, &mut work);
                 }
             }
         }

@@ -113,16 +113,16 @@ impl Triangular {
                 return Err(SolveError::NotFinite { what: "the block", row, column });
             }
         }
-        if let Some(out) = self.sets.take(active, self.rhs, rows, |i, j| numbers[j * stride + i]) {
+        if let Some(out) = self.sets.take(active, self.rhs, rows, stride, numbers) {
             self.flush();
-            self.natural(&out);
+            self.natural(out);
         }
         self.rows += rows;
         Ok(())
     }
 
     /// Brings sets to the triangle over all columns, in their own order.
-    fn natural(&mut self, sets: &Sets) {
+    fn natural(&mut self, sets: Sets) {
         let Ordered { top, below, order } = sets.ordered(&self.top, &self.below);
         let (p, width) = (self.columns, self.columns + self.rhs);
         let mut block = DMatrix::zeros(p, width);
@@ -177,7 +177,7 @@ impl Triangular {
         self.flush();
         let sets = std::mem::take(&mut self.sets);
         if !sets.is_empty() {
-            self.natural(&sets);
+            self.natural(sets);
         }
         let z = self.top.columns(self.columns, self.rhs).into_owned();
         Factor {
@@ -195,7 +195,7 @@ impl Triangular {
         done.flush();
         let sets = std::mem::take(&mut done.sets);
         if !sets.is_empty() {
-            done.natural(&sets);
+            done.natural(sets);
         }
         let mut numbers = done.top.as_slice().to_vec();
         numbers.extend_from_slice(&done.below);
@@ -233,11 +233,35 @@ impl Triangular {
         }
     }
 
-    pub(super) fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+    fn reserve(&mut self) {
         if self.buffer.is_empty() {
             let width = self.columns + self.rhs;
             self.buffer = DMatrix::zeros((2 * width).clamp(256, 2048), width);
         }
+    }
+
+    /// Rows of all columns, column after column.
+    pub(super) fn take_columns(&mut self, rows: usize, stride: usize, numbers: &[f64]) {
+        self.reserve();
+        let (height, mut from) = (self.buffer.nrows(), 0);
+        while from < rows {
+            let many = (height - self.filled).min(rows - from);
+            for (into, column) in
+                self.buffer.as_mut_slice().chunks_exact_mut(height).zip(numbers.chunks(stride))
+            {
+                into[self.filled..self.filled + many].copy_from_slice(&column[from..from + many]);
+            }
+            self.filled += many;
+            from += many;
+            if self.filled == height {
+                self.flush();
+            }
+        }
+        self.rows += rows;
+    }
+
+    fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
+        self.reserve();
         let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
             let many = (height - self.filled).min(rows - from);
