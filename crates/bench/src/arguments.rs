@@ -16,8 +16,6 @@ pub struct Arguments {
     pub out: PathBuf,
     /// One way of one workload, for a parent process: `W1 gram`.
     pub serve: Option<(String, String)>,
-    /// The figure of growth instead of the workloads.
-    pub growth: bool,
     /// Threads of our side.
     pub threads: usize,
     /// The folder of the peers' scripts.
@@ -40,7 +38,6 @@ impl Arguments {
             against: None,
             out: target.join("bench").join("results.json"),
             serve: None,
-            growth: false,
             threads: 1,
             peers: from("TRUEPOSE_PEERS", PathBuf::from("../shared/peers")),
             python: from("TRUEPOSE_PEERS_PYTHON", target.join("peers-venv/bin/python")),
@@ -54,7 +51,6 @@ impl Arguments {
                 "--threads" => read.threads = next()?.parse::<usize>()?.max(1),
                 "--against" => read.against = Some(PathBuf::from(next()?)),
                 "--out" => read.out = PathBuf::from(next()?),
-                "--growth" => read.growth = true,
                 "--serve" => read.serve = Some((next()?, next()?)),
                 other if other.starts_with('-') => return Err(format!("`{other}` is not an option").into()),
                 _ => read.only.push(word),

@@ -36,7 +36,7 @@ pub struct Workload {
     pub name: &'static str,
     /// One line for people.
     pub about: &'static str,
-    /// Floating-point operations that any way has to make, and bytes that it has to move.
+    /// Floating-point operations of the dense way, and bytes that any way has to move: who leaves zeros out can be above 100 % of it.
     pub bound: Bound,
     /// Numbers of the answer that have to agree, and to how many digits.
     pub agree: &'static [(&'static str, i32)],

@@ -13,6 +13,7 @@ fn way(folder: &Path) -> Result<Way, Failure> {
     let model = model(folder)?;
     let data = dataset(&Table::read(&folder.join("w1.csv"))?, 6, |_| true)?;
     let folds = Table::read(&folder.join("w4_folds.csv"))?.series("rep", 0..10)?;
+    let folds: Vec<Vec<usize>> = folds.iter().map(|f| f.iter().map(|v| *v as usize).collect()).collect();
     let zero = vec![0.0; model.columns().len()];
     shared(move || {
         let visits = Visits::of(&data);
@@ -22,7 +23,7 @@ fn way(folder: &Path) -> Result<Way, Failure> {
         let (mut squares, mut count) = (0.0, 0);
         for fold_of in &folds {
             for fold in 0..10 {
-                let out: Vec<usize> = (0..visits.len()).filter(|&v| fold_of[v] == f64::from(fold)).collect();
+                let out: Vec<usize> = (0..visits.len()).filter(|&v| fold_of[v] == fold).collect();
                 let left = rows.without(&out).ok_or("a fold is needed")?;
                 squares += left.iter().map(|v| v * v).sum::<f64>();
                 count += left.len();

@@ -16,8 +16,8 @@ pub const ALL: &[Workload] =
     &[paper::W1, arm::W2, points::W3_200K, points::W3_1M, folds::W4, arm::W5, commands::W6, arm::W7];
 
 /// A way whose runs leave their answer behind.
-fn shared(mut run: impl FnMut() -> Result<Answer, Failure> + 'static) -> Result<Way, Failure> {
-    shared_with(move || run(), |answer: &Answer| Ok(answer.clone()))
+fn shared(run: impl FnMut() -> Result<Answer, Failure> + 'static) -> Result<Way, Failure> {
+    shared_with(run, |answer: &Answer| Ok(answer.clone()))
 }
 
 /// A way whose runs leave behind what the answer is then made of.

@@ -192,7 +192,7 @@ impl WithSimd for Columns<'_> {
                 fill.numbers[component].clear();
                 continue;
             }
-            let alike = weight[..rows].iter().all(|&w| w == 1.0);
+            let alike = weight[..rows].iter().all(|&w| is_one(w));
             let numbers = &mut fill.numbers[component];
             numbers.resize((fill.slots.len() + 1) * LANES, 0.0);
             let weight = S::as_simd_f64s(weight).0;
@@ -219,7 +219,7 @@ impl WithSimd for Columns<'_> {
                     true => None,
                     false => Some(&S::as_simd_f64s(emission.numbers(value)).0[..vectors]),
                 };
-                match (value, alike && factor == 1.0, first) {
+                match (value, alike && is_one(factor), first) {
                     (None, true, true) => into.copy_from_slice(lever),
                     (Some(value), true, true) => {
                         for ((into, &a), &b) in into.iter_mut().zip(lever).zip(value) {
@@ -255,6 +255,12 @@ impl WithSimd for Columns<'_> {
             active.iter().for_each(|&place| fill.slots[place] = usize::MAX);
         }
     }
+}
+
+/// A factor that changes nothing.
+#[inline(always)]
+fn is_one(factor: f64) -> bool {
+    factor.to_bits() == 1.0_f64.to_bits()
 }
 
 /// Where the sine's series is right to the last digit, squared.
