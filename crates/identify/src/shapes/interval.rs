@@ -18,6 +18,7 @@ use super::picture::Picture;
 use super::refine::{Valley, left};
 use crate::{Fit, IdentifyError, student_quantile};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use truepose_errormodel::{FittedModel, Search, Shape};
 
 /// 95 % of χ² with one degree of freedom.
@@ -37,10 +38,14 @@ impl Known {
         let valley = Valley::new(picture, shapes, theta, &every)?;
         let smooth = valley.smooth.clone();
         let moved: Vec<f64> = smooth.iter().map(|&k| theta[k]).collect();
-        let mut slopes = DMatrix::zeros(picture.target.len(), smooth.len());
-        for k in 0..smooth.len() {
-            slopes.set_column(k, &valley.slope(&moved, k, &picture.coefficients)?);
-        }
+        let slopes: Vec<DVector<f64>> = (0..smooth.len())
+            .into_par_iter()
+            .map(|k| valley.slope(&moved, k, &picture.coefficients))
+            .collect::<Result<_, _>>()?;
+        let slopes = match slopes.is_empty() {
+            true => DMatrix::zeros(picture.target.len(), 0),
+            false => DMatrix::from_columns(&slopes),
+        };
         let columns = picture.all(theta)?;
         let (x, d) = (picture.beyond(columns.clone()), picture.beyond(slopes.clone()));
         // Z of the effects' columns by least squares on what is beyond the others, then of the others by their triangle.
@@ -91,7 +96,9 @@ pub(super) fn judge(
     fit: &mut Fit,
 ) -> Result<(), IdentifyError> {
     let shapes: Vec<Shape> = free.iter().map(|(_, shape)| shape.clone()).collect();
-    let known = Known::of(picture, &shapes, theta)?;
+    let mut known = Known::of(picture, &shapes, theta)?;
+    // What a part of the visits says, the whole says the better the more there are.
+    known.covariance *= picture.share();
     let freedom = fit.degrees_of_freedom().saturating_sub(shapes.len()).max(1);
     let quantile = student_quantile(0.975, freedom);
     for (k, (effect, shape)) in free.iter().enumerate() {

@@ -58,6 +58,11 @@ pub struct FittedShape {
 }
 
 impl FittedShape {
+    /// Whether the data leaves it open: the interval is the whole range.
+    pub fn open(&self) -> bool {
+        self.interval[0] <= self.range[0] && self.interval[1] >= self.range[1]
+    }
+
     /// Whether it lies at an end of its range: the best value is then not inside.
     pub fn at_bound(&self) -> bool {
         let [lower, upper] = self.range;
@@ -135,22 +140,24 @@ pub(crate) fn fit(
 
 /// A fit whose shape parameters were found elsewhere, each with its interval, and with what their uncertainty adds to the covariance.
 /// `found` are (effect, parameter at its value with the range in which it was looked for); those of which the data says nothing beside
-/// the others are taken as they stand, with their whole range.
+/// the others are taken as they stand, with their whole range. Of much data a part is looked at, for as much as the whole is worth.
 ///
 /// # Errors
 /// As [`crate::fit()`].
 pub fn judge_shapes(fit: &Fit, data: &Dataset, found: &[(usize, Shape)]) -> Result<Fit, IdentifyError> {
+    /// Visits that are looked at.
+    const MOST: usize = 1000;
     let mut free = found.to_vec();
     let mut given_up: Vec<FittedShape> = Vec::new();
     while !free.is_empty() {
         let trial = Trial::new(fit.fitted.model(), &free)?;
-        let picture = Picture::at(fit, &trial, data)?;
+        let picture = Picture::on(fit, &trial, data, MOST)?;
         let theta: Vec<f64> = free.iter().map(|(_, shape)| shape.value).collect();
         let mut judged = fit.clone();
         judged.shapes.clear();
         interval::judge(&picture, &free, &theta, &mut judged)?;
         let (open, known): (Vec<FittedShape>, Vec<FittedShape>) =
-            judged.shapes.drain(..).partition(|shape| shape.interval == shape.range);
+            judged.shapes.drain(..).partition(FittedShape::open);
         if open.is_empty() {
             judged.shapes = known;
             judged.shapes.append(&mut given_up);

@@ -128,6 +128,11 @@ impl<'a> Picture<'a> {
 
     /// At a fit that has the effects.
     pub fn at(fit: &Fit, trial: &'a Trial, data: &'a Dataset) -> Result<Self, IdentifyError> {
+        Picture::on(fit, trial, data, usize::MAX)
+    }
+
+    /// As [`Picture::at`], on at most so many visits, evenly taken.
+    pub fn on(fit: &Fit, trial: &'a Trial, data: &'a Dataset, most: usize) -> Result<Self, IdentifyError> {
         let model = fit.fitted.model();
         let all = &fit.reduction.kept;
         let rows = fit.prior.rows().unwrap_or_else(|| DMatrix::zeros(0, all.len()));
@@ -145,7 +150,7 @@ impl<'a> Picture<'a> {
         let visits = Visits::of(data);
         let at = fit.fitted.coefficients();
         let picture = Picture {
-            used: (0..visits.len()).collect(),
+            used: (0..visits.len()).step_by(visits.len().div_ceil(most).max(1)).collect(),
             at: (model.clone(), at.to_vec()),
             weights: weights(fit, data, &visits),
             q: DMatrix::zeros(0, 0),
@@ -206,6 +211,17 @@ impl<'a> Picture<'a> {
             }
         }
         DMatrix::from_row_slice(flat.len() / width, width, &flat)
+    }
+
+    /// Share of the visits that are looked at.
+    pub fn share(&self) -> f64 {
+        self.used.len() as f64 / self.visits.len().max(1) as f64
+    }
+
+    /// Where the columns of one effect stand among those of all.
+    pub fn columns_of(&self, effect: usize) -> std::ops::Range<usize> {
+        let first: usize = self.kept[..effect].iter().map(Vec::len).sum();
+        first..first + self.kept[effect].len()
     }
 
     /// Columns of one effect with these values of all parameters, their rows of the prior below.

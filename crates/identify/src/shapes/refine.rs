@@ -42,13 +42,15 @@ impl<'a> Valley<'a> {
         let at = self.smooth[k];
         let step =
             f64::EPSILON.cbrt() * moved[k].abs().max(1e-3 * (self.shapes[at].upper - self.shapes[at].lower));
-        let columns = |value: f64| {
+        let owner = self.picture.trial.owner[at];
+        let own = b.rows_range(self.picture.columns_of(owner)).into_owned();
+        let told = |value: f64| -> Result<DVector<f64>, IdentifyError> {
             let mut moved = moved.to_vec();
             moved[k] = value;
-            self.picture.all(&self.whole(&moved))
+            Ok(self.picture.columns(owner, &self.whole(&moved))? * &own)
         };
         let (above, below) = (moved[k] + step, moved[k] - step);
-        Ok((columns(above)? * b - columns(below)? * b) / (above - below))
+        Ok((told(above)? - told(below)?) / (above - below))
     }
 }
 
