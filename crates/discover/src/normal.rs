@@ -3,9 +3,10 @@
 //! Numbers of one visit and component go together; where n of them have the same standard deviation σ, and ρ is what they share,
 //!
 //! ```text
-//! ZᵀV⁻¹Z = 1/σ² · (Σ zᵀz − (1 − t²) Σ (Σ z)ᵀ(Σ z)/n),   t² = 1/(1 + n ρ²/σ²),   Z = [A | X | y]
+//! ZᵀV⁻¹Z = 1/σ² · (Σ (z − z̄)ᵀ(z − z̄) + t² Σ n z̄ᵀz̄),   t² = 1/(1 + n ρ²/σ²),   Z = [A | X | y]
 //! ```
 //!
+//! with z̄ the mean of a group: two sums of squares, so that nothing cancels where ρ is far above σ,
 //! so that another noise costs a sum over *classes*: groups of the same n and stated deviation. Data that has many classes is whitened
 //! number by number.
 
@@ -26,17 +27,25 @@ struct Class {
     position: bool,
     /// Stated standard deviation.
     stated: f64,
-    /// [A | y] of the members, and their sums over the groups where those have several.
-    rows: DMatrix<f64>,
-    sums: Option<DMatrix<f64>>,
+    /// [A | y].
+    rows: Side,
     own: Products,
 }
 
-/// Σ zᵀz and Σ (Σ z)ᵀ(Σ z)/n.
+/// Columns of the members of a class.
+#[derive(Debug)]
+struct Side {
+    /// z − z̄, where groups have several numbers.
+    about: Option<DMatrix<f64>>,
+    /// √n z̄.
+    means: DMatrix<f64>,
+}
+
+/// Σ (z − z̄)ᵀ(z − z̄) and Σ n z̄ᵀz̄.
 #[derive(Debug)]
 struct Products {
-    squares: DMatrix<f64>,
-    between: Option<DMatrix<f64>>,
+    within: Option<DMatrix<f64>>,
+    between: DMatrix<f64>,
 }
 
 /// What is known of [A | y].
@@ -52,7 +61,7 @@ pub(crate) struct Beside {
 }
 
 impl Class {
-    /// (1/σ², 1 − t²) and the logarithm of the determinant of the groups' covariances.
+    /// (1/σ², t²) and the logarithm of the determinant of the groups' covariances.
     fn weights(&self, noise: NoiseModel) -> ((f64, f64), f64) {
         let (sd, shared) = match self.position {
             true => (noise.position(self.stated), noise.visit_sd),
@@ -62,32 +71,34 @@ impl Class {
         let n = self.size as f64;
         let stretch = 1.0 + n * shared * shared * precision;
         let groups = (self.members.len() / self.size) as f64;
-        ((precision, 1.0 - 1.0 / stretch), groups * (stretch.ln() - n * precision.ln()))
+        ((precision, 1.0 / stretch), groups * (stretch.ln() - n * precision.ln()))
     }
 
-    /// Sums over the groups of rows that stand in the members' order.
-    fn sums(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
-        (self.size > 1).then(|| {
-            let groups = rows.nrows() / self.size;
-            DMatrix::from_fn(groups, rows.ncols(), |g, j| rows.column(j).rows(g * self.size, self.size).sum())
-        })
+    /// Of rows that stand in the members' order.
+    fn side(&self, rows: DMatrix<f64>) -> Side {
+        let n = self.size;
+        if n == 1 {
+            return Side { about: None, means: rows };
+        }
+        let mean = |g: usize, j: usize| rows.column(j).rows(g * n, n).sum() / n as f64;
+        let means = DMatrix::from_fn(rows.nrows() / n, rows.ncols(), mean);
+        let about = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] - means[(i / n, j)]);
+        Side { about: Some(about), means: means * (n as f64).sqrt() }
     }
+}
 
-    fn products(
-        &self,
-        (a, a_sums): (&DMatrix<f64>, Option<&DMatrix<f64>>),
-        (b, b_sums): (&DMatrix<f64>, Option<&DMatrix<f64>>),
-    ) -> Products {
-        let between = a_sums.zip(b_sums).map(|(a, b)| cross(a, b) / self.size as f64);
-        Products { squares: cross(a, b), between }
+impl Side {
+    fn products(&self, other: &Side) -> Products {
+        let within = self.about.as_ref().zip(other.about.as_ref()).map(|(a, b)| cross(a, b));
+        Products { within, between: cross(&self.means, &other.means) }
     }
 }
 
 impl Products {
     /// Entry (i, j) under these weights.
-    fn weighed(&self, (precision, shared): (f64, f64), i: usize, j: usize) -> f64 {
-        let between = self.between.as_ref().map_or(self.squares[(i, j)], |between| between[(i, j)]);
-        precision * (self.squares[(i, j)] - shared * between)
+    fn weighed(&self, (precision, kept): (f64, f64), i: usize, j: usize) -> f64 {
+        let within = self.within.as_ref().map_or(0.0, |within| within[(i, j)]);
+        precision * (within + kept * self.between[(i, j)])
     }
 }
 
@@ -123,11 +134,17 @@ impl Normal {
         let classes = classes.into_iter().map(|(size, position, stated, members)| {
             let mut rows = scene.base.select_rows(&members).resize_horizontally(r + 1, 0.0);
             members.iter().enumerate().for_each(|(k, &at)| rows[(k, r)] = scene.y[at]);
-            let nothing = Products { squares: DMatrix::zeros(0, 0), between: None };
-            let mut class = Class { size, members, position, stated, rows, sums: None, own: nothing };
-            class.sums = class.sums(&class.rows);
-            let side = (&class.rows, class.sums.as_ref());
-            class.own = class.products(side, side);
+            let nothing = DMatrix::zeros(0, 0);
+            let mut class = Class {
+                size,
+                members,
+                position,
+                stated,
+                rows: Side { about: None, means: nothing.clone() },
+                own: Products { within: None, between: nothing },
+            };
+            class.rows = class.side(rows);
+            class.own = class.rows.products(&class.rows);
             class
         });
         Some(Normal { classes: classes.collect() })
@@ -136,10 +153,8 @@ impl Normal {
     /// The products of a candidate's raw columns, m × k.
     pub fn beside(&self, extra: &DMatrix<f64>) -> Beside {
         let classes = self.classes.iter().map(|class| {
-            let rows = extra.select_rows(&class.members);
-            let sums = class.sums(&rows);
-            let (mine, base) = ((&rows, sums.as_ref()), (&class.rows, class.sums.as_ref()));
-            (class.products(base, mine), class.products(mine, mine))
+            let mine = class.side(extra.select_rows(&class.members));
+            (class.rows.products(&mine), mine.products(&mine))
         });
         Beside { width: extra.ncols(), classes: classes.collect() }
     }
@@ -147,7 +162,7 @@ impl Normal {
     /// The Gram matrix of `[A | X | y]` under a noise, and the logarithm of the determinant of its covariance.
     pub fn gram(&self, noise: NoiseModel, beside: &Beside) -> (DMatrix<f64>, f64) {
         let k = beside.width;
-        let r = self.classes.first().map_or(0, |class| class.rows.ncols() - 1);
+        let r = self.classes.first().map_or(0, |class| class.rows.means.ncols() - 1);
         // Columns of [A | y] among all.
         let place = |at: usize| if at < r { at } else { r + k };
         let mut gram = DMatrix::zeros(r + k + 1, r + k + 1);

@@ -31,16 +31,16 @@ fn effects() -> Vec<Box<dyn AnyEffect>> {
 
 /// Visits of the heavy arm, three targets each, with errors of the model's own kind and 20 µm of noise.
 fn measured(chain: &Chain, visits: usize) -> Dataset {
-    let model = ErrorModel::new(chain.clone(), effects()).unwrap();
+    let model = ErrorModel::new(chain.clone(), effects()).expect("a model");
     let mut draw = Draw(3);
     // Constant errors of the expected size; joints that sink by a milliradian or two.
     let size =
         |column: &truepose_errormodel::Column| column.scale * if column.site.is_some() { 0.2 } else { 0.02 };
     let truth: Vec<f64> = model.columns().iter().map(|c| size(c) * (1.0 + draw.next())).collect();
     let p = truth.len();
-    let fitted = FittedModel::new(model, truth, DMatrix::zeros(p, p)).unwrap();
+    let fitted = FittedModel::new(model, truth, DMatrix::zeros(p, p)).expect("coefficients for it");
     let schema = Schema { load: true, ..Schema::default() };
-    let mut predictor = fitted.bind(&schema).unwrap();
+    let mut predictor = fitted.bind(&schema).expect("its signals");
     let mut data =
         Dataset { schema, joints: vec![Vec::new(); 6], approach: vec![Vec::new(); 6], ..Dataset::default() };
     for visit in 0..visits {
@@ -95,7 +95,8 @@ impl Source for Blocks<'_> {
 fn streamed(data: &Dataset, visits: usize, refine: bool, folds: usize) -> Streamed {
     let options = StreamedOptions { fit: FitOptions { refine, ..FitOptions::default() }, folds };
     let mut source = Blocks { data, visits, passes: 0 };
-    identify_streamed(&samples::heavy(), &effects(), &mut source, &PivotedQr::default(), &options).unwrap()
+    identify_streamed(&samples::heavy(), &effects(), &mut source, &PivotedQr::default(), &options)
+        .expect("a fit")
 }
 
 #[test]
