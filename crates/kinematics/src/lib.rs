@@ -14,7 +14,7 @@ mod pose;
 mod posture;
 mod prepared;
 pub mod samples;
-mod sines;
+pub mod sines;
 mod target;
 
 pub use chain::{Chain, Gravity, GravityFrame, Placed};

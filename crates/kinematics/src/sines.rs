@@ -11,17 +11,21 @@
 
 use std::f64::consts::FRAC_2_PI;
 
-const PI_1: f64 = 1.570_796_326_734_125_6;
-const PI_2: f64 = 6.077_100_506_303_966e-11;
-const PI_3: f64 = 2.022_266_248_795_950_6e-21;
+/// π/2 in three parts, rad: the first and second have 33 bits.
+pub const PI_1: f64 = 1.570_796_326_734_125_6;
+/// The second part, rad.
+pub const PI_2: f64 = 6.077_100_506_303_966e-11;
+/// The third part, rad.
+pub const PI_3: f64 = 2.022_266_248_795_950_6e-21;
 
-/// Beyond it the reduction would lose digits.
-pub(crate) const LARGEST: f64 = 1e5;
+/// Angle beyond which the reduction would lose digits, rad.
+pub const LARGEST: f64 = 1e5;
 
 /// Adding and subtracting it rounds to an integer, which then stands in the last bits of the sum.
-const ROUND: f64 = 6_755_399_441_055_744.0;
+pub const ROUND: f64 = 6_755_399_441_055_744.0;
 
-const P: [f64; 6] = [
+/// Coefficients of P, from the lowest power of r² on.
+pub const P: [f64; 6] = [
     -0.166_666_666_666_666_32,
     8.333_333_333_322_49e-3,
     -1.984_126_982_985_795e-4,
@@ -30,7 +34,8 @@ const P: [f64; 6] = [
     1.589_690_995_211_55e-10,
 ];
 
-const Q: [f64; 6] = [
+/// Coefficients of Q, from the lowest power of r² on.
+pub const Q: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
     2.480_158_728_947_673e-5,

@@ -1,43 +1,9 @@
 //! Sine and cosine of several angles at once: the polynomials of `truepose_kinematics::sin_cos`, and nothing else beside them.
-//!
-//! ```text
-//! n = nearest integer of 2x/π,   r = ((x − n π_1) − n π_2) − n π_3,   π_1 + π_2 + π_3 = π/2
-//! sin r ≈ r + r³ P(r²),   cos r ≈ 1 − r²/2 + r⁴ Q(r²),   |r| ≤ π/4;   n mod 4 says which is which
-//! ```
-//!
-//! Sources: Cody and Waite, *Software Manual for the Elementary Functions* (1980); the coefficients are those of fdlibm (1993).
 
 use super::vector::{Lanes, Wide};
 use pulp::Simd;
 use std::f64::consts::FRAC_2_PI;
-
-const PI_1: f64 = 1.570_796_326_734_125_6;
-const PI_2: f64 = 6.077_100_506_303_966e-11;
-const PI_3: f64 = 2.022_266_248_795_950_6e-21;
-
-/// Beyond it the reduction would lose digits.
-const LARGEST: f64 = 1e5;
-
-/// Adding and subtracting it rounds to an integer, which then stands in the last bits of the sum.
-const ROUND: f64 = 6_755_399_441_055_744.0;
-
-const P: [f64; 6] = [
-    -0.166_666_666_666_666_32,
-    8.333_333_333_322_49e-3,
-    -1.984_126_982_985_795e-4,
-    2.755_731_370_707_006_8e-6,
-    -2.505_076_025_340_686_3e-8,
-    1.589_690_995_211_55e-10,
-];
-
-const Q: [f64; 6] = [
-    4.166_666_666_666_66e-2,
-    -1.388_888_888_887_411e-3,
-    2.480_158_728_947_673e-5,
-    -2.755_731_435_139_066_3e-7,
-    2.087_572_321_298_175e-9,
-    -1.135_964_755_778_819_5e-11,
-];
+use truepose_kinematics::sines::{LARGEST, P, PI_1, PI_2, PI_3, Q, ROUND};
 
 /// What [`Wide::sin_cos_small`] is good for, rad.
 pub(super) const SMALL: f64 = 0.03;
