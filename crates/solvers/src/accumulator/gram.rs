@@ -90,18 +90,7 @@ impl Gram {
         stride: usize,
         numbers: &[f64],
     ) -> Result<(), SolveError> {
-        let width = active.len() + self.rhs;
-        let need = if width == 0 || rows == 0 { 0 } else { (width - 1) * stride + rows };
-        if numbers.len() < need || (rows > stride && width > 1) {
-            return Err(SolveError::Shape {
-                what: "the numbers of the columns",
-                expected: need,
-                found: numbers.len(),
-            });
-        }
-        if let Some(&far) = active.iter().find(|&&column| column >= self.columns) {
-            return Err(SolveError::Shape { what: "the columns", expected: self.columns, found: far + 1 });
-        }
+        super::fits(self.columns, active, self.rhs, (rows, stride), numbers)?;
         self.pieces.add(
             active,
             self.columns..self.columns + self.rhs,
