@@ -267,7 +267,7 @@ pub fn accumulate(
 
 /// How many visits one block of work takes: fixed, so that results do not depend on the number of threads; many, since rows of a kind are
 /// brought together within it.
-const VISITS_PER_BLOCK: usize = 16384;
+const VISITS_PER_BLOCK: usize = 4096;
 
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order.
 fn by_blocks<T: Send>(
