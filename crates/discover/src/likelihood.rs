@@ -108,24 +108,9 @@ impl Likelihood {
         self.covariance[(at, at)].max(0.0).sqrt()
     }
 
-    /// The width of the law from which γ look drawn, in expected sizes: the most likely w of `γ ~ N(0, w² I)` (by expectation and
-    /// maximisation), which what the data leaves open does not blow up.
+    /// The width of the law from which γ look drawn, in expected sizes.
     pub fn width(&self) -> f64 {
-        const ROUNDS: usize = 50;
-        let k = self.coefficients.len();
-        let mut square = self.coefficients.norm_squared() / k.max(1) as f64;
-        let Some(precision) = self.covariance.clone().cholesky().map(|c| c.inverse()) else {
-            return square.sqrt();
-        };
-        let right = &precision * &self.coefficients;
-        // What the wide prior added.
-        let data = precision - DMatrix::identity(k, k) / (WIDE * WIDE);
-        for _ in 0..ROUNDS {
-            let joined = &data + DMatrix::identity(k, k) / square.max(f64::MIN_POSITIVE);
-            let Some(covariance) = joined.cholesky().map(|c| c.inverse()) else { break };
-            square = ((&covariance * &right).norm_squared() + covariance.trace()) / k.max(1) as f64;
-        }
-        square.sqrt()
+        width(&self.coefficients, &self.covariance)
     }
 
     /// [A | X | y], raw and whitened.
@@ -264,9 +249,46 @@ impl Scaled {
     }
 }
 
+/// The most likely w of `γ ~ N(0, w² I)` from estimates with their covariance under the wide prior, by expectation and maximisation
+/// (Dempster, Laird and Rubin 1977): what the data leaves open does not blow it up.
+fn width(coefficients: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
+    const ROUNDS: usize = 50;
+    let k = coefficients.len();
+    let mut square = coefficients.norm_squared() / k.max(1) as f64;
+    let Some(precision) = covariance.clone().cholesky().map(|c| c.inverse()) else {
+        return square.sqrt();
+    };
+    let right = &precision * coefficients;
+    // Without what the wide prior added.
+    let data = precision - DMatrix::identity(k, k) / (WIDE * WIDE);
+    for _ in 0..ROUNDS {
+        let joined = &data + DMatrix::identity(k, k) / square.max(f64::MIN_POSITIVE);
+        let Some(covariance) = joined.cholesky().map(|c| c.inverse()) else { break };
+        square = ((&covariance * &right).norm_squared() + covariance.trace()) / k.max(1) as f64;
+    }
+    square.sqrt()
+}
+
 fn near(a: &NoiseModel, b: &NoiseModel) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= 0.02 * (a.abs() + b.abs()) + 1e-10;
     close(a.position_sd, b.position_sd)
         && close(a.visit_sd, b.visit_sd)
         && close(a.orientation_sd, b.orientation_sd)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_data_leaves_open_does_not_widen() {
+        // Eight coefficients of ±3 that are known to 0.1, and two that are not known at all and came out at 70.
+        let open = |k: usize| k >= 8;
+        let coefficients = DVector::from_fn(10, |k, _| if open(k) { 70.0 } else { 3.0 * [1.0, -1.0][k % 2] });
+        let deviations = DVector::from_fn(10, |k, _| if open(k) { 0.999 * WIDE } else { 0.1 });
+        let found = width(&coefficients, &DMatrix::from_diagonal(&deviations.map(|d| d * d)));
+        assert!((found - 3.0).abs() < 0.1, "{found}");
+        let plain = (coefficients.norm_squared() / 10.0).sqrt();
+        assert!(plain > 30.0, "{plain}");
+    }
 }

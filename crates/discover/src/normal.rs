@@ -252,6 +252,29 @@ mod tests {
     }
 
     #[test]
+    fn nothing_cancels_where_visits_scatter_far_more_than_rows() {
+        let data = data();
+        let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
+        let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
+        let scene = Scene::new(&fit, &data).unwrap();
+        // The same in every number of a visit: only the mean of a group speaks, 1/ρ² for each.
+        let extra = DMatrix::from_element(scene.len(), 1, 1.0);
+        let noise = NoiseModel { position_sd: 0.0, visit_sd: 1e-2, orientation_sd: 1e-3 };
+        let normal = Normal::of(&scene).expect("four classes");
+        let (gram, _) = normal.gram(noise, &normal.beside(&extra));
+        let numbers =
+            |position: bool| scene.observations.iter().filter(move |o| (o.component < 3) == position);
+        let groups: std::collections::BTreeSet<_> = numbers(true).map(|o| (o.visit, o.component)).collect();
+        let size =
+            |group: &(usize, usize)| numbers(true).filter(|o| (o.visit, o.component) == *group).count();
+        let of_positions: f64 = groups.iter().map(|group| 1.0 / (4e-10 / size(group) as f64 + 1e-4)).sum();
+        let expected = of_positions + numbers(false).count() as f64 / 1e-6;
+        let r = scene.base.ncols();
+        assert!((gram[(r, r)] / expected - 1.0).abs() < 1e-12, "{} {expected}", gram[(r, r)]);
+    }
+
+    #[test]
     fn many_instruments_are_no_classes() {
         let mut data = data();
         data.position_sd.iter_mut().enumerate().for_each(|(row, sd)| *sd = [1e-5 * (1.0 + row as f64); 3]);

@@ -200,6 +200,26 @@ mod tests {
     }
 
     #[test]
+    fn groups_are_shared_out_as_their_members_sizes_say() {
+        let (prior, n) = prior();
+        // The first group is the sum of the first two errors; all others stand alone.
+        let groups =
+            DMatrix::from_fn(
+                n - 1,
+                n,
+                |i, j| {
+                    if (i == 0 && j < 2) || (i > 0 && j == i + 1) { 1.0 } else { 0.0 }
+                },
+            );
+        let values: Vec<f64> = (0..n - 1).map(|k| 1e-3 * (k as f64 + 1.0)).collect();
+        let shared = prior.shared_out(&groups, &values).unwrap();
+        let variance = |k: usize| (&prior.spread * prior.spread.transpose())[(k, k)];
+        let share = variance(0) / (variance(0) + variance(1));
+        assert!((shared[0] - share * values[0]).abs() < 1e-12 && (&groups * &shared)[0] - values[0] < 1e-15);
+        assert!((2..n).all(|k| (shared[k] - values[k - 1]).abs() < 1e-12));
+    }
+
+    #[test]
     fn without_a_prior_nothing_is_joined() {
         let chain = samples::scara();
         let model = ErrorModel::new(chain, vec![Box::new(Geometric::default())]).unwrap();
