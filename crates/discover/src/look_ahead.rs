@@ -6,7 +6,8 @@
 //! score(a + b) = −2 ln L(a + b) + (k_a + k_b) ln m + 2 ln(questions asked of each family)
 //! ```
 //!
-//! When a pair without the best rival is better than the best rival with its own partner, the stronger half of that pair goes first.
+//! When a pair without the best rival is better than the best rival with its own partner, the stronger half of that pair goes first. The
+//! best rival is nobody else's partner.
 
 use crate::candidate::Candidate;
 use crate::contest::{Rival, TIE};
@@ -54,8 +55,9 @@ pub(crate) fn first(
         .par_iter()
         .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {
             let rival = &rivals[k];
+            let alike = |partner: &Candidate, k: usize| partner.same_cause(&rivals[k].candidate);
             let others: Vec<&(&Candidate, Heard)> =
-                partners.iter().filter(|(partner, _)| !partner.same_cause(&rival.candidate)).collect();
+                partners.iter().filter(|(partner, _)| !alike(partner, k) && !alike(partner, 0)).collect();
             let heard: Vec<&Heard> = others.iter().map(|(_, heard)| heard).collect();
             let Some(gains) = screen.projection.beside(&rival.columns, &heard) else { return Ok(None) };
             let best = others
@@ -98,5 +100,5 @@ pub(crate) fn first(
         return Ok(chosen);
     };
     let other = rivals.iter().position(|r| r.candidate.same_cause(partner) && r.score < rivals[chosen].score);
-    Ok(other.filter(|&other| other != 0).unwrap_or(chosen))
+    Ok(other.unwrap_or(chosen))
 }
