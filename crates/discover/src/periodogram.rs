@@ -27,17 +27,24 @@ const CYCLES_PER_TRAVEL: f64 = 400.0;
 /// Frequencies handled at once.
 const BATCH: usize = 64;
 
+/// The longest period that an error of a drive may have, rad or m: a turn and a little, or the visited travel. What is slower
+/// along a slide is its straightness or its scale.
+pub(crate) fn longest(turns: bool, travel: f64) -> f64 {
+    if turns { TAU / 0.9 } else { travel }
+}
+
+/// Whether the joint's motion is an angle.
+pub(crate) fn turns(scene: &Scene<'_>, joint: JointId) -> bool {
+    scene.chain().joint(joint).unit() == "rad"
+}
+
 /// The grid of periods of one joint, longest first; rad or m.
 pub(crate) fn grid(scene: &Scene<'_>, joint: JointId) -> Vec<f64> {
-    let Some(coordinate) = scene.chain().coordinate(joint) else { return Vec::new() };
-    let column = &scene.data.joints[coordinate];
-    let lower = column.iter().copied().fold(f64::INFINITY, f64::min);
-    let upper = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let range = upper - lower;
+    let Some(range) = scene.travel(joint) else { return Vec::new() };
     if range.is_nan() || range < 1e-6 {
         return Vec::new();
     }
-    let turns = scene.chain().joint(joint).unit() == "rad";
+    let turns = turns(scene, joint);
     let (first, last) = if turns { (2.5, CYCLES_PER_TURN) } else { (2.0, CYCLES_PER_TRAVEL) };
     let unit = if turns { TAU } else { range };
     let step = 0.25 * unit / range;

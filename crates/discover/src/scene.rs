@@ -287,6 +287,13 @@ impl<'a> Scene<'a> {
         Some(emission.entries().iter().map(|e| (self.chain().site_index(e.site), e.value)).collect())
     }
 
+    /// How far a joint was moved, rad or m.
+    pub fn travel(&self, joint: JointId) -> Option<f64> {
+        let column = &self.data.joints[self.chain().coordinate(joint)?];
+        let ends = column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &q| [a.min(q), b.max(q)]);
+        Some(ends[1] - ends[0])
+    }
+
     /// A joint's value at a station.
     pub fn joint_at(&self, station: usize, joint: JointId) -> Option<f64> {
         Some(self.stations[station].conditions.joints[self.chain().coordinate(joint)?])

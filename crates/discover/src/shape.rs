@@ -4,6 +4,7 @@
 
 use crate::candidate::Candidate;
 use crate::library::{instants, shift_at, transmission_at};
+use crate::periodogram::{longest, turns};
 use crate::projection::Projection;
 use crate::scene::Scene;
 use std::any::Any;
@@ -21,16 +22,14 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
     let chain = scene.chain();
     if let Some(wave) = seen_as::<Transmission>(&**effect) {
         let Some(period) = free_period(wave) else { return candidate.clone() };
-        let Some(coordinate) = chain.coordinate(wave.joint) else { return candidate.clone() };
-        let column = &scene.data.joints[coordinate];
-        let range = column.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-            - column.iter().copied().fold(f64::INFINITY, f64::min);
-        // In frequency: a quarter of a cycle over the range to either side.
-        let centre = 1.0 / period;
+        let Some(range) = scene.travel(wave.joint) else { return candidate.clone() };
+        // In frequency: a quarter of a cycle over the range to either side, but no longer than a drive's periods are.
+        let slowest = 1.0 / longest(turns(scene, wave.joint), range);
+        let centre = (1.0 / period).max(slowest);
         let half = 0.25 / range.max(1e-9);
         let value =
             |frequency: f64| gain(scene, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]));
-        let best = climb(centre - half.min(0.5 * centre), centre + half, value);
+        let best = climb((centre - half).max(slowest), centre + half, value);
         return transmission_at(chain, wave.joint, &[1.0 / best]);
     }
     if let Some(jump) = seen_as::<Shift>(&**effect) {

@@ -1,6 +1,7 @@
 //! What a joint does beyond what it reports: play, gears, what other joints do to it.
 
 use super::Setting;
+use crate::periodogram::longest;
 use crate::{Candidate, Family, Place};
 use std::f64::consts::TAU;
 use truepose_errormodel::effects::{Backlash, Coupling, Side, Transmission};
@@ -20,9 +21,10 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             }
         }
         // Long periods that the quick scan leaves out.
-        let longest = if turns { TAU } else { 2.0 * (upper - lower) };
-        for cycles in 1..=8 {
-            let period = longest / (0.5 + 0.4 * f64::from(cycles));
+        let travel = upper - lower;
+        let unit = if turns { TAU } else { 2.0 * travel };
+        let periods = (1..=8).map(|cycles| unit / (0.5 + 0.4 * f64::from(cycles)));
+        for period in periods.filter(|&p| p <= longest(turns, travel)) {
             all.push(transmission_at(setting.chain, joint, &[period]));
         }
         if setting.data.schema.approach {

@@ -16,7 +16,9 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
         };
         let reference = 0.5 * (lower + upper);
         let mut put = |spot: Spot, grows: Option<Grows>| {
-            let effect = Thermal { grows, reference, lag, ..Thermal::of(spot, source) };
+            // Which temperature a slide was adjusted at nobody says.
+            let offset = grows == Some(Grows::Scale);
+            let effect = Thermal { grows, reference, offset, lag, ..Thermal::of(spot, source) };
             let place = Place::spot(chain, spot).following(source);
             all.push(Candidate::new(Family::Thermal, place, effect));
         };

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! length       t_j = c (T − T_ref) (tip − root)      link j grows by a strain c a kelvin       1/K
-//! scale        δq_j = c (T − T_ref) q_j              a slide's scale grows                     1/K
+//! scale        δq_j = (c (T − T_ref) + c_ref) q_j    a slide's scale grows                     1/K, 1
 //! motion       δq_j = c (T − T_ref)                  a joint moves beyond what it says         rad/K or m/K
 //! (a frame)    ε_i = c (T − T_ref)                   components of E_i                         rad/K or m/K
 //! ```
 //!
-//! Root and tip are those of [`truepose_kinematics::Span`]; T_ref only moves a share of the error into the constants.
+//! Root and tip are those of [`truepose_kinematics::Span`]; T_ref only moves a share of the error into the constants. No constant
+//! error is a slide's scale: where the slide is right at an unknown temperature, `offset` asks for c_ref as well (else it is zero).
 //!
 //! A body that follows the channel late, `lag · dT/dt = T_channel − T`, asks for a derived column: effects have no
 //! memory. Its name is the channel's with the lag in seconds, `temperature~lag=600`, at fit time and in the controller
@@ -51,6 +52,9 @@ pub struct Thermal {
     /// Where the nominal robot is right, in the channel's unit (degC).
     #[serde(default = "room")]
     pub reference: f64,
+    /// Whether a slide's scale is wrong at the reference already, by how much is to be found.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub offset: bool,
     /// Time constant with which the body follows the channel, s; at once when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lag: Option<f64>,
@@ -73,6 +77,7 @@ impl Thermal {
             components: None,
             channel,
             reference: room(),
+            offset: false,
             lag: None,
             lag_range: None,
         }
@@ -89,6 +94,8 @@ impl Thermal {
 
 /// Steel, 1/K.
 const STRAIN: f64 = 1.2e-5;
+/// A slide's scale before it grows, 1.
+const SCALE: f64 = 1e-4;
 
 impl Effect for Thermal {
     const KIND: &'static str = "thermal";
@@ -106,7 +113,9 @@ impl Effect for Thermal {
                 vec![Column::new(format!("growth {}", name(joint)), "1/K", STRAIN)]
             }
             Some((joint, Grows::Scale)) => {
-                vec![Column::new(format!("scale {}", name(joint)), "1/K", STRAIN)]
+                let growing = Column::new(format!("scale {}", name(joint)), "1/K", STRAIN);
+                let constant = Column::new(format!("scale {} at reference", name(joint)), "1", SCALE);
+                if self.offset { vec![growing, constant] } else { vec![growing] }
             }
             _ => {
                 // Ten kelvin move a place by a tenth of what its constant errors are.
@@ -133,6 +142,9 @@ impl Effect for Thermal {
             Some((joint, Grows::Scale)) => {
                 if let Some(motion) = at.chain().joint_motion(joint) {
                     out.along(0, &motion, at.joint(joint) * warmer);
+                    if self.offset {
+                        out.along(1, &motion, at.joint(joint));
+                    }
                 }
             }
             _ => self.spot.put(self.components.as_deref(), (0, 1), warmer, at, out),
@@ -162,6 +174,9 @@ impl Effect for Thermal {
             Some((joint, Grows::Scale)) if chain.joint(joint).kind != JointKind::Prismatic => {
                 let name = &chain.joint(joint).name;
                 return refuse(format!("joint `{name}` turns; the scale that grows is a slide's"));
+            }
+            growth if self.offset && !matches!(growth, Some((_, Grows::Scale))) => {
+                return refuse("`offset` belongs to a slide's scale; elsewhere the constants have it".into());
             }
             _ => {}
         }
@@ -203,6 +218,10 @@ mod tests {
                 let late = Thermal { lag, lag_range, grows, ..Thermal::of(Spot::Joint(joint), "t") };
                 check_effect(&late, &chain);
             }
+            let slides = |joint: &&JointId| chain.joint(**joint).kind == JointKind::Prismatic;
+            for &joint in chain.movable().iter().filter(slides) {
+                check_effect(&Thermal { offset: true, ..Thermal::of(Spot::Joint(joint), "t") }, &chain);
+            }
         }
     }
 
@@ -232,5 +251,25 @@ mod tests {
         assert_eq!(error(scale), "effect `thermal`: joint `theta` turns; the scale that grows is a slide's");
         let frame = Thermal { grows: Some(Grows::Length), ..Thermal::of(Spot::Frame(FrameId(0)), "t") };
         assert!(error(frame).contains("`components`"));
+        let base = Thermal { offset: true, ..Thermal::of(Spot::Frame(FrameId(0)), "t") };
+        assert_eq!(
+            error(base),
+            "effect `thermal`: `offset` belongs to a slide's scale; elsewhere the constants have it"
+        );
+    }
+
+    #[test]
+    fn a_slide_may_be_wrong_before_it_grows() {
+        let chain = samples::pps();
+        let joint = JointId(1);
+        let effect = Thermal { offset: true, ..Thermal::of(Spot::Joint(joint), "t") };
+        let mut conditions = Conditions::at(&chain, &[0.4, 0.4, 0.4, 0.0, 0.0, 0.0]);
+        conditions.channels = vec![25.0];
+        let size = |column: usize| -> f64 {
+            let entries = emitted(&effect, &chain, &conditions);
+            entries.iter().filter(|e| e.column == column).map(|e| e.value.powi(2)).sum::<f64>().sqrt()
+        };
+        // Five kelvin above the room, 0.4 m from zero.
+        assert!((size(0) - 5.0 * 0.4).abs() < 1e-12 && (size(1) - 0.4).abs() < 1e-12);
     }
 }
