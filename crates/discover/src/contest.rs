@@ -1,13 +1,15 @@
 //! The second look: the best causes of the screen against each other, each in its best shape and with its own noise.
 //!
 //! ```text
-//! score = −2 ln L + k ln m + 2 ln(questions asked of the family) [+ what a structure without a name costs]
+//! score = −2 ln L + C + 2 ln(questions asked of the family) [+ what a structure without a name costs]
 //! ```
+//!
+//! C is what its coefficients cost ([`crate::law`]): with the likelihood it makes the evidence.
 //!
 //! The smallest score wins; among those that the data cannot tell from it, the simplest one.
 
 use crate::candidate::{Candidate, Change};
-use crate::library::richer;
+use crate::library::{neighbours, richer};
 use crate::likelihood::Likelihood;
 use crate::periodogram;
 use crate::projection::Projection;
@@ -24,6 +26,9 @@ use truepose_errormodel::effects::Transmission;
 pub(crate) const TIE: f64 = 6.0;
 /// What a structure without a name has to be better by than any named cause.
 const NAMELESS: f64 = 25.0;
+/// Who is behind by more than this will not win by other components, and what a set of components has to be better by.
+const FAR: f64 = 120.0;
+const WORTH: f64 = 1.0;
 /// Causes that get a second look, and variants of each.
 const CAUSES: usize = 10;
 const VARIANTS: usize = 3;
@@ -42,6 +47,10 @@ pub(crate) struct Rival {
     /// The screen's gain of this shape.
     pub gain: f64,
     pub score: f64,
+    /// What of the score is neither likelihood nor coefficients.
+    pub odds: f64,
+    /// Of the law from which its coefficients look drawn, expected sizes.
+    pub width: f64,
     pub likelihood: Likelihood,
 }
 
@@ -115,7 +124,7 @@ pub(crate) fn contest(
         })
         .collect::<Result<_, _>>()?;
     gears.iter().zip(grown).for_each(|(&k, grown)| found[k].extend(grown));
-    let mut rivals = Vec::new();
+    let mut rivals: Vec<Rival> = Vec::new();
     for mut part in found {
         // The best shape of each cause.
         part.retain(|r| plausible(r) && r.score.is_finite());
@@ -126,6 +135,11 @@ pub(crate) fn contest(
         part.sort_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)));
         rivals.extend(part.into_iter().next());
     }
+    let best = least(&rivals);
+    let mut rivals: Vec<Rival> = rivals
+        .into_par_iter()
+        .map(|r| if r.score < best + FAR { fitted_out(scene, screen, &visits, r) } else { Ok(r) })
+        .collect::<Result<_, _>>()?;
     rivals.sort_by(|a, b| a.score.total_cmp(&b.score));
     if let Some(best) = rivals.first().map(|r| r.score) {
         let tied = rivals.iter().take_while(|r| r.score < best + TIE).count();
@@ -139,6 +153,28 @@ pub(crate) fn contest(
     Ok(Contest { present, rivals })
 }
 
+/// The rival with the components that pay for themselves.
+fn fitted_out(
+    scene: &Scene<'_>,
+    screen: &Screen,
+    visits: &Visits,
+    mut now: Rival,
+) -> Result<Rival, DiscoverError> {
+    loop {
+        let mut best: Option<Rival> = None;
+        for candidate in neighbours(&now.candidate) {
+            let Some(other) = rival(scene, screen, visits, candidate)? else { continue };
+            if other.score < best.as_ref().map_or(now.score - WORTH, |best| best.score) {
+                best = Some(other);
+            }
+        }
+        match best {
+            Some(better) => now = better,
+            None => return Ok(now),
+        }
+    }
+}
+
 /// A candidate with its likelihood; none when the data cannot judge it.
 pub(crate) fn rival(
     scene: &Scene<'_>,
@@ -149,10 +185,17 @@ pub(crate) fn rival(
     let Some(score) = screen.projection.judge(scene, &candidate) else { return Ok(None) };
     let columns = candidate.columns(scene)?;
     let likelihood = Likelihood::new(scene, &columns, visits)?;
-    let asked = 2.0 * (screen.asked(candidate.family) as f64).ln();
-    let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
-    let total = likelihood.deviance + price(scene.len()) * score.freedom as f64 + asked + nameless;
-    Ok(Some(Rival { candidate, columns, freedom: score.freedom, gain: score.gain, score: total, likelihood }))
+    let law = likelihood.law(0..columns.ncols());
+    let odds = odds(screen, candidate.family);
+    let total = likelihood.deviance + law.cost + odds;
+    let (freedom, gain) = (score.freedom, score.gain);
+    Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, width: law.width, likelihood }))
+}
+
+/// What a family's candidates pay for the questions that are asked of it, and for having no name.
+pub(crate) fn odds(screen: &Screen, family: Family) -> f64 {
+    let nameless = if family == Family::Unmodelled { NAMELESS } else { 0.0 };
+    2.0 * (screen.asked(family) as f64).ln() + nameless
 }
 
 /// Whether the sign is one that nature has: what yields, yields with its load.

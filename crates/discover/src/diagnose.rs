@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::surprise::gain_of_one;
 use crate::working::{Ground, Working};
-use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, reconsider};
+use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, merge, reconsider};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
@@ -184,6 +184,9 @@ impl Search<'_> {
                     // It won against others than those that are there now.
                     reconsider::reconsider(self, self.accepted.len())?;
                 }
+                if !self.accepted.is_empty() && merge::merge(self, self.accepted.len() - 1)? {
+                    reconsider::reconsider(self, self.accepted.len())?;
+                }
             }
         }
     }
@@ -265,7 +268,7 @@ fn winner(
 /// The candidate with what the contest found out about its change.
 pub(crate) fn adopted(rival: &Rival) -> Candidate {
     let mut candidate = rival.candidate.clone();
-    candidate.width = Some(2.0 * rival.likelihood.width().max(1e-3));
+    candidate.width = Some(2.0 * rival.width.max(1e-3));
     if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
     }

@@ -14,16 +14,18 @@
 //! 0.1 mm look alike when both are weighed with the scatter from before.
 
 use crate::DiscoverError;
+use crate::law::Law;
 use crate::product::cross;
 use crate::scene::Scene;
 use crate::whitener::Whitener;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+use std::ops::Range;
 use std::sync::OnceLock;
 use truepose_errormodel::Visits;
 use truepose_identify::{Folds, NoiseModel, Residuals, estimate_noise};
 
 /// κ: expected sizes within which coefficients of a candidate lie.
-const WIDE: f64 = 100.0;
+pub(crate) const WIDE: f64 = 100.0;
 /// Times that the noise is estimated.
 const LOOKS: usize = 5;
 
@@ -108,9 +110,11 @@ impl Likelihood {
         self.covariance[(at, at)].max(0.0).sqrt()
     }
 
-    /// The width of the law from which γ look drawn, in expected sizes.
-    pub fn width(&self) -> f64 {
-        width(&self.coefficients, &self.covariance)
+    /// The law from which these of γ look drawn.
+    pub fn law(&self, which: Range<usize>) -> Law {
+        let (first, count) = (which.start, which.len());
+        let coefficients = self.coefficients.rows(first, count).into_owned();
+        Law::of(&coefficients, &self.covariance.view((first, first), (count, count)).into_owned())
     }
 
     /// [A | X | y], raw and whitened.
@@ -249,46 +253,9 @@ impl Scaled {
     }
 }
 
-/// The most likely w of `γ ~ N(0, w² I)` from estimates with their covariance under the wide prior, by expectation and maximisation
-/// (Dempster, Laird and Rubin 1977): what the data leaves open does not blow it up.
-fn width(coefficients: &DVector<f64>, covariance: &DMatrix<f64>) -> f64 {
-    const ROUNDS: usize = 50;
-    let k = coefficients.len();
-    let mut square = coefficients.norm_squared() / k.max(1) as f64;
-    let Some(precision) = covariance.clone().cholesky().map(|c| c.inverse()) else {
-        return square.sqrt();
-    };
-    let right = &precision * coefficients;
-    // Without what the wide prior added.
-    let data = precision - DMatrix::identity(k, k) / (WIDE * WIDE);
-    for _ in 0..ROUNDS {
-        let joined = &data + DMatrix::identity(k, k) / square.max(f64::MIN_POSITIVE);
-        let Some(covariance) = joined.cholesky().map(|c| c.inverse()) else { break };
-        square = ((&covariance * &right).norm_squared() + covariance.trace()) / k.max(1) as f64;
-    }
-    square.sqrt()
-}
-
 fn near(a: &NoiseModel, b: &NoiseModel) -> bool {
     let close = |a: f64, b: f64| (a - b).abs() <= 0.02 * (a.abs() + b.abs()) + 1e-10;
     close(a.position_sd, b.position_sd)
         && close(a.visit_sd, b.visit_sd)
         && close(a.orientation_sd, b.orientation_sd)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_the_data_leaves_open_does_not_widen() {
-        // Eight coefficients of ±3 that are known to 0.1, and two that are not known at all and came out at 70.
-        let open = |k: usize| k >= 8;
-        let coefficients = DVector::from_fn(10, |k, _| if open(k) { 70.0 } else { 3.0 * [1.0, -1.0][k % 2] });
-        let deviations = DVector::from_fn(10, |k, _| if open(k) { 0.999 * WIDE } else { 0.1 });
-        let found = width(&coefficients, &DMatrix::from_diagonal(&deviations.map(|d| d * d)));
-        assert!((found - 3.0).abs() < 0.1, "{found}");
-        let plain = (coefficients.norm_squared() / 10.0).sqrt();
-        assert!(plain > 30.0, "{plain}");
-    }
 }

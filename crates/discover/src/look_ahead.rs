@@ -3,14 +3,14 @@
 //! Before the best rival is believed, each rival is given its best partner, and pairs are compared:
 //!
 //! ```text
-//! score(a + b) = −2 ln L(a + b) + (k_a + k_b) ln m + 2 ln(questions asked of each family)
+//! score(a + b) = −2 ln L(a + b) + C_a + C_b + 2 ln(questions asked of each family)
 //! ```
 //!
 //! When a pair without the best rival is better than the best rival with its own partner, the stronger half of that pair goes first. The
 //! best rival is nobody else's partner.
 
 use crate::candidate::Candidate;
-use crate::contest::{Rival, TIE};
+use crate::contest::{Rival, TIE, odds};
 use crate::likelihood::Likelihood;
 use crate::projection::Heard;
 use crate::scene::Scene;
@@ -65,10 +65,10 @@ pub(crate) fn first(
                 .zip(gains)
                 .filter_map(|((partner, _), gain)| {
                     let (gain, freedom) = gain?;
-                    Some((gain - price * freedom as f64, freedom, *partner))
+                    Some((gain - price * freedom as f64, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
+            let Some((worth, partner)) = best.filter(|best| best.0 > LEAST) else {
                 return Ok(Some((rival.score, rival.candidate.clone(), 0.0)));
             };
             let columns = partner.columns(scene)?;
@@ -76,9 +76,9 @@ pub(crate) fn first(
             let mut both = rival.columns.clone().resize_horizontally(width, 0.0);
             both.columns_mut(rival.columns.ncols(), columns.ncols()).copy_from(&columns);
             let likelihood = Likelihood::new(scene, &both, visits)?;
-            let asked = 2.0 * (screen.asked(partner.family) as f64).ln();
-            let alone = rival.score - rival.likelihood.deviance;
-            let score = likelihood.deviance + alone + price * freedom as f64 + asked;
+            let own = rival.columns.ncols();
+            let cost = likelihood.law(0..own).cost + likelihood.law(own..width).cost;
+            let score = likelihood.deviance + cost + rival.odds + odds(screen, partner.family);
             Ok(Some((score.min(rival.score), partner.clone(), worth)))
         })
         .collect::<Result<_, _>>()?;

@@ -3,7 +3,7 @@
 //! Variable projection: the unknowns are eliminated for each trial shape, the gain is what is left to climb.
 
 use crate::candidate::Candidate;
-use crate::library::{instants, shift_at, transmission_at};
+use crate::library::{instants, transmission_at};
 use crate::periodogram::{longest, turns};
 use crate::projection::Projection;
 use crate::scene::Scene;
@@ -38,7 +38,8 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
         // The neighbours that the coarse grid left out, and a few more.
         let reach = instants.len().div_ceil(64).max(3) + 2;
         let best = (at.saturating_sub(reach)..(at + reach).min(instants.len()))
-            .map(|k| shift_at(chain, jump.spot, instants[k]))
+            .map(|k| Shift { at: instants[k], ..jump.clone() })
+            .map(|jump| Candidate::new(candidate.family, candidate.place.clone(), jump))
             .map(|candidate| (gain(scene, projection, &candidate), candidate))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         return best.map_or_else(|| candidate.clone(), |(_, candidate)| candidate);

@@ -4,6 +4,7 @@
 //! period, an instant, a lag) come as a grid that is refined later.
 
 mod compliance;
+mod components;
 mod constant;
 mod guideway;
 mod load;
@@ -12,8 +13,9 @@ mod thermal;
 mod time;
 mod unmodelled;
 
+pub(crate) use components::neighbours;
 pub(crate) use motion::transmission_at;
-pub(crate) use time::{instants, shift_at};
+pub(crate) use time::instants;
 pub(crate) use unmodelled::richer;
 
 use crate::{Candidate, Family};

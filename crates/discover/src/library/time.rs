@@ -38,7 +38,7 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
 }
 
 /// A jump of one place at one instant.
-pub(crate) fn shift_at(chain: &Chain, spot: Spot, at: f64) -> Candidate {
+fn shift_at(chain: &Chain, spot: Spot, at: f64) -> Candidate {
     let effect = Shift { spot, components: None, at, at_range: None };
     Candidate::new(Family::Shift, Place::spot(chain, spot), effect)
 }

@@ -1,0 +1,117 @@
+//! Two finds that one cause explains: a cause that was told in two shapes, one after the other, is one finding.
+//!
+//! ```text
+//! score(a + b) = −2 ln L(a + b) + C_a + C_b + odds of each          against the best score of a single cause
+//! ```
+//!
+//! Taken out one at a time they cannot fall: each leaves the other's half of the cause behind. So both are taken out that have the same
+//! driver (a joint's motion, the load, time), and one cause is asked for in their place. Where the data cannot tell, one is
+//! believed rather than two.
+
+use crate::candidate::Candidate;
+use crate::contest::{TIE, contest, odds};
+use crate::diagnose::{Accepted, Search, adopted, parametric};
+use crate::evidence::collect;
+use crate::likelihood::Likelihood;
+use crate::scene::Scene;
+use crate::screen::Screen;
+use crate::{DiscoverError, Family};
+use nalgebra::DMatrix;
+use truepose_errormodel::Visits;
+
+/// Looks for one cause in place of one of the finds and any other; true when there is one.
+pub(crate) fn merge(search: &mut Search<'_>, which: usize) -> Result<bool, DiscoverError> {
+    for other in (0..search.accepted.len()).rev().filter(|&k| k != which) {
+        let pair = [&search.accepted[which].candidate, &search.accepted[other].candidate];
+        if !share_a_driver(pair[0], pair[1]) {
+            continue;
+        }
+        if let Some(one) = one_for_both(search, [which.min(other), which.max(other)])? {
+            search.accepted[which.min(other)] = one;
+            search.accepted.remove(which.max(other));
+            search.refit()?;
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// The cause that explains what two finds do.
+fn one_for_both(search: &Search<'_>, pair: [usize; 2]) -> Result<Option<Accepted>, DiscoverError> {
+    let Search { ground, now, accepted, options, .. } = search;
+    let others: Vec<Candidate> =
+        (0..accepted.len()).filter(|k| !pair.contains(k)).map(|k| accepted[k].candidate.clone()).collect();
+    let fewer = ground.working(others.clone(), &now.outliers.suspects)?;
+    let scene = Scene::new(&fewer.fit, &fewer.data)?;
+    let both = pair.map(|k| &accepted[k]);
+    let shortlist: Vec<Candidate> = both.iter().flat_map(|a| a.shortlist.iter().cloned()).collect();
+    let screen = Screen::again(&scene, &options.without, (&shortlist, &others), &search.asked);
+    let contest = contest(&scene, &screen, &others, false)?;
+    let Some(best) = contest.rivals.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else {
+        return Ok(None);
+    };
+    let columns = [both[0].candidate.columns(&scene)?, both[1].candidate.columns(&scene)?];
+    let (first, width) = (columns[0].ncols(), columns[0].ncols() + columns[1].ncols());
+    let mut joined = DMatrix::zeros(scene.len(), width);
+    joined.columns_mut(0, first).copy_from(&columns[0]);
+    joined.columns_mut(first, width - first).copy_from(&columns[1]);
+    let likelihood = Likelihood::new(&scene, &joined, &Visits::of(scene.data))?;
+    let score = likelihood.deviance
+        + likelihood.law(0..first).cost
+        + likelihood.law(first..width).cost
+        + both.iter().map(|a| odds(&screen, a.candidate.family)).sum::<f64>();
+    if best.score > score + TIE {
+        return Ok(None);
+    }
+    let p_value = both[0].evidence.p_value.min(both[1].evidence.p_value);
+    let evidence =
+        collect(&scene, &contest.present, best, (p_value, parametric(&screen, best)), options.seed)?;
+    let rivals = contest.rivals.iter().filter(|r| !r.candidate.same_cause(&best.candidate));
+    let rivals = rivals.map(|r| (r.candidate.clone(), r.score - best.score)).collect();
+    Ok(Some(Accepted { candidate: adopted(best), evidence, rivals, shortlist }))
+}
+
+/// Whether two causes are driven by the same thing, so that one may be half of the other.
+fn share_a_driver(a: &Candidate, b: &Candidate) -> bool {
+    let drivers = drivers(a);
+    self::drivers(b).iter().any(|driver| drivers.contains(driver))
+}
+
+/// What drives a cause.
+fn drivers(candidate: &Candidate) -> Vec<&str> {
+    let place = &candidate.place;
+    let names: Vec<&Option<String>> = match candidate.family {
+        Family::Transmission | Family::Guideway | Family::Backlash => vec![&place.joint],
+        Family::Coupling => vec![&place.driver],
+        Family::Unmodelled => vec![&place.covariate, &place.covariate2],
+        Family::Thermal | Family::Drift | Family::Shift => return vec!["the time"],
+        Family::JointCompliance
+        | Family::LinkCompliance
+        | Family::BaseCompliance
+        | Family::LoadNonlinearity => return vec!["the load"],
+        Family::Geometric | Family::Target | Family::Payload | Family::Outlier => Vec::new(),
+    };
+    names.into_iter().filter_map(|name| name.as_deref()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Place;
+    use truepose_errormodel::effects::{Coupling, Guideway};
+    use truepose_kinematics::JointId;
+
+    #[test]
+    fn a_rail_and_what_it_does_to_another_slide_have_one_driver() {
+        let at = |joint: &str| Place { joint: Some(joint.into()), ..Place::default() };
+        let rail = Candidate::new(Family::Guideway, at("d1"), Guideway::of(JointId(1)));
+        let dragged = |driver: &str| {
+            let place = Place { driver: Some(driver.into()), ..at("d3") };
+            Candidate::new(Family::Coupling, place, Coupling::of(JointId(3), JointId(1)))
+        };
+        assert!(share_a_driver(&rail, &dragged("d1")));
+        assert!(!share_a_driver(&rail, &dragged("d2")));
+        let frame = Candidate::new(Family::Geometric, at("d1"), Guideway::of(JointId(1)));
+        assert!(!share_a_driver(&rail, &frame));
+    }
+}
