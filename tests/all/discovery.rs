@@ -2,11 +2,11 @@
 
 use crate::plants::with_three_targets;
 use truepose_discover::{Diagnosis, DiscoverOptions, Family, Stop, diagnose};
-use truepose_errormodel::effects::{Geometric, JointCompliance};
+use truepose_errormodel::effects::{Geometric, JointCompliance, Where};
 use truepose_errormodel::{AnyEffect, Dataset};
-use truepose_kinematics::{Chain, JointId, samples};
-use truepose_simulate::description::RepeatabilitySize;
-use truepose_simulate::{Campaign, Flaws, Plant, PlantOptions, flaws};
+use truepose_kinematics::{Chain, FrameId, JointId, samples};
+use truepose_simulate::description::{InstrumentSize, RepeatabilitySize, ShopDay};
+use truepose_simulate::{Campaign, ChannelPlan, Flaws, Plant, PlantOptions, flaws};
 use truepose_solvers::PivotedQr;
 
 fn constants() -> Flaws {
@@ -18,6 +18,7 @@ fn constants() -> Flaws {
 fn measured(chain: &Chain, errors: Flaws, visits: usize, payloads: &[f64], seed: u64) -> Dataset {
     let options = PlantOptions {
         errors,
+        instrument: InstrumentSize { sd_um: 10.0, ..InstrumentSize::default() },
         repeatability: RepeatabilitySize { sd_um: 20.0, ..RepeatabilitySize::default() },
         ..PlantOptions::default()
     };
@@ -102,4 +103,79 @@ fn a_wrong_payload_is_weighed() {
         assert!((carried.carried - 120.0).abs() < 2.0, "{carried:?}");
         assert_eq!(found.findings[0].rows.len(), 90);
     }
+}
+
+/// Constant errors of all frames but one.
+fn constants_without(chain: &Chain, frame: FrameId) -> Geometric {
+    Geometric {
+        frames: Some(chain.frames().filter(|f| *f != frame).map(Where::Frame).collect()),
+        ..Geometric::default()
+    }
+}
+
+#[test]
+fn a_frame_that_nobody_declared_is_found_beside_a_soft_slide() {
+    let chain = with_three_targets(&samples::scara());
+    let crooked =
+        flaws::Displacement { frame: "r2".into(), xyz_mm: [-0.6, 0.1, 0.2], turn_mrad: [0.9, -0.4, -1.5] };
+    // Ten times softer than slides are expected to be; it is declared, so that it is nothing new.
+    let soft = flaws::JointCompliance {
+        joint: "slide".into(),
+        stiffness: Some(1e6),
+        ..flaws::JointCompliance::default()
+    };
+    let errors = Flaws { displacement: vec![crooked], joint_compliance: vec![soft], ..constants() };
+    let data = measured(&chain, errors, 40, &[0.0, 4.0], 4);
+    let frame = chain.frame_named("r2").unwrap();
+    let declared: Vec<Box<dyn AnyEffect>> = vec![
+        Box::new(constants_without(&chain, frame)),
+        Box::new(JointCompliance { joints: Some(vec![JointId(3)]), ..JointCompliance::default() }),
+    ];
+    let found = found(&chain, &declared, &data, 0);
+    assert_eq!(words(&found), ["geometric r2"]);
+    let (before, after) = found.findings[0].holdout;
+    assert!(after < 0.6 * before, "{before} {after}");
+}
+
+#[test]
+fn a_crooked_rail_is_one_finding() {
+    let chain = with_three_targets(&samples::pps());
+    // Along the rail, across it and in pitch: each alone would pass as a screw's, a coupling's or a nameless error.
+    let rail = flaws::Guideway {
+        joint: "d1".into(),
+        xyz_um: [120.0, 0.0, 150.0],
+        turn_urad: [0.0, 120.0, 0.0],
+        correlation_mm: 600.0,
+    };
+    let data = measured(&chain, Flaws { guideway: vec![rail], ..constants() }, 120, &[], 2);
+    let found = found(&chain, &[Box::new(Geometric::default())], &data, 0);
+    assert_eq!(words(&found), ["guideway d1"]);
+}
+
+#[test]
+fn a_slide_that_grows_was_right_at_a_temperature_that_nobody_knows() {
+    let chain = with_three_targets(&samples::pps());
+    let growth = flaws::Thermal {
+        at: "d3".into(),
+        grows: flaws::Growing::Scale,
+        per_kelvin: 90.0,
+        ..flaws::Thermal::default()
+    };
+    let mut campaign = Campaign::random(&chain, 80, 6).unwrap();
+    campaign.channels = vec![ChannelPlan::Air { name: "temperature".into(), sd: 0.05 }];
+    let hours = campaign.duration_s() / 3600.0;
+    let options = PlantOptions {
+        errors: Flaws { thermal: vec![growth], ..constants() },
+        instrument: InstrumentSize { sd_um: 10.0, ..InstrumentSize::default() },
+        repeatability: RepeatabilitySize { sd_um: 20.0, ..RepeatabilitySize::default() },
+        // Never at 20 °C, where everything has its nominal size.
+        shop: ShopDay { start_c: 23.0, rise_k: 4.0, wander_k: 0.5, hours },
+        ..PlantOptions::default()
+    };
+    let plant = Plant::random(&chain, &options, 6).unwrap();
+    let data = plant.measure(&campaign, 6).unwrap();
+    let found = found(&chain, &[Box::new(Geometric::default())], &data, 0);
+    assert_eq!(words(&found), ["thermal d3 on temperature"]);
+    let scale = &found.findings[0].parameters[0];
+    assert!((scale.value - 90e-6).abs() < 12e-6, "{scale:?}");
 }

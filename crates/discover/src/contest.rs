@@ -1,21 +1,22 @@
 //! The second look: the best causes of the screen against each other, each in its best shape and with its own noise.
 //!
 //! ```text
-//! score = −2 ln L + C + 2 ln(questions asked of the family) [+ what a structure without a name costs]
+//! score = −2 ln L + C + 2 ln(questions asked of the family) + shapes · ln m [+ what a structure without a name costs]
 //! ```
 //!
-//! C is what its coefficients cost ([`crate::law`]): with the likelihood it makes the evidence.
+//! C is what its coefficients cost: ln m each (Schwarz 1978), or, of curves and moving frames, what the evidence says ([`crate::law`]).
 //!
 //! The smallest score wins; among those that the data cannot tell from it, the simplest one.
 
 use crate::candidate::{Candidate, Change};
+use crate::law::Law;
 use crate::library::{neighbours, richer};
 use crate::likelihood::Likelihood;
 use crate::periodogram;
 use crate::projection::Projection;
 use crate::scene::Scene;
 use crate::screen::{Cause, Screen, price};
-use crate::shape::{refined, seen_as};
+use crate::shape::{climbed, refined, seen_as, shapes};
 use crate::{DiscoverError, Family, look_ahead};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -52,6 +53,13 @@ pub(crate) struct Rival {
     /// Of the law from which its coefficients look drawn, expected sizes.
     pub width: f64,
     pub likelihood: Likelihood,
+}
+
+impl Rival {
+    /// What had to be found out: coefficients that the data judges, and shapes.
+    fn unknowns(&self) -> usize {
+        self.freedom + shapes(&self.candidate)
+    }
 }
 
 /// The rivals, the one that should be believed first, and the present model's own likelihood.
@@ -145,7 +153,8 @@ pub(crate) fn contest(
         let tied = rivals.iter().take_while(|r| r.score < best + TIE).count();
         rivals[..tied].sort_by(|a, b| {
             let key = |r: &Rival| r.candidate.family.rank();
-            key(a).cmp(&key(b)).then(a.score.total_cmp(&b.score))
+            let simple = a.unknowns().cmp(&b.unknowns());
+            key(a).cmp(&key(b)).then(simple).then(a.score.total_cmp(&b.score))
         });
     }
     let first = look_ahead::first(scene, screen, &visits, &rivals, &causes)?;
@@ -186,16 +195,28 @@ pub(crate) fn rival(
     let columns = candidate.columns(scene)?;
     let likelihood = Likelihood::new(scene, &columns, visits)?;
     let law = likelihood.law(0..columns.ncols());
-    let odds = odds(screen, candidate.family);
-    let total = likelihood.deviance + law.cost + odds;
+    let odds = odds(scene, screen, &candidate);
+    let total = likelihood.deviance + cost(&candidate, &law, score.freedom, scene) + odds;
     let (freedom, gain) = (score.freedom, score.gain);
     Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, width: law.width, likelihood }))
 }
 
-/// What a family's candidates pay for the questions that are asked of it, and for having no name.
-pub(crate) fn odds(screen: &Screen, family: Family) -> f64 {
-    let nameless = if family == Family::Unmodelled { NAMELESS } else { 0.0 };
-    2.0 * (screen.asked(family) as f64).ln() + nameless
+/// What the coefficients of a candidate cost, so many of which the data judges: those of a curve over time or travel, or of a
+/// frame that moves, as the evidence says; all others their number.
+pub(crate) fn cost(candidate: &Candidate, law: &Law, freedom: usize, scene: &Scene<'_>) -> f64 {
+    let counted = price(scene.len()) * freedom as f64;
+    match candidate.family {
+        Family::Guideway | Family::Drift | Family::Shift | Family::Thermal => law.cost.min(counted),
+        _ => counted,
+    }
+}
+
+/// What a candidate pays for the questions that are asked of its family, for its shapes, and for having no name. A shape on a fine grid
+/// pays by the questions that the grid asks, one that was climbed for as an unknown.
+pub(crate) fn odds(scene: &Scene<'_>, screen: &Screen, candidate: &Candidate) -> f64 {
+    let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
+    let asked = 2.0 * (screen.asked(candidate.family) as f64).ln();
+    asked + price(scene.len()) * climbed(candidate) as f64 + nameless
 }
 
 /// Whether the sign is one that nature has: what yields, yields with its load.

@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::surprise::gain_of_one;
 use crate::working::{Ground, Working};
-use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, merge, reconsider};
+use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, merge, reconsider, wide};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
@@ -81,7 +81,15 @@ pub(crate) fn on_split(
     let part = sample(&train, options.seed);
     let mut ground =
         Ground { chain: &placement.chain, declared, data: &part, solver, fit: options.fit.clone() };
-    let first = ground.working(Vec::new(), &[])?;
+    let mut first = ground.working(Vec::new(), &[])?;
+    let relaxed = match ground.fit.prior {
+        PriorStrength::Evidence => wide::relaxed(declared, &first.fit),
+        _ => None,
+    };
+    if let Some(relaxed) = &relaxed {
+        ground.declared = relaxed;
+        first = ground.working(Vec::new(), &first.outliers.suspects)?;
+    }
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     if ground.fit.prior == PriorStrength::Evidence {
         ground.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);

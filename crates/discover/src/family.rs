@@ -64,9 +64,14 @@ impl Family {
         }
     }
 
-    /// Its place in the order of simplicity; causes that follow time in one way or another share one.
+    /// Its place in the order of simplicity. Causes that follow time in one way or another share one, and so do the two that bend
+    /// the curve of a joint against its load.
     pub(crate) fn rank(self) -> Family {
-        if self.belongs_to_time() { Family::Shift } else { self }
+        match self {
+            Family::Shift | Family::Drift | Family::Thermal => Family::Shift,
+            Family::Backlash | Family::LoadNonlinearity => Family::Backlash,
+            other => other,
+        }
     }
 
     /// Whether the effect belongs to a stretch of time, so that contiguous blocks cannot predict each other.

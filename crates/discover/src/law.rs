@@ -11,8 +11,8 @@
 //! | w | where C is least (MacKay 1992) | expected sizes |
 //!
 //! A coefficient that the data knows a hundred times better than w costs 2 ln 100 and one; one that the data leaves open costs nothing:
-//! a curve of twenty coefficients of which three are needed is not charged for twenty, as counting them would
-//! (Schwarz 1978).
+//! a curve of twenty coefficients of which three are needed is not charged for twenty, as counting them would (Schwarz 1978). Only
+//! curves and moving frames are charged so: where coefficients stand for separate causes, what the data leaves open is no virtue.
 
 use crate::likelihood::WIDE;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

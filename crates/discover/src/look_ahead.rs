@@ -10,7 +10,7 @@
 //! best rival is nobody else's partner.
 
 use crate::candidate::Candidate;
-use crate::contest::{Rival, TIE, odds};
+use crate::contest::{Rival, TIE, cost, odds};
 use crate::likelihood::Likelihood;
 use crate::projection::Heard;
 use crate::scene::Scene;
@@ -65,10 +65,10 @@ pub(crate) fn first(
                 .zip(gains)
                 .filter_map(|((partner, _), gain)| {
                     let (gain, freedom) = gain?;
-                    Some((gain - price * freedom as f64, *partner))
+                    Some((gain - price * freedom as f64, freedom, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, partner)) = best.filter(|best| best.0 > LEAST) else {
+            let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
                 return Ok(Some((rival.score, rival.candidate.clone(), 0.0)));
             };
             let columns = partner.columns(scene)?;
@@ -77,8 +77,9 @@ pub(crate) fn first(
             both.columns_mut(rival.columns.ncols(), columns.ncols()).copy_from(&columns);
             let likelihood = Likelihood::new(scene, &both, visits)?;
             let own = rival.columns.ncols();
-            let cost = likelihood.law(0..own).cost + likelihood.law(own..width).cost;
-            let score = likelihood.deviance + cost + rival.odds + odds(screen, partner.family);
+            let costs = cost(&rival.candidate, &likelihood.law(0..own), rival.freedom, scene)
+                + cost(partner, &likelihood.law(own..width), freedom, scene);
+            let score = likelihood.deviance + costs + rival.odds + odds(scene, screen, partner);
             Ok(Some((score.min(rival.score), partner.clone(), worth)))
         })
         .collect::<Result<_, _>>()?;

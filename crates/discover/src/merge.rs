@@ -9,7 +9,7 @@
 //! believed rather than two.
 
 use crate::candidate::Candidate;
-use crate::contest::{TIE, contest, odds};
+use crate::contest::{TIE, contest, cost, odds};
 use crate::diagnose::{Accepted, Search, adopted, parametric};
 use crate::evidence::collect;
 use crate::likelihood::Likelihood;
@@ -17,6 +17,7 @@ use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::{DiscoverError, Family};
 use nalgebra::DMatrix;
+use std::ops::Range;
 use truepose_errormodel::Visits;
 
 /// Looks for one cause in place of one of the finds and any other; true when there is one.
@@ -56,10 +57,12 @@ fn one_for_both(search: &Search<'_>, pair: [usize; 2]) -> Result<Option<Accepted
     joined.columns_mut(0, first).copy_from(&columns[0]);
     joined.columns_mut(first, width - first).copy_from(&columns[1]);
     let likelihood = Likelihood::new(&scene, &joined, &Visits::of(scene.data))?;
-    let score = likelihood.deviance
-        + likelihood.law(0..first).cost
-        + likelihood.law(first..width).cost
-        + both.iter().map(|a| odds(&screen, a.candidate.family)).sum::<f64>();
+    let pays = |k: usize, columns: Range<usize>| {
+        let Accepted { candidate, evidence, .. } = both[k];
+        cost(candidate, &likelihood.law(columns), evidence.unknowns, &scene)
+            + odds(&scene, &screen, candidate)
+    };
+    let score = likelihood.deviance + pays(0, 0..first) + pays(1, first..width);
     if best.score > score + TIE {
         return Ok(None);
     }

@@ -67,6 +67,25 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
     candidate.clone()
 }
 
+/// How many shapes of a candidate were found rather than known.
+pub(crate) fn shapes(candidate: &Candidate) -> usize {
+    let one = |effect: &dyn AnyEffect| {
+        seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
+            || seen_as::<Shift>(effect).is_some()
+            || seen_as::<Thermal>(effect).is_some_and(|growth| growth.lag.is_some())
+    };
+    candidate.effects().iter().filter(|effect| one(&***effect)).count() + climbed(candidate)
+}
+
+/// How many of them have a coarse grid, so that they were climbed for: a flank's load, a time constant.
+pub(crate) fn climbed(candidate: &Candidate) -> usize {
+    let one = |effect: &dyn AnyEffect| {
+        seen_as::<Backlash>(effect).is_some_and(|play| play.flank_load.is_some())
+            || seen_as::<Drift>(effect).is_some_and(|drift| drift.time_constant.is_some())
+    };
+    candidate.effects().iter().filter(|effect| one(&***effect)).count()
+}
+
 /// Whether a candidate of one effect has a shape to refine.
 pub(crate) fn has_shape(candidate: &Candidate) -> bool {
     let [effect] = candidate.effects() else { return false };
