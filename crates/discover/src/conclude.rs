@@ -36,7 +36,10 @@ pub(crate) fn conclude(
     (p_value, detectable_gain): LastWord,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = whole.data.select(&whole.holdout_rows);
-    let Search { ground, accepted, refused, untestable, now, .. } = search;
+    let Search { ground, accepted, refused, mut untestable, now, .. } = search;
+    // What was found could be tested after all, in the directions that are left of it.
+    untestable
+        .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = ground.fitted(&[], &ground.prepared(&[], &now.outliers.suspects))?;
     let before = errors(&declared, ground.data, &held)?;

@@ -1,12 +1,13 @@
 //! The closed loop: fit, find the residual, trace it to an effect that the model lacks, add it, again.
 
 use crate::candidate::{Candidate, Change};
-use crate::contest::{Contest, Rival, contest};
+use crate::contest::{Contest, contest};
 use crate::diagnosis::{Diagnosis, Refused, Stop, Untestable};
 use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
 use crate::payload::weighed;
 use crate::polish::polished;
+use crate::rival::Rival;
 use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;

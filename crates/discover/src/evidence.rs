@@ -8,8 +8,8 @@
 //! 4. Is it there in every half of the data, with the same size?
 
 use crate::DiscoverError;
-use crate::contest::Rival;
 use crate::likelihood::{Likelihood, distances};
+use crate::rival::Rival;
 use crate::scene::Scene;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;

@@ -28,6 +28,7 @@ mod polish;
 mod product;
 mod projection;
 mod reconsider;
+mod rival;
 mod sample;
 mod scene;
 mod screen;

@@ -10,9 +10,10 @@
 //! best rival is nobody else's partner.
 
 use crate::candidate::Candidate;
-use crate::contest::{Rival, TIE, cost, odds};
+use crate::contest::TIE;
 use crate::likelihood::Likelihood;
 use crate::projection::Heard;
+use crate::rival::{Rival, cost, odds};
 use crate::scene::Scene;
 use crate::screen::{Cause, Screen, price};
 use crate::{DiscoverError, Family};

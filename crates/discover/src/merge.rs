@@ -9,10 +9,11 @@
 //! believed rather than two.
 
 use crate::candidate::Candidate;
-use crate::contest::{TIE, contest, cost, odds};
+use crate::contest::{TIE, contest};
 use crate::diagnose::{Accepted, Search, adopted, parametric};
 use crate::evidence::collect;
 use crate::likelihood::Likelihood;
+use crate::rival::{cost, odds};
 use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::{DiscoverError, Family};

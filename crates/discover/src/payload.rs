@@ -5,9 +5,9 @@
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
-use crate::contest::Rival;
 use crate::diagnose::adopted;
 use crate::likelihood::Likelihood;
+use crate::rival::Rival;
 use crate::scene::Scene;
 use crate::working::{Ground, Working};
 use nalgebra::DMatrix;

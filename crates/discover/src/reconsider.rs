@@ -5,8 +5,9 @@
 
 use crate::DiscoverError;
 use crate::candidate::Candidate;
-use crate::contest::{Contest, Rival, TIE, contest, rival};
+use crate::contest::{Contest, TIE, contest};
 use crate::diagnose::{Accepted, Search, adopted};
+use crate::rival::{Rival, rival};
 use crate::scene::Scene;
 use crate::screen::Screen;
 use truepose_errormodel::Visits;

@@ -57,6 +57,9 @@ pub struct NestedSummary {
     pub after: PositionSpread,
     /// What each run found, in words.
     pub found: Vec<Vec<String>>,
+    /// What each run left on the fold that it did not see.
+    #[serde(default)]
+    pub after_by_fold: Vec<PositionSpread>,
 }
 
 impl NestedSummary {
@@ -68,6 +71,7 @@ impl NestedSummary {
             before: judged.before.into(),
             after: judged.after.into(),
             found: judged.runs.iter().map(words).collect(),
+            after_by_fold: judged.runs.iter().map(|run| run.after.holdout.positions().into()).collect(),
         }
     }
 }

@@ -29,9 +29,9 @@ impl fmt::Display for DiscoverySummary {
                 significant(nested.before.rms_mm, 3),
                 significant(nested.after.rms_mm, 3)
             )?;
-            for (number, found) in (1..).zip(&nested.found) {
+            for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
                 let words = if found.is_empty() { "nothing".into() } else { found.join(", ") };
-                writeln!(f, "  fold {number}: {words}")?;
+                writeln!(f, "  fold {number}, {} mm: {words}", significant(after.rms_mm, 3))?;
             }
         }
         for refused in self.refused.iter().take(6) {
