@@ -27,8 +27,11 @@ pub(crate) struct Law {
 }
 
 impl Law {
-    /// Of estimates with their covariance under the wide prior.
+    /// Of estimates with their covariance under the wide prior; of none there is nothing to say.
     pub fn of(coefficients: &DVector<f64>, covariance: &DMatrix<f64>) -> Self {
+        if coefficients.is_empty() {
+            return Law { width: 1.0, cost: 0.0 };
+        }
         let eigen = SymmetricEigen::new(covariance.clone());
         let turned = eigen.eigenvectors.tr_mul(coefficients);
         // (p, g² p) of every direction that the data says anything about.
@@ -99,6 +102,7 @@ mod tests {
     #[test]
     fn what_is_not_there_costs_what_it_gains() {
         // Ten coefficients of one deviation each: nothing to pay for, nothing gained.
+        assert_eq!(law(&[], &[]), Law { width: 1.0, cost: 0.0 });
         let nothing = law(&[0.1; 10], &[0.1; 10]);
         assert!(nothing.width < 1e-2 && (nothing.cost - 10.0).abs() < 0.1, "{nothing:?}");
     }

@@ -24,9 +24,12 @@ pub(crate) fn relaxed(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Option<Vec<
     let values: DVector<f64> = &covariance * scaled.tr_mul(&fit.factor.z.column(0));
     let stretch = |effect: usize| -> Option<f64> {
         let own: Vec<usize> = (0..kept.len()).filter(|&k| model.effect_of(kept[k]) == effect).collect();
+        if own.is_empty() {
+            return None;
+        }
         let values = DVector::from_iterator(own.len(), own.iter().map(|&k| values[k]));
         let law = Law::of(&values, &covariance.select_rows(&own).select_columns(&own));
-        (!own.is_empty() && law.width > FAR * fit.prior.kappa).then_some(2.0 * law.width / fit.prior.kappa)
+        (law.width > FAR * fit.prior.kappa).then_some(2.0 * law.width / fit.prior.kappa)
     };
     let stretches: Vec<Option<f64>> = (0..declared.len()).map(stretch).collect();
     let relax = |(effect, stretch): (&Box<dyn AnyEffect>, &Option<f64>)| -> Box<dyn AnyEffect> {
