@@ -179,3 +179,22 @@ fn a_slide_that_grows_was_right_at_a_temperature_that_nobody_knows() {
     let scale = &found.findings[0].parameters[0];
     assert!((scale.value - 90e-6).abs() < 12e-6, "{scale:?}");
 }
+
+#[test]
+fn a_rival_that_the_data_cannot_refute_is_fitted_for_a_plan() {
+    let chain = with_three_targets(&samples::ur10());
+    // The last joint slipped on its flange, or the tool was turned: with the flange's axis alone nobody can tell.
+    let slip = flaws::Shift { at: "j6".into(), when_s: 700.0, size_mm: 0.0, size_mrad: 0.8 };
+    let data = measured(&chain, Flaws { shift: vec![slip], ..constants() }, 60, &[], 9);
+    let options = DiscoverOptions { rival_fits: true, ..DiscoverOptions::default() };
+    let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+    let found = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
+    let both = ["shift j6".to_owned(), "shift tool".to_owned()];
+    assert_eq!(found.findings.len(), 1, "{:?}", words(&found));
+    assert!(both.contains(&words(&found)[0]), "{:?}", words(&found));
+    let rival = found.rivals.iter().find(|r| both.contains(&r.candidate.words())).expect("a rival");
+    assert_eq!(rival.finding, 0);
+    assert_ne!(rival.candidate.words(), words(&found)[0]);
+    let rms = |fit: &truepose_identify::Fit| fit.residuals.positions().rms;
+    assert!((rms(&rival.fit) / rms(&found.fit) - 1.0).abs() < 0.02);
+}

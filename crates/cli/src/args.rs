@@ -146,6 +146,9 @@ pub struct Discover {
     /// Specification to hold held-out poses against, e.g. 0.5mm
     #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
     pub spec: Option<f64>,
+    /// Folder for fits of the explanations that the data cannot tell from what was found: rivals for `truepose plan`
+    #[arg(long, value_name = "DIR")]
+    pub rivals: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,

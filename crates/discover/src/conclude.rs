@@ -2,8 +2,10 @@
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
-use crate::diagnose::{LastWord, Search};
-use crate::diagnosis::{Alternative, Diagnosis, Errors, Finding, Parameter, Stop, Unexplained, Untestable};
+use crate::diagnose::{Accepted, LastWord, Search};
+use crate::diagnosis::{
+    Alternative, Diagnosis, Errors, Finding, Parameter, RivalFit, Stop, Unexplained, Untestable,
+};
 use crate::evidence::{Evidence, Gain};
 use crate::outliers::{Outliers, outliers};
 use crate::scene::Scene;
@@ -36,6 +38,7 @@ pub(crate) fn conclude(
     (p_value, detectable_gain): LastWord,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = whole.data.select(&whole.holdout_rows);
+    let wanted = search.options.rival_fits;
     let Search { ground, accepted, refused, mut untestable, now, .. } = search;
     // What was found could be tested after all, in the directions that are left of it.
     untestable
@@ -73,19 +76,7 @@ pub(crate) fn conclude(
     let fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
     let mut fit = with_shapes(fit, &data, &shapes);
 
-    fit.fitted.loads = found
-        .iter()
-        .filter_map(|candidate| match candidate.change {
-            Change::CorrectLoad { level, mass, .. } => {
-                Some(LoadCorrection { declared: level, carried: mass })
-            }
-            Change::Add(_) => None,
-        })
-        .collect();
-    // What is declared at run time is what was declared here.
-    let own = lags::own_channels(whole.data);
-    fit.fitted.domain = Domain::of(&own);
-    fit.fitted.channels.clone_from(&own.schema.channels);
+    at_run_time(&mut fit, &found, whole.data);
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
@@ -105,6 +96,8 @@ pub(crate) fn conclude(
             trace: trace(&fit, &data, &accepted.candidate, effects.start)?,
         });
     }
+    let rivals =
+        if wanted { rival_fits(&trial, &accepted, &outside.suspects, whole.data)? } else { Vec::new() };
     let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
     if !outside.certain.is_empty() {
         let judged = Residuals::of(&fit.fitted, whole.data)?;
@@ -127,6 +120,7 @@ pub(crate) fn conclude(
         placement: whole.placement.clone(),
         findings,
         refused,
+        rivals,
         repeats_before: repeats(&declared, ground.data),
         repeats_after: repeats(&now.fit, &now.data),
         before,
@@ -140,6 +134,22 @@ pub(crate) fn conclude(
         untestable,
         holdout_rows: whole.holdout_rows,
     })
+}
+
+/// Loads, domain and channels as they are declared at run time: as they were declared here.
+pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
+    fit.fitted.loads = found
+        .iter()
+        .filter_map(|candidate| match candidate.change {
+            Change::CorrectLoad { level, mass, .. } => {
+                Some(LoadCorrection { declared: level, carried: mass })
+            }
+            Change::Add(_) => None,
+        })
+        .collect();
+    let own = lags::own_channels(data);
+    fit.fitted.domain = Domain::of(&own);
+    fit.fitted.channels.clone_from(&own.schema.channels);
 }
 
 fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
@@ -217,6 +227,27 @@ fn alternatives(
             })
         })
         .collect()
+}
+
+/// The explanations that this data cannot tell from the finds, fitted to all rows but those that are kept out.
+fn rival_fits(
+    trial: &Trial<'_>,
+    accepted: &[Accepted],
+    out: &[usize],
+    data: &Dataset,
+) -> Result<Vec<RivalFit>, DiscoverError> {
+    /// Of one find.
+    const FITTED: usize = 2;
+    let mut fits = Vec::new();
+    for (finding, accepted) in accepted.iter().enumerate() {
+        let tied = accepted.rivals.iter().filter(|(_, behind)| *behind < TIE).take(FITTED);
+        for (candidate, _) in tied {
+            let (mut fit, found) = trial.fit_instead(finding, candidate, out)?;
+            at_run_time(&mut fit, &found, data);
+            fits.push(RivalFit { finding, candidate: candidate.clone(), fit });
+        }
+    }
+    Ok(fits)
 }
 
 /// Rows that no repeatable effect explains, as a find: `rms` with them and without, m.

@@ -15,6 +15,8 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// Candidates that won a contest and were not believed.
     pub refused: Vec<Refused>,
+    /// Fits of rivals, where they were asked for.
+    pub rivals: Vec<RivalFit>,
     /// What the data cannot test: (cause, the share of it that the declared model leaves, smallest size that would be seen).
     pub untestable: Vec<Untestable>,
     /// Errors before and after.
@@ -114,6 +116,17 @@ pub struct Alternative {
     pub behind: f64,
     /// True when this data cannot tell it from the find.
     pub equivalent: bool,
+}
+
+/// The whole model with another explanation in place of a find that this data cannot tell from it.
+#[derive(Debug, Clone)]
+pub struct RivalFit {
+    /// Number of the find, from zero.
+    pub finding: usize,
+    /// What stands in its place.
+    pub candidate: Candidate,
+    /// Fitted to all rows, as the final model is.
+    pub fit: Fit,
 }
 
 /// A candidate that won a contest and was not believed.

@@ -44,7 +44,7 @@ mod working;
 pub use candidate::{Candidate, Change};
 pub use diagnose::{Progress, diagnose};
 pub use diagnosis::{
-    Alternative, Diagnosis, Errors, Finding, Parameter, Refused, Stop, Unexplained, Untestable,
+    Alternative, Diagnosis, Errors, Finding, Parameter, Refused, RivalFit, Stop, Unexplained, Untestable,
 };
 pub use error::DiscoverError;
 pub use evidence::{Doubt, Evidence, Gain};

@@ -19,6 +19,8 @@ pub struct DiscoverOptions {
     /// Families that are not looked for: to see what the loop makes of a cause that it has no word for. Outliers are always
     /// looked for, since they stand in the way of everything else.
     pub without: Vec<Family>,
+    /// Whether explanations that the data cannot tell from a find are fitted as well: what a plan needs that is to tell them apart.
+    pub rival_fits: bool,
     /// How models are fitted.
     pub fit: FitOptions,
 }
@@ -35,6 +37,7 @@ impl Default for DiscoverOptions {
             alpha: 0.002,
             most: 24,
             without: Vec::new(),
+            rival_fits: false,
             fit: FitOptions { flat: FLAT, ..FitOptions::default() },
         }
     }

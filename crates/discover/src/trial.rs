@@ -7,7 +7,7 @@ use crate::conclude::Whole;
 use crate::linear::Linear;
 use crate::scene::Scene;
 use crate::working::{Ground, Working, with_loads};
-use truepose_identify::{FitOptions, NoiseSource, Residuals};
+use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals};
 
 /// (training, held out) 3-D RMS, m.
 type Rms = (f64, f64);
@@ -45,6 +45,25 @@ impl<'a> Trial<'a> {
     /// With another candidate in place of a find.
     pub fn instead(&self, which: usize, candidate: &Candidate) -> Result<Rms, DiscoverError> {
         self.ask(which..which + 1, Some(candidate))
+    }
+
+    /// The fit of all these rows with another candidate in place of a find.
+    pub fn fit_instead(
+        &self,
+        which: usize,
+        candidate: &Candidate,
+        out: &[usize],
+    ) -> Result<(Fit, Vec<Candidate>), DiscoverError> {
+        let mut found = self.found.to_vec();
+        found[which] = candidate.clone();
+        let noise = NoiseSource::Fixed(self.now.fit.noise);
+        let options = FitOptions { noise, ..self.ground.fit.clone() };
+        let mut data = with_loads(self.whole.data, &found);
+        for &row in out {
+            data.position[row] = [f64::NAN; 3];
+            data.orientation[row] = None;
+        }
+        Ok((self.ground.fitted_by(&found, &data, &options)?, found))
     }
 
     fn ask(&self, without: std::ops::Range<usize>, with: Option<&Candidate>) -> Result<Rms, DiscoverError> {

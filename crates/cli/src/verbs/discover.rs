@@ -7,10 +7,13 @@ use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
 use crate::watch;
-use truepose_discover::{DiscoverOptions, Progress, diagnose, nested};
+use std::path::Path;
+use truepose_discover::{DiscoverOptions, Progress, RivalFit, diagnose, nested};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, EffectRegistry};
-use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
+use truepose_io::{
+    MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit,
+};
 use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
 
 /// Runs the verb.
@@ -19,6 +22,10 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         check_writable(out)?;
     }
     let folder = Folder::prepare(args.report.as_ref(), "discovery.json")?;
+    if let Some(rivals) = &args.rivals {
+        make_folder(rivals)?;
+        check_writable(rivals.join("rival.json"))?;
+    }
     let chain = robot(&args.robot)?;
     let declared: Vec<Box<dyn AnyEffect>> = match &args.model {
         Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
@@ -36,6 +43,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         flips: args.flips,
         alpha: args.alpha,
         most: args.most,
+        rival_fits: args.rivals.is_some(),
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
@@ -83,6 +91,25 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         provenance.insert("structure_frozen_then_all_rows".into(), true.into());
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));
+    }
+    if let Some(folder) = &args.rivals {
+        write_rivals(folder, &found.rivals)?;
+    }
+    Ok(())
+}
+
+/// One file a rival, named by what it says.
+fn write_rivals(folder: &Path, rivals: &[RivalFit]) -> Result<(), Failure> {
+    if rivals.is_empty() {
+        terminal::log("no rivals to write: nothing else explains the data as well as what was found");
+    }
+    for rival in rivals {
+        let plain = |c: char| if c.is_alphanumeric() || c == '_' || c == '.' { c } else { '-' };
+        let words: String = rival.candidate.words().chars().map(plain).collect();
+        let file = folder.join(format!("{}-{words}.json", rival.finding + 1));
+        write_fit(&file, &rival.fit.fitted)?;
+        let words = rival.candidate.words();
+        terminal::log(&format!("wrote {}: {words} in place of find {}", file.display(), rival.finding + 1));
     }
     Ok(())
 }
