@@ -31,6 +31,7 @@ use crate::{BoundModel, Dataset, Rest};
 use errors::LaneErrors;
 use loads::LaneLoad;
 use nalgebra::Vector3;
+use std::cell::Cell;
 use store::Store;
 use truepose_kinematics::{Conditions, GravityFrame};
 
@@ -52,6 +53,8 @@ pub struct Lanes<'m> {
     store: Store,
     emission: LaneEmission,
     errors: LaneErrors,
+    /// None at all.
+    plain: LaneErrors,
     /// ε of a change of the coefficients.
     change: LaneErrors,
     /// Effects speak of blocks.
@@ -59,6 +62,8 @@ pub struct Lanes<'m> {
     /// Row by row, where they do not.
     rest: Rest,
     settles: bool,
+    /// Whether some effect asked for frames or weights of the last block: it is likely to ask for those of the next one.
+    asks: bool,
     fill: columns::Fill,
 }
 
@@ -76,10 +81,12 @@ impl<'m> Lanes<'m> {
             store: Store::new(chain),
             emission: LaneEmission::new(),
             errors: LaneErrors::new(chain),
+            plain: LaneErrors::new(chain),
             change: LaneErrors::new(chain),
             wide: false,
             rest: Rest::new(model),
             settles: model.effects().iter().any(|effect| effect.settles()),
+            asks: true,
             fill: columns::Fill::default(),
             bound,
         };
@@ -104,12 +111,14 @@ impl<'m> Lanes<'m> {
 
     /// Asks every effect once whether it speaks of blocks.
     fn speaks_wide(&mut self) -> bool {
+        let asked = Cell::new(false);
         let posture = LanePosture {
             chain: self.bound.model().chain(),
             joints: &self.joints,
             signals: &[],
             load: &self.load,
             store: &self.store,
+            asked: &asked,
         };
         let effects = self.bound.model().effects();
         let all = (0..effects.len()).all(|k| {
@@ -151,19 +160,19 @@ impl<'m> Lanes<'m> {
         self.emission.clear();
         self.errors.clear();
         self.store.turn(chain, &self.joints);
-        if self.settles {
-            // The nominal posture, with its weights.
-            self.walk(&gravity);
-        }
         self.emit(|pace| pace != Pace::Settling);
         let still = self.emission.mark();
         if moves {
             self.errors.add(&self.emission, 0, coefficients);
         }
-        self.emit(|pace| pace == Pace::Settling);
-        if self.emission.mark() == still || !moves {
-            if moves || !self.settles {
-                self.walk(&gravity);
+        let weighed = self.settles && self.emit_at_nominal(still, &gravity);
+        let yields = weighed && moves && self.emission.mark() > still;
+        if !yields {
+            if moves {
+                self.errors.add(&self.emission, still, coefficients);
+            }
+            if moves || !weighed {
+                self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
             }
             return;
         }
@@ -176,33 +185,53 @@ impl<'m> Lanes<'m> {
             self.errors.clone_from(&stiff);
             self.errors.add(&self.emission, still, coefficients);
         }
-        self.walk(&gravity);
+        self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
     }
 
-    /// Asks effects of some paces.
-    fn emit(&mut self, wanted: impl Fn(Pace) -> bool) {
+    /// What effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
+    /// on where the robot comes to rest (a polynomial in a measured wrench), and the nominal frames need not be there.
+    fn emit_at_nominal(&mut self, still: usize, gravity: &Vector3<f64>) -> bool {
+        let chain = self.bound.model().chain();
+        let mut ready = false;
+        loop {
+            if self.asks && !ready {
+                self.store.walk(chain, &self.joints, &self.plain, self.rows.len());
+                self.store.weigh(chain, &self.load, gravity, self.rows.len());
+                ready = true;
+            }
+            self.emission.truncate(still);
+            self.asks = self.emit(|pace| pace == Pace::Settling);
+            if ready || !self.asks {
+                return self.asks;
+            }
+        }
+    }
+
+    /// Asks effects of some paces; whether one of them asked for frames or weights.
+    fn emit(&mut self, wanted: impl Fn(Pace) -> bool) -> bool {
         let model = self.bound.model();
+        let asked = Cell::new(false);
         let posture = LanePosture {
             chain: model.chain(),
             joints: &self.joints,
             signals: &[],
             load: &self.load,
             store: &self.store,
+            asked: &asked,
         };
         for (k, effect) in model.effects().iter().enumerate().filter(|(k, _)| wanted(model.pace(*k))) {
             self.emission.start_at(model.columns_of(k).start);
             let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
             effect.eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission);
         }
+        asked.get()
     }
 
     /// Frames with the errors that there are, and weights under this gravity.
     fn walk(&mut self, gravity: &Vector3<f64>) {
         let chain = self.bound.model().chain();
         self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
-        if self.settles {
-            self.store.weigh(chain, &self.load, gravity, self.rows.len());
-        }
+        self.store.weigh(chain, &self.load, gravity, self.rows.len());
     }
 
     /// Whether gravity goes with the base, whose own error then turns it.
