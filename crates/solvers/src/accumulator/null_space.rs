@@ -32,8 +32,11 @@ pub struct NullSpace {
     pub decision: RankDecision,
 }
 
-/// How far above the tolerance everything lies that is certainly kept.
+/// How far above the tolerance everything lies that certainly makes the rank full.
 const MARGIN: f64 = 1e3;
+/// The same beside something that is dropped, and how far apart both are.
+const ABOVE: f64 = 10.0;
+const APART: f64 = 1e3;
 /// How far below it everything lies that is certainly dropped.
 const BELOW: f64 = 0.5;
 /// Squares of R₁⁻¹ R₁₂ up to which its Cholesky factor makes an orthonormal basis to the last digits but four.
@@ -79,17 +82,18 @@ impl Factor {
     /// Rank and null space of the scaled triangle by the default rule, where bounds decide.
     fn certain_null_space(&self, scaled: &DMatrix<f64>) -> Option<(RankDecision, DMatrix<f64>)> {
         let p = self.columns();
-        let Parted { order, lead, mut across, beyond } = self.parted(scaled);
+        // The largest singular value lies between the longest column and the root of the sum of all squares.
+        let longest = scaled.column_iter().fold(0.0_f64, |most, c| most.max(norm(c.as_slice())));
+        let share = (self.rows.max(p) as f64 * f64::EPSILON).max(self.resolution);
+        let (tolerance, nothing) = (share * scaled.norm(), BELOW * share * longest);
+        let Parted { order, lead, mut across, beyond } = self.parted(scaled, nothing);
         let (rank, dropped) = across.shape();
         if rank == 0 || rank > self.rows || (0..rank).any(|k| lead[(k, k)] == 0.0) {
             return None;
         }
         let least = 1.0 / inverse_gram(&lead).trace().sqrt();
-        // The largest singular value lies between the longest column and the root of the sum of all squares.
-        let longest = scaled.column_iter().fold(0.0_f64, |most, c| most.max(norm(c.as_slice())));
-        let share = (self.rows.max(p) as f64 * f64::EPSILON).max(self.resolution);
-        let tolerance = share * scaled.norm();
-        if !(least > MARGIN * tolerance && beyond < BELOW * share * longest) {
+        let above = if dropped == 0 { MARGIN } else { ABOVE };
+        if !(least > above * tolerance && least > APART * beyond && beyond < nothing) {
             return None;
         }
         if dropped == 0 {
@@ -114,25 +118,52 @@ impl Factor {
         Some((decision(rank, tolerance, least, beyond, dropped), turned.transpose()))
     }
 
-    /// The triangle with pivots, parted where they end: in the order of its Gram matrix, or column by column where that sees too little.
-    fn parted(&self, scaled: &DMatrix<f64>) -> Parted {
-        let none = DMatrix::zeros(self.columns(), 0);
-        let (qr, rank, beyond) = match ordered_qr(scaled, &none) {
-            Some((qr, rest)) => {
-                let rank = qr.r.nrows();
-                (qr, rank, rest * ((self.columns() - rank) as f64).sqrt())
+    /// The triangle with pivots, parted where they end: in the order of its Gram matrix, or column by column where that leaves more than
+    /// `nothing`.
+    fn parted(&self, scaled: &DMatrix<f64>, nothing: f64) -> Parted {
+        let p = self.columns();
+        let quick = ordered_qr(scaled, &DMatrix::zeros(p, 0)).map(|(qr, rest)| {
+            let rank = qr.r.nrows();
+            (qr.r, qr.order, rank, rest * ((p - rank) as f64).sqrt())
+        });
+        let (r, order, rank, beyond) = quick.filter(|found| found.3 < nothing).unwrap_or_else(|| {
+            let (r, order, rank) = self.pivoted_again(scaled);
+            let beyond = r.view((rank, rank), (p - rank, p - rank)).norm();
+            (r, order, rank, beyond)
+        });
+        let top = r.rows(0, rank);
+        let across = top.columns(rank, p - rank).into_owned();
+        Parted { order, lead: top.columns(0, rank).into_owned(), across, beyond }
+    }
+
+    /// Pivots column by column. Lengths of columns are brought up to date on the way and lose their digits: where they seem to end, what is left
+    /// is looked at afresh.
+    fn pivoted_again(&self, scaled: &DMatrix<f64>) -> (DMatrix<f64>, Vec<usize>, usize) {
+        let p = self.columns();
+        let (mut r, mut order, mut rank) = (scaled.clone(), (0..p).collect::<Vec<_>>(), 0);
+        let share = (self.rows.max(p) as f64 * f64::EPSILON).max(self.resolution);
+        let mut tolerance = 0.0;
+        while rank < p {
+            let left = p - rank;
+            let qr = pivoted_qr(&r.view((rank, rank), (left, left)).into_owned(), &DMatrix::zeros(left, 0));
+            let pivots = qr.pivots();
+            if rank == 0 {
+                tolerance = share * pivots[0];
             }
-            None => {
-                let qr = pivoted_qr(scaled, &none);
-                let rank = self.decide(&qr.pivots(), RankRule::Default).rank;
-                let beyond = qr.r.rows(rank, qr.r.nrows() - rank).norm();
-                (qr, rank, beyond)
+            let above = r.view((0, rank), (rank, left)).into_owned();
+            let known = order[rank..].to_vec();
+            for (to, &from) in qr.order.iter().enumerate() {
+                r.view_mut((0, rank + to), (rank, 1)).copy_from(&above.column(from));
+                order[rank + to] = known[from];
             }
-        };
-        let top = qr.r.rows(0, rank);
-        let lead = top.columns(0, rank).into_owned();
-        let across = top.columns(rank, self.columns() - rank).into_owned();
-        Parted { order: qr.order, lead, across, beyond }
+            r.view_mut((rank, rank), (left, left)).copy_from(&qr.r);
+            let more = pivots.iter().take_while(|pivot| **pivot > tolerance).count();
+            if more == 0 {
+                break;
+            }
+            rank += more;
+        }
+        (r, order, rank)
     }
 }
 
@@ -204,6 +235,18 @@ mod tests {
         let basis = parts.v.columns(20, 10);
         assert!((quick.tr_mul(&quick) - DMatrix::identity(10, 10)).amax() < 1e-12, "orthonormal");
         assert!((&quick - basis * basis.tr_mul(&quick)).amax() < 1e-11, "the same directions");
+        // Columns that are others but for 1e-9: beyond what the Gram matrix sees.
+        for k in 20..23 {
+            let near = a.column(k - 20) + nalgebra::DVector::from_fn(200, |i, _| 1e-9 * value(i, 50 + k));
+            a.set_column(k, &near);
+        }
+        let mut t = Triangular::new(30, 0);
+        t.update(&a, &DMatrix::zeros(200, 0)).unwrap();
+        let f = t.finish();
+        let scaled = f.scaled(&s);
+        let (decision, quick) = f.certain_null_space(&scaled).unwrap();
+        assert!(decision.rank == 23 && decision.is_clear(), "{decision:?}");
+        assert!((scaled * quick).amax() < 1e-12);
         // A column that is another one but for 1e-12: too near the tolerance for bounds, and singular values decide.
         let near = a.column(3) + nalgebra::DVector::from_fn(200, |i, _| 1e-12 * value(i, 77));
         a.set_column(25, &near);
@@ -211,6 +254,6 @@ mod tests {
         t.update(&a, &DMatrix::zeros(200, 0)).unwrap();
         let f = t.finish();
         assert!(f.certain_null_space(&f.scaled(&s)).is_none());
-        assert_eq!(f.null_space(ColumnScale::Norms, RankRule::Default).unwrap().basis.ncols(), 9);
+        assert_eq!(f.null_space(ColumnScale::Norms, RankRule::Default).unwrap().basis.ncols(), 6);
     }
 }
