@@ -1,7 +1,7 @@
 //! One row of a table: its cells as numbers in SI units.
 
 use super::cells::{cell, number, plain_number, shown};
-use super::columns::{Cells, joint_names};
+use super::columns::{Cells, Column, joint_names};
 use super::header::Header;
 use super::info::Seen;
 use super::plausible::Plausible;
@@ -17,6 +17,8 @@ const LARGEST: f64 = 1e30;
 #[derive(Debug)]
 pub(crate) struct RowReader {
     pub header: Header,
+    /// Of each column: what its cells hold, and whether they are in the unit of memory already.
+    kinds: Vec<(Cells, bool)>,
     pub(super) plausible: Vec<Plausible>,
     targets: Vec<String>,
     pub(super) position_needed: bool,
@@ -42,7 +44,9 @@ pub(crate) struct Row {
 
 impl RowReader {
     pub fn new(header: Header, chain: &Chain, position_needed: bool) -> Self {
+        let kind = |column: &Column| (column.cells, column.conversion.is_si());
         RowReader {
+            kinds: header.columns.iter().map(kind).collect(),
             plausible: chain.movable().iter().map(|&joint| Plausible::new(chain.joint(joint))).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
             position_needed,
@@ -62,14 +66,14 @@ impl RowReader {
     pub fn read(&mut self, line: u64, text: &[u8]) -> Result<(), IoError> {
         self.row = Row { line, ..Row::default() };
         let mut at = 0;
-        for k in 0..self.header.columns.len() {
+        for k in 0..self.kinds.len() {
             if k > 0 {
                 if at >= text.len() {
                     return Err(self.too_few(line, k));
                 }
                 at += 1; // the comma
             }
-            let cells = self.header.columns[k].cells;
+            let (cells, si) = self.kinds[k];
             if cells == Cells::Target {
                 at = self.read_target(line, text, at, k)?;
                 continue;
@@ -99,7 +103,7 @@ impl RowReader {
                 self.check_whole(line, k, cells, raw)?;
             }
             self.seen[k].see(raw);
-            self.numbers[k] = self.header.columns[k].conversion.to_si(raw);
+            self.numbers[k] = if si { raw } else { self.header.columns[k].conversion.to_si(raw) };
             if self.numbers[k].abs() > LARGEST {
                 return Err(self.header.cell_error(
                     line,
