@@ -8,8 +8,8 @@
 //! | P J_e Φ | [`Lanes::columns`], component by component | columns × `LANES` | m or rad per unit |
 //!
 //! The same mathematics as [`crate::Rest`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
-//! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; a model in which one does not, or
-//! whose gravity turns with a base that yields, is brought to rest row by row, and only the rest of the arithmetic is wide.
+//! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; others row by row, at the frames and weights of
+//! the block. A model whose gravity turns with a base that yields is brought to rest row by row, and only the rest of the arithmetic is wide.
 //! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers.
 
 mod columns;
@@ -27,13 +27,13 @@ pub use jacobian::error_jacobians;
 pub use posture::LanePosture;
 
 use crate::model::Pace;
-use crate::{BoundModel, Dataset, Rest};
+use crate::{AnyEffect, BoundModel, Dataset, Emission, Rest};
 use errors::LaneErrors;
 use loads::LaneLoad;
 use nalgebra::Vector3;
 use std::cell::Cell;
 use store::Store;
-use truepose_kinematics::{Conditions, GravityFrame};
+use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer};
 
 /// How many rows a block has at most.
 pub const LANES: usize = 128;
@@ -57,9 +57,12 @@ pub struct Lanes<'m> {
     plain: LaneErrors,
     /// ε of a change of the coefficients.
     change: LaneErrors,
-    /// Effects speak of blocks.
-    wide: bool,
-    /// Row by row, where they do not.
+    /// For each effect: whether it speaks of blocks.
+    wide: Vec<bool>,
+    /// One row at a time, for those that do not.
+    seat: PostureBuffer,
+    said: Emission,
+    /// Row by row, where gravity turns.
     rest: Rest,
     settles: bool,
     /// Whether some effect asked for frames or weights of the last block: it is likely to ask for those of the next one.
@@ -83,7 +86,9 @@ impl<'m> Lanes<'m> {
             errors: LaneErrors::new(chain),
             plain: LaneErrors::new(chain),
             change: LaneErrors::new(chain),
-            wide: false,
+            wide: Vec::new(),
+            seat: PostureBuffer::new(chain),
+            said: Emission::new(),
             rest: Rest::new(model),
             settles: model.effects().iter().any(|effect| effect.settles()),
             asks: true,
@@ -99,18 +104,13 @@ impl<'m> Lanes<'m> {
         &self.bound
     }
 
-    /// Whether all effects speak of blocks: otherwise a block is no faster than its rows.
-    pub fn speaks_of_blocks(&self) -> bool {
-        self.wide
-    }
-
     /// The rows of the block, as they were gathered.
     pub fn rows(&self) -> &[usize] {
         &self.rows
     }
 
     /// Asks every effect once whether it speaks of blocks.
-    fn speaks_wide(&mut self) -> bool {
+    fn speaks_wide(&mut self) -> Vec<bool> {
         let asked = Cell::new(false);
         let posture = LanePosture {
             chain: self.bound.model().chain(),
@@ -118,15 +118,16 @@ impl<'m> Lanes<'m> {
             signals: &[],
             load: &self.load,
             store: &self.store,
+            rows: 0,
             asked: &asked,
         };
-        let effects = self.bound.model().effects();
-        let all = (0..effects.len()).all(|k| {
+        let ask = |(k, effect): (usize, &Box<dyn AnyEffect>)| {
             let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
-            effects[k].eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission)
-        });
+            effect.eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission)
+        };
+        let wide = self.bound.model().effects().iter().enumerate().map(ask).collect();
         self.emission.clear();
-        all
+        wide
     }
 
     /// Takes the inputs and measurements of some rows, [`LANES`] at most.
@@ -151,7 +152,7 @@ impl<'m> Lanes<'m> {
     /// Brings the block to rest with these coefficients (one a column of the model): Φ, ε and the frames.
     pub fn settle(&mut self, data: &Dataset, coefficients: &[f64]) {
         let moves = coefficients.iter().any(|&c| c != 0.0);
-        if !self.wide || (moves && self.turns_with_base()) {
+        if moves && self.turns_with_base() {
             self.row_by_row(data, coefficients);
             return;
         }
@@ -160,12 +161,12 @@ impl<'m> Lanes<'m> {
         self.emission.clear();
         self.errors.clear();
         self.store.turn(chain, &self.joints);
-        self.emit(|pace| pace != Pace::Settling);
+        self.emit(data, |pace| pace != Pace::Settling);
         let still = self.emission.mark();
         if moves {
             self.errors.add(&self.emission, 0, coefficients);
         }
-        let weighed = self.settles && self.emit_at_nominal(still, &gravity);
+        let weighed = self.settles && self.emit_at_nominal(data, still, &gravity);
         let yields = weighed && moves && self.emission.mark() > still;
         if !yields {
             if moves {
@@ -181,7 +182,7 @@ impl<'m> Lanes<'m> {
         for _ in 0..STEPS {
             self.walk(&gravity);
             self.emission.truncate(still);
-            self.emit(|pace| pace == Pace::Settling);
+            self.emit(data, |pace| pace == Pace::Settling);
             self.errors.clone_from(&stiff);
             self.errors.add(&self.emission, still, coefficients);
         }
@@ -190,7 +191,7 @@ impl<'m> Lanes<'m> {
 
     /// What effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
     /// on where the robot comes to rest (a polynomial in a measured wrench), and the nominal frames need not be there.
-    fn emit_at_nominal(&mut self, still: usize, gravity: &Vector3<f64>) -> bool {
+    fn emit_at_nominal(&mut self, data: &Dataset, still: usize, gravity: &Vector3<f64>) -> bool {
         let chain = self.bound.model().chain();
         let mut ready = false;
         loop {
@@ -200,7 +201,7 @@ impl<'m> Lanes<'m> {
                 ready = true;
             }
             self.emission.truncate(still);
-            self.asks = self.emit(|pace| pace == Pace::Settling);
+            self.asks = self.emit(data, |pace| pace == Pace::Settling);
             if ready || !self.asks {
                 return self.asks;
             }
@@ -208,23 +209,62 @@ impl<'m> Lanes<'m> {
     }
 
     /// Asks effects of some paces; whether one of them asked for frames or weights.
-    fn emit(&mut self, wanted: impl Fn(Pace) -> bool) -> bool {
+    fn emit(&mut self, data: &Dataset, wanted: impl Fn(Pace) -> bool) -> bool {
         let model = self.bound.model();
         let asked = Cell::new(false);
-        let posture = LanePosture {
-            chain: model.chain(),
-            joints: &self.joints,
-            signals: &[],
-            load: &self.load,
-            store: &self.store,
-            asked: &asked,
-        };
-        for (k, effect) in model.effects().iter().enumerate().filter(|(k, _)| wanted(model.pace(*k))) {
+        let mut narrow = false;
+        for k in (0..model.effects().len()).filter(|k| wanted(model.pace(*k))) {
+            if !self.wide[k] {
+                narrow = true;
+                continue;
+            }
             self.emission.start_at(model.columns_of(k).start);
-            let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
-            effect.eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission);
+            let posture = LanePosture {
+                chain: model.chain(),
+                joints: &self.joints,
+                signals: &self.signals[self.bound.slots_of(k).start * LANES..],
+                load: &self.load,
+                store: &self.store,
+                rows: self.rows.len(),
+                asked: &asked,
+            };
+            model.effects()[k].eval_lanes(&posture, &mut self.emission);
+        }
+        if narrow {
+            for pace in [Pace::Constant, Pace::Moving, Pace::Settling].into_iter().filter(|p| wanted(*p)) {
+                self.emit_row_by_row(data, pace, &asked);
+            }
         }
         asked.get()
+    }
+
+    /// Asks the effects of a pace that do not speak of blocks, at the frames and weights of the block.
+    fn emit_row_by_row(&mut self, data: &Dataset, pace: Pace, asked: &Cell<bool>) {
+        let model = self.bound.model();
+        let those: Vec<usize> =
+            (0..model.effects().len()).filter(|&k| !self.wide[k] && model.pace(k) == pace).collect();
+        if those.is_empty() {
+            return;
+        }
+        // What depends on no frame is asked at the nominal posture, as it is row by row.
+        let settling = pace == Pace::Settling;
+        asked.set(asked.get() || settling);
+        let from = self.emission.mark();
+        for (lane, &row) in self.rows.iter().enumerate() {
+            let alike = lane > 0 && self.bound.same_conditions(data, self.rows[lane - 1], row);
+            if !alike {
+                data.conditions_into(row, &mut self.conditions);
+                let (store, seat) = (&self.store, &mut self.seat);
+                let at = |f: FrameId| (store.frame(f.0, lane), store.carries(f.0, lane));
+                let posture = match settling {
+                    true => seat.place(model.chain(), &self.conditions, at),
+                    false => seat.update(model.chain(), &self.conditions),
+                };
+                self.said.clear();
+                those.iter().for_each(|&k| self.bound.emit_effect(k, &posture, &mut self.said));
+            }
+            self.emission.take(lane, self.said.entries(), from, model.chain());
+        }
     }
 
     /// Frames with the errors that there are, and weights under this gravity.
@@ -253,7 +293,7 @@ impl<'m> Lanes<'m> {
                 data.conditions_into(row, &mut self.conditions);
                 self.rest.settle(&self.bound, &self.conditions, coefficients);
             }
-            self.emission.take(lane, self.rest.emission().entries(), chain);
+            self.emission.take(lane, self.rest.emission().entries(), 0, chain);
             self.errors.take(lane, self.rest.errors(), chain);
         }
         self.store.walk(chain, &self.joints, &self.errors, self.rows.len());

@@ -14,6 +14,7 @@ pub struct LanePosture<'a> {
     pub(super) signals: &'a [f64],
     pub(super) load: &'a LaneLoad,
     pub(super) store: &'a Store,
+    pub(super) rows: usize,
     /// Set when somebody asks for what depends on where the frames are.
     pub(super) asked: &'a Cell<bool>,
 }
@@ -22,6 +23,11 @@ impl<'a> LanePosture<'a> {
     /// The robot.
     pub fn chain(&self) -> &'a Chain {
         self.chain
+    }
+
+    /// How many rows the block has: lanes beyond them may be left as they are.
+    pub fn rows(&self) -> usize {
+        self.rows
     }
 
     /// Values of a joint, rad or m; none for a fixed joint.

@@ -8,6 +8,9 @@ use crate::IoError;
 use std::borrow::Cow;
 use std::path::Path;
 
+/// A line of text and its number.
+type Line<'a> = (u64, Cow<'a, [u8]>);
+
 /// A table, row by row.
 #[derive(Debug)]
 pub(crate) enum Source {
@@ -26,7 +29,7 @@ impl Source {
     }
 
     /// The names of the columns as a line of text, and its number; none in an empty file.
-    pub fn header(&mut self) -> Result<Option<(u64, Cow<'_, [u8]>)>, IoError> {
+    pub fn header(&mut self) -> Result<Option<Line<'_>>, IoError> {
         match self {
             Source::Text(lines) => Ok(lines.next()?.map(|(line, text)| (line, Cow::Borrowed(text)))),
             #[cfg(feature = "parquet")]
