@@ -36,6 +36,7 @@ fn panel(area: &Area<'_>, series: &Series, words: &str) -> Result<(), Failure> {
     chart
         .configure_mesh()
         .x_desc(words)
+        .x_labels(4)
         .y_desc("CPU, s")
         .x_label_formatter(&|x| format!("{x:.0}"))
         .y_label_formatter(&|t| format!("{t}"))

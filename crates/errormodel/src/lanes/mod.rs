@@ -27,7 +27,7 @@ pub use jacobian::error_jacobians;
 pub use posture::LanePosture;
 
 use crate::model::Pace;
-use crate::{AnyEffect, BoundModel, Dataset, Emission, Rest};
+use crate::{BoundModel, Dataset, Emission, Rest};
 use errors::LaneErrors;
 use loads::LaneLoad;
 use nalgebra::Vector3;
@@ -121,11 +121,12 @@ impl<'m> Lanes<'m> {
             rows: 0,
             asked: &asked,
         };
-        let ask = |(k, effect): (usize, &Box<dyn AnyEffect>)| {
+        let effects = self.bound.model().effects();
+        let ask = |k: usize| {
             let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
-            effect.eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission)
+            effects[k].eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission)
         };
-        let wide = self.bound.model().effects().iter().enumerate().map(ask).collect();
+        let wide = (0..effects.len()).map(ask).collect();
         self.emission.clear();
         wide
     }
