@@ -169,3 +169,40 @@ fn what_is_zero_is_left_out() {
         }
     }
 }
+
+/// Residuals of a block after a change, from memory that has seen other blocks or none.
+fn left(lanes: &mut Lanes<'_>, data: &Dataset, rows: &[usize], coefficients: &[f64]) -> Vec<f64> {
+    let mut into = vec![0.0; 6 * LANES];
+    lanes.gather(data, rows);
+    lanes.settle(data, coefficients);
+    lanes.left(data, &vec![0.0; coefficients.len()], &mut into);
+    into
+}
+
+#[test]
+fn measured_wrenches_need_no_weights_and_payloads_behind_them_do() {
+    let chain = samples::pps();
+    let polynomial = Polynomial::of(2, vec![WrenchComponent::Fy, WrenchComponent::Mx]);
+    let model = ErrorModel::new(chain.clone(), vec![Box::new(polynomial)]).unwrap();
+    let data = data(&chain, 30);
+    // Rows of `data` in turn: nothing, a payload, a measured wrench.
+    let of = |kind: usize| (0..30).filter(|row| row % 3 == kind).collect::<Vec<_>>();
+    let some: Vec<f64> = model.columns().iter().map(|column| 0.1 * column.scale).collect();
+    let bound = model.bind(&data.schema).unwrap();
+    let mut used = Lanes::new(bound.clone());
+    for kind in [2, 1, 2, 0, 1, 1, 2] {
+        let rows = of(kind);
+        let have = left(&mut used, &data, &rows, &some);
+        assert_eq!(have, left(&mut Lanes::new(bound.clone()), &data, &rows, &some), "{kind}");
+        let mut rest = Rest::new(&model);
+        for (lane, &row) in rows.iter().enumerate() {
+            rest.settle(&bound, &data.conditions(row), &some);
+            let jacobian = ErrorJacobian::new(&chain, rest.real(), rest.errors(), data.target[row]);
+            let want = data.measured_position(row) - jacobian.point();
+            for k in (0..3).filter(|&k| !want[k].is_nan()) {
+                // Levers to the fourth power of an angle, as above; m.
+                assert!((have[k * LANES + lane] - want[k]).abs() < 1e-11, "{kind} {row} {k}");
+            }
+        }
+    }
+}
