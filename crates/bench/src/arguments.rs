@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Everything that was typed, and where things are.
 #[derive(Debug, Clone)]
 pub struct Arguments {
-    /// Workloads to run; all when empty. `W3` stands for all that begin so.
+    /// Workloads to run; all when empty. `W3` stands for all that begin so; `growth` alone is no workload but how time grows.
     pub only: Vec<String>,
     /// How often both sides are run in turn.
     pub rounds: usize,
@@ -14,6 +14,8 @@ pub struct Arguments {
     pub against: Option<PathBuf>,
     /// Where the results go.
     pub out: PathBuf,
+    /// Where the figure of growth goes.
+    pub figure: PathBuf,
     /// One way of one workload, for a parent process: `W1 gram`.
     pub serve: Option<(String, String)>,
     /// Threads of our side.
@@ -37,6 +39,7 @@ impl Arguments {
             rounds: 7,
             against: None,
             out: target.join("bench").join("results.json"),
+            figure: PathBuf::from("docs/figures/growth.svg"),
             serve: None,
             threads: 1,
             peers: from("TRUEPOSE_PEERS", PathBuf::from("../shared/peers")),
@@ -51,6 +54,7 @@ impl Arguments {
                 "--threads" => read.threads = next()?.parse::<usize>()?.max(1),
                 "--against" => read.against = Some(PathBuf::from(next()?)),
                 "--out" => read.out = PathBuf::from(next()?),
+                "--figure" => read.figure = PathBuf::from(next()?),
                 "--serve" => read.serve = Some((next()?, next()?)),
                 other if other.starts_with('-') => return Err(format!("`{other}` is not an option").into()),
                 _ => read.only.push(word),

@@ -3,6 +3,7 @@
 mod arguments;
 mod child;
 mod clock;
+mod growth;
 mod peaks;
 mod robots;
 mod runner;
@@ -32,7 +33,10 @@ fn run() -> Result<(), Failure> {
         let prepare = declared.ok_or(format!("there is no way `{way}` of `{workload}`"))?.prepare;
         return child::serve(prepare(&arguments.data)?);
     }
-    runner::run(&arguments)
+    match arguments.only.as_slice() {
+        [only] if only == "growth" => growth::run(&arguments.figure),
+        _ => runner::run(&arguments),
+    }
 }
 
 fn main() -> ExitCode {

@@ -81,9 +81,9 @@ pub(crate) fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
         [0x1f, 0x8b, ..] => Some("is compressed (gzip); unpack it first"),
         [b'P', b'K', 3, 4, ..] => Some("is a zip archive or a spreadsheet; export it as text (UTF-8) first"),
         [b'<', rest @ ..] if web_page(rest) => Some("is a web page; download the file itself"),
-        [b'P', b'A', b'R', b'1', ..] => {
-            Some("is a Parquet file, which this version does not read; export it as CSV")
-        }
+        [b'P', b'A', b'R', b'1', ..] => Some(
+            "is a Parquet file, which this program was built without (cargo feature `parquet`); export it as CSV",
+        ),
         _ => None,
     }
 }

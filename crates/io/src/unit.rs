@@ -111,6 +111,11 @@ impl Unit {
         UNITS.iter().map(|unit| unit.word)
     }
 
+    /// Whether it is the unit of memory itself.
+    pub(crate) fn is_si(&self) -> bool {
+        [self.multiply, self.divide, self.offset].map(f64::to_bits) == [1.0_f64, 1.0, 0.0].map(f64::to_bits)
+    }
+
     /// A value in this unit, in the unit of memory.
     #[inline]
     pub fn to_si(&self, value: f64) -> f64 {

@@ -103,6 +103,21 @@ impl PostureBuffer {
         self.view(chain, conditions)
     }
 
+    /// The posture under these conditions with frames (measurement frame) and wrenches (about each frame's origin, in the measurement frame's
+    /// axes) that somebody else has worked out. The transforms between the frames stay the nominal ones.
+    pub fn place<'a>(
+        &'a mut self,
+        chain: &'a Chain,
+        conditions: &'a Conditions,
+        at: impl Fn(FrameId) -> (Pose, Wrench),
+    ) -> Posture<'a> {
+        self.move_to(chain, conditions);
+        for (index, (pose, carried)) in self.frames.iter_mut().zip(&mut self.wrenches).enumerate() {
+            (*pose, *carried) = at(FrameId(index));
+        }
+        self.view(chain, conditions)
+    }
+
     fn move_to(&mut self, chain: &Chain, conditions: &Conditions) {
         let n = chain.joints().len();
         let mut pose = chain.base().pose;

@@ -2,6 +2,7 @@
 
 mod arm;
 mod commands;
+mod disk;
 mod folds;
 mod paper;
 mod points;
@@ -12,8 +13,18 @@ use std::rc::Rc;
 use truepose_identify::Residuals;
 
 /// In the order in which they run.
-pub const ALL: &[Workload] =
-    &[paper::W1, arm::W2, points::W3_200K, points::W3_1M, folds::W4, arm::W5, commands::W6, arm::W7];
+pub const ALL: &[Workload] = &[
+    paper::W1,
+    arm::W2,
+    points::W3_200K,
+    points::W3_1M,
+    disk::DISK_200K,
+    disk::DISK_1M,
+    folds::W4,
+    arm::W5,
+    commands::W6,
+    arm::W7,
+];
 
 /// A way whose runs leave their answer behind.
 fn shared(run: impl FnMut() -> Result<Answer, Failure> + 'static) -> Result<Way, Failure> {

@@ -14,9 +14,10 @@
 //! its own unknown) and sinking are all that they can show, whichever way the base leans. `separate` axes are the two of
 //! the base that are nearest to the horizontal, made level.
 
+use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission};
 use serde::{Deserialize, Serialize};
-use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Axis, Chain, FrameId, Posture, Site};
 
 /// Which tilts of a base are told apart.
@@ -85,30 +86,65 @@ impl Effect for BaseCompliance {
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let up = up(at.chain());
         let carried = at.wrench(FrameId::BASE);
-        let mut put = |column: usize, axes: [Axis; 3], value: Vector3<f64>| {
+        for (column, yields) in self.yields(&up).enumerate() {
+            let (axes, value) = match yields {
+                Yields::Turns(matrix) => (ROTATIONS, matrix * carried.moment),
+                Yields::Sinks => (Axis::TRANSLATIONS, up * up.dot(&carried.force)),
+            };
             for axis in axes {
                 out.push(column, Site::Frame(FrameId::BASE, axis), value[axis.direction()]);
             }
-        };
-        let rotations = [Axis::Rx, Axis::Ry, Axis::Rz];
-        let level = carried.moment - up * up.dot(&carried.moment);
-        let sink = match self.tilt {
-            Tilt::Isotropic => {
-                put(0, rotations, level);
-                1
+        }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let up = up(at.chain());
+        let mut carried = vec![0.0; 6 * LANES];
+        carried.chunks_exact_mut(LANES).enumerate().for_each(|(k, into)| at.wrench(FrameId::BASE, k, into));
+        for (column, yields) in self.yields(&up).enumerate() {
+            let (axes, matrix, part) = match yields {
+                Yields::Turns(matrix) => (ROTATIONS, matrix, &carried[3 * LANES..]),
+                Yields::Sinks => (Axis::TRANSLATIONS, up * up.transpose(), &carried[..3 * LANES]),
+            };
+            for axis in axes {
+                let row = matrix.row(axis.direction()).into_owned();
+                let value = out.value(|into| {
+                    for (by, of) in row.iter().zip(part.chunks_exact(LANES)) {
+                        into.iter_mut().zip(of).for_each(|(into, of)| *into += by * of);
+                    }
+                });
+                out.push(column, Site::Frame(FrameId::BASE, axis), value);
             }
+        }
+        true
+    }
+}
+
+const ROTATIONS: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
+
+/// What one unknown of a base does.
+enum Yields {
+    /// It turns by this matrix times the moment.
+    Turns(Matrix3<f64>),
+    /// It sinks along gravity.
+    Sinks,
+}
+
+impl BaseCompliance {
+    /// What each unknown does.
+    fn yields(&self, up: &Vector3<f64>) -> impl Iterator<Item = Yields> {
+        let level = Matrix3::identity() - up * up.transpose();
+        let turns = match self.tilt {
+            Tilt::Isotropic => [Some(level), None],
             Tilt::Separate => {
                 let mut first = Vector3::zeros();
-                first[(vertical(&up) + 1) % 3] = 1.0;
+                first[(vertical(up) + 1) % 3] = 1.0;
                 let first = (first - up * up.dot(&first)).normalize();
-                put(0, rotations, first * first.dot(&level));
-                put(1, rotations, level - first * first.dot(&level));
-                2
+                let about_first = first * first.transpose();
+                [Some(about_first), Some(level - about_first)]
             }
         };
-        if self.sink {
-            put(sink, Axis::TRANSLATIONS, up * up.dot(&carried.force));
-        }
+        turns.into_iter().flatten().map(Yields::Turns).chain(self.sink.then_some(Yields::Sinks))
     }
 }
 

@@ -11,6 +11,7 @@
 use super::spot::distinct;
 use super::travel::{ascending, free, positive, travel};
 use super::{Basis, joint_moves, refused};
+use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -101,6 +102,37 @@ impl Effect for Guideway {
             out.along(first, &motion, s);
             out.along(first + 1, &motion, c);
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let Some(joint) = at.joint(self.joint) else { return false };
+        let joint = &joint[..at.rows()];
+        let (chain, frame) = (at.chain(), at.chain().frame_after(self.joint));
+        let [lower, upper] = travel(self.range, self.joint, chain);
+        let basis = self.basis(chain);
+        let width = basis.len() - 1;
+        let mut functions = vec![0.0; width * LANES];
+        for (lane, &q) in joint.iter().enumerate() {
+            basis.for_each_from(0.5 * (lower + upper), q, |column, value| {
+                functions[column * LANES + lane] += value;
+            });
+        }
+        for (column, function) in functions.chunks_exact(LANES).enumerate() {
+            let value = out.value(|into| into.copy_from_slice(function));
+            for (k, &axis) in self.components().iter().enumerate() {
+                out.push(k * width + column, Site::Frame(frame, axis), value);
+            }
+        }
+        if let (Some(lead), Some(motion)) = (self.screw, chain.joint_motion(self.joint)) {
+            let first = self.components().len() * width;
+            for (k, wave) in [f64::sin, f64::cos].into_iter().enumerate() {
+                let value = out.value(|into| {
+                    into.iter_mut().zip(joint).for_each(|(into, q)| *into = wave(TAU * q / lead));
+                });
+                out.along(first + k, &motion, value);
+            }
+        }
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

@@ -117,9 +117,9 @@ impl LaneEmission {
         self.values.len() / LANES
     }
 
-    /// The entries of one lane, which another way of asking has found.
-    pub(super) fn take(&mut self, lane: usize, entries: &[Entry], chain: &Chain) {
-        let mut next = 0;
+    /// The entries of one lane, which another way of asking has found; those of the same effect begin at this mark.
+    pub(super) fn take(&mut self, lane: usize, entries: &[Entry], from: usize, chain: &Chain) {
+        let mut next = from;
         for entry in entries {
             let same = |known: &LaneEntry| {
                 known.column as usize == entry.column

@@ -8,8 +8,8 @@
 //! | P J_e Φ | [`Lanes::columns`], component by component | columns × `LANES` | m or rad per unit |
 //!
 //! The same mathematics as [`crate::Rest`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
-//! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; a model in which one does not, or
-//! whose gravity turns with a base that yields, is brought to rest row by row, and only the rest of the arithmetic is wide.
+//! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; others row by row, at the frames and weights of
+//! the block. A model whose gravity turns with a base that yields is brought to rest row by row, and only the rest of the arithmetic is wide.
 //! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers.
 
 mod columns;
@@ -27,12 +27,13 @@ pub use jacobian::error_jacobians;
 pub use posture::LanePosture;
 
 use crate::model::Pace;
-use crate::{BoundModel, Dataset, Rest};
+use crate::{BoundModel, Dataset, Emission, Rest};
 use errors::LaneErrors;
 use loads::LaneLoad;
 use nalgebra::Vector3;
+use std::cell::Cell;
 use store::Store;
-use truepose_kinematics::{Conditions, GravityFrame};
+use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer};
 
 /// How many rows a block has at most.
 pub const LANES: usize = 128;
@@ -52,13 +53,20 @@ pub struct Lanes<'m> {
     store: Store,
     emission: LaneEmission,
     errors: LaneErrors,
+    /// None at all.
+    plain: LaneErrors,
     /// ε of a change of the coefficients.
     change: LaneErrors,
-    /// Effects speak of blocks.
-    wide: bool,
-    /// Row by row, where they do not.
+    /// For each effect: whether it speaks of blocks.
+    wide: Vec<bool>,
+    /// One row at a time, for those that do not.
+    seat: PostureBuffer,
+    said: Emission,
+    /// Row by row, where gravity turns.
     rest: Rest,
     settles: bool,
+    /// Whether some effect asked for frames or weights of the last block: it is likely to ask for those of the next one.
+    asks: bool,
     fill: columns::Fill,
 }
 
@@ -76,10 +84,14 @@ impl<'m> Lanes<'m> {
             store: Store::new(chain),
             emission: LaneEmission::new(),
             errors: LaneErrors::new(chain),
+            plain: LaneErrors::new(chain),
             change: LaneErrors::new(chain),
-            wide: false,
+            wide: Vec::new(),
+            seat: PostureBuffer::new(chain),
+            said: Emission::new(),
             rest: Rest::new(model),
             settles: model.effects().iter().any(|effect| effect.settles()),
+            asks: true,
             fill: columns::Fill::default(),
             bound,
         };
@@ -92,32 +104,31 @@ impl<'m> Lanes<'m> {
         &self.bound
     }
 
-    /// Whether all effects speak of blocks: otherwise a block is no faster than its rows.
-    pub fn speaks_of_blocks(&self) -> bool {
-        self.wide
-    }
-
     /// The rows of the block, as they were gathered.
     pub fn rows(&self) -> &[usize] {
         &self.rows
     }
 
     /// Asks every effect once whether it speaks of blocks.
-    fn speaks_wide(&mut self) -> bool {
+    fn speaks_wide(&mut self) -> Vec<bool> {
+        let asked = Cell::new(false);
         let posture = LanePosture {
             chain: self.bound.model().chain(),
             joints: &self.joints,
             signals: &[],
             load: &self.load,
             store: &self.store,
+            rows: 0,
+            asked: &asked,
         };
         let effects = self.bound.model().effects();
-        let all = (0..effects.len()).all(|k| {
+        let ask = |k: usize| {
             let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
             effects[k].eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission)
-        });
+        };
+        let wide = (0..effects.len()).map(ask).collect();
         self.emission.clear();
-        all
+        wide
     }
 
     /// Takes the inputs and measurements of some rows, [`LANES`] at most.
@@ -142,7 +153,7 @@ impl<'m> Lanes<'m> {
     /// Brings the block to rest with these coefficients (one a column of the model): Φ, ε and the frames.
     pub fn settle(&mut self, data: &Dataset, coefficients: &[f64]) {
         let moves = coefficients.iter().any(|&c| c != 0.0);
-        if !self.wide || (moves && self.turns_with_base()) {
+        if moves && self.turns_with_base() {
             self.row_by_row(data, coefficients);
             return;
         }
@@ -151,19 +162,19 @@ impl<'m> Lanes<'m> {
         self.emission.clear();
         self.errors.clear();
         self.store.turn(chain, &self.joints);
-        if self.settles {
-            // The nominal posture, with its weights.
-            self.walk(&gravity);
-        }
-        self.emit(|pace| pace != Pace::Settling);
+        self.emit(data, |pace| pace != Pace::Settling);
         let still = self.emission.mark();
         if moves {
             self.errors.add(&self.emission, 0, coefficients);
         }
-        self.emit(|pace| pace == Pace::Settling);
-        if self.emission.mark() == still || !moves {
-            if moves || !self.settles {
-                self.walk(&gravity);
+        let weighed = self.settles && self.emit_at_nominal(data, still, &gravity);
+        let yields = weighed && moves && self.emission.mark() > still;
+        if !yields {
+            if moves {
+                self.errors.add(&self.emission, still, coefficients);
+            }
+            if moves || !weighed {
+                self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
             }
             return;
         }
@@ -172,27 +183,88 @@ impl<'m> Lanes<'m> {
         for _ in 0..STEPS {
             self.walk(&gravity);
             self.emission.truncate(still);
-            self.emit(|pace| pace == Pace::Settling);
+            self.emit(data, |pace| pace == Pace::Settling);
             self.errors.clone_from(&stiff);
             self.errors.add(&self.emission, still, coefficients);
         }
-        self.walk(&gravity);
+        self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
     }
 
-    /// Asks effects of some paces.
-    fn emit(&mut self, wanted: impl Fn(Pace) -> bool) {
+    /// What effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
+    /// on where the robot comes to rest (a polynomial in a measured wrench), and the nominal frames need not be there.
+    fn emit_at_nominal(&mut self, data: &Dataset, still: usize, gravity: &Vector3<f64>) -> bool {
+        let chain = self.bound.model().chain();
+        let mut ready = false;
+        loop {
+            if self.asks && !ready {
+                self.store.walk(chain, &self.joints, &self.plain, self.rows.len());
+                self.store.weigh(chain, &self.load, gravity, self.rows.len());
+                ready = true;
+            }
+            self.emission.truncate(still);
+            self.asks = self.emit(data, |pace| pace == Pace::Settling);
+            if ready || !self.asks {
+                return self.asks;
+            }
+        }
+    }
+
+    /// Asks effects of some paces; whether one of them asked for frames or weights.
+    fn emit(&mut self, data: &Dataset, wanted: impl Fn(Pace) -> bool) -> bool {
         let model = self.bound.model();
-        let posture = LanePosture {
-            chain: model.chain(),
-            joints: &self.joints,
-            signals: &[],
-            load: &self.load,
-            store: &self.store,
-        };
-        for (k, effect) in model.effects().iter().enumerate().filter(|(k, _)| wanted(model.pace(*k))) {
+        let asked = Cell::new(false);
+        let mut narrow = false;
+        for k in (0..model.effects().len()).filter(|k| wanted(model.pace(*k))) {
+            if !self.wide[k] {
+                narrow = true;
+                continue;
+            }
             self.emission.start_at(model.columns_of(k).start);
-            let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
-            effect.eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission);
+            let posture = LanePosture {
+                chain: model.chain(),
+                joints: &self.joints,
+                signals: &self.signals[self.bound.slots_of(k).start * LANES..],
+                load: &self.load,
+                store: &self.store,
+                rows: self.rows.len(),
+                asked: &asked,
+            };
+            model.effects()[k].eval_lanes(&posture, &mut self.emission);
+        }
+        if narrow {
+            for pace in [Pace::Constant, Pace::Moving, Pace::Settling].into_iter().filter(|p| wanted(*p)) {
+                self.emit_row_by_row(data, pace, &asked);
+            }
+        }
+        asked.get()
+    }
+
+    /// Asks the effects of a pace that do not speak of blocks, at the frames and weights of the block.
+    fn emit_row_by_row(&mut self, data: &Dataset, pace: Pace, asked: &Cell<bool>) {
+        let model = self.bound.model();
+        let those: Vec<usize> =
+            (0..model.effects().len()).filter(|&k| !self.wide[k] && model.pace(k) == pace).collect();
+        if those.is_empty() {
+            return;
+        }
+        // What depends on no frame is asked at the nominal posture, as it is row by row.
+        let settling = pace == Pace::Settling;
+        asked.set(asked.get() || settling);
+        let from = self.emission.mark();
+        for (lane, &row) in self.rows.iter().enumerate() {
+            let alike = lane > 0 && self.bound.same_conditions(data, self.rows[lane - 1], row);
+            if !alike {
+                data.conditions_into(row, &mut self.conditions);
+                let (store, seat) = (&self.store, &mut self.seat);
+                let at = |f: FrameId| (store.frame(f.0, lane), store.carries(f.0, lane));
+                let posture = match settling {
+                    true => seat.place(model.chain(), &self.conditions, at),
+                    false => seat.update(model.chain(), &self.conditions),
+                };
+                self.said.clear();
+                those.iter().for_each(|&k| self.bound.emit_effect(k, &posture, &mut self.said));
+            }
+            self.emission.take(lane, self.said.entries(), from, model.chain());
         }
     }
 
@@ -200,9 +272,7 @@ impl<'m> Lanes<'m> {
     fn walk(&mut self, gravity: &Vector3<f64>) {
         let chain = self.bound.model().chain();
         self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
-        if self.settles {
-            self.store.weigh(chain, &self.load, gravity, self.rows.len());
-        }
+        self.store.weigh(chain, &self.load, gravity, self.rows.len());
     }
 
     /// Whether gravity goes with the base, whose own error then turns it.
@@ -224,7 +294,7 @@ impl<'m> Lanes<'m> {
                 data.conditions_into(row, &mut self.conditions);
                 self.rest.settle(&self.bound, &self.conditions, coefficients);
             }
-            self.emission.take(lane, self.rest.emission().entries(), chain);
+            self.emission.take(lane, self.rest.emission().entries(), 0, chain);
             self.errors.take(lane, self.rest.errors(), chain);
         }
         self.store.walk(chain, &self.joints, &self.errors, self.rows.len());

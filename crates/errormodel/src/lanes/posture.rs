@@ -3,6 +3,7 @@
 use super::LANES;
 use super::loads::LaneLoad;
 use super::store::Store;
+use std::cell::Cell;
 use truepose_kinematics::{Chain, FrameId, JointId};
 
 /// The robot in each row of a block: `LANES` numbers of everything, of which those beyond the rows mean nothing and are finite.
@@ -13,12 +14,20 @@ pub struct LanePosture<'a> {
     pub(super) signals: &'a [f64],
     pub(super) load: &'a LaneLoad,
     pub(super) store: &'a Store,
+    pub(super) rows: usize,
+    /// Set when somebody asks for what depends on where the frames are.
+    pub(super) asked: &'a Cell<bool>,
 }
 
 impl<'a> LanePosture<'a> {
     /// The robot.
     pub fn chain(&self) -> &'a Chain {
         self.chain
+    }
+
+    /// How many rows the block has: lanes beyond them may be left as they are.
+    pub fn rows(&self) -> usize {
+        self.rows
     }
 
     /// Values of a joint, rad or m; none for a fixed joint.
@@ -33,6 +42,7 @@ impl<'a> LanePosture<'a> {
 
     /// Loads about (N·m) or along (N) a joint's axis.
     pub fn joint_load(&self, joint: JointId) -> &'a [f64] {
+        self.asked.set(true);
         self.store.row(self.store.load(joint.index()))
     }
 
@@ -42,6 +52,7 @@ impl<'a> LanePosture<'a> {
             into.copy_from_slice(self.load.component(component));
             return;
         }
+        self.asked.set(true);
         let axis = self.store.behind(frame.0) + 3 * (component % 3);
         let of = self.store.wrench(frame.0) + 3 * (component / 3);
         into.fill(0.0);

@@ -13,7 +13,8 @@
 
 use super::LANES;
 use crate::Dataset;
-use truepose_kinematics::{Axis, Chain, FrameId, Site, TargetId};
+use nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::{Axis, Chain, FrameId, Pose, Site, TargetId, Wrench};
 
 /// The rows, and which of them stand for others.
 #[derive(Debug, Clone)]
@@ -112,6 +113,21 @@ impl Store {
             None => Site::Frame(FrameId(index / 6), Axis::ALL[index % 6]),
             Some(rest) => Site::Target(TargetId(rest / 3), Axis::ALL[rest % 3]),
         }
+    }
+
+    /// A frame in a lane: where it is, and its axes.
+    pub fn frame(&self, frame: usize, lane: usize) -> Pose {
+        let (axes, place) = (self.behind(frame), self.place(frame));
+        let at = |row: usize| self.numbers[row * LANES + lane];
+        Pose::new(Matrix3::from_fn(|c, k| at(axes + 3 * k + c)), Vector3::from_fn(|c, _| at(place + c)))
+    }
+
+    /// What a frame carries in a lane, about its origin, in the measurement frame's axes.
+    pub fn carries(&self, frame: usize, lane: usize) -> Wrench {
+        let part = |first: usize| {
+            Vector3::from_fn(|c, _| self.numbers[(self.wrench(frame) + first + c) * LANES + lane])
+        };
+        Wrench { force: part(0), moment: part(3) }
     }
 
     pub fn row(&self, row: usize) -> &[f64] {

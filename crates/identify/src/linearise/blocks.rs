@@ -229,15 +229,40 @@ impl<'a> Blocks<'a> {
                 (ends[0]..ends[1], shrink)
             })
             .collect();
+        let size = visits.first().map_or(0, |(lanes, _)| lanes.len());
+        let equal = visits.iter().all(|(lanes, _)| lanes.len() == size);
+        let rows = self.starts.last().copied().unwrap_or(0);
+        let shrinks: Vec<f64> = visits.iter().map(|(_, shrink)| *shrink).collect();
+        let weights = &weights[..rows];
         let (_, numbers) = self.lanes.component_mut(component);
         for column in numbers.chunks_exact_mut(LANES) {
-            for (lanes, shrink) in &visits {
-                let d = &weights[lanes.clone()];
-                let u = &mut column[lanes.clone()];
-                let along: f64 = d.iter().zip(u.iter()).map(|(d, u)| d * u).sum();
-                u.iter_mut().zip(d).for_each(|(u, d)| *u -= shrink * along * d);
+            // Mostly every visit sees the same few targets.
+            match size {
+                1 if equal => take_out::<1>(&mut column[..rows], weights, &shrinks),
+                2 if equal => take_out::<2>(&mut column[..rows], weights, &shrinks),
+                3 if equal => take_out::<3>(&mut column[..rows], weights, &shrinks),
+                4 if equal => take_out::<4>(&mut column[..rows], weights, &shrinks),
+                _ => {
+                    for (lanes, shrink) in &visits {
+                        let d = &weights[lanes.clone()];
+                        let u = &mut column[lanes.clone()];
+                        let along: f64 = d.iter().zip(u.iter()).map(|(d, u)| d * u).sum();
+                        u.iter_mut().zip(d).for_each(|(u, d)| *u -= shrink * along * d);
+                    }
+                }
             }
         }
+    }
+}
+
+/// Takes out of each visit of N rows what its rows share.
+fn take_out<const N: usize>(column: &mut [f64], weights: &[f64], shrinks: &[f64]) {
+    let (visits, _) = column.as_chunks_mut::<N>();
+    let (weights, _) = weights.as_chunks::<N>();
+    for ((u, d), shrink) in visits.iter_mut().zip(weights).zip(shrinks) {
+        let mut along = 0.0;
+        (0..N).for_each(|k| along += d[k] * u[k]);
+        (0..N).for_each(|k| u[k] -= shrink * along * d[k]);
     }
 }
 
@@ -289,8 +314,7 @@ pub fn triangular_of(
     which: impl Iterator<Item = usize> + Clone,
 ) -> Result<Triangular, IdentifyError> {
     let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
-    let wide = blocks.lanes.speaks_of_blocks();
-    let Some(batches) = batches(data, visits, which.clone()).filter(|_| wide) else {
+    let Some(batches) = batches(data, visits, which.clone()) else {
         let lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
         let lineariser = match columns {
             Some(columns) => lineariser.of_columns(columns),

@@ -64,11 +64,10 @@ fn reflect_to_last(rows: &mut DMatrix<f64>, count: usize, column: usize, reach: 
     let last = count - 1;
     v[last] += if v[last] < 0.0 { -reach } else { reach };
     let square = v.norm_squared();
-    for j in 0..rows.ncols() {
-        let along: f64 = (0..count).map(|i| v[i] * rows[(i, j)]).sum();
-        for i in 0..count {
-            rows[(i, j)] -= 2.0 * along / square * v[i];
-        }
+    for mut column in rows.column_iter_mut() {
+        let mut part = column.rows_mut(0, count);
+        let along = part.dot(&v);
+        part.axpy(-2.0 * along / square, &v, 1.0);
     }
 }
 

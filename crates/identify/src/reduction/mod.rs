@@ -176,18 +176,17 @@ fn reduce_in_order(
     let left: Vec<usize> = (0..scales.len()).filter(|c| dropped.iter().all(|d| d.column != *c)).collect();
     let inner = factor.select(&left);
     let inner_scales: Vec<f64> = left.iter().map(|&c| scales[c]).collect();
-    // Mostly the data excites all that is left, which the triangle's inverse shows, or singular values without their vectors.
+    // Mostly the data excites all that is left, which the triangle's inverse shows without singular values.
     let sure = match rule {
         RankRule::Default => inner.certainly_full(ColumnScale::Given(&inner_scales))?,
         _ => None,
     };
-    let practical = match sure {
-        Some(decision) => decision,
-        None => inner.rank(ColumnScale::Given(&inner_scales), rule)?,
-    };
-    let unexcited = match practical.rank == left.len() {
-        true => DMatrix::zeros(left.len(), 0),
-        false => inner.null_space(ColumnScale::Given(&inner_scales), rule)?.basis,
+    let (practical, unexcited) = match sure {
+        Some(decision) => (decision, DMatrix::zeros(left.len(), 0)),
+        None => {
+            let found = inner.null_space(ColumnScale::Given(&inner_scales), rule)?;
+            (found.decision, found.basis)
+        }
     };
     let mut reduction = Reduction {
         kept: left,

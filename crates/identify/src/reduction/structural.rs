@@ -84,8 +84,7 @@ pub fn spread_factor(
     let spread = factor.into_factor();
     let (mine, theirs) = (spread.r.norm(), own.r.norm());
     let share = if theirs > 0.0 { mine / theirs } else { 1.0 };
-    let mut both = Triangular::new(own.columns(), 1);
-    both.update(&spread.r, &spread.z)?;
+    let mut both = Triangular::of(&spread);
     both.update(&(&own.r * share), &DMatrix::zeros(own.columns(), 1))?;
     Ok(both.into_factor())
 }

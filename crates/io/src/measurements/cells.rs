@@ -62,6 +62,10 @@ pub(crate) fn cells(line: &[u8]) -> Result<Vec<Cow<'_, str>>, Unquoted> {
 #[inline]
 pub(crate) fn plain_number(line: &[u8], at: usize) -> Option<(f64, usize)> {
     let rest = line.get(at..)?;
+    // Tables are full of zeros.
+    if let [digit @ b'0'..=b'9', b',', ..] | [digit @ b'0'..=b'9'] = rest {
+        return Some((f64::from(digit - b'0'), at + 1));
+    }
     if !matches!(rest.first()?, b'0'..=b'9' | b'-' | b'.') {
         return None;
     }

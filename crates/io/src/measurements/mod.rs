@@ -1,8 +1,8 @@
 //! Measurements: tables in, columns in SI units out.
 //!
 //! ```text
-//! Lines ──► Header ──► RowReader ──► MeasurementsReader ──► blocks of rows
-//!                                            └──► read_measurements: the whole file, its visits and approaches
+//! Source ──► Header ──► RowReader ──► MeasurementsReader ──► blocks of rows
+//!                                             └──► read_measurements: the whole file, its visits and approaches
 //! ```
 
 pub(crate) mod cells;
@@ -12,10 +12,13 @@ pub(crate) mod header;
 mod info;
 mod lines;
 mod mixed;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod plausible;
 mod reader;
 mod row;
 mod sample;
+mod source;
 mod suspicious;
 mod together;
 mod visits;

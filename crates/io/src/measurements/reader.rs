@@ -3,8 +3,8 @@
 use super::columns::Cells;
 use super::header::{Header, Needs};
 use super::info::{ColumnInfo, CsvInfo};
-use super::lines::Lines;
 use super::row::RowReader;
+use super::source::Source;
 use super::visits::{VisitNumbers, check_standstills};
 use crate::{IoError, Warning};
 use std::path::Path;
@@ -27,7 +27,7 @@ impl Default for MeasurementsOptions {
 /// Reads measurements block by block, for files of any length.
 #[derive(Debug)]
 pub struct MeasurementsReader {
-    pub(super) lines: Lines,
+    pub(super) source: Source,
     pub(super) rows: RowReader,
     schema: Schema,
     joints: usize,
@@ -58,10 +58,10 @@ impl MeasurementsReader {
     }
 
     pub(crate) fn open_for(path: &Path, chain: &Chain, needs: Needs) -> Result<Self, IoError> {
-        let mut lines = Lines::open(path)?;
+        let mut source = Source::open(path)?;
         let mut warnings = Vec::new();
-        let header = match lines.next()? {
-            Some((line, text)) => Header::parse(path, line, text, chain, needs, &mut warnings)?,
+        let header = match source.header()? {
+            Some((line, text)) => Header::parse(path, line, &text, chain, needs, &mut warnings)?,
             None => {
                 return Err(IoError::file(
                     path,
@@ -71,7 +71,7 @@ impl MeasurementsReader {
         };
         let schema = header.schema(chain);
         Ok(MeasurementsReader {
-            lines,
+            source,
             rows: RowReader::new(header, chain, needs.position),
             schema,
             joints: chain.movable().len(),
@@ -93,7 +93,7 @@ impl MeasurementsReader {
 
     /// How many bytes have been read, and how many the file has.
     pub fn progress(&self) -> (u64, u64) {
-        (self.lines.handed_out(), self.lines.size())
+        (self.source.handed_out(), self.source.size())
     }
 
     /// The file's own numbers of the visits of the block that was read last; none where it numbers none.
@@ -170,7 +170,7 @@ impl MeasurementsReader {
         let columns = self.rows.header.columns.iter().zip(&self.rows.seen);
         let visit_labels = self.visits.labels();
         CsvInfo {
-            file: self.lines.file().into(),
+            file: self.source.file().into(),
             columns: columns
                 .map(|(column, seen)| ColumnInfo {
                     name: column.name.clone(),
@@ -196,7 +196,7 @@ impl MeasurementsReader {
             let visit = self.number_visit(false)?;
             self.rows.push(visit, &mut data);
             if self.count == 1 {
-                let rows = self.lines.size() as usize / self.first_bytes.max(8) + 1;
+                let rows = self.source.size() as usize / self.first_bytes.max(8) + 1;
                 reserve(&mut data, rows.min(1 << 26));
             }
         }
@@ -207,17 +207,17 @@ impl MeasurementsReader {
     }
 
     fn no_rows(&self) -> IoError {
-        IoError::file(self.lines.file(), "has a header but no rows; add at least one row below the header")
+        IoError::file(self.source.file(), "has a header but no rows; add at least one row below the header")
     }
 
     fn next_row(&mut self) -> Result<bool, IoError> {
-        let Some((line, text)) = self.lines.next()? else {
+        let Some(bytes) = self.source.row(&mut self.rows)? else {
             return Ok(false);
         };
         if self.count == 0 {
-            self.first_bytes = text.len() + 1;
+            self.first_bytes = bytes;
         }
-        self.rows.read(line, text)?;
+        let line = self.rows.row.line;
         self.count += 1;
         let time = self.rows.row.time;
         if time < self.last_time {

@@ -1,7 +1,7 @@
 //! One row of a table: its cells as numbers in SI units.
 
 use super::cells::{cell, number, plain_number, shown};
-use super::columns::{Cells, joint_names};
+use super::columns::{Cells, Column, joint_names};
 use super::header::Header;
 use super::info::Seen;
 use super::plausible::Plausible;
@@ -13,10 +13,20 @@ use truepose_kinematics::{Chain, Load, TargetId};
 /// No number of a table is larger (SI): squares and sums of such numbers are still numbers.
 const LARGEST: f64 = 1e30;
 
+/// A cell of a column.
+#[cfg(feature = "parquet")]
+pub(crate) enum Cell<'a> {
+    Empty,
+    Number(f64),
+    Text(&'a [u8]),
+}
+
 /// Reads rows, one at a time, into the same memory.
 #[derive(Debug)]
 pub(crate) struct RowReader {
     pub header: Header,
+    /// Of each column: what its cells hold, and whether they are in the unit of memory already.
+    kinds: Vec<(Cells, bool)>,
     pub(super) plausible: Vec<Plausible>,
     targets: Vec<String>,
     pub(super) position_needed: bool,
@@ -42,7 +52,9 @@ pub(crate) struct Row {
 
 impl RowReader {
     pub fn new(header: Header, chain: &Chain, position_needed: bool) -> Self {
+        let kind = |column: &Column| (column.cells, column.conversion.is_si());
         RowReader {
+            kinds: header.columns.iter().map(kind).collect(),
             plausible: chain.movable().iter().map(|&joint| Plausible::new(chain.joint(joint))).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
             position_needed,
@@ -62,14 +74,14 @@ impl RowReader {
     pub fn read(&mut self, line: u64, text: &[u8]) -> Result<(), IoError> {
         self.row = Row { line, ..Row::default() };
         let mut at = 0;
-        for k in 0..self.header.columns.len() {
+        for k in 0..self.kinds.len() {
             if k > 0 {
                 if at >= text.len() {
                     return Err(self.too_few(line, k));
                 }
                 at += 1; // the comma
             }
-            let cells = self.header.columns[k].cells;
+            let cells = self.kinds[k].0;
             if cells == Cells::Target {
                 at = self.read_target(line, text, at, k)?;
                 continue;
@@ -95,21 +107,64 @@ impl RowReader {
                     }
                 }
             };
-            if !matches!(cells, Cells::Number | Cells::Maybe) {
-                self.check_whole(line, k, cells, raw)?;
-            }
-            self.seen[k].see(raw);
-            self.numbers[k] = self.header.columns[k].conversion.to_si(raw);
-            if self.numbers[k].abs() > LARGEST {
-                return Err(self.header.cell_error(
-                    line,
-                    k,
-                    format!("{raw:e} cannot be meant; check the number"),
-                ));
-            }
+            self.put(line, k, raw)?;
         }
         if at < text.len() {
             return Err(self.too_many(line, text));
+        }
+        self.understand()
+    }
+
+    /// Takes a number in the unit of the file.
+    #[inline]
+    fn put(&mut self, line: u64, k: usize, raw: f64) -> Result<(), IoError> {
+        let (cells, si) = self.kinds[k];
+        if !matches!(cells, Cells::Number | Cells::Maybe) {
+            self.check_whole(line, k, cells, raw)?;
+        }
+        self.seen[k].see(raw);
+        self.numbers[k] = if si { raw } else { self.header.columns[k].conversion.to_si(raw) };
+        if self.numbers[k].abs() > LARGEST {
+            let message = format!("{raw:e} cannot be meant; check the number");
+            return Err(self.header.cell_error(line, k, message));
+        }
+        Ok(())
+    }
+
+    /// Takes a row whose cells stand in columns.
+    #[cfg(feature = "parquet")]
+    pub fn take<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
+        self.row = Row { line, ..Row::default() };
+        for k in 0..self.kinds.len() {
+            let cells = self.kinds[k].0;
+            let raw = match (cells, cell(k)) {
+                (Cells::Target, Cell::Number(value)) => {
+                    let message = format!("a target has a name, and not a number ({value})");
+                    return Err(self.header.cell_error(line, k, message));
+                }
+                (_, Cell::Number(value)) if value.is_finite() => Some(value),
+                (_, Cell::Number(_)) => {
+                    let message = "is not a finite number; leave the cell empty if nothing was measured";
+                    return Err(self.header.cell_error(line, k, message));
+                }
+                (_, Cell::Text(text)) => {
+                    let text = String::from_utf8_lossy(text);
+                    let text = text.trim();
+                    if cells == Cells::Target {
+                        self.row.target =
+                            self.target(text).map_err(|message| self.header.cell_error(line, k, message))?;
+                        self.seen[k].filled += usize::from(self.row.target.is_some());
+                        continue;
+                    }
+                    number(text).map_err(|message| self.header.cell_error(line, k, message))?
+                }
+                (_, Cell::Empty) => None,
+            };
+            match raw {
+                Some(raw) => self.put(line, k, raw)?,
+                None if matches!(cells, Cells::Maybe | Cells::Target) => self.numbers[k] = f64::NAN,
+                None => return Err(self.empty(line, k)),
+            }
         }
         self.understand()
     }
@@ -146,27 +201,31 @@ impl RowReader {
 
     fn read_target(&mut self, line: u64, text: &[u8], at: usize, k: usize) -> Result<usize, IoError> {
         let (name, end) = self.cell(line, text, at, k)?;
-        self.row.target = if name.is_empty() {
-            None
-        } else {
-            match self.targets.iter().position(|target| *target == name) {
-                Some(index) => Some(TargetId(index)),
-                None => {
-                    let known = || self.targets.iter().map(String::as_str);
-                    let name = shown(&name);
-                    let hint = meant(&name, known());
-                    let known = listed(known());
-                    let message = format!(
-                        "the robot has no target `{name}`{hint}; declare it in [[targets]] (its targets: {known})"
-                    );
-                    return Err(self
-                        .miscounted(line, text)
-                        .unwrap_or_else(|| self.header.cell_error(line, k, message)));
-                }
+        self.row.target = match self.target(&name) {
+            Ok(target) => target,
+            Err(message) => {
+                let other = self.miscounted(line, text);
+                return Err(other.unwrap_or_else(|| self.header.cell_error(line, k, message)));
             }
         };
         self.seen[k].filled += usize::from(self.row.target.is_some());
         Ok(end)
+    }
+
+    /// The target of this name; none for an empty one.
+    fn target(&self, name: &str) -> Result<Option<TargetId>, String> {
+        if name.is_empty() {
+            return Ok(None);
+        }
+        if let Some(index) = self.targets.iter().position(|target| target == name) {
+            return Ok(Some(TargetId(index)));
+        }
+        let known = || self.targets.iter().map(String::as_str);
+        let name = shown(name);
+        let (hint, known) = (meant(&name, known()), listed(known()));
+        Err(format!(
+            "the robot has no target `{name}`{hint}; declare it in [[targets]] (its targets: {known})"
+        ))
     }
 
     fn cell<'t>(

@@ -41,7 +41,7 @@ pub fn sample_measurements(
     for place in 1..places {
         reader.pending = false;
         reader.visits = VisitNumbers::default();
-        let there = reader.lines.jump(place * (size / places));
+        let there = reader.source.jump(place * (size / places));
         if there.is_ok() && reader.read_block(each, &mut block).is_ok() {
             // Its first visit may have begun in front of the place.
             let first = block.visit.partition_point(|&visit| visit == 0);

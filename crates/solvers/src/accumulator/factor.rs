@@ -10,7 +10,7 @@
 //! | s | column scale: R diag(s) is what ranks are decided on | p | that of x |
 
 use super::Triangular;
-use crate::dense::{inverse_gram, norm, singular_values, svd};
+use crate::dense::{inverse_gram, norm, singular_values};
 use crate::problem::check_len;
 use crate::{RankDecision, RankRule, SolveError, decide_rank};
 use nalgebra::{DMatrix, DVector};
@@ -41,19 +41,6 @@ pub struct Factor {
     pub rows: usize,
     /// Relative size below which singular values are round-off: ε for a triangle, √(p ε) for a Gram matrix.
     pub resolution: f64,
-}
-
-/// Directions that the rows do not determine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NullSpace {
-    /// p × (p − rank), orthonormal, in the scaled unknowns: A diag(scale) basis = 0.
-    pub basis: DMatrix<f64>,
-    /// Scale of each unknown: `scale ∘ column` is a direction in the unknowns themselves.
-    pub scale: Vec<f64>,
-    /// Singular values of the scaled matrix.
-    pub singular_values: Vec<f64>,
-    /// How the rank was decided.
-    pub decision: RankDecision,
 }
 
 impl Factor {
@@ -115,42 +102,6 @@ impl Factor {
         Ok(self.decide(&self.singular_values(scale)?, rule))
     }
 
-    /// The decision that the rank is full, where the inverse of the triangle shows it without singular values: by the default rule and by a
-    /// wide margin. Its `last_kept` is a lower bound of the smallest singular value.
-    ///
-    /// # Errors
-    /// When the scale does not fit.
-    pub fn certainly_full(&self, scale: ColumnScale<'_>) -> Result<Option<RankDecision>, SolveError> {
-        const MARGIN: f64 = 1e3;
-        let scaled = Self { r: self.scaled(&self.multipliers(scale)?), ..self.clone() };
-        let Some(inverse) = scaled.inverse_gram() else { return Ok(None) };
-        // ‖R⁻¹‖_F² is the trace of (RᵀR)⁻¹, and σ_min ≥ 1/‖R⁻¹‖_F.
-        let (least, most) = (1.0 / inverse.trace().sqrt(), scaled.r.norm());
-        let size = self.rows.max(self.columns()) as f64;
-        let tolerance = (size * f64::EPSILON).max(self.resolution) * most;
-        let rank = self.columns();
-        let sure = self.rows >= rank && least > MARGIN * tolerance;
-        let gap = f64::INFINITY;
-        Ok(sure.then_some(RankDecision {
-            rank,
-            tolerance,
-            last_kept: least,
-            first_dropped: 0.0,
-            gap,
-            dropped: 0,
-        }))
-    }
-
-    /// A basis of the directions that the rows do not determine.
-    pub fn null_space(&self, scale: ColumnScale<'_>, rule: RankRule) -> Result<NullSpace, SolveError> {
-        rule.validate()?;
-        let s = self.multipliers(scale)?;
-        let parts = svd(&self.scaled(&s))?;
-        let decision = self.decide(&parts.d, rule);
-        let basis = parts.v.columns(decision.rank, self.columns() - decision.rank).into_owned();
-        Ok(NullSpace { basis, scale: s, singular_values: parts.d, decision })
-    }
-
     /// (AᵀA)⁻¹, from the inverse of the triangle and never from a Gram matrix; none where the triangle has lost rank.
     pub fn inverse_gram(&self) -> Option<DMatrix<f64>> {
         if (0..self.columns()).any(|k| self.r[(k, k)] == 0.0) {
@@ -201,28 +152,5 @@ pub(super) mod tests {
         let inverse = t.finish().inverse_gram().unwrap();
         assert!((a.tr_mul(&a) * inverse - DMatrix::identity(6, 6)).amax() < 1e-12);
         assert!(deficient().2.inverse_gram().is_none(), "a zero column");
-    }
-
-    #[test]
-    fn rank_and_null_space() {
-        let (a, _, f) = deficient();
-        let d = f.rank(ColumnScale::Norms, RankRule::Default).unwrap();
-        assert!(d.rank == 3 && d.is_clear(), "{d:?}");
-        let n = f.null_space(ColumnScale::Norms, RankRule::Default).unwrap();
-        assert_eq!(n.basis.shape(), (5, 2));
-        let directions = DMatrix::from_fn(5, 2, |i, j| n.basis[(i, j)] * n.scale[i]);
-        assert!((a * directions).amax() < 1e-14);
-    }
-
-    #[test]
-    fn what_is_certainly_full_is_full() {
-        let a = DMatrix::from_fn(30, 5, |i, j| ((i * i * 3 + j * 7 + i * j) as f64 * 0.7).sin());
-        let mut t = Triangular::new(5, 1);
-        t.update(&a, &DMatrix::zeros(30, 1)).unwrap();
-        let f = t.finish();
-        let sure = f.certainly_full(ColumnScale::Norms).unwrap().unwrap();
-        let values = f.singular_values(ColumnScale::Norms).unwrap();
-        assert!(sure.rank == 5 && sure.is_clear() && sure.last_kept <= values[4] * (1.0 + 1e-12));
-        assert!(deficient().2.certainly_full(ColumnScale::Norms).unwrap().is_none());
     }
 }

@@ -11,15 +11,17 @@ mod directions;
 mod factor;
 mod gram;
 mod left_out;
+mod null_space;
 mod pieces;
 mod sets;
 mod solve;
 mod triangular;
 
 pub use directions::Directions;
-pub use factor::{ColumnScale, Factor, NullSpace};
+pub use factor::{ColumnScale, Factor};
 pub use gram::Gram;
 pub use left_out::LeftOut;
+pub use null_space::NullSpace;
 pub use triangular::Triangular;
 
 /// Whether a block holds `rows` numbers of each of these columns of a problem and of its right-hand sides, one column `stride` numbers

@@ -10,7 +10,7 @@
 
 use super::Triangular;
 use crate::SolveError;
-use crate::dense::{Reflectors, fold, norm};
+use crate::dense::{Reflectors, fold, norm, zeros};
 use faer::MatMut;
 use nalgebra::DMatrix;
 
@@ -61,7 +61,8 @@ impl Sets {
             Some(index) => (index, None),
             None => {
                 let out = (self.list.len() == SETS).then(|| Sets { list: vec![self.list.remove(0)] });
-                self.list.push(Set { columns: columns.to_vec(), rows: Triangular::new(columns.len(), rhs) });
+                self.list
+                    .push(Set { columns: columns.to_vec(), rows: Triangular::waiting(columns.len(), rhs) });
                 (self.list.len() - 1, out)
             }
         };
@@ -89,7 +90,7 @@ impl Sets {
         order.sort_by_key(|&column| common[column]);
         let mut place = vec![0; p];
         order.iter().enumerate().for_each(|(at, &column)| place[column] = at);
-        let mut made = Ordered { top: DMatrix::zeros(p, p + k), below: below.to_vec(), order };
+        let mut made = Ordered { top: zeros(p, p + k), below: below.to_vec(), order };
         let mut work = Reflectors::default();
         if top.iter().any(|v| *v != 0.0) {
             let all: Vec<usize> = (0..p).collect();
@@ -127,12 +128,12 @@ impl Ordered {
         let (n, k) = (columns.len(), self.below.len());
         let mut sorted: Vec<usize> = (0..n).collect();
         sorted.sort_by_key(|&j| place[columns[j]]);
-        let mut block = DMatrix::zeros(rows.nrows(), n + k);
+        let mut block = zeros(rows.nrows(), n + k);
         sorted.iter().enumerate().for_each(|(to, &from)| block.set_column(to, &rows.column(from)));
         (0..k).for_each(|j| block.set_column(n + j, &rows.column(n + j)));
         let mut chunk = block.nrows();
         if tall && n > 0 {
-            let mut triangle = DMatrix::zeros(n, n + k);
+            let mut triangle = zeros(n, n + k);
             fold(view(&mut triangle), view(&mut block), work);
             self.rest(&block, n);
             (block, chunk) = (triangle, CHUNK);
@@ -144,7 +145,7 @@ impl Ordered {
             let first = if tall { from } else { 0 };
             let start = sorted.get(first).map_or(place.len(), |&j| place[columns[j]]);
             let width = place.len() - start;
-            let mut part = DMatrix::zeros(count, width + k);
+            let mut part = zeros(count, width + k);
             for (at, &j) in sorted.iter().enumerate().skip(first) {
                 part.set_column(place[columns[j]] - start, &block.column(at).rows(from, count));
             }

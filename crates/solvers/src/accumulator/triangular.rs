@@ -12,13 +12,16 @@
 use super::Factor;
 use super::bytes::{Stored, read, write};
 use super::sets::{Ordered, Sets};
-use crate::dense::{Reflectors, fold, norm};
+use crate::dense::{Reflectors, fold, norm, zeros};
 use crate::problem::check_len;
 use crate::{LeastSquares, SolveError};
 use faer::MatMut;
 use nalgebra::DMatrix;
 
 const MAGIC: [u8; 4] = *b"TPTR";
+
+/// Rows for which there is room at least.
+const LEAST_ROOM: usize = 128;
 
 /// Triangular factor of a stream of rows, in constant memory.
 #[derive(Debug, Clone)]
@@ -46,13 +49,28 @@ impl Triangular {
             columns,
             rhs,
             rows: 0,
-            top: DMatrix::zeros(columns, width),
+            top: zeros(columns, width),
             below: vec![0.0; rhs],
             buffer: DMatrix::zeros(0, 0),
             filled: 0,
             work: Reflectors::default(),
             sets: Sets::default(),
         }
+    }
+
+    /// One that has seen the rows of a factor.
+    pub fn of(factor: &Factor) -> Self {
+        let mut made = Self::new(factor.columns(), factor.z.ncols());
+        made.top.columns_mut(0, made.columns).copy_from(&factor.r);
+        made.top.columns_mut(made.columns, made.rhs).copy_from(&factor.z);
+        made.below = factor.rss.iter().map(|rss| rss.sqrt()).collect();
+        made.rows = factor.rows;
+        made
+    }
+
+    /// The same without memory for the triangle until rows are folded.
+    pub(super) fn waiting(columns: usize, rhs: usize) -> Self {
+        Self { top: DMatrix::zeros(0, 0), columns, ..Self::new(0, rhs) }
     }
 
     /// Number of rows seen.
@@ -115,10 +133,10 @@ impl Triangular {
     fn natural(&mut self, sets: Sets) {
         let Ordered { top, below, order } = sets.ordered(&self.top, &self.below);
         let (p, width) = (self.columns, self.columns + self.rhs);
-        let mut block = DMatrix::zeros(p, width);
+        let mut block = zeros(p, width);
         order.iter().enumerate().for_each(|(at, &column)| block.set_column(column, &top.column(at)));
         (p..width).for_each(|j| block.set_column(j, &top.column(j)));
-        self.top = DMatrix::zeros(p, width);
+        self.top = zeros(p, width);
         self.below = below;
         self.fold_in(&mut block, p);
     }
@@ -149,7 +167,9 @@ impl Triangular {
         self.sets.merge(&other.sets)?;
         let mut other = other.clone();
         other.flush();
-        self.fold_in(&mut other.top, self.columns);
+        if !other.top.is_empty() {
+            self.fold_in(&mut other.top, self.columns);
+        }
         for (below, theirs) in self.below.iter_mut().zip(other.below) {
             *below = below.hypot(theirs);
         }
@@ -223,16 +243,25 @@ impl Triangular {
         }
     }
 
-    fn reserve(&mut self) {
-        if self.buffer.is_empty() {
-            let width = self.columns + self.rhs;
-            self.buffer = DMatrix::zeros((2 * width).clamp(256, 2048), width);
+    /// Room for some more rows: little at first, since many triangles wait side by side, and no more than is folded well at once.
+    fn reserve(&mut self, rows: usize) {
+        let width = self.columns + self.rhs;
+        let most = (2 * width).clamp(256, 2048);
+        let height = self.buffer.nrows();
+        if height == most || self.filled + rows <= height {
+            return;
         }
+        let taller = (self.filled + rows).next_multiple_of(LEAST_ROOM).max(2 * height).min(most);
+        let mut buffer = zeros(taller, width);
+        if self.filled > 0 {
+            buffer.rows_mut(0, self.filled).copy_from(&self.buffer.rows(0, self.filled));
+        }
+        self.buffer = buffer;
     }
 
     /// Rows of all columns, column after column.
     pub(super) fn take_columns(&mut self, rows: usize, stride: usize, numbers: &[f64]) {
-        self.reserve();
+        self.reserve(rows);
         let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
             let many = (height - self.filled).min(rows - from);
@@ -251,7 +280,7 @@ impl Triangular {
     }
 
     fn take(&mut self, rows: usize, at: impl Fn(usize, usize) -> f64) {
-        self.reserve();
+        self.reserve(rows);
         let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
             let many = (height - self.filled).min(rows - from);
@@ -284,6 +313,9 @@ impl Triangular {
         let (p, width, stride) = (self.columns, self.columns + self.rhs, block.nrows());
         if rows == 0 || width == 0 {
             return;
+        }
+        if self.top.is_empty() {
+            self.top = zeros(p, width);
         }
         let top = MatMut::from_column_major_slice_mut(self.top.as_mut_slice(), p, width);
         let view = MatMut::from_column_major_slice_with_stride_mut(block.as_mut_slice(), rows, width, stride);

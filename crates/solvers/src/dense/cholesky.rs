@@ -87,6 +87,14 @@ pub(crate) fn solve_lower_many(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
     faer::linalg::triangular_solve::solve_lower_triangular_in_place(l, b, Par::Seq);
 }
 
+/// R⁻¹ B, in place, with an upper triangle R.
+pub(crate) fn solve_upper_many(r: &DMatrix<f64>, b: &mut DMatrix<f64>) {
+    let (p, columns) = b.shape();
+    let r = MatRef::from_column_major_slice(r.as_slice(), p, p);
+    let b = MatMut::from_column_major_slice_mut(b.as_mut_slice(), p, columns);
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(r, b, Par::Seq);
+}
+
 /// Lᵀ (upper) of the symmetric matrix whose lower triangle is `g`; nothing if it is not positive definite.
 pub(crate) fn cholesky(mut g: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let p = g.nrows();

@@ -12,6 +12,7 @@ mod triangle;
 
 pub(crate) use cholesky::{
     cholesky, cholesky_lower, gram, gram_of, gram_of_rows, residual_of_rows, solve_lower_many,
+    solve_upper_many,
 };
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
@@ -24,6 +25,11 @@ pub(crate) use triangle::{
 
 use faer::{Mat, MatRef};
 use nalgebra::DMatrix;
+
+/// Zeros whose memory the system hands out as such: what is never written costs nothing.
+pub(crate) fn zeros(rows: usize, columns: usize) -> DMatrix<f64> {
+    DMatrix::from_vec(rows, columns, vec![0.0; rows * columns])
+}
 
 fn copy_out(m: MatRef<'_, f64>) -> DMatrix<f64> {
     DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)])

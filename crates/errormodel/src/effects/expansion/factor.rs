@@ -2,6 +2,7 @@
 
 use super::Basis;
 use crate::Signal;
+use crate::lanes::{LANES, LaneEmission, LanePosture, LaneValue};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, FrameId, JointId, JointKind, Posture};
 
@@ -36,6 +37,33 @@ pub struct Factor {
     pub of: Input,
     /// The functions of it.
     pub basis: Basis,
+}
+
+impl Factor {
+    /// All functions of the basis in a block of rows; `signal` is the position of its signal among the effect's needs.
+    pub(super) fn of_block(
+        &self,
+        at: &LanePosture<'_>,
+        signal: usize,
+        out: &mut LaneEmission,
+    ) -> Vec<LaneValue> {
+        let mut own = [0.0; LANES];
+        let u: &[f64] = match &self.of {
+            Input::Joint(joint) => at.joint(*joint).unwrap_or(&own),
+            Input::Wrench { frame, component } => {
+                at.wrench(*frame, *component, &mut own);
+                &own
+            }
+            Input::Load(joint) if at.chain().joint_motion(*joint).is_some() => at.joint_load(*joint),
+            Input::Load(_) => &own,
+            Input::Channel(_) | Input::Time | Input::Approach(_) => at.signal(signal),
+        };
+        let mut functions = vec![0.0; self.basis.len() * LANES];
+        for (lane, &u) in u[..at.rows()].iter().enumerate() {
+            self.basis.for_each(u, |index, value| functions[index * LANES + lane] = value);
+        }
+        functions.chunks_exact(LANES).map(|f| out.value(|into| into.copy_from_slice(f))).collect()
+    }
 }
 
 impl Input {

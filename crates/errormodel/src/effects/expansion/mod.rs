@@ -20,6 +20,7 @@ pub use factor::{Factor, Input};
 
 use super::geometric::EXPECTED_ANGLE;
 use super::{frame_exists, joint_exists, joint_moves, target_exists};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Signal, UNBOUNDED};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site, TargetId};
@@ -225,6 +226,35 @@ impl Effect for Expansion {
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         self.walk(0, 0, 0, 1.0, at, out);
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let mut products = vec![LaneEmission::ONE];
+        let mut signal = 0;
+        for factor in &self.factors {
+            let functions = factor.of_block(at, signal, out);
+            signal += usize::from(factor.of.signal().is_some());
+            products = products
+                .iter()
+                .flat_map(|&product| functions.iter().map(move |&function| (product, function)))
+                .map(|(product, function)| out.product(product, function))
+                .collect();
+        }
+        for (product, &value) in products.iter().enumerate() {
+            let column = |k: usize| k * products.len() + product;
+            match &self.at {
+                Place::Frame { frame, components } => (components.iter().enumerate())
+                    .for_each(|(k, &axis)| out.push(column(k), Site::Frame(*frame, axis), value)),
+                Place::Target { target, components } => (components.iter().enumerate())
+                    .for_each(|(k, &axis)| out.push(column(k), Site::Target(*target, axis), value)),
+                Place::Motion { joint } => {
+                    if let Some(motion) = at.chain().joint_motion(*joint) {
+                        out.along(product, &motion, value);
+                    }
+                }
+            }
+        }
+        true
     }
 
     fn needs(&self) -> Vec<Signal> {

@@ -1,0 +1,124 @@
+//! W3 from a table on disk to a fit on disk: what `truepose identify --stream --linear --folds 0 --prior none` does, and reading with pandas
+//! before the peer's fit.
+//!
+//! Our table is the peers' with columns as our files name them: once made, it lies beside theirs. The peer reads its own.
+
+use super::{Residual, paper, shared_with};
+use crate::robots::dataset;
+use crate::table::Table;
+use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
+use std::fs::File;
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use truepose_errormodel::Dataset;
+use truepose_identify::{
+    FitOptions, IdentifyError, PriorStrength, Source, StreamedOptions, identify_streamed, left_over,
+};
+use truepose_io::{MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
+use truepose_kinematics::Chain;
+use truepose_solvers::PivotedQr;
+
+/// Rows of a block, as the program reads them.
+const BLOCK: usize = 16384;
+
+/// A file of measurements, read as often as it is asked for.
+struct Rows<'a> {
+    path: &'a Path,
+    chain: &'a Chain,
+}
+
+impl Source for Rows<'_> {
+    type Error = Failure;
+
+    fn sample(&mut self, rows: usize) -> Result<Dataset, Failure> {
+        Ok(sample_measurements(self.path, self.chain, &MeasurementsOptions::default(), rows)?)
+    }
+
+    fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Failure> {
+        let mut reader = MeasurementsReader::open(self.path, self.chain, &MeasurementsOptions::default())?;
+        let mut block = Dataset::default();
+        while reader.read_block(BLOCK, &mut block)? > 0 {
+            take(&block)?;
+        }
+        Ok(())
+    }
+}
+
+/// The peers' table as one of ours: `target,q1…q6,w,mx,my,mz` with the load as the y component of a measured force.
+fn made(folder: &Path, from: &str) -> Result<PathBuf, Failure> {
+    let path = folder.join(format!("truepose_{from}"));
+    if path.exists() {
+        return Ok(path);
+    }
+    let unfinished = path.with_extension("unfinished");
+    let mut lines = BufReader::new(File::open(folder.join(from))?).lines();
+    if lines.next().transpose()?.as_deref() != Some("target,q1,q2,q3,q4,q5,q6,w,mx,my,mz") {
+        return Err(format!("{from}: not the columns that were expected").into());
+    }
+    let mut out = BufWriter::new(File::create(&unfinished)?);
+    writeln!(
+        out,
+        "target,j1[m],j2[m],j3[m],j4[rad],j5[rad],j6[rad],fx[N],fy[N],fz[N],tx[N*m],ty[N*m],tz[N*m],x[m],y[m],z[m]"
+    )?;
+    for line in lines {
+        let line = line?;
+        let cells: Vec<&str> = line.split(',').collect();
+        let [target, joints @ .., load, x, y, z] = cells.as_slice() else {
+            return Err(format!("{from}: a row is too short").into());
+        };
+        let (target, joints) = (target.parse::<usize>()? + 1, joints.join(","));
+        writeln!(out, "P{target},{joints},0,{load},0,0,0,0,{x},{y},{z}")?;
+    }
+    out.into_inner()?.sync_all()?;
+    std::fs::rename(unfinished, &path)?;
+    Ok(path)
+}
+
+fn way(folder: &Path, file: &'static str) -> Result<Way, Failure> {
+    let (data, model) = (made(folder, file)?, paper::model(folder)?);
+    let (fit, own) = (data.with_extension("fit.json"), folder.to_path_buf());
+    let also = model.clone();
+    let run = move || {
+        let options = FitOptions { refine: false, prior: PriorStrength::None, ..FitOptions::default() };
+        let mut source = Rows { path: &data, chain: model.chain() };
+        let options = StreamedOptions { fit: options, folds: 0 };
+        let found =
+            identify_streamed(model.chain(), model.effects(), &mut source, &PivotedQr::default(), &options)?;
+        write_fit(&fit, &found.fit.fitted)?;
+        match found.gram {
+            true => Ok((found.fit.reduction.rank(), found.fit.fitted.coefficients().to_vec())),
+            false => Err("the guard refused".into()),
+        }
+    };
+    shared_with(run, move |(rank, coefficients): &(usize, Vec<f64>)| {
+        let data = dataset(&Table::read(&own.join(file))?, 6, |_| true)?;
+        let zero = vec![0.0; coefficients.len()];
+        let residual = Residual::of(&left_over(&also, &data, &zero, coefficients)?);
+        Ok(Answer::from([("rank".into(), *rank as f64), ("rms_fit_um".into(), residual.position_um)]))
+    })
+}
+
+const ASKED: &[(&str, f64)] = &[("pandas+numba-chunk", 0.75)];
+
+const fn bound(points: f64) -> Bound {
+    let r = 224.0;
+    Bound { flops: points * (3.0 * r * (r + 1.0) + 9.0 * r + 900.0) + r * r * r / 3.0, bytes: points * 190.0 }
+}
+
+/// 200 000 points.
+pub const DISK_200K: Workload = Workload {
+    name: "W3-disk-200k",
+    about: "200 000 points from a table on disk to a fit on disk",
+    bound: bound(2e5),
+    agree: &[("rank", 9), ("rms_fit_um", 9)],
+    ways: &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_200k.csv") }],
+};
+
+/// A million.
+pub const DISK_1M: Workload = Workload {
+    name: "W3-disk-1m",
+    about: "1 000 000 points from a table on disk to a fit on disk",
+    bound: bound(1e6),
+    agree: &[("rank", 9), ("rms_fit_um", 9)],
+    ways: &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_1m.csv") }],
+};
