@@ -242,7 +242,7 @@ fn winner(
     refused: &mut Vec<Refused>,
 ) -> Result<Option<Accepted>, DiscoverError> {
     /// Winners that may fail before nobody is asked any more.
-    const TRIES: usize = 4;
+    const TRIES: usize = 8;
     let mut barred: Vec<Candidate> = Vec::new();
     for _ in 0..TRIES {
         let Contest { present, mut rivals } = contest(scene, screen, &barred, true)?;

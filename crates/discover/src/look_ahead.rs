@@ -97,10 +97,11 @@ pub(crate) fn first(
     if chosen == 0 || score > own - 2.0 * TIE {
         return Ok(0);
     }
-    // The stronger half of the pair, if it is a rival as well.
-    let Some((_, partner, _)) = &pairs[named.iter().position(|&k| k == chosen).unwrap_or(0)] else {
+    // The stronger half of the pair, if it is a rival as well; whoever shines only beside a stronger one does not go first.
+    let Some((_, partner, worth)) = &pairs[named.iter().position(|&k| k == chosen).unwrap_or(0)] else {
         return Ok(chosen);
     };
     let other = rivals.iter().position(|r| r.candidate.same_cause(partner) && r.score < rivals[chosen].score);
-    Ok(other.unwrap_or(chosen))
+    let weaker = *worth > rivals[chosen].gain;
+    Ok(other.unwrap_or(if weaker { 0 } else { chosen }))
 }

@@ -6,7 +6,8 @@
 use crate::DiscoverError;
 use crate::candidate::Candidate;
 use crate::contest::{Contest, TIE, contest};
-use crate::diagnose::{Accepted, Search, adopted};
+use crate::diagnose::{Accepted, Search, adopted, parametric};
+use crate::evidence::{Evidence, collect};
 use crate::rival::{Rival, rival};
 use crate::scene::Scene;
 use crate::screen::Screen;
@@ -25,23 +26,15 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
             .filter(|(k, _)| *k != at)
             .map(|(_, a)| a.candidate.clone())
             .collect();
-        let contest = without(search, at, &others)?;
-        let mine = &search.accepted[at].candidate;
-        let still = contest.rivals.iter().find(|r| r.candidate.same_cause(mine));
-        let first = contest.rivals.first();
-        let worth = |rival: &&Rival| rival.score < contest.present.deviance;
-        let Some(best) = first.filter(worth).or(still.filter(worth)) else {
+        let Defence { contest, winner, evidence } = without(search, at, &others)?;
+        let Some(winner) = winner.map(|k| &contest.rivals[k]) else {
             // The others explain it.
             search.accepted.remove(at);
             search.refit()?;
             moved = true;
             continue;
         };
-        // Another cause has to be clearly better; the same cause may change its shape.
-        let winner = match still {
-            Some(still) if still.score < best.score + TIE => still,
-            _ => best,
-        };
+        let mine = &search.accepted[at].candidate;
         let next = adopted(winner);
         let score = winner.score;
         let rivals: Vec<(Candidate, f64)> = contest
@@ -52,6 +45,15 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
             .collect();
         let changed = !same_shape(&next, mine);
         search.accepted[at].rivals = rivals;
+        if let Some(evidence) = evidence {
+            // Another cause has to answer the same questions as whoever comes in from outside.
+            let floor = winner.likelihood.noise.floor(f64::NAN);
+            if evidence.doubt(search.options.alpha, floor, next.family.belongs_to_time()).is_some() {
+                at += 1;
+                continue;
+            }
+            search.accepted[at].evidence = evidence;
+        }
         if changed {
             search.accepted[at].candidate = next;
             search.refit()?;
@@ -62,10 +64,19 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
     Ok(moved)
 }
 
-/// The contest for the place of a find.
-fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Contest, DiscoverError> {
+/// The contest for the place of a find, and how it ended.
+struct Defence {
+    contest: Contest,
+    /// Number of the rival that has won; none when the others explain the find.
+    winner: Option<usize>,
+    /// What speaks for the winner, if it is another cause.
+    evidence: Option<Evidence>,
+}
+
+/// Holds the contest for the place of a find.
+fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Defence, DiscoverError> {
+    let Accepted { candidate, shortlist, evidence, .. } = &search.accepted[at];
     let held = |scene: &Scene<'_>| {
-        let Accepted { candidate, shortlist, .. } = &search.accepted[at];
         let screen = Screen::again(scene, &search.options.without, (shortlist, others), &search.asked);
         let mut contest = contest(scene, &screen, others, false)?;
         // The find as it stands defends its place, and its shape.
@@ -77,7 +88,14 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Conte
                 None => contest.rivals.push(own),
             }
         }
-        Ok(contest)
+        let winner = winner(&contest, candidate);
+        let another = winner.map(|k| &contest.rivals[k]).filter(|r| !r.candidate.same_cause(candidate));
+        let asked = |best: &Rival| {
+            let p = (evidence.p_value, parametric(&screen, best));
+            collect(scene, &contest.present, best, p, search.options.seed)
+        };
+        let evidence = another.map(asked).transpose()?;
+        Ok(Defence { contest, winner, evidence })
     };
     let Search { ground, now, .. } = search;
     // A corrected load is in the data itself.
@@ -89,6 +107,15 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Conte
     }
     let fewer = ground.working(others.to_vec(), &now.outliers.suspects)?;
     held(&Scene::new(&fewer.fit, &fewer.data)?)
+}
+
+/// Who wins: another cause has to be clearly better, the same cause may change its shape. None when nobody is worth its unknowns.
+fn winner(contest: &Contest, mine: &Candidate) -> Option<usize> {
+    let rivals = &contest.rivals;
+    let worth = |&k: &usize| rivals[k].score < contest.present.deviance;
+    let still = rivals.iter().position(|r| r.candidate.same_cause(mine));
+    let best = Some(0).filter(|_| !rivals.is_empty()).filter(worth).or(still.filter(worth))?;
+    Some(still.filter(|&k| rivals[k].score < rivals[best].score + TIE).unwrap_or(best))
 }
 
 /// Whether both change the model in the same way.
