@@ -13,6 +13,7 @@
 
 use super::LANES;
 use crate::Dataset;
+use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Axis, Chain, FrameId, Site, TargetId};
 
 /// The rows, and which of them stand for others.
@@ -25,6 +26,8 @@ pub(super) struct Store {
     targets: usize,
     /// The target of each lane.
     pub target: Vec<Option<TargetId>>,
+    /// The processor's registers.
+    pub arch: Arch,
 }
 
 impl Store {
@@ -36,6 +39,7 @@ impl Store {
             frames,
             targets,
             target: Vec::with_capacity(LANES),
+            arch: Arch::new(),
         };
         store.numbers = vec![0.0; (store.angle(frames, 0)) * LANES];
         store
