@@ -73,19 +73,7 @@ pub(crate) fn conclude(
     let fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
     let mut fit = with_shapes(fit, &data, &shapes);
 
-    fit.fitted.loads = found
-        .iter()
-        .filter_map(|candidate| match candidate.change {
-            Change::CorrectLoad { level, mass, .. } => {
-                Some(LoadCorrection { declared: level, carried: mass })
-            }
-            Change::Add(_) => None,
-        })
-        .collect();
-    // What is declared at run time is what was declared here.
-    let own = lags::own_channels(whole.data);
-    fit.fitted.domain = Domain::of(&own);
-    fit.fitted.channels.clone_from(&own.schema.channels);
+    at_run_time(&mut fit, &found, whole.data);
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
@@ -142,18 +130,34 @@ pub(crate) fn conclude(
     })
 }
 
-fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
+/// Loads, domain and channels as they are declared at run time: as they were declared here.
+pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
+    fit.fitted.loads = found
+        .iter()
+        .filter_map(|candidate| match candidate.change {
+            Change::CorrectLoad { level, mass, .. } => {
+                Some(LoadCorrection { declared: level, carried: mass })
+            }
+            Change::Add(_) => None,
+        })
+        .collect();
+    let own = lags::own_channels(data);
+    fit.fitted.domain = Domain::of(&own);
+    fit.fitted.channels.clone_from(&own.schema.channels);
+}
+
+pub(crate) fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
     Ok(Errors { train: Residuals::of(&fit.fitted, train)?, holdout: Residuals::of(&fit.fitted, held)? })
 }
 
-fn typical_sd(data: &Dataset) -> f64 {
+pub(crate) fn typical_sd(data: &Dataset) -> f64 {
     let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
     stated.sort_by(f64::total_cmp);
     stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Coefficients of a find with their intervals.
-fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parameter> {
+pub(crate) fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parameter> {
     let half = fit.half_widths();
     let model = fit.fitted.model();
     let mut list = Vec::new();
