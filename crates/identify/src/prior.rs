@@ -50,7 +50,7 @@ pub enum PriorStrength {
 
 impl PriorStrength {
     /// Whether the data is asked for κ.
-    pub(crate) fn from_data(self) -> bool {
+    pub(crate) fn asks_the_data(self) -> bool {
         matches!(self, PriorStrength::Evidence | PriorStrength::Kinds)
     }
 }

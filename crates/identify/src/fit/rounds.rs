@@ -163,7 +163,7 @@ impl<'a> State<'a> {
                 self.noise = noise;
             }
             factor = self.linearise(Some(&reduction.kept))?;
-            if self.options.prior.from_data() {
+            if self.options.prior.asks_the_data() {
                 settled &= self.look_at_prior(reduction, &self.absolute(reduction, &factor))?;
             }
             if settled || looks > MOST_LOOKS {
