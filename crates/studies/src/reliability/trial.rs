@@ -203,8 +203,7 @@ fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
     let configuration = configurations(&made.data);
     let once: BTreeSet<usize> =
         (0..configuration.len()).filter(|&visit| met.insert(configuration[visit])).collect();
-    let rows: Vec<usize> =
-        (0..made.data.len()).filter(|&row| once.contains(&made.data.visit[row])).collect();
+    let rows: Vec<usize> = (0..made.data.len()).filter(|&row| once.contains(&made.data.visit[row])).collect();
     let position = rows.iter().map(|&row| held.residuals.position[row]).collect();
     let orientation = rows.iter().map(|&row| held.residuals.orientation[row]).collect();
     let seen = Residuals { position, orientation };
