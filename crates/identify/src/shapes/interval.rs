@@ -123,7 +123,7 @@ pub(super) fn judge(
                 let half = quantile * alone.sqrt();
                 let stretch = (known.covariance[(place, place)] / alone).sqrt();
                 // Of an effect that explains nothing, or was left out, the data says nothing: the whole range.
-                if half.is_nan() || stretch.is_nan() {
+                if !half.is_finite() || stretch.is_nan() {
                     [shape.lower, shape.upper]
                 } else {
                     let allowed = quantile * quantile * picture.share();
