@@ -170,7 +170,6 @@ fn a_slide_that_grows_was_right_at_a_temperature_that_nobody_knows() {
         repeatability: RepeatabilitySize { sd_um: 20.0, ..RepeatabilitySize::default() },
         // Never at 20 °C, where everything has its nominal size.
         shop: ShopDay { start_c: 23.0, rise_k: 4.0, wander_k: 0.5, hours },
-        ..PlantOptions::default()
     };
     let plant = Plant::random(&chain, &options, 6).unwrap();
     let data = plant.measure(&campaign, 6).unwrap();

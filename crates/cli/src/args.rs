@@ -435,7 +435,7 @@ pub struct Verify {
 fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
     use truepose_identify::PriorStrength;
     match text {
-        "evidence" => Ok(PriorStrength::Evidence),
+        "evidence" => Ok(PriorStrength::Kinds),
         "none" => Ok(PriorStrength::None),
         _ => match text.parse::<f64>() {
             Ok(kappa) if kappa.is_finite() && kappa > 0.0 => Ok(PriorStrength::Fixed(kappa)),

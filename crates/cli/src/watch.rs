@@ -23,6 +23,11 @@ struct SoFar {
     found: Vec<String>,
 }
 
+/// Writes what there is, given why the run ends; says which files.
+type Keep = Box<dyn FnOnce(&str) -> Vec<PathBuf> + Send>;
+
+static KEEP: Mutex<Option<Keep>> = Mutex::new(None);
+
 static SO_FAR: Mutex<SoFar> = Mutex::new(SoFar { doing: String::new(), found: Vec::new() });
 
 /// What is going on now.
@@ -33,6 +38,16 @@ pub fn doing(words: &str) {
 /// Something was found.
 pub fn found(words: &str) {
     SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).found.push(words.to_owned());
+}
+
+/// What to do with what there is, should the run end here.
+pub fn keep(write: impl FnOnce(&str) -> Vec<PathBuf> + Send + 'static) {
+    *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(write));
+}
+
+/// The whole result is about to be written: what there was before it is not kept any more.
+pub fn whole() {
+    *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
 
 /// Begins to watch.
@@ -75,6 +90,9 @@ pub fn begin(args: &Args) -> Result<(), Failure> {
 
 /// Says what was found so far and ends the program.
 fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
+    // Held to the end, so that nobody writes the whole result over it meanwhile.
+    let mut keep = KEEP.lock().unwrap_or_else(PoisonError::into_inner);
+    let kept = keep.take().map_or_else(Vec::new, |write| write(why));
     discard_unfinished();
     let so_far = SO_FAR.lock().unwrap_or_else(PoisonError::into_inner);
     let seconds = began.elapsed().as_secs_f64();
@@ -82,6 +100,7 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
     if json {
         let value = serde_json::json!({
             "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": so_far.found,
+            "files": kept,
         });
         terminal::print(&format!("{value:#}\n"));
     } else {
@@ -93,7 +112,12 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
             "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n"
         ));
     }
-    terminal::log(&format!("error: {why}; no file was written"));
+    let files: Vec<String> = kept.iter().map(|file| file.display().to_string()).collect();
+    let files = match files.is_empty() {
+        true => "no file was written".to_owned(),
+        false => format!("what was found so far is in {}, marked as incomplete", files.join(" and ")),
+    };
+    terminal::log(&format!("error: {why}; {files}"));
     std::process::exit(code)
 }
 

@@ -28,6 +28,7 @@ use crate::task::{Columns, Gap, Task};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truepose_errormodel::{FittedModel, Schema, Signal};
+use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Conditions, Pose, TargetId};
 
 /// Rounds on the nominal robot from one start, and how near is near enough to go on with the exact model.
@@ -121,6 +122,12 @@ impl<'m> Compensator<'m> {
             read,
             timed,
         })
+    }
+
+    /// On these registers, instead of the widest that the processor has: the same commands but for their last digits.
+    pub fn on(mut self, arch: Arch) -> Self {
+        self.kernel = self.kernel.map(|kernel| kernel.on(arch));
+        self
     }
 
     /// The model.

@@ -152,18 +152,18 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
     fit.fitted.channels.clone_from(&own.schema.channels);
 }
 
-fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
+pub(crate) fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
     Ok(Errors { train: Residuals::of(&fit.fitted, train)?, holdout: Residuals::of(&fit.fitted, held)? })
 }
 
-fn typical_sd(data: &Dataset) -> f64 {
+pub(crate) fn typical_sd(data: &Dataset) -> f64 {
     let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
     stated.sort_by(f64::total_cmp);
     stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Coefficients of a find with their intervals.
-fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parameter> {
+pub(crate) fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parameter> {
     let half = fit.half_widths();
     let model = fit.fitted.model();
     let mut list = Vec::new();

@@ -11,6 +11,7 @@ use crate::rival::Rival;
 use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
+use crate::so_far::SoFar;
 use crate::surprise::gain_of_one;
 use crate::working::{Ground, Working};
 use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, merge, reconsider, wide};
@@ -22,7 +23,7 @@ use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
 /// Where a discovery is, for a progress bar.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Progress {
     /// Fitting the declared model.
     Fitting,
@@ -30,6 +31,8 @@ pub enum Progress {
     Screening(usize),
     /// An effect was added.
     Found(String),
+    /// What there is after each find, for whoever interrupts the loop: fitted to the training rows, without rivals.
+    SoFar(Box<Diagnosis>),
     /// Looking at earlier finds again.
     Reconsidering,
     /// Judging the result on the rows that were drawn out first.
@@ -109,7 +112,8 @@ pub(crate) fn on_split(
         asked: BTreeMap::new(),
         now: first,
     };
-    let (stopped, last) = search.run(progress)?;
+    let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
+    let (stopped, last) = search.run(&whole, progress)?;
     progress(Progress::Judging);
     if part.len() < train.len() {
         // What was found in a part of the data is fitted to all of it.
@@ -118,7 +122,6 @@ pub(crate) fn on_split(
         let working = search.ground.working_from(found, &[], Some(&search.now.fit))?;
         search.stand_on(working);
     }
-    let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
     conclude::conclude(search, whole, stopped, last)
 }
 
@@ -139,11 +142,16 @@ pub(crate) struct Search<'a> {
 pub(crate) type LastWord = (f64, f64);
 
 impl Search<'_> {
-    fn run(&mut self, progress: &(dyn Fn(Progress) + Sync)) -> Result<(Stop, LastWord), DiscoverError> {
+    fn run(
+        &mut self,
+        whole: &conclude::Whole<'_>,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Result<(Stop, LastWord), DiscoverError> {
         /// With more finds than this they are looked at again only at the end.
         const FEW: usize = 4;
         let mut settled = false;
         let mut rounds = 0;
+        let mut told = SoFar::new(&self.now, whole)?;
         loop {
             rounds += 1;
             progress(Progress::Screening(self.accepted.len()));
@@ -180,10 +188,10 @@ impl Search<'_> {
                 continue;
             };
             progress(Progress::Found(accepted.candidate.words()));
-            let last = self.take(accepted);
+            let taken = self.take(accepted);
             self.refit()?;
-            if let Some(better) = polished(&self.ground, &self.now, last)? {
-                self.accepted[last].candidate = better;
+            if let Some(better) = polished(&self.ground, &self.now, taken)? {
+                self.accepted[taken].candidate = better;
                 self.refit()?;
             }
             if self.accepted.len() <= FEW {
@@ -197,6 +205,7 @@ impl Search<'_> {
                     reconsider::reconsider(self, self.accepted.len())?;
                 }
             }
+            progress(Progress::SoFar(Box::new(told.after(self, whole, last)?)));
         }
     }
 

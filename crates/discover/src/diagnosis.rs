@@ -177,4 +177,6 @@ pub enum Stop {
     NothingConvincing,
     /// As many effects as were allowed.
     Limit,
+    /// The caller ended it: there may be more, and nothing was judged at the end.
+    Interrupted,
 }

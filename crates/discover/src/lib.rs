@@ -33,6 +33,7 @@ mod sample;
 mod scene;
 mod screen;
 mod shape;
+mod so_far;
 mod surprise;
 mod tables;
 mod trace;

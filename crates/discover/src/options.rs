@@ -1,7 +1,7 @@
 //! How to look.
 
 use crate::{DiscoverError, Family};
-use truepose_identify::FitOptions;
+use truepose_identify::{FitOptions, PriorStrength};
 
 /// How a discovery looks, and when it believes.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ impl Default for DiscoverOptions {
             most: 24,
             without: Vec::new(),
             rival_fits: false,
-            fit: FitOptions { flat: FLAT, ..FitOptions::default() },
+            fit: FitOptions { flat: FLAT, prior: PriorStrength::Evidence, ..FitOptions::default() },
         }
     }
 }

@@ -32,13 +32,16 @@ pub(crate) fn relaxed(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Option<Vec<
         (law.width > FAR * fit.prior.kappa).then_some(2.0 * law.width / fit.prior.kappa)
     };
     let stretches: Vec<Option<f64>> = (0..declared.len()).map(stretch).collect();
-    let relax = |(effect, stretch): (&Box<dyn AnyEffect>, &Option<f64>)| -> Box<dyn AnyEffect> {
-        match *stretch {
-            Some(stretch) => Box::new(Wide { effect: effect.clone(), stretch }),
-            None => effect.clone(),
+    if stretches.iter().all(Option::is_none) {
+        return None;
+    }
+    let mut relaxed = declared.to_vec();
+    for (effect, stretch) in relaxed.iter_mut().zip(stretches) {
+        if let Some(stretch) = stretch {
+            *effect = Box::new(Wide { effect: effect.clone(), stretch });
         }
-    };
-    stretches.iter().any(Option::is_some).then(|| declared.iter().zip(&stretches).map(relax).collect())
+    }
+    Some(relaxed)
 }
 
 /// An effect whose expected sizes are stretched.

@@ -5,12 +5,28 @@
 //! | s | expected sizes of all columns | p | each its own |
 //! | G | grouping, β = G c: 1 at the kept column, −c_j at what passes into it | r × p | |
 //! | κ | `kappa` | 1 | 1 |
-//! | Σ = κ² G S² Gᵀ | prior covariance of β | r × r | |
+//! | w | `widths`: of each kind, 1 at the least | kinds | 1 |
+//! | Σ = κ² G W² S² Gᵀ | prior covariance of β | r × r | |
 //! | R Σ₁^{1/2} = U diag(d) Vᵀ | whitened data in prior units (κ = 1) | r × r | 1 |
 //!
 //! κ comes from the data, by the marginal likelihood of `t = Uᵀ z ~ N(0, 1 + κ² d²)`:
 //! `min_κ Σ_k ln(1 + κ² d_k²) + t_k² / (1 + κ² d_k²)` (Robbins 1956; MacKay 1992; here in the form for ridge
 //! regression). Directions with κ d ≫ 1 are untouched: for them the fit is least squares.
+//!
+//! The unknowns of one family in one unit are a *kind*. One that is much larger than its expected size beside the others, soft springs
+//! among well made frames, would be drawn towards zero by a κ that the others ask for, and its intervals would not hold it. Such a kind
+//! gets a width of its own, `w² ← w² Σ u² / Σ γ` over its columns until it stays (MacKay 1992), with
+//!
+//! | symbol | here | shape |
+//! | --- | --- | --- |
+//! | Q = Σ^{−1/2} κ G W S | members of the groups in prior units | r × p |
+//! | X = R Σ^{1/2}, H = I − (XᵀX + I)⁻¹ | what the data decides | r × r |
+//! | u = Qᵀ Σ^{−1/2} β | the most likely errors in prior units | p |
+//! | γ_j = (Qᵀ H Q)_jj | how much of u_j the data decides, 0…1 | p |
+//!
+//! None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
+//! than ten expected sizes: what the many others are like says nothing of a gap or a spring, and one or two of them say too little
+//! about what is usual.
 
 use crate::IdentifyError;
 use crate::reduction::Reduction;
@@ -27,6 +43,16 @@ pub enum PriorStrength {
     Fixed(f64),
     /// κ from the data, by marginal likelihood.
     Evidence,
+    /// κ from the data, and a width of its own for each kind of unknown (of one family, in one unit) that is larger than the others
+    /// let expect, or has few.
+    Kinds,
+}
+
+impl PriorStrength {
+    /// Whether the data is asked for κ.
+    pub(crate) fn asks_the_data(self) -> bool {
+        matches!(self, PriorStrength::Evidence | PriorStrength::Kinds)
+    }
 }
 
 /// A prior for the kept columns: rows `W (β + δ) = 0` with `WᵀW = Σ⁻¹`.
@@ -38,31 +64,36 @@ pub struct Prior {
     spread: DMatrix<f64>,
     /// κ; infinite without a prior.
     pub kappa: f64,
+    /// w, one a kind of unknown.
+    pub widths: Vec<f64>,
 }
 
 impl Prior {
     /// No prior, before there is a reduction.
     pub(crate) fn none() -> Self {
-        Prior { unit: DMatrix::zeros(0, 0), spread: DMatrix::zeros(0, 0), kappa: f64::INFINITY }
+        Prior {
+            unit: DMatrix::zeros(0, 0),
+            spread: DMatrix::zeros(0, 0),
+            kappa: f64::INFINITY,
+            widths: Vec::new(),
+        }
     }
 
     /// The prior over a reduction's groups, with κ still at its start.
     pub fn new(model: &ErrorModel, reduction: &Reduction, strength: PriorStrength) -> Self {
-        let rank = reduction.rank();
         let kappa = match strength {
             PriorStrength::None => f64::INFINITY,
             PriorStrength::Fixed(kappa) => kappa,
-            PriorStrength::Evidence => START,
+            PriorStrength::Evidence | PriorStrength::Kinds => START,
         };
+        Self::wide(model, reduction, kappa, vec![1.0; kinds(model).1])
+    }
+
+    /// With these widths of the kinds.
+    pub(crate) fn wide(model: &ErrorModel, reduction: &Reduction, kappa: f64, widths: Vec<f64>) -> Self {
+        let rank = reduction.rank();
         let scale = |c: usize| model.columns()[c].scale;
-        // G S, scaled by the kept columns' sizes so that the Cholesky factor is well conditioned.
-        let mut grouped = DMatrix::zeros(rank, model.columns().len());
-        for (row, group) in reduction.groups.iter().enumerate() {
-            grouped[(row, group.column)] = 1.0;
-            for &(column, coefficient) in &group.members {
-                grouped[(row, column)] = coefficient * scale(column) / scale(group.column);
-            }
-        }
+        let grouped = members(model, reduction, &widths);
         let covariance = &grouped * grouped.transpose();
         let mut spread = covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
         let mut unit = spread
@@ -72,12 +103,17 @@ impl Prior {
             unit.column_mut(k).scale_mut(1.0 / scale(group.column));
             spread.row_mut(k).scale_mut(scale(group.column));
         }
-        Prior { unit, spread, kappa }
+        Prior { unit, spread, kappa, widths }
     }
 
     /// W, r × r; none without a prior.
     pub fn rows(&self) -> Option<DMatrix<f64>> {
         self.kappa.is_finite().then(|| &self.unit / self.kappa)
+    }
+
+    /// κ of a kind of few unknowns that is not yet in the model.
+    pub(crate) fn of_few(&self, strength: PriorStrength) -> f64 {
+        if strength == PriorStrength::Kinds { self.kappa.max(LOOSE) } else { self.kappa }
     }
 
     /// W for κ = 1, whatever κ is: what "an expected size" means for each direction.
@@ -147,6 +183,89 @@ impl Prior {
         Ok(Prior { kappa: minimum(LEAST.ln(), MOST.ln(), deviance).exp(), ..self.clone() })
     }
 }
+
+impl Prior {
+    /// With the width of each kind nearer to what the data says of it; `factor` as in [`Prior::from_evidence`], `beta` its solution with
+    /// this prior. None where there is but one.
+    pub(crate) fn by_kinds(
+        &self,
+        model: &ErrorModel,
+        reduction: &Reduction,
+        factor: &Factor,
+        beta: &[f64],
+    ) -> Option<Self> {
+        if self.widths.len() < 2 {
+            return None; // what κ says is all there is to say
+        }
+        let rank = reduction.rank();
+        // Q: the columns' sizes over those of their groups drop out of L⁻¹ G S.
+        let mut sized = members(model, reduction, &self.widths);
+        for (row, group) in reduction.groups.iter().enumerate() {
+            sized.row_mut(row).scale_mut(model.columns()[group.column].scale);
+        }
+        let members = &self.unit * sized;
+        let data = &factor.r * &self.spread * self.kappa;
+        let own = data.tr_mul(&data);
+        // qᵀ H q = |q|² − |C⁻¹ q|² with XᵀX + I = C Cᵀ.
+        let open = (own + DMatrix::identity(rank, rank)).cholesky()?.l().solve_lower_triangular(&members)?;
+        let likely = members.tr_mul(&(&self.unit * DVector::from_column_slice(beta) / self.kappa));
+        let (kinds, count) = kinds(model);
+        let mut sums = vec![(0, 0.0, 0.0); count];
+        for (column, &kind) in kinds.iter().enumerate() {
+            let (columns, squares, decided) = &mut sums[kind];
+            *columns += 1;
+            *squares += likely[column] * likely[column];
+            *decided += members.column(column).norm_squared() - open.column(column).norm_squared();
+        }
+        let mut widths = self.widths.clone();
+        for (width, (columns, squares, decided)) in widths.iter_mut().zip(sums) {
+            let least = if columns <= FEW { (LOOSE / self.kappa).max(1.0) } else { 1.0 };
+            // A kind of which the data decides next to nothing has no size to be seen.
+            let seen = if decided > LEAST_DECIDED { *width * (squares / decided).sqrt() } else { *width };
+            *width = seen.clamp(least, least.max(MOST / LEAST));
+        }
+        Some(Self::wide(model, reduction, self.kappa, widths))
+    }
+}
+
+/// G W S over the kept columns' sizes, so that the Cholesky factor of its square is well conditioned; r × p.
+fn members(model: &ErrorModel, reduction: &Reduction, widths: &[f64]) -> DMatrix<f64> {
+    let width: Vec<f64> = kinds(model).0.into_iter().map(|kind| widths[kind]).collect();
+    let scale = |c: usize| model.columns()[c].scale;
+    let mut grouped = DMatrix::zeros(reduction.rank(), width.len());
+    for (row, group) in reduction.groups.iter().enumerate() {
+        grouped[(row, group.column)] = width[group.column];
+        for &(column, coefficient) in &group.members {
+            grouped[(row, column)] = coefficient * width[column] * scale(column) / scale(group.column);
+        }
+    }
+    grouped
+}
+
+/// A kind of no more unknowns than this is held no closer than so many expected sizes.
+const FEW: usize = 10;
+const LOOSE: f64 = 10.0;
+
+/// The kind of each column, and how many kinds there are: those of one family in one unit.
+fn kinds(model: &ErrorModel) -> (Vec<usize>, usize) {
+    let mut known: Vec<(&str, &str)> = Vec::new();
+    let mut of = Vec::with_capacity(model.columns().len());
+    for effect in 0..model.effects().len() {
+        for column in model.columns_of(effect) {
+            let kind = (model.effects()[effect].kind(), model.columns()[column].unit.as_str());
+            let place = known.iter().rposition(|k| *k == kind).unwrap_or_else(|| {
+                known.push(kind);
+                known.len() - 1
+            });
+            of.push(place);
+        }
+    }
+    let count = known.len();
+    (of, count)
+}
+
+/// Columns, in sum, of which the data has to decide before their kind's width is looked at.
+const LEAST_DECIDED: f64 = 0.1;
 
 /// Minus twice the logarithm of some directions' evidence, factor by factor.
 fn exact(pairs: &[(f64, f64)], square: f64) -> f64 {

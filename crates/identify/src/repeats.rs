@@ -3,16 +3,21 @@
 //! | symbol | here | unit |
 //! | --- | --- | --- |
 //! | n_i | visits of configuration i in which a target's position was measured | 1 |
-//! | SS_PE = Σ_ij ‖p_ij − p̄_i‖² | around the mean of each configuration and target | m² |
+//! | SS_PE = Σ_ij ‖V^{−1/2} (p_ij − p̄_i)‖² | around the mean of each configuration and target | 1 |
 //! | df_PE = 3 Σ (n_i − 1) | | 1 |
-//! | SS_LOF = RSS − SS_PE, df_LOF = m − r − df_PE | what the model misses beyond it | m² |
+//! | SS_LOF = RSS − SS_PE, df_LOF = m − r − df_PE | what the model misses beyond it, whitened | 1 |
 //! | F = (SS_LOF / df_LOF) / (SS_PE / df_PE) | ~ F(df_LOF, df_PE) when nothing is missing | 1 |
+//!
+//! V is the covariance of the rows of one visit ([`crate::NoiseModel`]): they share its repeatability, and without the whitening three
+//! targets of one visit would pass for three looks at it.
 //!
 //! Source: Fisher's lack-of-fit test, as in Draper and Smith, *Applied Regression Analysis*, 3rd ed., §2.1. Visits that came
 //! from different sides of approach are repeats of each other: so backlash counts as lack of fit when both
 //! sides stand in the model's data, and as pure error when it is ignored; `one_sided` says which repeats there are.
 
-use crate::{Fit, Residuals};
+use crate::noise::whiten;
+use crate::{Fit, NoiseModel};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
@@ -54,35 +59,49 @@ pub fn repeats(fit: &Fit, data: &Dataset) -> Option<Repeats> {
             members.entry((configuration[data.visit[row]], target)).or_default().push(row);
         }
     }
-    let groups: Vec<&Vec<usize>> =
-        members.values().filter(|rows| rows.iter().any(|&r| data.visit[r] != data.visit[rows[0]])).collect();
+    let several = |rows: &&Vec<usize>| rows.iter().any(|&r| data.visit[r] != data.visit[rows[0]]);
+    let groups: Vec<Vec<usize>> = members.values().filter(several).cloned().collect();
     if groups.is_empty() {
         return None;
     }
-    let mut squares = 0.0;
-    let mut freedom = 0;
-    let mut one_sided = true;
+    let (mut squares, mut freedom, mut one_sided) = (0.0, 0, true);
+    let mut around = fit.residuals.position.clone();
     for rows in &groups {
         // Residuals, not positions: channels and time may differ between repeats, and the model knows them.
-        squares += around_mean(&fit.residuals, rows);
+        let sum: Vector3<f64> = rows.iter().map(|&r| fit.residuals.position[r]).sum();
+        rows.iter().for_each(|&r| around[r] -= sum / rows.len() as f64);
+        squares += rows.iter().map(|&r| around[r].norm_squared()).sum::<f64>();
         freedom += 3 * (rows.len() - 1);
         one_sided &=
             rows.iter().all(|&r| data.approach.iter().all(|side| (side[r] - side[rows[0]]).abs() < 0.5));
     }
     let variance = squares / freedom as f64;
-    let measured: usize = members.values().map(|rows| 3 * rows.len()).sum();
-    let total: f64 = members.values().flatten().map(|&row| fit.residuals.position[row].norm_squared()).sum();
-    let left = measured.saturating_sub(fit.reduction.rank()).saturating_sub(freedom);
-    let lack_of_fit = (left > 0 && variance > 0.0).then(|| {
-        let f = ((total - squares).max(0.0) / left as f64) / variance;
+    let repeated: Vec<usize> = groups.iter().flat_map(|rows| rows.iter().copied()).collect();
+    let measured: Vec<usize> = members.into_values().flatten().collect();
+    let pure = whitened_squares(fit.noise, data, &around, &repeated);
+    let total = whitened_squares(fit.noise, data, &fit.residuals.position, &measured);
+    let left = (3 * measured.len()).saturating_sub(fit.reduction.rank()).saturating_sub(freedom);
+    let lack_of_fit = (left > 0 && pure > 0.0).then(|| {
+        let f = ((total - pure).max(0.0) / left as f64) / (pure / freedom as f64);
         let p_value = FisherSnedecor::new(left as f64, freedom as f64).map_or(1.0, |d| d.sf(f));
         LackOfFit { f, freedom: left, p_value }
     });
     Some(Repeats { groups: groups.len(), freedom, rms: (3.0 * variance).sqrt(), one_sided, lack_of_fit })
 }
 
-fn around_mean(residuals: &Residuals, rows: &[usize]) -> f64 {
-    let mean =
-        rows.iter().map(|&r| residuals.position[r]).sum::<nalgebra::Vector3<f64>>() / rows.len() as f64;
-    rows.iter().map(|&r| (residuals.position[r] - mean).norm_squared()).sum()
+/// Sum of the squares of these rows' residuals, whitened visit by visit.
+fn whitened_squares(noise: NoiseModel, data: &Dataset, residuals: &[Vector3<f64>], rows: &[usize]) -> f64 {
+    let mut visits: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    rows.iter().for_each(|&row| visits.entry(data.visit[row]).or_default().push(row));
+    let one = |rows: &Vec<usize>| -> f64 {
+        let places: Vec<usize> = (0..rows.len()).collect();
+        let axis = |axis: usize| -> f64 {
+            let mut block: Vec<f64> = rows.iter().map(|&row| residuals[row][axis]).collect();
+            let sd: Vec<f64> = rows.iter().map(|&row| noise.position(data.position_sd[row][axis])).collect();
+            whiten(&mut block, 1, &places, &sd, noise.visit_sd, &mut [0.0]);
+            block.iter().map(|v| v * v).sum()
+        };
+        (0..3).map(axis).sum()
+    };
+    visits.values().map(one).sum()
 }

@@ -42,6 +42,10 @@ pub struct DiscoverySummary {
     /// Held-out poses against a specification, where one was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specification: Option<SpecificationSummary>,
+    /// Why the loop was ended before it came to its end, where it was: there may be more effects, rivals were not judged, and coefficients
+    /// are those of the training part.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub incomplete: Option<String>,
     /// Seed, flips, level.
     pub settings: Settings,
 }
@@ -280,6 +284,7 @@ impl DiscoverySummary {
             },
             stopped: found.stopped,
             nested: None,
+            incomplete: None,
             specification: None,
             settings,
         }

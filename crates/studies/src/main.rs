@@ -3,8 +3,10 @@
 mod clock;
 mod discovery;
 mod drive;
+mod ledger;
 mod orders;
 mod pps;
+mod reliability;
 mod solvers;
 
 use std::io::Write;
@@ -32,8 +34,12 @@ fn main() -> ExitCode {
         "drive" => drive::run(&rest),
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
+        "reliability" => reliability::run(&rest),
         "solvers" => solvers::run(),
-        _ => Err(format!("unknown study `{name}`; there are: discovery, drive, orders, pps, solvers").into()),
+        _ => Err(format!(
+            "unknown study `{name}`; there are: discovery, drive, orders, pps, reliability, solvers"
+        )
+        .into()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -7,12 +7,12 @@ use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
 use crate::watch;
-use std::path::Path;
-use truepose_discover::{DiscoverOptions, Progress, RivalFit, diagnose, nested};
+use std::path::{Path, PathBuf};
+use truepose_discover::{Diagnosis, DiscoverOptions, Progress, RivalFit, diagnose, nested};
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, EffectRegistry};
+use truepose_errormodel::{AnyEffect, EffectRegistry, FittedModel};
 use truepose_io::{
-    MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit,
+    MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit, write_whole,
 };
 use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
 
@@ -47,15 +47,23 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
+    let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner();
-    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| {
-        if let Progress::Found(words) = &step {
-            watch::found(words);
+    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
+        Progress::SoFar(so_far) => {
+            let (out, origin) = (args.out.clone(), origin.clone());
+            let ledger = folder.as_ref().map(Folder::result);
+            watch::keep(move |why| incomplete(*so_far, settings, &origin, out, ledger, why));
         }
-        bar.say(&word(&step));
+        step => {
+            if let Progress::Found(words) = &step {
+                watch::found(words);
+            }
+            bar.say(&word(&step));
+        }
     })?;
     drop(bar);
-    let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(folds) = args.nested {
         let Some(split) = super::identify::split(usize::from(folds), args.split, args.seed, &data)? else {
@@ -70,6 +78,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.against(limit, &found, &data);
     }
+    watch::whole();
     if args.json {
         print_json(&summary)?;
     } else {
@@ -82,13 +91,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         })?;
     }
     if let Some(out) = &args.out {
-        let provenance = &mut found.fit.fitted.provenance;
-        provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
-        provenance.insert("verb".into(), "discover".into());
-        provenance.insert("solver".into(), args.solver.to_string().into());
-        provenance.insert("rows".into(), data.len().into());
-        provenance.insert("seed".into(), args.seed.into());
-        provenance.insert("structure_frozen_then_all_rows".into(), true.into());
+        origin.write(&mut found.fit.fitted, true);
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));
     }
@@ -114,12 +117,61 @@ fn write_rivals(folder: &Path, rivals: &[RivalFit]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Where a fit comes from.
+#[derive(Clone)]
+struct Origin {
+    solver: String,
+    rows: usize,
+    seed: u64,
+}
+
+impl Origin {
+    fn write(&self, fitted: &mut FittedModel, all_rows: bool) {
+        let provenance = &mut fitted.provenance;
+        provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
+        provenance.insert("verb".into(), "discover".into());
+        provenance.insert("solver".into(), self.solver.clone().into());
+        provenance.insert("rows".into(), self.rows.into());
+        provenance.insert("seed".into(), self.seed.into());
+        provenance.insert("structure_frozen_then_all_rows".into(), all_rows.into());
+    }
+}
+
+/// Writes what was found before the run ended, marked as incomplete; each file whole or not at all. Says which were written.
+fn incomplete(
+    mut found: Diagnosis,
+    settings: Settings,
+    origin: &Origin,
+    out: Option<PathBuf>,
+    ledger: Option<PathBuf>,
+    why: &str,
+) -> Vec<PathBuf> {
+    let summary =
+        DiscoverySummary { incomplete: Some(why.into()), ..DiscoverySummary::new(&found, settings) };
+    let mut written = Vec::new();
+    if let Some(out) = out {
+        origin.write(&mut found.fit.fitted, false);
+        found.fit.fitted.provenance.insert("incomplete".into(), why.into());
+        if write_fit(&out, &found.fit.fitted).is_ok() {
+            written.push(out);
+        }
+    }
+    if let Some(ledger) = ledger
+        && let Ok(text) = serde_json::to_string_pretty(&summary)
+        && write_whole(&ledger, (text + "\n").as_bytes()).is_ok()
+    {
+        written.push(ledger);
+    }
+    written
+}
+
 fn word(step: &Progress) -> String {
     match step {
         Progress::Fitting => "fitting the declared model".into(),
         Progress::Screening(0) => "screening all candidates".into(),
         Progress::Screening(found) => format!("screening again, {found} found"),
         Progress::Found(words) => format!("found {words}; fitting"),
+        Progress::SoFar(_) => "keeping what was found".into(),
         Progress::Reconsidering => "looking at earlier finds again".into(),
         Progress::Judging => "judging on the rows that were held out".into(),
     }

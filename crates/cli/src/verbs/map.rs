@@ -70,7 +70,7 @@ fn say(args: &Map, map: &AccuracyMap) -> Result<(), Failure> {
     ));
     if map.reachable() > 0.0 {
         terminal::print(&format!(
-            "before compensation: RMS {}, max {}\nafter it, with 95 %:  RMS below {}, max below {}\n",
+            "before compensation: RMS {}, max {}\nafter it, the 95 % band of a place: RMS {}, largest {}\n",
             millimetres(map.before_rms()),
             millimetres(map.before_max()),
             millimetres(map.after_95_rms()),

@@ -26,6 +26,11 @@ impl Folder {
         Ok(Some(Folder { path: path.clone(), result }))
     }
 
+    /// The file of the result.
+    pub fn result(&self) -> PathBuf {
+        self.path.join(self.result)
+    }
+
     /// Writes the result, the record of the run, and the page that `page` makes of the record.
     pub fn write(
         &self,

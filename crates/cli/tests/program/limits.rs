@@ -79,6 +79,32 @@ fn limits_that_the_caller_sets_are_kept() {
     folder.run(&["check", "--robot", "robot.toml", "--time-limit", "3"]).ended(2);
 }
 
+/// With few flips the first find comes soon, and whole runs in each of eight folds come after it.
+#[test]
+fn what_was_found_before_a_limit_is_kept_and_marked_as_incomplete() {
+    let folder = busy();
+    let run = |limit: &str| {
+        let mut words: Vec<&str> = DISCOVER[..DISCOVER.len() - 2].to_vec();
+        words.extend(["--nested", "8", "--time-limit", limit]);
+        folder.run(&words)
+    };
+    // Machines differ: the first limit after which something was found.
+    let limits = ["1s", "2s", "4s", "8s", "16s", "32s", "64s"];
+    let run = limits.into_iter().map(run).find(|run| !run.out.contains("nothing yet")).unwrap().ended(3);
+    assert!(run.out.starts_with("INCOMPLETE: "), "{}", run.out);
+    assert!(run.log.contains("fit.json and page/discovery.json, marked as incomplete"), "{}", run.log);
+    let json = |name: &str| -> serde_json::Value { serde_json::from_str(&folder.read(name)).unwrap() };
+    let (fit, ledger) = (json("fit.json"), json("page/discovery.json"));
+    assert_eq!(ledger["incomplete"], "the time limit was reached");
+    assert_eq!(ledger["stopped"], "interrupted");
+    assert!(!ledger["effects"].as_array().unwrap().is_empty(), "{ledger}");
+    assert!(ledger["after"]["holdout"]["rms_mm"].as_f64() < ledger["before"]["holdout"]["rms_mm"].as_f64());
+    assert_eq!(fit["provenance"]["incomplete"], "the time limit was reached");
+    assert!(folder.names().iter().all(|name| !name.starts_with(".truepose")), "{:?}", folder.names());
+    // It is a fit like any other.
+    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+}
+
 fn untouched(folder: &Folder) {
     assert_eq!(folder.read("fit.json"), "an older result");
     assert!(folder.names().iter().all(|name| !name.starts_with(".truepose")), "{:?}", folder.names());

@@ -181,6 +181,11 @@ impl Kernel {
         })
     }
 
+    /// On these registers.
+    pub fn on(self, arch: Arch) -> Self {
+        Kernel { arch, ..self }
+    }
+
     /// Finds the commands of a block.
     pub fn walk(&self, block: &mut Block) {
         block.fill_up();

@@ -10,7 +10,7 @@ use super::{LANES, LaneEmission, Lanes};
 use crate::Dataset;
 use nalgebra::Matrix3;
 use truepose_kinematics::lanes::Lane;
-use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
+use truepose_kinematics::pulp::{Simd, WithSimd};
 use truepose_kinematics::{Pose, Site, rotation_log, three};
 
 /// One component of all rows of a block.
@@ -59,7 +59,7 @@ impl Lanes<'_> {
             numbers[..self.rows.len()].iter().all(|&v| v == 0.0)
         }));
         let (store, emission) = (&self.store, &self.emission);
-        Arch::new().dispatch(Columns { store, emission, fill: &mut self.fill, weights, places });
+        store.arch.dispatch(Columns { store, emission, fill: &mut self.fill, weights, places });
     }
 
     /// Writes what is left when the coefficients change: `y − y(c) − P J_e Φ δ`, `LANES` numbers a component, m and rad. What was not
@@ -71,7 +71,7 @@ impl Lanes<'_> {
             self.change.add(&self.emission, 0, change);
         }
         let (store, change) = (&self.store, &self.change);
-        Arch::new().dispatch(Left { store, change, fill: &self.fill, into });
+        store.arch.dispatch(Left { store, change, fill: &self.fill, into });
     }
 
     /// Levers of the sites that columns which count speak of, and the measurements.

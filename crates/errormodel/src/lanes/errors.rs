@@ -16,6 +16,8 @@ pub(super) struct LaneErrors {
     varies: Vec<bool>,
     /// Sites of frames; those of targets follow.
     of_frames: usize,
+    /// The processor's registers.
+    pub arch: Arch,
 }
 
 /// The errors of a frame.
@@ -37,6 +39,7 @@ impl LaneErrors {
             lanes: vec![0.0; sites * LANES],
             varies: vec![false; sites],
             of_frames: 6 * chain.frames().len(),
+            arch: Arch::new(),
         }
     }
 
@@ -51,7 +54,7 @@ impl LaneErrors {
 
     /// Adds those of an emission's entries, from one on, with these coefficients.
     pub fn add(&mut self, emission: &LaneEmission, from: usize, coefficients: &[f64]) {
-        Arch::new().dispatch(Add { errors: self, emission, from, coefficients });
+        self.arch.dispatch(Add { errors: self, emission, from, coefficients });
     }
 
     /// Takes those of one lane.

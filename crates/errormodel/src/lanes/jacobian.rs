@@ -5,7 +5,7 @@ use super::errors::LaneErrors;
 use super::store::Store;
 use crate::ModelError;
 use truepose_kinematics::lanes::Lane;
-use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
+use truepose_kinematics::pulp::{Simd, WithSimd};
 use truepose_kinematics::{Chain, Site, three};
 
 impl Store {
@@ -23,7 +23,7 @@ impl Store {
                 }
             }
         }
-        Arch::new().dispatch(Reach { store: self, frames, lanes });
+        self.arch.dispatch(Reach { store: self, frames, lanes });
     }
 
     /// The tool's axes where a target is measured, zero where it is not.

@@ -5,7 +5,7 @@ use super::store::Store;
 use crate::Dataset;
 use nalgebra::Vector3;
 use truepose_kinematics::lanes::Lane;
-use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
+use truepose_kinematics::pulp::{Simd, WithSimd};
 use truepose_kinematics::{Chain, JointId, JointKind, Load, three};
 
 /// What the tool carries, lane by lane.
@@ -50,7 +50,7 @@ impl LaneLoad {
 impl Store {
     /// Wrenches of all frames and loads of all joints, of the first lanes.
     pub fn weigh(&mut self, chain: &Chain, load: &LaneLoad, gravity: &Vector3<f64>, lanes: usize) {
-        Arch::new().dispatch(Weigh { store: self, chain, load, gravity, lanes });
+        self.arch.dispatch(Weigh { store: self, chain, load, gravity, lanes });
     }
 }
 

@@ -33,6 +33,7 @@ use loads::LaneLoad;
 use nalgebra::Vector3;
 use std::cell::Cell;
 use store::Store;
+use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer};
 
 /// How many rows a block has at most.
@@ -97,6 +98,12 @@ impl<'m> Lanes<'m> {
         };
         lanes.wide = lanes.speaks_wide();
         lanes
+    }
+
+    /// On these registers, instead of the widest that the processor has: the same numbers but for their last digits.
+    pub fn on(mut self, arch: Arch) -> Self {
+        (self.store.arch, self.errors.arch, self.change.arch) = (arch, arch, arch);
+        self
     }
 
     /// The model.

@@ -14,6 +14,7 @@
 use super::LANES;
 use crate::Dataset;
 use nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Axis, Chain, FrameId, Pose, Site, TargetId, Wrench};
 
 /// The rows, and which of them stand for others.
@@ -26,6 +27,8 @@ pub(super) struct Store {
     targets: usize,
     /// The target of each lane.
     pub target: Vec<Option<TargetId>>,
+    /// The processor's registers.
+    pub arch: Arch,
 }
 
 impl Store {
@@ -37,6 +40,7 @@ impl Store {
             frames,
             targets,
             target: Vec::with_capacity(LANES),
+            arch: Arch::new(),
         };
         store.numbers = vec![0.0; (store.angle(frames, 0)) * LANES];
         store

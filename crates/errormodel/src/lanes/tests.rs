@@ -4,6 +4,8 @@ use crate::effects::{
     Place, Polynomial, Transmission, WrenchComponent,
 };
 use crate::{AnyEffect, ErrorJacobian, ErrorModel, Schema};
+use truepose_kinematics::lanes::levels;
+use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{
     Axis, Chain, FrameId, JointId, JointKind, Load, Payload, TargetId, Wrench, rotation_log, samples,
 };
@@ -38,11 +40,11 @@ fn data(chain: &Chain, rows: usize) -> Dataset {
 }
 
 /// Every number of a block against that of one row after the other.
-fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64]) {
+fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64], arch: Arch) {
     let chain = model.chain();
     let rows: Vec<usize> = (0..data.len()).collect();
     let places: Vec<Option<usize>> = (0..model.columns().len()).map(Some).collect();
-    let mut lanes = Lanes::new(model.bind(&data.schema).unwrap());
+    let mut lanes = Lanes::new(model.bind(&data.schema).unwrap()).on(arch);
     lanes.gather(data, &rows);
     lanes.settle(data, coefficients);
     let mut weights = vec![0.0; 6 * LANES];
@@ -137,14 +139,17 @@ fn models(chain: &Chain) -> Vec<ErrorModel> {
 }
 
 #[test]
-fn a_block_says_what_its_rows_say() {
+fn a_block_says_what_its_rows_say_on_every_level_of_the_processor() {
+    let levels = levels();
     for chain in samples::all() {
         let data = data(&chain, 21);
         for model in models(&chain) {
             let zero = vec![0.0; model.columns().len()];
-            check(&model, &data, &zero);
             let some: Vec<f64> = model.columns().iter().map(|column| 0.03 * column.scale).collect();
-            check(&model, &data, &some);
+            for &arch in &levels {
+                check(&model, &data, &zero, arch);
+                check(&model, &data, &some, arch);
+            }
         }
     }
 }

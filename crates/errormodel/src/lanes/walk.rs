@@ -5,18 +5,18 @@ use super::errors::{FrameErrors, LaneErrors};
 use super::store::Store;
 use crate::{error_matrix, rotation_axes};
 use truepose_kinematics::lanes::{Lane, LanePose, sin_cos_of};
-use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
+use truepose_kinematics::pulp::{Simd, WithSimd};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, three};
 
 impl Store {
     /// Sines and cosines of the joints (movable × `LANES`).
     pub fn turn(&mut self, chain: &Chain, joints: &[f64]) {
-        Arch::new().dispatch(Turn { store: self, chain, joints });
+        self.arch.dispatch(Turn { store: self, chain, joints });
     }
 
     /// Frames with these errors, of the first lanes.
     pub fn walk(&mut self, chain: &Chain, joints: &[f64], errors: &LaneErrors, lanes: usize) {
-        Arch::new().dispatch(Walk { store: self, chain, joints, errors, lanes });
+        self.arch.dispatch(Walk { store: self, chain, joints, errors, lanes });
     }
 }
 

@@ -68,7 +68,7 @@ impl Default for FitOptions {
             max_rounds: 500,
             flat: 1e-6,
             rank: RankRule::Default,
-            prior: PriorStrength::Evidence,
+            prior: PriorStrength::Kinds,
             noise: NoiseSource::Estimate,
             shapes: Shapes::default(),
         }
@@ -262,8 +262,7 @@ pub(crate) fn fit_fixed(
     {
         // The same width as before, until the data is asked again.
         let before = state.spoilable();
-        state.prior = Prior::new(model, &more, options.prior);
-        state.prior.kappa = before.0.kappa;
+        state.prior = Prior::wide(model, &more, before.0.kappa, before.0.widths.clone());
         state.share_out(&reduction, &more);
         let factor = state.linearise(Some(&more.kept))?;
         match state.rounds(&more, factor) {

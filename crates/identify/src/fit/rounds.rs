@@ -163,10 +163,8 @@ impl<'a> State<'a> {
                 self.noise = noise;
             }
             factor = self.linearise(Some(&reduction.kept))?;
-            if self.options.prior == PriorStrength::Evidence {
-                let prior = self.prior.from_evidence(&self.absolute(reduction, &factor))?;
-                settled &= (prior.kappa / self.prior.kappa).ln().abs() < 1e-2;
-                self.prior = prior;
+            if self.options.prior.asks_the_data() {
+                settled &= self.look_at_prior(reduction, &self.absolute(reduction, &factor))?;
             }
             if settled || looks > MOST_LOOKS {
                 settled = true;
@@ -177,6 +175,21 @@ impl<'a> State<'a> {
                 return Ok(Outcome { solution, rounds, converged, factor, residuals });
             }
         }
+    }
+
+    /// The prior as the data now has it; whether it stayed.
+    fn look_at_prior(&mut self, reduction: &Reduction, factor: &Factor) -> Result<bool, IdentifyError> {
+        let before = self.prior.clone();
+        self.prior = self.prior.from_evidence(factor)?;
+        if self.options.prior == PriorStrength::Kinds {
+            let beta = reduction.grouped(&self.coefficients);
+            if let Some(prior) = self.prior.by_kinds(self.model, reduction, factor, &beta) {
+                self.prior = prior;
+            }
+        }
+        let same = |a: f64, b: f64| (a / b).ln().abs() < 1e-2;
+        let widths = self.prior.widths.iter().zip(&before.widths);
+        Ok(same(self.prior.kappa, before.kappa) && widths.into_iter().all(|(a, b)| same(*a, *b)))
     }
 
     /// The reduction at the solution, when the data determines more there than at the nominal robot.

@@ -85,6 +85,13 @@ impl Batch {
 }
 
 impl<'a> Blocks<'a> {
+    /// On these registers, instead of the widest that the processor has.
+    #[cfg(test)]
+    pub fn on(mut self, arch: truepose_kinematics::pulp::Arch) -> Self {
+        self.lanes = self.lanes.on(arch);
+        self
+    }
+
     /// Linearises at these coefficients, over all columns or over these.
     ///
     /// # Errors
@@ -440,3 +447,6 @@ pub fn left_over(
     }
     Ok(residuals)
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,11 +9,17 @@
 //! | A | all kept columns at the solution, with the rows of the prior | m × r |
 //! | b | coefficients of the effects' columns | k |
 //!
-//! An instant has no slope. Its interval holds every gap between visits at which the whitened squares are less than 3.84 (95 %
-//! of χ² with one degree of freedom) above the least.
+//! The interval of a smooth parameter goes to where the whitened squares, with the coefficients solved for anew, are t² above the
+//! least (t: Student's quantile): a load on a flank or a time constant that is hardly known is known unevenly, farther up than down. Of an effect that
+//! is hardly seen it holds every valley that is as deep. Beside
+//! other parameters that are free it is as much longer as they let it be: by √((cov θ)_kk |D̃_k|²).
+//!
+//! An instant has no slope, and the likelihood ratio of an instant follows no χ²: left and right of the truth the squares walk at
+//! random, and with P(ratio ≤ c) = (1 − e^{−c/2})² it takes c = 7.35 for 95 %. Its interval holds every gap between visits at which the
+//! whitened squares are less than that above the least (Hansen 2000, table I).
 
 use super::FittedShape;
-use super::grid::gaps;
+use super::grid::{gaps, values};
 use super::picture::Picture;
 use super::refine::{Valley, left};
 use crate::{Fit, IdentifyError, student_quantile};
@@ -21,13 +27,21 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use truepose_errormodel::{FittedModel, Search, Shape};
 
-/// 95 % of χ² with one degree of freedom.
-const CHI_SQUARE: f64 = 3.841_458_820_694_124;
+/// −2 ln(1 − √0.95): 95 % of the likelihood ratio of an instant.
+const RATIO: f64 = 7.352_217_9;
+
+/// An effect that takes less than this off the whitened squares may be found in a wrong valley.
+const WEAK: f64 = 100.0;
+
+/// Farther above than this beyond it no gap comes back.
+const FAR: f64 = 10.0;
 
 /// Z over (other columns, the effects' columns) and the covariance of the smooth parameters.
 struct Known {
     smooth: Vec<usize>,
     covariance: DMatrix<f64>,
+    /// Variances if the other parameters were known.
+    alone: Vec<f64>,
     others: DMatrix<f64>,
     own: DMatrix<f64>,
 }
@@ -56,10 +70,11 @@ impl Known {
             .solve_upper_triangular(&(picture.along(&slopes) - picture.along(&columns) * &own))
             .unwrap_or_else(|| DMatrix::zeros(picture.triangle.ncols(), smooth.len()));
         let gram = rest.tr_mul(&rest);
+        let alone = gram.diagonal().iter().map(|square| 1.0 / square).collect();
         let covariance = gram
             .try_inverse()
             .unwrap_or_else(|| DMatrix::from_diagonal_element(smooth.len(), smooth.len(), f64::MAX.sqrt()));
-        Ok(Known { smooth, covariance, others, own })
+        Ok(Known { smooth, covariance, alone, others, own })
     }
 }
 
@@ -104,10 +119,17 @@ pub(super) fn judge(
     for (k, (effect, shape)) in free.iter().enumerate() {
         let interval = match known.smooth.iter().position(|&s| s == k) {
             Some(place) => {
-                let half = quantile * known.covariance[(place, place)].sqrt();
+                let alone = known.alone[place] * picture.share();
+                let half = quantile * alone.sqrt();
+                let stretch = (known.covariance[(place, place)] / alone).sqrt();
                 // Of an effect that explains nothing, or was left out, the data says nothing: the whole range.
-                let nothing = half.is_nan() || half > shape.upper - shape.lower;
-                if nothing { [shape.lower, shape.upper] } else { [theta[k] - half, theta[k] + half] }
+                if !half.is_finite() || stretch.is_nan() {
+                    [shape.lower, shape.upper]
+                } else {
+                    let allowed = quantile * quantile * picture.share();
+                    profile(picture, shape, theta, k, (half, allowed))?
+                        .map(|end| (theta[k] + stretch * (end - theta[k])).clamp(shape.lower, shape.upper))
+                }
             }
             None => instant(picture, shape, theta, k)?,
         };
@@ -150,24 +172,83 @@ fn instant(picture: &Picture<'_>, shape: &Shape, theta: &[f64], k: usize) -> Res
     let gaps = gaps(shape, picture.data);
     let here = gaps.iter().position(|gap| gap[0] <= theta[k] && theta[k] <= gap[1]);
     let Some(here) = here else { return Ok([theta[k]; 2]) };
-    let height = |gap: &[f64; 2]| -> Result<f64, IdentifyError> {
-        let mut trial = theta.to_vec();
-        trial[k] = 0.5 * (gap[0] + gap[1]);
-        left(&picture.beyond(picture.all(&trial)?), &picture.target)
-    };
-    let least = height(&gaps[here])?;
+    let middle = |gap: &[f64; 2]| height(picture, theta, k, 0.5 * (gap[0] + gap[1]));
+    let least = middle(&gaps[here])?;
     let mut ends = gaps[here];
     for gap in gaps[..here].iter().rev() {
-        if height(gap)? > least + CHI_SQUARE {
+        let above = middle(gap)? - least;
+        if above > RATIO + FAR {
             break;
         }
-        ends[0] = gap[0];
+        if above <= RATIO {
+            ends[0] = gap[0];
+        }
     }
     for gap in &gaps[here + 1..] {
-        if height(gap)? > least + CHI_SQUARE {
+        let above = middle(gap)? - least;
+        if above > RATIO + FAR {
             break;
         }
-        ends[1] = gap[1];
+        if above <= RATIO {
+            ends[1] = gap[1];
+        }
+    }
+    Ok(ends)
+}
+
+/// Whitened squares with another value of one parameter, coefficients solved for anew.
+fn height(picture: &Picture<'_>, theta: &[f64], k: usize, value: f64) -> Result<f64, IdentifyError> {
+    let mut trial = theta.to_vec();
+    trial[k] = value;
+    left(&picture.beyond(picture.all(&trial)?), &picture.target)
+}
+
+/// How far up and down one parameter can go within its range before the squares are `allowed` above the least; `half` is about how far.
+fn profile(
+    picture: &Picture<'_>,
+    shape: &Shape,
+    theta: &[f64],
+    k: usize,
+    (half, allowed): (f64, f64),
+) -> Result<[f64; 2], IdentifyError> {
+    /// Of the first step; how steps grow, and how finely an end is told.
+    const FIRST: f64 = 0.25;
+    const GROWS: f64 = 1.6;
+    const FINE: f64 = 1e-3;
+    let range = shape.upper - shape.lower;
+    let half = half.clamp(1e-9 * range, 0.1 * range);
+    let most = height(picture, theta, k, theta[k])? + allowed;
+    let mut ends = [shape.lower, shape.upper];
+    for end in &mut ends {
+        let way = (*end - theta[k]).signum();
+        let (mut inside, mut step) = (theta[k], FIRST * half);
+        let mut outside = loop {
+            if (*end - inside) * way <= 0.0 {
+                break None;
+            }
+            let next = if (*end - inside).abs() <= step { *end } else { inside + way * step };
+            if height(picture, theta, k, next)? > most {
+                break Some(next);
+            }
+            (inside, step) = (next, step * GROWS);
+        };
+        while let Some(beyond) = outside.filter(|beyond| (beyond - inside).abs() > FINE * half) {
+            let middle = 0.5 * (inside + beyond);
+            if height(picture, theta, k, middle)? > most {
+                outside = Some(middle);
+            } else {
+                inside = middle;
+            }
+        }
+        *end = inside;
+    }
+    if picture.target.norm_squared() - (most - allowed) < WEAK {
+        // Another valley may be as deep but for chance.
+        for value in values(shape, picture.data, picture.chain()) {
+            if (value < ends[0] || value > ends[1]) && height(picture, theta, k, value)? <= most {
+                ends = [ends[0].min(value), ends[1].max(value)];
+            }
+        }
     }
     Ok(ends)
 }

@@ -90,7 +90,7 @@ impl<'a> Picture<'a> {
         let others = base.map_or_else(Vec::new, |fit| fit.reduction.kept.clone());
         let above = base.and_then(|fit| fit.prior.rows()).unwrap_or_else(|| DMatrix::zeros(0, others.len()));
         // Each of the effects' columns is held by its own expected size, as in the fit to come.
-        let kappa = base.map_or(f64::INFINITY, |fit| fit.prior.kappa);
+        let kappa = base.map_or(f64::INFINITY, |fit| fit.prior.of_few(options.prior));
         let own: usize = trial.scales.iter().map(Vec::len).sum();
         let height = above.nrows() + if kappa.is_finite() { own } else { 0 };
         let mut next = above.nrows();

@@ -8,5 +8,19 @@
 mod number;
 mod pose;
 
+use pulp::Arch;
+
 pub use number::{Lane, sin_cos_of};
 pub use pose::LanePose;
+
+/// Every level of registers that this processor has, from numbers alone to the widest.
+pub fn levels() -> Vec<Arch> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use pulp::x86::{V3, V4};
+        let some = [V3::try_new().map(Arch::V3), V4::try_new().map(Arch::V4)];
+        std::iter::once(Arch::Scalar).chain(some.into_iter().flatten()).collect()
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    vec![Arch::Scalar, Arch::new()]
+}

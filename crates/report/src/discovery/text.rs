@@ -119,6 +119,7 @@ impl DiscoverySummary {
                 "Something is left ({} % of the variance), but nothing that passed all tests",
                 significant(100.0 * self.unexplained.share_of_variance, 2)
             ),
+            Stop::Interrupted => "The run was ended before its end; something may be left".to_owned(),
             Stop::Limit => "As many effects as were allowed; something may be left".to_owned(),
         };
         format!("{why} (p = {}).", significant(self.unexplained.p_value, 2))

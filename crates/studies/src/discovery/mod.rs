@@ -9,18 +9,19 @@
 //! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
 //! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
-mod causes;
+pub mod causes;
 mod coverage;
 mod figures;
 mod plants;
-mod record;
-mod robots;
-mod summary;
-mod trial;
+pub mod record;
+pub mod robots;
+pub mod summary;
+pub mod trial;
 
+use crate::ledger::{Ledger, Line, commit};
 use crate::{folder, say};
 use causes::{CAUSES, Cause};
-use record::{Ledger, commit};
+use record::Record;
 use std::error::Error;
 use std::path::Path;
 use trial::Task;
@@ -55,7 +56,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     say(&format!("commit {commit}; {}", folder.display()));
     let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
     let mut text = format!("commit {commit}\n\n");
-    let mut ledger = Ledger::open(&folder, "nulls", &commit)?;
+    let mut ledger: Ledger<Record> = Ledger::open(&folder, "nulls", &commit)?;
     if wanted("nulls") {
         let task = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
         work(&mut ledger, (0..asked.nulls).map(task))?;
@@ -63,7 +64,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     text += &summary::nulls(&ledger.records)?;
     figures::nulls(&folder.join("nulls.svg"), &ledger.records)?;
 
-    let mut ledger = Ledger::open(&folder, "power", &commit)?;
+    let mut ledger: Ledger<Record> = Ledger::open(&folder, "power", &commit)?;
     if wanted("power") {
         // All cells first, then the next robot of each.
         let tasks = (0..asked.robots).flat_map(|seed| {
@@ -81,7 +82,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     figures::matrix(&folder.join("confusion.svg"), &ledger.records)?;
     figures::coverage(&folder.join("coverage.svg"), &ledger.records)?;
 
-    let mut ledger = Ledger::open(&folder, "without", &commit)?;
+    let mut ledger: Ledger<Record> = Ledger::open(&folder, "without", &commit)?;
     if wanted("without") {
         let tasks = (0..asked.robots).flat_map(|seed| {
             let causes = asked.causes.iter().filter(|c| !matches!(c, Cause::Outliers | Cause::Wobble));
@@ -101,10 +102,10 @@ fn finish(folder: &Path, text: &str) -> Result<(), Box<dyn Error>> {
 }
 
 /// Runs what is not yet in the table.
-fn work(ledger: &mut Ledger, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
+pub fn work(ledger: &mut Ledger<Record>, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
     for task in tasks {
         let word = task.cause.map_or("none", Cause::word);
-        if ledger.knows(word, task.multiple, task.seed) {
+        if ledger.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
             continue;
         }
         let record = task.run();

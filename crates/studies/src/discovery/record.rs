@@ -1,10 +1,6 @@
-//! One line a robot, written down as soon as it is done, so that a run may be taken up again.
+//! One line a robot.
 
-use std::error::Error;
-use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use crate::ledger::Line;
 
 /// A parameter with its interval and its truth.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,9 +62,10 @@ pub struct Record {
 const HEADER: &str = "cause,multiple,seed,robot,heavy,visits,lambda,first,first_right,found,findings,extras,listed,\
 p_first,p_value,significant,ratio,ratio_before,seconds,processor,intervals,story";
 
-impl Record {
-    /// As a row.
-    pub fn row(&self) -> String {
+impl Line for Record {
+    const HEADER: &'static str = HEADER;
+
+    fn row(&self) -> String {
         let intervals: Vec<String> = self
             .intervals
             .iter()
@@ -101,8 +98,7 @@ impl Record {
         .join(",")
     }
 
-    /// From a row; none when it was cut off.
-    pub fn of(row: &str) -> Option<Self> {
+    fn of(row: &str) -> Option<Self> {
         let cells: Vec<&str> = row.split(',').collect();
         if cells.len() != HEADER.split(',').count() {
             return None;
@@ -142,6 +138,13 @@ impl Record {
             story: cells[21].into(),
         })
     }
+}
+
+impl Record {
+    /// Whether this is what became of that task.
+    pub fn is(&self, cause: &str, multiple: f64, seed: u64) -> bool {
+        self.cause == cause && (self.multiple - multiple).abs() < 1e-9 && self.seed == seed
+    }
 
     /// Whether a plant was made and the loop came to an end.
     pub fn ended(&self) -> bool {
@@ -149,54 +152,12 @@ impl Record {
     }
 }
 
-/// The lines of one part of the study.
-pub struct Ledger {
-    path: PathBuf,
-    pub records: Vec<Record>,
-}
-
-impl Ledger {
-    /// Takes up what is there; a line that was cut off is dropped.
-    pub fn open(folder: &Path, part: &str, commit: &str) -> Result<Self, Box<dyn Error>> {
-        let path = folder.join(format!("{part}.csv"));
-        let text = fs::read_to_string(&path).unwrap_or_default();
-        let records: Vec<Record> = text.lines().filter_map(Record::of).collect();
-        let rows: String = records.iter().map(|record| record.row() + "\n").collect();
-        if !text.ends_with('\n') {
-            fs::write(&path, format!("# commit {commit}\n{HEADER}\n{rows}"))?;
-        }
-        Ok(Ledger { path, records })
-    }
-
-    pub fn knows(&self, cause: &str, multiple: f64, seed: u64) -> bool {
-        let same = |r: &Record| r.cause == cause && (r.multiple - multiple).abs() < 1e-9 && r.seed == seed;
-        self.records.iter().any(same)
-    }
-
-    /// Writes one line.
-    pub fn add(&mut self, record: Record) -> Result<(), Box<dyn Error>> {
-        let mut file = fs::OpenOptions::new().append(true).open(&self.path)?;
-        file.write_all((record.row() + "\n").as_bytes())?;
-        self.records.push(record);
-        Ok(())
-    }
-}
-
-/// The commit that is checked out, with a mark when files differ from it; `unknown` outside of a repository.
-pub fn commit() -> String {
-    let git = |arguments: &[&str]| {
-        let done = Command::new("git").args(arguments).output().ok().filter(|done| done.status.success())?;
-        Some(String::from_utf8_lossy(&done.stdout).trim().to_owned())
-    };
-    let Some(head) = git(&["rev-parse", "HEAD"]) else { return "unknown".into() };
-    let changed =
-        git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|list| !list.is_empty());
-    if changed { format!("{head}-changed") } else { head }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ledger::Ledger;
+    use std::fs;
+    use std::io::Write as _;
 
     #[test]
     fn a_run_is_taken_up_where_it_was_cut_off() {
@@ -213,17 +174,18 @@ mod tests {
             intervals: vec![interval],
             ..Record::default()
         };
-        let mut ledger = Ledger::open(&folder, "power", "abc").expect("a ledger");
+        let mut ledger: Ledger<Record> = Ledger::open(&folder, "power", "abc").expect("a ledger");
         ledger.add(record.clone()).expect("a line");
         let path = folder.join("power.csv");
         let half: String = record.row().chars().take(20).collect();
         let mut file = fs::OpenOptions::new().append(true).open(&path).expect("the file");
         write!(file, "{half}").expect("half a line");
-        let mut again = Ledger::open(&folder, "power", "abc").expect("a ledger");
+        let mut again: Ledger<Record> = Ledger::open(&folder, "power", "abc").expect("a ledger");
         assert_eq!(again.records, std::slice::from_ref(&record));
-        assert!(again.knows("shift", 2.0, 3) && !again.knows("shift", 2.0, 4));
+        assert!(again.records[0].is("shift", 2.0, 3) && !again.records[0].is("shift", 2.0, 4));
         again.add(Record { seed: 4, ..record }).expect("a line");
-        assert_eq!(Ledger::open(&folder, "power", "abc").expect("a ledger").records.len(), 2);
+        let twice: Ledger<Record> = Ledger::open(&folder, "power", "abc").expect("a ledger");
+        assert_eq!(twice.records.len(), 2);
         fs::remove_dir_all(&folder).expect("no folder");
     }
 }

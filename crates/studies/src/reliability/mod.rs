@@ -1,0 +1,152 @@
+//! What the program states with 95 %, held against robots whose truth is known; p-values where nothing is missing.
+//!
+//! | part | robots | held against the truth |
+//! | --- | --- | --- |
+//! | robots | everything declared, shapes left free | coefficients, shapes, bands of predictions and commands, statements about all poses, lack of fit |
+//! | nulls | those of the study `discovery` | the family-wise p of its first screen |
+//! | precision | none: ten ill-conditioned problems | solutions, covariances, ranks and relations, in sixty digits |
+//! | power | the same with a hidden cause, at 4 and 8 times the detectable size | sizes and shapes that `discover` tells |
+//!
+//! `study reliability [--short] [--robots N] [--nulls N] [--finds N] [--folder NAME]` runs what is not yet in its tables, one line a robot,
+//! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.
+
+mod document;
+mod plants;
+mod precision;
+mod record;
+mod table;
+mod trial;
+
+use crate::discovery::causes::Cause;
+use crate::discovery::record::Record as Discovered;
+use crate::discovery::trial::Task;
+use crate::discovery::work;
+use crate::ledger::{Ledger, Line, commit};
+use crate::{folder, say};
+use record::Record;
+use std::error::Error;
+
+/// Causes with a number that is the model's.
+const FOUND: [Cause; 8] = [
+    Cause::Mesh,
+    Cause::Shift,
+    Cause::ThermalLate,
+    Cause::Thermal,
+    Cause::BacklashApproach,
+    Cause::JointCompliance,
+    Cause::Coupling,
+    Cause::Payload,
+];
+
+/// Multiples of the detectable size at which finds are judged: selection biases smaller ones.
+const CLEAR: [f64; 2] = [4.0, 8.0];
+
+/// How many robots of each part.
+struct Asked {
+    robots: u64,
+    nulls: u64,
+    finds: u64,
+    folder: Option<String>,
+    short: bool,
+}
+
+/// Runs the study.
+pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let mut asked = Asked { robots: 1000, nulls: 300, finds: 12, folder: None, short: false };
+    let mut rest = arguments.iter();
+    while let Some(word) = rest.next() {
+        let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
+        match word.as_str() {
+            "--short" => asked = Asked { robots: 20, nulls: 6, finds: 0, short: true, ..asked },
+            "--robots" => asked.robots = next()?.parse()?,
+            "--nulls" => asked.nulls = next()?.parse()?,
+            "--finds" => asked.finds = next()?.parse()?,
+            "--folder" => asked.folder = Some(next()?.clone()),
+            "--one" => {
+                say(&trial::run(next()?.parse()?).row());
+                return Ok(());
+            }
+            word => return Err(format!("unknown option `{word}` of the study").into()),
+        }
+    }
+    let commit = commit();
+    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
+    let folder = folder("reliability")?.join(into);
+    std::fs::create_dir_all(&folder)?;
+    say(&format!("commit {commit}; {}", folder.display()));
+
+    let mut robots: Ledger<Record> = Ledger::open(&folder, "robots", &commit)?;
+    for seed in 0..asked.robots {
+        if !robots.records.iter().any(|known| known.seed == seed) {
+            let record = trial::run(seed);
+            if !record.ended() || (seed + 1).is_multiple_of(50) {
+                say(&format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds));
+            }
+            robots.add(record)?;
+        }
+    }
+    let mut nulls: Ledger<Discovered> = Ledger::open(&folder, "nulls", &commit)?;
+    let null = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
+    work(&mut nulls, (0..asked.nulls).map(null))?;
+    let mut finds: Ledger<Discovered> = Ledger::open(&folder, "power", &commit)?;
+    let tasks = (0..asked.finds).flat_map(|seed| {
+        let cells = CLEAR.into_iter().flat_map(|m| FOUND.into_iter().map(move |cause| (m, cause)));
+        cells.map(move |(multiple, cause)| Task { cause: Some(cause), multiple, seed, without: false })
+    });
+    work(&mut finds, tasks)?;
+
+    let failed = robots.records.iter().filter(|r| !r.ended()).count();
+    let text = [
+        format!(
+            "Commit {commit}, `cargo xtask study reliability --robots {} --nulls {} --finds {}`, seeds from 0; {failed} robots ended in an \
+             error.\n",
+            asked.robots, asked.nulls, asked.finds
+        ),
+        table::declared(&robots.records)?,
+        table::found(&finds.records)?,
+        table::nulls(&robots.records, &nulls.records)?,
+        "Ten ill-conditioned problems against sixty digits (`crates/studies/src/reliability/reference/make.py`); errors are relative, in columns of \
+         unit length:\n"
+            .to_owned(),
+        precision::table(&precision::all()?)?,
+    ]
+    .join("\n");
+    say(&text);
+    std::fs::write(folder.join("table.md"), &text)?;
+    if !asked.short {
+        document::write(&text)?;
+    }
+    say(&format!("tables in {}", folder.display()));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A short form of the study: two robots with each extra; of what there are few, all together.
+    #[test]
+    fn what_is_stated_holds_about_as_often_as_it_says() {
+        let records: Vec<Record> = (0..20).map(trial::run).collect();
+        for record in &records {
+            assert!(record.ended(), "robot {}: {}", record.seed, record.story);
+        }
+        let mut few = Vec::new();
+        let mut kinds = 0;
+        for what in trial::WHAT {
+            let counts: Vec<(usize, usize)> =
+                records.iter().filter_map(|r| r.counts.get(what)).map(|c| (c.held, c.of)).collect();
+            kinds += usize::from(!counts.is_empty());
+            if counts.len() < 10 { few.extend(counts) } else { holds(what, &counts) }
+        }
+        holds("few of a kind", &few);
+        assert!(kinds > 15, "{kinds}");
+    }
+
+    /// No farther below 95 % than four deviations of a binomial law with as many trials as there are robots.
+    fn holds(what: &str, counts: &[(usize, usize)]) {
+        let c = table::Coverage::of(counts);
+        let wide = 4.0 * (0.95f64 * 0.05 / c.robots as f64).sqrt();
+        assert!(c.share > 0.95 - wide, "{what}: {c:?}");
+    }
+}

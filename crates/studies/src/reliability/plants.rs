@@ -1,0 +1,358 @@
+//! A robot with everything declared that is wrong with it, and the numbers that its intervals should hold.
+//!
+//! | extra | in the plant | declared, with what is left free |
+//! | --- | --- | --- |
+//! | none | constant errors, a spring in every joint | the same |
+//! | gap | play by the side of approach | `backlash` |
+//! | ratio | one joint drags another | `coupling` |
+//! | period | a mesh that is no sine, centred (side bands of one that is not are no part of what is declared) | `transmission`, three harmonics, its period |
+//! | instant | a bump | `shift`, when |
+//! | lag | a joint that follows the air late | `thermal`, its time constant |
+//! | settling | a joint that comes to rest | `drift`, its time constant |
+//! | flank | play by the side of the load | `backlash`, the load on the flank |
+
+use crate::discovery::robots::{self, Robot, Undeclared};
+use rand::seq::IndexedRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::error::Error;
+use std::f64::consts::TAU;
+use truepose_errormodel::effects::{
+    Backlash, Coupling, Drift, Grows, Shift, Side, Spot, Thermal, Transmission,
+};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel};
+use truepose_kinematics::{Chain, Conditions, JointId, JointKind, TargetId};
+use truepose_simulate::description::PlantOptions;
+use truepose_simulate::physics::changes::{Amount, Change, Mover};
+use truepose_simulate::physics::curve::SmoothCurve;
+use truepose_simulate::physics::gear::Gear;
+use truepose_simulate::{Campaign, Plant, flaws};
+
+/// What a robot has besides constant errors and springs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extra {
+    None,
+    Gap,
+    Ratio,
+    Period,
+    Instant,
+    Lag,
+    Settling,
+    Flank,
+}
+
+/// In turn; a third has nothing more.
+const TURN: [Extra; 10] = [
+    Extra::None,
+    Extra::Gap,
+    Extra::Ratio,
+    Extra::None,
+    Extra::Period,
+    Extra::Instant,
+    Extra::None,
+    Extra::Lag,
+    Extra::Settling,
+    Extra::Flank,
+];
+
+impl Extra {
+    pub fn word(self) -> &'static str {
+        match self {
+            Extra::None => "none",
+            Extra::Gap => "gap",
+            Extra::Ratio => "ratio",
+            Extra::Period => "period",
+            Extra::Instant => "instant",
+            Extra::Lag => "lag",
+            Extra::Settling => "settling",
+            Extra::Flank => "flank",
+        }
+    }
+
+    /// Whether it leaves constant errors as they are: a mesh has a mean, a ratio a middle.
+    fn keeps_constants(self) -> bool {
+        !matches!(self, Extra::Period | Extra::Ratio)
+    }
+}
+
+/// A robot, measured.
+pub struct Made {
+    pub robot: &'static str,
+    pub extra: Extra,
+    pub plant: Plant,
+    pub model: ErrorModel,
+    pub campaign: Campaign,
+    pub data: Dataset,
+    /// True coefficients of the model's columns; NaN where they are no number of the plant.
+    pub coefficients: Vec<f64>,
+    /// The true shape parameter of the last effect.
+    pub shape: Option<f64>,
+    kind: &'static Robot,
+}
+
+/// The extra as it is declared, with its truth: of its columns and of its shape.
+struct Declared {
+    effect: Option<Box<dyn AnyEffect>>,
+    coefficients: Vec<f64>,
+    shape: Option<f64>,
+}
+
+/// Draws the robot of this seed.
+pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let extra = TURN[(seed % 10) as usize];
+    let kind = &kinds[(seed / 10) as usize % kinds.len()];
+    let chain = (kind.chain)()?;
+    let visits = *[60, 90, 120].choose(&mut rng).unwrap_or(&90);
+    let campaign = kind.campaign(&chain, visits, seed)?;
+    let campaign = match rng.random_range(0..3) {
+        // Half of the configurations a second time.
+        0 => {
+            let mut again = campaign.clone();
+            again.visits.truncate(visits / 2);
+            campaign.then(again)
+        }
+        _ => campaign,
+    };
+    let duration = campaign.duration_s();
+    let mut options = kind.options(&chain, &Undeclared::default(), false, duration / 3600.0 + 0.02);
+    let noise = *[1.0, 2.0, 4.0].choose(&mut rng).unwrap_or(&1.0);
+    options.instrument.sd_um *= noise;
+    options.instrument.transverse_um_per_m *= noise;
+    options.repeatability.sd_um *= noise;
+    options.instrument.states_sd = rng.random();
+    // Between three and eight deviations of one row, where the joint moves it.
+    let deviation = 1e-6 * options.instrument.sd_um.hypot(options.repeatability.sd_um);
+    let size = deviation * (3.0 + 5.0 * rng.random::<f64>());
+    let joint = match extra {
+        Extra::Flank => loaded(&chain, &campaign)?,
+        _ => (*chain.movable().choose(&mut rng).ok_or("no joint")?, 0.0),
+    };
+    // A joint that no load turns over lies on one flank for ever.
+    let extra = if extra == Extra::Flank && joint.1 < 1.0 { Extra::Gap } else { extra };
+    let reach = lever(&chain, &campaign, joint.0)?;
+    let mut draw = Draw { chain: &chain, options: &mut options, rng: &mut rng, size, reach, duration, joint };
+    let (declared, change) = draw.extra(extra)?;
+    let mut plant = Plant::random(&chain, &options, seed)?;
+    let mut truth = plant.truth().clone();
+    truth.changes.extend(change);
+    for gear in truth.joints.iter_mut().flat_map(|joint| &mut joint.gears) {
+        if let Gear::Mesh { runout, .. } = gear {
+            *runout = 0.0;
+        }
+    }
+    plant = plant.with_truth(truth)?;
+    let mut effects = Undeclared::default().effects(&chain);
+    let mut coefficients = constants(&plant, extra.keeps_constants());
+    coefficients.extend(chain.movable().iter().map(|j| 1.0 / plant.truth().joints[j.index()].bearing.drive));
+    effects.extend(declared.effect);
+    coefficients.extend(declared.coefficients);
+    let model = ErrorModel::new(chain, effects)?;
+    if model.columns().len() != coefficients.len() {
+        return Err(format!("{} columns, {} truths", model.columns().len(), coefficients.len()).into());
+    }
+    let data = plant.measure(&campaign, seed + 17)?;
+    Ok(Made {
+        robot: kind.name,
+        extra,
+        plant,
+        model,
+        campaign,
+        data,
+        coefficients,
+        shape: declared.shape,
+        kind,
+    })
+}
+
+impl Made {
+    /// Other configurations over the same day, as many as are asked for and no fewer than were measured.
+    pub fn fresh(&self, visits: usize, seed: u64) -> Result<Campaign, Box<dyn Error>> {
+        let visits = visits.max(self.campaign.visits.len());
+        let mut campaign = self.kind.campaign(self.model.chain(), visits, seed)?;
+        campaign.visits.truncate(visits);
+        campaign.visit_s = self.campaign.duration_s() / visits as f64;
+        Ok(campaign)
+    }
+}
+
+/// All kinds, for as long as the program runs.
+pub fn kinds() -> &'static [Robot] {
+    static KINDS: std::sync::OnceLock<Vec<Robot>> = std::sync::OnceLock::new();
+    KINDS.get_or_init(robots::all)
+}
+
+/// The true constant errors, in the order of the columns of `geometric`.
+fn constants(plant: &Plant, kept: bool) -> Vec<f64> {
+    let truth = plant.truth();
+    let frames = truth.frames.iter().flatten().copied();
+    let all = frames.chain(truth.targets.iter().flat_map(|t| [t.x, t.y, t.z]));
+    all.map(|value| if kept { value } else { f64::NAN }).collect()
+}
+
+/// How far the first target moves a radian (or metre) of this joint, on the average.
+fn lever(chain: &Chain, campaign: &Campaign, joint: JointId) -> Result<f64, Box<dyn Error>> {
+    const STEP: f64 = 1e-5;
+    let plant = Plant::perfect(chain)?;
+    let k = chain.coordinate(joint).ok_or("a joint that does not move")?;
+    let target = (!chain.targets().is_empty()).then_some(TargetId(0));
+    let some: Vec<_> = campaign.visits.iter().take(40).collect();
+    let mut sum = 0.0;
+    for visit in &some {
+        let mut at = Conditions::at(chain, &visit.joints);
+        let before = plant.true_position(&at, target)?;
+        at.joints[k] += STEP;
+        sum += (plant.true_position(&at, target)? - before).norm() / STEP;
+    }
+    Ok((sum / some.len() as f64).max(1e-3))
+}
+
+/// The joint whose load swings most, and how far.
+fn loaded(chain: &Chain, campaign: &Campaign) -> Result<(JointId, f64), Box<dyn Error>> {
+    let plant = Plant::perfect(chain)?;
+    let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); chain.movable().len()];
+    for visit in &campaign.visits {
+        let at = Conditions::at(chain, &visit.joints).with_load(visit.load);
+        for (range, load) in range.iter_mut().zip(plant.joint_loads(&at)?) {
+            *range = (range.0.min(load), range.1.max(load));
+        }
+    }
+    // A joint that is always loaded from one side never changes its flank.
+    let swing = |(low, high): &(f64, f64)| (-low).min(*high).max(0.0);
+    let (k, widest) =
+        range.iter().enumerate().max_by(|a, b| swing(a.1).total_cmp(&swing(b.1))).ok_or("no joint")?;
+    Ok((chain.movable()[k], swing(widest)))
+}
+
+struct Draw<'a> {
+    chain: &'a Chain,
+    options: &'a mut PlantOptions,
+    rng: &'a mut ChaCha8Rng,
+    /// m, and of a turn at this reach, m.
+    size: f64,
+    reach: f64,
+    duration: f64,
+    /// And its load, N·m or N.
+    joint: (JointId, f64),
+}
+
+impl Draw<'_> {
+    /// Puts the extra into the plant and declares it; what no flaw says is changed in the plant afterwards.
+    fn extra(&mut self, extra: Extra) -> Result<(Declared, Option<Change>), Box<dyn Error>> {
+        let (joint, load) = self.joint;
+        let named = self.chain.joint(joint).name.clone();
+        let slide = self.chain.joint(joint).kind == JointKind::Prismatic;
+        let size = if slide { self.size } else { self.size / self.reach };
+        let milli = 1e3 * size;
+        let (mrad, mm) = ((!slide).then_some(milli), slide.then_some(milli));
+        let errors = &mut self.options.errors;
+        let some = |effect: Box<dyn AnyEffect>, coefficients: Vec<f64>, shape: Option<f64>| Declared {
+            effect: Some(effect),
+            coefficients,
+            shape,
+        };
+        let mut between = |low: f64, high: f64| low + (high - low) * self.rng.random::<f64>();
+        Ok(match extra {
+            Extra::None => (Declared { effect: None, coefficients: Vec::new(), shape: None }, None),
+            Extra::Gap => {
+                errors.backlash.push(flaws::Backlash {
+                    joint: named,
+                    width_mrad: mrad,
+                    width_mm: mm,
+                    side: flaws::BacklashSide::Approach,
+                    flank_load: None,
+                });
+                (some(Box::new(Backlash::of(joint, Side::Approach)), vec![size], None), None)
+            }
+            Extra::Flank => {
+                let flank = load * between(0.2, 0.5);
+                errors.backlash.push(flaws::Backlash {
+                    joint: named,
+                    width_mrad: mrad,
+                    width_mm: mm,
+                    side: flaws::BacklashSide::Load,
+                    flank_load: Some(flank),
+                });
+                let effect = Backlash {
+                    flank_load: Some(0.5 * load),
+                    flank_range: Some([0.02 * load, 2.0 * load]),
+                    ..Backlash::of(joint, Side::Load)
+                };
+                (some(Box::new(effect), vec![size], Some(flank)), None)
+            }
+            Extra::Ratio => {
+                let others: Vec<JointId> =
+                    self.chain.movable().iter().copied().filter(|j| *j != joint).collect();
+                let driver = *others.choose(self.rng).ok_or("one joint alone")?;
+                errors.coupling.push(flaws::Dragging {
+                    joint: named,
+                    driver: self.chain.joint(driver).name.clone(),
+                    ratio_milli: milli,
+                    eccentricity_mrad: 0.0,
+                });
+                (some(Box::new(Coupling::of(joint, driver)), vec![size], None), None)
+            }
+            Extra::Period => {
+                let cycles = between(6.0, 60.0).round();
+                let period = if slide {
+                    errors.lead_screw.push(flaws::LeadScrew {
+                        joint: named,
+                        lead_mm: 10.0,
+                        amplitude_um: 1e3 * milli,
+                    });
+                    0.010
+                } else {
+                    errors.transmission.push(flaws::Transmission {
+                        joint: named,
+                        wheel: flaws::Wheel::Mesh,
+                        amplitude_mrad: milli,
+                        cycles: Some(cycles),
+                        phase_deg: None,
+                    });
+                    TAU / cycles
+                };
+                let effect = Transmission {
+                    harmonics: vec![1, 2, 3],
+                    period_range: Some([0.7 * period, 1.4 * period]),
+                    ..Transmission::of(joint, 1.1 * period)
+                };
+                (some(Box::new(effect), vec![f64::NAN; 6], Some(period)), None)
+            }
+            Extra::Instant => {
+                let when_s = self.duration * between(0.15, 0.85);
+                let at = named;
+                errors.shift.push(flaws::Shift { at, when_s, size_mm: milli, size_mrad: milli });
+                let at_range = Some([0.0, self.duration]);
+                let spot = Spot::Joint(joint);
+                let effect = Shift { spot, components: None, at: 0.5 * self.duration, at_range };
+                (some(Box::new(effect), vec![size], Some(when_s)), None)
+            }
+            Extra::Lag => {
+                let lag_s = self.duration * between(0.05, 0.3);
+                let per_kelvin = 1e6 * size;
+                let grows = flaws::Growing::Motion;
+                errors.thermal.push(flaws::Thermal { at: named, grows, per_kelvin, lag_s });
+                let effect = Thermal {
+                    grows: Some(Grows::Motion),
+                    lag: Some(0.1 * self.duration),
+                    lag_range: Some([0.005 * self.duration, self.duration]),
+                    ..Thermal::of(Spot::Joint(joint), "temperature")
+                };
+                (some(Box::new(effect), vec![size], Some(lag_s)), None)
+            }
+            Extra::Settling => {
+                let constant = self.duration * between(0.1, 0.4);
+                let step = self.duration / 500.0;
+                let at_rest = |k: usize| -(-step * k as f64 / constant).exp_m1();
+                let curve = SmoothCurve::through(0.0, step, (0..=510).map(at_rest).collect())?;
+                let mover = Mover::Joint(joint.index(), size);
+                let effect = Drift {
+                    time_constant_range: Some([0.02 * self.duration, 2.0 * self.duration]),
+                    ..Drift::settling(Spot::Joint(joint), [0.0, self.duration], 0.2 * self.duration)
+                };
+                let change = Change { mover, amount: Amount::Curve(curve) };
+                (some(Box::new(effect), vec![size], Some(constant)), Some(change))
+            }
+        })
+    }
+}
