@@ -250,35 +250,39 @@ fn winner(
     options: &DiscoverOptions,
     refused: &mut Vec<Refused>,
 ) -> Result<Option<Accepted>, DiscoverError> {
-    /// Winners that may fail before nobody is asked any more.
-    const TRIES: usize = 8;
+    /// Contests that may end without a winner before nobody is asked any more, and how many of each contest are asked.
+    const CONTESTS: usize = 4;
+    const ASKED: usize = 2;
     let mut barred: Vec<Candidate> = Vec::new();
-    for _ in 0..TRIES {
+    for _ in 0..CONTESTS {
         let Contest { present, mut rivals } = contest(scene, screen, &barred, true)?;
         weighed(ground, now, &mut rivals)?;
-        let Some(best) = rivals.first() else { return Ok(None) };
-        let p = (null.p_value(Screen::statistic(best.gain, best.freedom)), parametric(screen, best));
-        let evidence = collect(scene, &present, best, p, options.seed)?;
-        let floor = best.likelihood.noise.floor(f64::NAN);
-        let doubt = if best.score >= present.deviance {
-            Some(crate::evidence::Doubt::TooSmall)
-        } else {
-            evidence.doubt(options.alpha, floor, best.candidate.family.belongs_to_time())
-        };
-        let Some(doubt) = doubt else {
-            let score = best.score;
-            let others = rivals[1..].iter().map(|r| (r.candidate.clone(), r.score - score));
-            return Ok(Some(Accepted {
-                candidate: adopted(best),
-                evidence,
-                rivals: others.collect(),
-                shortlist: screen.shortlist(scene),
-            }));
-        };
-        if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
-            refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });
+        if rivals.is_empty() {
+            return Ok(None);
         }
-        barred.push(best.candidate.clone());
+        for (k, best) in rivals.iter().enumerate().take(ASKED) {
+            let p = (null.p_value(Screen::statistic(best.gain, best.freedom)), parametric(screen, best));
+            let evidence = collect(scene, &present, best, p, options.seed)?;
+            let floor = best.likelihood.noise.floor(f64::NAN);
+            let doubt = if best.score >= present.deviance {
+                Some(crate::evidence::Doubt::TooSmall)
+            } else {
+                evidence.doubt(options.alpha, floor, best.candidate.family.belongs_to_time())
+            };
+            let Some(doubt) = doubt else {
+                let others = rivals[k + 1..].iter().map(|r| (r.candidate.clone(), r.score - best.score));
+                return Ok(Some(Accepted {
+                    candidate: adopted(best),
+                    evidence,
+                    rivals: others.collect(),
+                    shortlist: screen.shortlist(scene),
+                }));
+            };
+            if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
+                refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });
+            }
+            barred.push(best.candidate.clone());
+        }
     }
     Ok(None)
 }

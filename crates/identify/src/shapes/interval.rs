@@ -12,7 +12,8 @@
 //! The interval of a smooth parameter goes to where the whitened squares, with the coefficients solved for anew, are t² above the
 //! least (t: Student's quantile): a load on a flank or a time constant that is hardly known is known unevenly, farther up than down. Of an effect that
 //! is hardly seen it holds every valley that is as deep. Beside
-//! other parameters that are free it is as much longer as they let it be: by √((cov θ)_kk |D̃_k|²).
+//! other parameters that are free it is as much longer as they let it be: by √((cov θ)_kk |D̃_k|²). Of many (the periods of all gears
+//! of an arm) it is t standard deviations to either side: following each would take minutes.
 //!
 //! An instant has no slope, and the likelihood ratio of an instant follows no χ²: left and right of the truth the squares walk at
 //! random, and with P(ratio ≤ c) = (1 − e^{−c/2})² it takes c = 7.35 for 95 %. Its interval holds every gap between visits at which the
@@ -32,6 +33,9 @@ const RATIO: f64 = 7.352_217_9;
 
 /// An effect that takes less than this off the whitened squares may be found in a wrong valley.
 const WEAK: f64 = 100.0;
+
+/// With more free parameters than this the squares are not followed.
+const MANY: usize = 8;
 
 /// Farther above than this beyond it no gap comes back.
 const FAR: f64 = 10.0;
@@ -125,6 +129,8 @@ pub(super) fn judge(
                 // Of an effect that explains nothing, or was left out, the data says nothing: the whole range.
                 if !half.is_finite() || stretch.is_nan() {
                     [shape.lower, shape.upper]
+                } else if shapes.len() > MANY {
+                    [-half, half].map(|way| (theta[k] + stretch * way).clamp(shape.lower, shape.upper))
                 } else {
                     let allowed = quantile * quantile * picture.share();
                     profile(picture, shape, theta, k, (half, allowed))?
