@@ -65,10 +65,7 @@ pub(crate) fn rival(
 pub(crate) fn cost(candidate: &Candidate, law: &Law, freedom: usize, scene: &Scene<'_>) -> f64 {
     let counted = price(scene.len()) * freedom as f64;
     match candidate.family {
-        Family::Guideway => law.cost.min(counted),
-        Family::Drift | Family::Shift | Family::Thermal if std::env::var("TP_LAW").is_err() => {
-            law.cost.min(counted)
-        }
+        Family::Guideway | Family::Drift | Family::Shift | Family::Thermal => law.cost.min(counted),
         _ => counted,
     }
 }
