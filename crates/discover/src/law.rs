@@ -16,6 +16,11 @@
 
 use crate::likelihood::WIDE;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use truepose_identify::minimum;
+
+/// ln w, between which w is looked for.
+const NARROWEST: f64 = -9.0;
+const WIDEST: f64 = 9.0;
 
 /// A width and what it costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,24 +59,9 @@ impl Law {
             };
             directions.iter().map(one).sum()
         };
-        let log = least(cost);
+        let log = minimum(NARROWEST, WIDEST, cost);
         Law { width: log.exp(), cost: cost(log) }
     }
-}
-
-/// Where a function of ln w is least: a coarse scan, then golden sections.
-fn least(cost: impl Fn(f64) -> f64) -> f64 {
-    const RANGE: [f64; 2] = [-9.0, 9.0];
-    const SCAN: usize = 60;
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let at = |k: usize| RANGE[0] + (RANGE[1] - RANGE[0]) * k as f64 / SCAN as f64;
-    let best = (0..=SCAN).fold(0, |best, k| if cost(at(k)) < cost(at(best)) { k } else { best });
-    let (mut a, mut b) = (at(best.saturating_sub(1)), at((best + 1).min(SCAN)));
-    for _ in 0..30 {
-        let (c, d) = (b - RATIO * (b - a), a + RATIO * (b - a));
-        if cost(c) < cost(d) { b = d } else { a = c }
-    }
-    0.5 * (a + b)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod fit;
 mod folds;
 mod identification;
 mod linearise;
+mod minimum;
 mod noise;
 mod observability;
 mod placement;
@@ -33,6 +34,7 @@ pub use linearise::{
     Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
     left_over, triangular, triangular_of,
 };
+pub use minimum::minimum;
 pub use noise::NoiseModel;
 pub use observability::{Observability, observability};
 pub use placement::{Placement, Undetermined, place};

@@ -29,6 +29,7 @@
 //! about what is usual.
 
 use crate::IdentifyError;
+use crate::minimum::minimum;
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::ErrorModel;
@@ -276,20 +277,6 @@ fn exact(pairs: &[(f64, f64)], square: f64) -> f64 {
 const START: f64 = 30.0;
 const LEAST: f64 = 0.1;
 const MOST: f64 = 1e4;
-
-/// Minimum of a function with few wiggles: a coarse scan, then golden sections around its best point.
-fn minimum(lower: f64, upper: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const SCAN: usize = 60;
-    let at = |k: usize| lower + (upper - lower) * k as f64 / SCAN as f64;
-    let best = (0..=SCAN).fold(0, |best, k| if f(at(k)) < f(at(best)) { k } else { best });
-    let (mut a, mut b) = (at(best.saturating_sub(1)), at((best + 1).min(SCAN)));
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    for _ in 0..50 {
-        let (c, d) = (b - golden * (b - a), a + golden * (b - a));
-        if f(c) < f(d) { b = d } else { a = c }
-    }
-    0.5 * (a + b)
-}
 
 #[cfg(test)]
 mod tests {
