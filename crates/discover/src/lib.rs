@@ -10,6 +10,7 @@ mod evidence;
 mod family;
 mod flips;
 mod functions;
+mod gross;
 mod lags;
 mod law;
 mod library;

@@ -4,11 +4,13 @@
 //! scale is the median's, the heaviness of the tail is that of the bulk: `t²/3 ~ F(3, ν)`, ν from the ratio of the
 //! 95 % quantile to the median. What is reported has to lie outside even if the tail is two standard errors of that ratio heavier than it
 //! looks: a handful of visits says little about a tail. So a robot with heavy-tailed noise has no outliers, and one whose noise is normal has them
-//! from five deviations on.
+//! from five deviations on. Several of them hide each other that way, for they make the tail; so they are also reported where
+//! a law of their own beside the bulk is far more likely than any tail ([`crate::gross`]).
 
+use crate::gross::{Law, split};
 use crate::scene::Scene;
 use crate::whitener::Whitener;
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
+use statrs::distribution::{ContinuousCDF, Exp};
 use truepose_identify::NoiseModel;
 
 /// Rows that lie outside.
@@ -27,6 +29,8 @@ pub(crate) struct Outliers {
 /// Expected number of good rows that would be kept out, and reported.
 const SUSPECT: f64 = 0.05;
 const CERTAIN: f64 = 0.002;
+/// Odds from which on a row is gross rather than one of the tail's.
+const SURE: f64 = 99.0;
 /// Standard error of the logarithm of the ratio of quantiles, times √visits: of order statistics of a χ²_3.
 const RATIO_ERROR: f64 = 1.4;
 /// Nothing below so many robust deviations is an outlier.
@@ -45,13 +49,15 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
             counts[o.row] += 1;
         }
     }
-    let mut whole: Vec<f64> =
-        squares.iter().zip(&counts).filter(|(s, n)| **n == 3 && s.is_finite()).map(|(s, _)| *s).collect();
-    whole.sort_by(f64::total_cmp);
+    let of_rows: Vec<usize> =
+        (0..squares.len()).filter(|&row| counts[row] == 3 && squares[row].is_finite()).collect();
+    let mut whole: Vec<f64> = of_rows.iter().map(|&row| squares[row]).collect();
     let mut found = Outliers { distance: vec![f64::NAN; scene.data.len()], ..Outliers::default() };
     if whole.len() < 20 {
         return found;
     }
+    let unsorted = whole.clone();
+    whole.sort_by(f64::total_cmp);
     let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
     let ratio = at(0.95) / at(0.5).max(f64::MIN_POSITIVE);
     let law = Law::new(tail(ratio));
@@ -77,6 +83,23 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
             }
         }
     }
+    let gross = split(&unsorted, scale_under, LEAST * LEAST);
+    // Rows of one visit may share what sets them apart: no more than as many are independent as there are visits.
+    let independent = (scene.visits as f64 / whole.len() as f64).min(1.0);
+    let p_value = chance(gross.gain * independent);
+    if p_value < CERTAIN {
+        for (&row, &odds) in of_rows.iter().zip(&gross.odds) {
+            if odds > 1.0 && !found.suspects.contains(&row) {
+                found.suspects.push(row);
+            }
+            if odds > SURE && !found.certain.contains(&row) {
+                found.certain.push(row);
+                found.p_value = found.p_value.max(p_value);
+            }
+        }
+        found.suspects.sort_unstable();
+        found.certain.sort_unstable();
+    }
     if found.certain.is_empty() {
         found.p_value = 1.0;
     }
@@ -87,36 +110,9 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
     found
 }
 
-/// The law of t²/3: χ²/3, or F(3, ν) for heavier tails.
-enum Law {
-    Normal(ChiSquared),
-    Heavy(FisherSnedecor),
-}
-
-impl Law {
-    fn new(freedom: f64) -> Self {
-        match FisherSnedecor::new(3.0, freedom) {
-            Ok(heavy) if freedom < 100.0 => Law::Heavy(heavy),
-            _ => match ChiSquared::new(3.0) {
-                Ok(normal) => Law::Normal(normal),
-                Err(_) => unreachable!("three is a number of degrees of freedom"),
-            },
-        }
-    }
-
-    fn above(&self, x: f64) -> f64 {
-        match self {
-            Law::Normal(law) => law.sf(3.0 * x),
-            Law::Heavy(law) => law.sf(x),
-        }
-    }
-
-    fn quantile(&self, share: f64) -> f64 {
-        match self {
-            Law::Normal(law) => law.inverse_cdf(share) / 3.0,
-            Law::Heavy(law) => law.inverse_cdf(share),
-        }
-    }
+/// By chance twice the logarithm of a likelihood ratio with two more unknowns is this large: χ²_2 is exponential.
+fn chance(gain: f64) -> f64 {
+    Exp::new(0.5).map_or(1.0, |law| law.sf(gain))
 }
 
 /// ν at which the 95 % quantile over the median is this; 100 and more is normal.

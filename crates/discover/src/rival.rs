@@ -11,10 +11,11 @@ use crate::law::Law;
 use crate::likelihood::Likelihood;
 use crate::scene::Scene;
 use crate::screen::{Screen, price};
-use crate::shape::{climbed, shapes};
+use crate::shape::{climbed, seen_as, shapes};
 use crate::{DiscoverError, Family};
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
+use truepose_errormodel::effects::{Expansion, Place};
 
 /// What a structure without a name has to be better by than any named cause.
 const NAMELESS: f64 = 25.0;
@@ -66,8 +67,16 @@ pub(crate) fn cost(candidate: &Candidate, law: &Law, freedom: usize, scene: &Sce
     let counted = price(scene.len()) * freedom as f64;
     match candidate.family {
         Family::Guideway | Family::Drift | Family::Shift | Family::Thermal => law.cost.min(counted),
+        Family::Unmodelled if wanders(candidate) => law.cost.min(counted),
         _ => counted,
     }
+}
+
+/// Whether several components of a frame move along curves.
+fn wanders(candidate: &Candidate) -> bool {
+    let [effect] = candidate.effects() else { return false };
+    seen_as::<Expansion>(&**effect)
+        .is_some_and(|series| matches!(&series.at, Place::Frame { components, .. } if components.len() > 1))
 }
 
 /// What a candidate pays for the questions that are asked of its family, for its shapes, and for having no name. A shape on a fine grid

@@ -2,13 +2,13 @@
 //!
 //! Variable projection: the unknowns are eliminated for each trial shape, the gain is what is left to climb.
 
-use crate::candidate::Candidate;
+use crate::candidate::{Candidate, Change};
 use crate::library::{instants, transmission_at};
 use crate::periodogram::{longest, turns};
 use crate::projection::Projection;
 use crate::scene::Scene;
 use std::any::Any;
-use truepose_errormodel::effects::{Backlash, Drift, Shift, Thermal, Transmission};
+use truepose_errormodel::effects::{Backlash, Drift, LoadNonlinearity, Shift, Thermal, Transmission};
 use truepose_errormodel::{AnyEffect, Dataset, Shape};
 
 /// What a shape is worth: the gain in the screen's units.
@@ -44,25 +44,13 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
             .max_by(|a, b| a.0.total_cmp(&b.0));
         return best.map_or_else(|| candidate.clone(), |(_, candidate)| candidate);
     }
-    if let Some(play) = seen_as::<Backlash>(&**effect)
-        && let Some(flank) = play.flank_load
-    {
-        let with = |log: f64| {
-            let effect = Backlash { flank_load: Some(log.exp()), ..play.clone() };
-            Candidate::new(candidate.family, candidate.place.clone(), effect)
+    if let Some((value, reach)) = scale(&**effect) {
+        let at = |log: f64| {
+            let effects = rescaled(&**effect, log.exp(), None).into_iter().collect();
+            Candidate { change: Change::Add(effects), ..candidate.clone() }
         };
-        let log = climb((0.4 * flank).ln(), (1.8 * flank).ln(), |x| gain(scene, projection, &with(x)));
-        return with(log);
-    }
-    if let Some(drift) = seen_as::<Drift>(&**effect)
-        && let Some(constant) = drift.time_constant
-    {
-        let with = |log: f64| {
-            let effect = Drift { time_constant: Some(log.exp()), ..drift.clone() };
-            Candidate::new(candidate.family, candidate.place.clone(), effect)
-        };
-        let log = climb((0.4 * constant).ln(), (2.5 * constant).ln(), |x| gain(scene, projection, &with(x)));
-        return with(log);
+        let [lower, upper] = reach.map(|times| (times * value).ln());
+        return at(climb(lower, upper, |log| gain(scene, projection, &at(log))));
     }
     candidate.clone()
 }
@@ -77,13 +65,34 @@ pub(crate) fn shapes(candidate: &Candidate) -> usize {
     candidate.effects().iter().filter(|effect| one(&***effect)).count() + climbed(candidate)
 }
 
-/// How many of them have a coarse grid, so that they were climbed for: a flank's load, a time constant.
+/// How many of them have a coarse grid, so that they were climbed for.
 pub(crate) fn climbed(candidate: &Candidate) -> usize {
-    let one = |effect: &dyn AnyEffect| {
-        seen_as::<Backlash>(effect).is_some_and(|play| play.flank_load.is_some())
-            || seen_as::<Drift>(effect).is_some_and(|drift| drift.time_constant.is_some())
-    };
-    candidate.effects().iter().filter(|effect| one(&***effect)).count()
+    candidate.effects().iter().filter(|effect| scale(&***effect).is_some()).count()
+}
+
+/// A positive number in which an effect is not linear and of which the candidates have a coarse grid (a load on a flank, the
+/// load of a soft range, a time constant), and between which multiples of it the best is looked for.
+fn scale(effect: &dyn AnyEffect) -> Option<(f64, [f64; 2])> {
+    if let Some(play) = seen_as::<Backlash>(effect) {
+        return play.flank_load.map(|load| (load, [0.4, 1.8]));
+    }
+    if let Some(spring) = seen_as::<LoadNonlinearity>(effect) {
+        return spring.soft_load.map(|load| (load, [0.4, 2.5]));
+    }
+    seen_as::<Drift>(effect)?.time_constant.map(|constant| (constant, [0.4, 2.5]))
+}
+
+/// The effect with another such number, known or (with a range) to be found.
+fn rescaled(effect: &dyn AnyEffect, value: f64, range: Option<[f64; 2]>) -> Option<Box<dyn AnyEffect>> {
+    let value = Some(value);
+    if let Some(play) = seen_as::<Backlash>(effect) {
+        return Some(Box::new(Backlash { flank_load: value, flank_range: range, ..play.clone() }));
+    }
+    if let Some(spring) = seen_as::<LoadNonlinearity>(effect) {
+        return Some(Box::new(LoadNonlinearity { soft_load: value, soft_range: range, ..spring.clone() }));
+    }
+    let drift = seen_as::<Drift>(effect)?.clone();
+    Some(Box::new(Drift { time_constant: value, time_constant_range: range, ..drift }))
 }
 
 /// Whether a candidate of one effect has a shape to refine.
@@ -92,8 +101,7 @@ pub(crate) fn has_shape(candidate: &Candidate) -> bool {
     let effect = &**effect;
     seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
         || seen_as::<Shift>(effect).is_some()
-        || seen_as::<Backlash>(effect).is_some_and(|play| play.flank_load.is_some())
-        || seen_as::<Drift>(effect).is_some_and(|drift| drift.time_constant.is_some())
+        || scale(effect).is_some()
 }
 
 /// What was found of an effect's shape, within the range in which its interval is looked for.
@@ -110,17 +118,11 @@ pub(crate) fn found(effect: &dyn AnyEffect, data: &Dataset) -> Vec<Shape> {
             data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
         return AnyEffect::shape(&Shift { at_range: Some(ends), ..jump.clone() });
     }
-    if let Some(play) = seen_as::<Backlash>(effect) {
-        return AnyEffect::shape(&Backlash { flank_range: play.flank_load.and_then(around), ..play.clone() });
-    }
-    if let Some(drift) = seen_as::<Drift>(effect) {
-        let range = drift.time_constant.and_then(around);
-        return AnyEffect::shape(&Drift { time_constant_range: range, ..drift.clone() });
-    }
     if let Some(growth) = seen_as::<Thermal>(effect) {
         return AnyEffect::shape(&Thermal { lag_range: growth.lag.and_then(around), ..growth.clone() });
     }
-    Vec::new()
+    let released = |(value, _)| rescaled(effect, value, around(value));
+    scale(effect).and_then(released).map_or_else(Vec::new, |effect| effect.shape())
 }
 
 /// A period that is not known; a turn of the joint is.

@@ -21,7 +21,12 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             }
         }
         for powers in [vec![2], vec![3], vec![2, 3]] {
-            let effect = LoadNonlinearity { joint, powers };
+            let effect = LoadNonlinearity::with_powers(joint, powers);
+            all.push(Candidate::new(Family::LoadNonlinearity, place.clone(), effect));
+        }
+        let largest = setting.largest_load(joint);
+        for share in [0.05, 0.2, 0.6].iter().filter(|_| largest > 0.0) {
+            let effect = LoadNonlinearity::soft(joint, share * largest);
             all.push(Candidate::new(Family::LoadNonlinearity, place.clone(), effect));
         }
         for section in [Section::Tube, Section::Symmetric, Section::General] {

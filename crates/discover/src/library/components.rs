@@ -3,7 +3,7 @@
 use crate::Candidate;
 use crate::shape::seen_as;
 use truepose_errormodel::AnyEffect;
-use truepose_errormodel::effects::{Drift, Guideway, Shift, Spot, Thermal};
+use truepose_errormodel::effects::{Drift, Expansion, Guideway, Place, Shift, Spot, Thermal};
 use truepose_kinematics::Axis;
 
 /// The same cause with one component fewer or more, each in turn; none of a cause that moves no frame.
@@ -31,6 +31,15 @@ pub(crate) fn neighbours(candidate: &Candidate) -> Vec<Candidate> {
         let one = |components| like(Box::new(Thermal { components, ..growth.clone() }));
         return others(growth.components.as_deref()).map(one).collect();
     }
+    if let Some(series) = seen_as::<Expansion>(effect)
+        && let Place::Frame { frame, components } = &series.at
+    {
+        // With one component left it would be another cause: its place names that component.
+        let several = |set: &Option<Vec<Axis>>| components.len() > 1 && set.as_ref().is_some_and(|s| s.len() > 1);
+        let at = |set: Option<Vec<Axis>>| Place::Frame { frame: *frame, components: set.unwrap_or_default() };
+        let one = |set| like(Box::new(Expansion { at: at(set), ..series.clone() }));
+        return others(Some(components)).filter(several).map(one).collect();
+    }
     Vec::new()
 }
 
@@ -46,12 +55,12 @@ fn others(components: Option<&[Axis]>) -> impl Iterator<Item = Option<Vec<Axis>>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Family, Place};
+    use crate::Family;
     use truepose_kinematics::{FrameId, JointId};
 
     #[test]
     fn each_component_is_left_out_or_taken_in_once() {
-        let rail = Candidate::new(Family::Guideway, Place::default(), Guideway::of(JointId(1)));
+        let rail = Candidate::new(Family::Guideway, crate::Place::default(), Guideway::of(JointId(1)));
         let components = |c: &Candidate| seen_as::<Guideway>(&*c.effects()[0]).unwrap().components.clone();
         let once = neighbours(&rail);
         assert_eq!(once.len(), 6);
@@ -63,9 +72,9 @@ mod tests {
     #[test]
     fn what_moves_a_joint_has_nothing_to_leave_out() {
         let at = |spot| Shift { spot, components: None, at: 1.0, at_range: None };
-        let joint = Candidate::new(Family::Shift, Place::default(), at(Spot::Joint(JointId(1))));
+        let joint = Candidate::new(Family::Shift, crate::Place::default(), at(Spot::Joint(JointId(1))));
         assert!(neighbours(&joint).is_empty());
         let one = Shift { components: Some(vec![Axis::Tx]), ..at(Spot::Frame(FrameId::BASE)) };
-        assert_eq!(neighbours(&Candidate::new(Family::Shift, Place::default(), one)).len(), 5);
+        assert_eq!(neighbours(&Candidate::new(Family::Shift, crate::Place::default(), one)).len(), 5);
     }
 }

@@ -20,7 +20,7 @@ pub(crate) use unmodelled::richer;
 
 use crate::{Candidate, Family};
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, JointId, JointKind};
+use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer};
 
 /// What the library needs to know about the data.
 pub(crate) struct Setting<'a> {
@@ -38,6 +38,16 @@ impl Setting<'_> {
     /// The range of a channel.
     pub fn channel_range(&self, channel: usize) -> Option<[f64; 2]> {
         span(&self.data.channels[channel])
+    }
+
+    /// The largest load about or along a joint, of some two hundred rows, N·m or N.
+    pub fn largest_load(&self, joint: JointId) -> f64 {
+        let mut buffer = PostureBuffer::new(self.chain);
+        let stride = (self.data.len() / 200).max(1);
+        (0..self.data.len())
+            .step_by(stride)
+            .map(|row| buffer.update(self.chain, &self.data.conditions(row)).joint_load(joint).abs())
+            .fold(0.0, f64::max)
     }
 
     pub fn slides(&self, joint: JointId) -> bool {

@@ -77,14 +77,6 @@ pub(crate) fn transmission_at(
 
 /// Loads at which play may be taken up: shares of the largest load seen.
 fn flanks(setting: &Setting<'_>, joint: JointId) -> Vec<f64> {
-    let mut buffer = truepose_kinematics::PostureBuffer::new(setting.chain);
-    let stride = (setting.data.len() / 200).max(1);
-    let largest = (0..setting.data.len())
-        .step_by(stride)
-        .map(|row| {
-            let conditions = setting.data.conditions(row);
-            buffer.update(setting.chain, &conditions).joint_load(joint).abs()
-        })
-        .fold(0.0, f64::max);
+    let largest = setting.largest_load(joint);
     if largest > 0.0 { vec![0.03 * largest, 0.1 * largest, 0.25 * largest] } else { Vec::new() }
 }

@@ -52,10 +52,17 @@ impl Covariate {
     }
 }
 
+/// Pieces of the curves along which the axis of a turn may wander in all directions as it turns.
+const WANDER: [usize; 2] = [6, 11];
+
 pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
     let chain = setting.chain;
     let covariates = covariates(setting);
     let frames: Vec<FrameId> = chain.frames().collect();
+    let own = |covariate: &Covariate, frame: FrameId| match covariate.input {
+        Input::Joint(joint) => chain.frame_after(joint) == frame && !setting.slides(joint),
+        _ => false,
+    };
     let mut put = |frame: FrameId, components: Vec<Axis>, factors: Vec<Factor>, of: &[&Covariate]| {
         let mut place = Place::frame(chain, frame).depending_on(&of[0].name);
         place.covariate2 = of.get(1).map(|second| second.name.clone());
@@ -77,6 +84,9 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             }
             if !covariate.side {
                 put(frame, Axis::ALL.to_vec(), vec![covariate.spline(3)], &[covariate]);
+            }
+            for pieces in WANDER.into_iter().filter(|_| own(covariate, frame)) {
+                put(frame, Axis::ALL.to_vec(), vec![covariate.spline(pieces)], &[covariate]);
             }
         }
     }

@@ -1,29 +1,42 @@
 //! A joint whose deflection is not in proportion to its load.
 //!
-//! `δq_j = Σ_p c_p sign(τ_j) |τ_j|^p`, p of `powers`: `τ|τ|` and `τ³` beside the linear term of `joint_compliance`, which
-//! is declared on its own. All are odd and monotone in the load: a joint that stiffens (gear teeth, strain waves, balls:
-//! more of their surface touches) has a positive linear term and negative ones here, and the sum stays monotone as long
-//! as `c_1 + Σ p c_p |τ|^(p−1) > 0` over the loads that were seen. Source: Tuttle, *Understanding and modeling the
-//! behavior of a harmonic drive* (1992), chapter 4.
+//! ```text
+//! δq_j = Σ_p c_p sign(τ_j) |τ_j|^p + w τ_j / (1 + |τ_j| / τ_s)
+//! ```
+//!
+//! | symbol | here | unit |
+//! | --- | --- | --- |
+//! | c_p | the unknown of one power p of `powers` | rad/(N·m)^p or m/N^p |
+//! | w | the unknown of the soft range: by how much the joint is more compliant at rest than under a heavy load | rad/(N·m) or m/N |
+//! | τ_s | `soft_load`: the load by which half of that is used up; its shape where `soft_range` is given | N·m or N |
+//!
+//! The linear term is `joint_compliance`, which is declared on its own. All terms are odd and monotone in the load. A joint
+//! that stiffens (gear teeth, strain waves, balls: more of their surface touches) has a soft range, or a positive
+//! linear term and negative powers: these do while it stiffens by less than half; a joint that winds up softly and
+//! is stiff then has lost the powers' convergence, and its soft range describes it. Source: Tuttle, *Understanding and
+//! modeling the behavior of a harmonic drive* (1992), chapter 4.
 
+use super::travel::{free, positive};
 use super::{joint_moves, refused};
-use crate::{Column, Effect, Emission, ModelError};
+use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
-/// Higher powers of one joint's load.
+/// What one joint's deflection has beside its proportion to the load.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadNonlinearity {
     /// The joint.
     pub joint: JointId,
-    /// Which powers of the load's size, 2 and above; the sign is the load's.
-    #[serde(default = "both")]
+    /// Which powers of the load's size, 2 and above; the sign is the load's. 2 and 3 where there is no soft range either.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub powers: Vec<u32>,
-}
-
-fn both() -> Vec<u32> {
-    vec![2, 3]
+    /// Load by which half of a soft range is used up, N·m or N; no soft range when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub soft_load: Option<f64>,
+    /// Between which loads `soft_load` is to be found, N·m or N; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub soft_range: Option<[f64; 2]>,
 }
 
 /// A load that bends a joint visibly, N·m or N.
@@ -32,14 +45,28 @@ const TYPICAL: f64 = 250.0;
 impl LoadNonlinearity {
     /// The terms `τ|τ|` and `τ³` of one joint: a spring that stiffens or softens, to second order of what it does.
     pub fn of(joint: JointId) -> Self {
-        LoadNonlinearity { joint, powers: both() }
+        Self::with_powers(joint, vec![2, 3])
+    }
+
+    /// Powers of the load's size, 2 and above.
+    pub fn with_powers(joint: JointId, powers: Vec<u32>) -> Self {
+        LoadNonlinearity { joint, powers, soft_load: None, soft_range: None }
+    }
+
+    /// A soft range alone, half of which is used up by `soft_load`, N·m or N.
+    pub fn soft(joint: JointId, soft_load: f64) -> Self {
+        LoadNonlinearity { joint, powers: Vec::new(), soft_load: Some(soft_load), soft_range: None }
+    }
+
+    fn powers(&self) -> &[u32] {
+        if self.powers.is_empty() && self.soft_load.is_none() { &[2, 3] } else { &self.powers }
     }
 }
 
 impl Effect for LoadNonlinearity {
     const KIND: &'static str = "load_nonlinearity";
     const ABOUT: &'static str =
-        "a joint stiffens or softens: deflection by τ|τ|, τ³ … beside joint_compliance";
+        "a joint stiffens or softens: deflection by τ|τ|, τ³ … or a soft range, beside joint_compliance";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
@@ -47,32 +74,51 @@ impl Effect for LoadNonlinearity {
             JointKind::Prismatic => ("m", "N", 1e-7),
             _ => ("rad", "(N*m)", 1e-5),
         };
-        let column = |&power: &u32| {
-            // A fifth of the deflection by a typical load is not in proportion to it.
+        // A fifth of the deflection by a typical load is not in proportion to it.
+        let power = |&power: &u32| {
             let scale = 0.2 * linear / TYPICAL.powi(power as i32 - 1);
             Column::new(format!("load^{power} {}", joint.name), format!("{unit}/{load}^{power}"), scale)
         };
-        self.powers.iter().map(column).collect()
+        let soft = || Column::new(format!("soft {}", joint.name), format!("{unit}/{load}"), 0.2 * linear);
+        self.powers().iter().map(power).chain(self.soft_load.map(|_| soft())).collect()
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
         let load = at.joint_load(self.joint);
-        for (column, &power) in self.powers.iter().enumerate() {
+        for (column, &power) in self.powers().iter().enumerate() {
             out.along(column, &motion, load * load.abs().powi(power as i32 - 1));
+        }
+        if let Some(soft) = self.soft_load {
+            out.along(self.powers().len(), &motion, load / (1.0 + load.abs() / soft));
         }
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         joint_moves(Self::KIND, self.joint, chain)?;
-        let list = &self.powers;
-        if list.is_empty() || list.iter().any(|power| !(2..=7).contains(power)) {
+        let list = self.powers();
+        if list.iter().any(|power| !(2..=7).contains(power)) {
             return Err(refused(Self::KIND, "`powers` are 2 to 7; the linear term is `joint_compliance`"));
         }
         if (0..list.len()).any(|k| list[..k].contains(&list[k])) {
             return Err(refused(Self::KIND, "a power stands twice in `powers`"));
         }
-        Ok(())
+        match self.soft_load {
+            Some(load) => positive(Self::KIND, "soft_load", load, self.soft_range),
+            None if self.soft_range.is_some() => {
+                Err(refused(Self::KIND, "`soft_range` stands without `soft_load`"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn shape(&self) -> Vec<Shape> {
+        let shape = |load| free("soft_load", "N*m or N", load, self.soft_range, Search::Smooth);
+        self.soft_load.map_or_else(Vec::new, shape)
+    }
+
+    fn with_shape(&self, values: &[f64]) -> Self {
+        LoadNonlinearity { soft_load: values.first().copied().or(self.soft_load), ..self.clone() }
     }
 }
 
@@ -87,7 +133,9 @@ mod tests {
     fn conforms() {
         for chain in samples::all() {
             for &joint in chain.movable() {
-                check_effect(&LoadNonlinearity { joint, powers: vec![2, 3] }, &chain);
+                check_effect(&LoadNonlinearity::of(joint), &chain);
+                let soft_range = Some([5.0, 200.0]);
+                check_effect(&LoadNonlinearity { soft_range, ..LoadNonlinearity::soft(joint, 30.0) }, &chain);
             }
         }
     }
@@ -95,16 +143,17 @@ mod tests {
     #[test]
     fn it_is_odd_in_the_load_and_grows_with_its_power() {
         let chain = samples::ur10();
-        let effect = LoadNonlinearity { joint: JointId(2), powers: vec![2, 3] };
+        let effect = LoadNonlinearity { soft_load: Some(40.0), ..LoadNonlinearity::of(JointId(2)) };
         let at = |mass: f64, q2: f64| {
             let load = Load::Payload(Payload { mass, com: Vector3::zeros() });
             let conditions = Conditions::at(&chain, &[0.0, q2, 0.0, 0.0, 0.0, 0.0]).with_load(load);
             let e = emitted(&effect, &chain, &conditions);
-            [e[0].value, e[1].value]
+            [e[0].value, e[1].value, e[2].value]
         };
         let (light, heavy) = (at(5.0, 0.0), at(10.0, 0.0));
         assert!((heavy[0] / light[0] - 4.0).abs() < 1e-12 && (heavy[1] / light[1] - 8.0).abs() < 1e-12);
+        assert!(heavy[2].abs() < 40.0 && heavy[2] / light[2] > 1.0 && heavy[2] / light[2] < 2.0);
         let other = at(5.0, std::f64::consts::PI);
-        assert!(light[0] * other[0] < 0.0 && light[1] * other[1] < 0.0);
+        assert!(light[0] * other[0] < 0.0 && light[1] * other[1] < 0.0 && light[2] * other[2] < 0.0);
     }
 }
