@@ -4,7 +4,8 @@
 //! 2. Does it predict configurations that it has not seen? Grouped cross-validation, paired, with the variance of Nadeau and
 //!    Bengio (2003); and contiguous blocks in time, which random folds mix: not worse as a whole, or not in the middle block (one
 //!    block may lie outside of what all others visited).
-//! 3. Does it matter? A gain of 2 % of the held-out error, or of a tenth of the noise floor.
+//! 3. Does it matter? A gain of 2 % of the held-out error of the rows on which it acts (one target's, one payload's), or of a
+//!    tenth of the noise floor.
 //! 4. Is it there in every half of the data, with the same size?
 
 use crate::DiscoverError;
@@ -17,7 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::configurations;
-use truepose_identify::{Folds, NoiseModel, Split};
+use truepose_identify::{Folds, Split};
 
 /// What speaks for an effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,7 +51,7 @@ pub struct Gain {
     /// Student's t of the paired difference over folds: of mean squares, of their logarithms (an effect of which a few rows have
     /// most), or of the log score under a heavy tail (a few rows beyond what was visited), whichever is clearest.
     pub t: f64,
-    /// Share of the held-out RMS of all measured numbers, in deviations, that it takes away.
+    /// Share of the held-out RMS of all numbers measured where it acts, in deviations, that it takes away.
     pub won: f64,
     /// The same of the middle fold: what it is where the data reaches, when one block lies outside of what all others visited.
     pub middle: f64,
@@ -87,7 +88,7 @@ pub(crate) fn collect(
     let gain = |folds: &Folds| -> Result<Gain, DiscoverError> {
         let before = present.held_out(scene, folds)?;
         let after = rival.likelihood.held_out(scene, folds)?;
-        Ok(paired(scene, folds, rival.likelihood.noise, &before, &after))
+        Ok(paired(scene, folds, rival, &before, &after))
     };
     let (stability, agreement) = halves(scene, rival, seed)?;
     Ok(Evidence {
@@ -127,11 +128,14 @@ fn folds(scene: &Scene<'_>, most: usize) -> usize {
 }
 
 /// The paired difference, fold by fold, over all measured numbers in deviations: an orientation counts as well.
-fn paired(scene: &Scene<'_>, folds: &Folds, noise: NoiseModel, before: &[f64], after: &[f64]) -> Gain {
+fn paired(scene: &Scene<'_>, folds: &Folds, rival: &Rival, before: &[f64], after: &[f64]) -> Gain {
     /// Degrees of freedom of the heavy tail.
     const TAIL: f64 = 4.0;
     let surprise = |square: f64| (1.0 + square / TAIL).ln();
+    let noise = rival.likelihood.noise;
+    let acts = acts(scene, rival);
     let mut by_fold = vec![(0.0, 0.0, 0usize, 0.0); folds.count];
+    let mut where_it_acts = (0.0, 0.0);
     for (at, o) in scene.observations.iter().enumerate() {
         let variance = if o.component < 3 {
             noise.position(scene.data.position_sd[o.row][o.component]).powi(2) + noise.visit_sd.powi(2)
@@ -145,6 +149,10 @@ fn paired(scene: &Scene<'_>, folds: &Folds, noise: NoiseModel, before: &[f64], a
             fold.1 += with;
             fold.2 += 1;
             fold.3 += surprise(without) - surprise(with);
+            if acts[o.row] {
+                where_it_acts.0 += without;
+                where_it_acts.1 += with;
+            }
         }
     }
     let filled: Vec<_> = by_fold.iter().filter(|f| f.2 > 0 && f.1 > 0.0).collect();
@@ -156,14 +164,23 @@ fn paired(scene: &Scene<'_>, folds: &Folds, noise: NoiseModel, before: &[f64], a
         let whole: Vec<f64> = distances(scene, residual).into_iter().filter(|v| v.is_finite()).collect();
         (whole.iter().sum::<f64>() / whole.len().max(1) as f64).sqrt()
     };
-    let sums = by_fold.iter().fold((0.0, 0.0), |t, f| (t.0 + f.0, t.1 + f.1));
+    let (without, with) = where_it_acts;
     Gain {
         before: rms(before),
         after: rms(after),
         t: students_t(&squares).max(students_t(&ratios)).max(students_t(&scores)),
-        won: if sums.0 > 0.0 { 1.0 - (sums.1 / sums.0).sqrt() } else { 0.0 },
+        won: if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 },
         middle: 1.0 - (-0.5 * middle).exp(),
     }
+}
+
+/// On which rows of the data it acts.
+fn acts(scene: &Scene<'_>, rival: &Rival) -> Vec<bool> {
+    let mut rows = vec![false; scene.data.len()];
+    for (at, o) in scene.observations.iter().enumerate() {
+        rows[o.row] |= rival.columns.row(at).iter().any(|x| *x != 0.0);
+    }
+    rows
 }
 
 fn median(values: &[f64]) -> f64 {

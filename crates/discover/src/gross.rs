@@ -102,8 +102,7 @@ pub(crate) fn split(squares: &[f64], scale: impl Fn(&Law) -> f64, least: f64) ->
             let odds = |r: &f64| share * r / (1.0 - share + share * r);
             share = (ratio.iter().map(odds).sum::<f64>() / count).min(MOST);
         }
-        let value: f64 =
-            good.iter().zip(&ratio).map(|(ln, r)| ln + (1.0 - share + share * r).ln()).sum();
+        let value: f64 = good.iter().zip(&ratio).map(|(ln, r)| ln + (1.0 - share + share * r).ln()).sum();
         if value > best {
             best = value;
             found.odds = ratio.iter().map(|r| share * r / (1.0 - share)).collect();
@@ -111,4 +110,52 @@ pub(crate) fn split(squares: &[f64], scale: impl Fn(&Law) -> f64, least: f64) ->
     }
     found.gain = 2.0 * (best - alone).max(0.0);
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares whose t²/3 are the quantiles of a law, times three.
+    fn bulk(law: &Law, count: usize) -> Vec<f64> {
+        (0..count).map(|k| 3.0 * law.quantile((k as f64 + 0.5) / count as f64)).collect()
+    }
+
+    fn split_of(squares: &[f64]) -> Gross {
+        let mut sorted = squares.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted[sorted.len() / 2];
+        split(squares, |law| median / (3.0 * law.quantile(0.5)), 25.0)
+    }
+
+    #[test]
+    fn densities_are_those_of_the_laws() {
+        let points = [0.01, 0.3, 1.0, 4.0, 30.0];
+        let step = 1e-6;
+        for law in [Law::new(1e9), Law::new(30.0), Law::new(3.0)] {
+            for (x, ln) in points.iter().zip(law.ln_densities(points.into_iter())) {
+                let slope = (law.above(x - step * x) - law.above(x + step * x)) / (2.0 * step * x);
+                assert!((ln.exp() - slope).abs() < 1e-5 * slope.max(1e-9) + 1e-9, "{x}: {ln} {slope}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_heavy_tail_is_no_gross_error() {
+        for freedom in [1e9, 10.0, 4.0, 2.5] {
+            let gross = split_of(&bulk(&Law::new(freedom), 200));
+            assert!(gross.gain < 3.0, "{freedom}: {}", gross.gain);
+        }
+    }
+
+    #[test]
+    fn several_gross_errors_do_not_hide_each_other() {
+        // Five per cent, ten deviations long.
+        let mut squares = bulk(&Law::new(1e9), 95);
+        squares.extend([80.0, 90.0, 100.0, 110.0, 120.0]);
+        let gross = split_of(&squares);
+        assert!(gross.gain > 20.0, "{}", gross.gain);
+        let marked: Vec<usize> = (0..squares.len()).filter(|&k| gross.odds[k] > 99.0).collect();
+        assert_eq!(marked, [95, 96, 97, 98, 99]);
+    }
 }

@@ -65,10 +65,15 @@ pub(crate) fn rival(
 /// frame that moves, as the evidence says; all others their number.
 pub(crate) fn cost(candidate: &Candidate, law: &Law, freedom: usize, scene: &Scene<'_>) -> f64 {
     let counted = price(scene.len()) * freedom as f64;
+    if by_evidence(candidate) { law.cost.min(counted) } else { counted }
+}
+
+/// Whether the coefficients of a candidate are those of a curve over time or travel, or of a frame that moves.
+pub(crate) fn by_evidence(candidate: &Candidate) -> bool {
     match candidate.family {
-        Family::Guideway | Family::Drift | Family::Shift | Family::Thermal => law.cost.min(counted),
-        Family::Unmodelled if wanders(candidate) => law.cost.min(counted),
-        _ => counted,
+        Family::Guideway | Family::Drift | Family::Shift | Family::Thermal => true,
+        Family::Unmodelled => wanders(candidate),
+        _ => false,
     }
 }
 

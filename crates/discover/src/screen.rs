@@ -6,6 +6,7 @@ use crate::functions::Functions;
 use crate::library::{self, transmission_at};
 use crate::periodogram::{self, Periodogram};
 use crate::projection::{Projection, Score};
+use crate::rival::by_evidence;
 use crate::scene::Scene;
 use crate::surprise::surprise;
 use crate::{Family, Place};
@@ -173,7 +174,12 @@ impl Screen {
                 put(transmission_at(scene.chain(), wave.joint, &[period]), gain, 2);
             }
         }
-        let worth = |&(_, gain, freedom): &(Candidate, f64, usize)| gain - price * freedom as f64;
+        let worth = |(candidate, gain, freedom): &(Candidate, f64, usize)| {
+            let count = *freedom as f64;
+            // By evidence, as if the data knew all of them alike: the law is as wide as they came out.
+            let alike = 1.0 + (gain / count).max(1.0).ln();
+            gain - count * if by_evidence(candidate) { price.min(alike) } else { price }
+        };
         for cause in &mut causes {
             cause.variants.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         }

@@ -35,7 +35,8 @@ pub(crate) fn neighbours(candidate: &Candidate) -> Vec<Candidate> {
         && let Place::Frame { frame, components } = &series.at
     {
         // With one component left it would be another cause: its place names that component.
-        let several = |set: &Option<Vec<Axis>>| components.len() > 1 && set.as_ref().is_some_and(|s| s.len() > 1);
+        let several =
+            |set: &Option<Vec<Axis>>| components.len() > 1 && set.as_ref().is_some_and(|s| s.len() > 1);
         let at = |set: Option<Vec<Axis>>| Place::Frame { frame: *frame, components: set.unwrap_or_default() };
         let one = |set| like(Box::new(Expansion { at: at(set), ..series.clone() }));
         return others(Some(components)).filter(several).map(one).collect();
@@ -76,5 +77,18 @@ mod tests {
         assert!(neighbours(&joint).is_empty());
         let one = Shift { components: Some(vec![Axis::Tx]), ..at(Spot::Frame(FrameId::BASE)) };
         assert_eq!(neighbours(&Candidate::new(Family::Shift, crate::Place::default(), one)).len(), 5);
+    }
+
+    #[test]
+    fn a_wandering_frame_keeps_two_components_at_least() {
+        let at = |components: Vec<Axis>| Place::Frame { frame: FrameId::BASE, components };
+        let of = |components| {
+            let series = Expansion { at: at(components), factors: Vec::new() };
+            Candidate::new(Family::Unmodelled, crate::Place::default(), series)
+        };
+        assert_eq!(neighbours(&of(Axis::ALL.to_vec())).len(), 6);
+        // Four that take one in; neither may go.
+        assert_eq!(neighbours(&of(vec![Axis::Tx, Axis::Rz])).len(), 4);
+        assert!(neighbours(&of(vec![Axis::Tx])).is_empty());
     }
 }

@@ -230,6 +230,13 @@ pub(super) fn meaning(finding: &Finding) -> String {
         Family::Drift => format!(
             "{joint} moves slowly with time: warming up, settling, or the instrument. Warm up longer, or measure a fixed point between."
         ),
+        Family::Unmodelled
+            if place.joint.is_some() && place.joint == place.covariate && place.component.is_none() =>
+        {
+            format!(
+                "The axis of {joint} wanders as it turns: look at its bearings and their seats. Errors of that sort have no name here."
+            )
+        }
         Family::Unmodelled => format!(
             "Something at {joint} depends on {} in a way that has no name here.",
             [place.covariate.as_deref(), place.covariate2.as_deref()]
