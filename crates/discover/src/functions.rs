@@ -50,10 +50,11 @@ impl Functions {
         candidates: &[Candidate],
     ) -> Result<Self, DiscoverError> {
         let mut sets: Vec<(Vec<Factor>, Range<usize>)> = Vec::new();
-        let mut together: Vec<bool> = Vec::new();
+        // At which frames all components are asked for together.
+        let mut together: Vec<Vec<FrameId>> = Vec::new();
         let mut effects: Vec<Box<dyn AnyEffect>> = Vec::new();
         let mut width = 0;
-        for (series, _, components) in candidates.iter().filter_map(series) {
+        for (series, frame, components) in candidates.iter().filter_map(series) {
             let known = position(&sets, &series.factors);
             let set = known.unwrap_or(sets.len());
             if known.is_none() {
@@ -63,11 +64,13 @@ impl Functions {
                 };
                 let count = AnyEffect::columns(&one, scene.chain()).len();
                 sets.push((series.factors.clone(), width..width + count));
-                together.push(false);
+                together.push(Vec::new());
                 effects.push(Box::new(one));
                 width += count;
             }
-            together[set] |= components.len() > 1;
+            if components.len() > 1 {
+                together[set].push(frame);
+            }
         }
         let stations = projection.tables.stations.iter().copied();
         let mut values = DMatrix::zeros(stations.len(), width);
@@ -87,13 +90,13 @@ impl Functions {
                     |m: &DMatrix<f64>, own: &Range<usize>| m.columns(own.start, own.len()).into_owned();
                 sets.iter()
                     .zip(&together)
-                    .map(|((_, own), &together)| {
+                    .map(|((_, own), together)| {
                         let functions = part(&values, own);
                         let single = std::array::from_fn(|k| {
                             let raw = pulses[k].products(&functions);
                             projection.judged(&raw, &part(&through[k].0, own), &part(&through[k].1, own))
                         });
-                        let all = together.then(|| {
+                        let all = together.contains(&frame).then(|| {
                             let raw = projection.tables.products(&sites, &functions);
                             let side_by_side = |parts: [&DMatrix<f64>; 6]| {
                                 let columns: Vec<_> = parts

@@ -53,7 +53,7 @@ impl Covariate {
 }
 
 /// Pieces of the curves along which the axis of a turn may wander in all directions as it turns.
-const WANDER: [usize; 2] = [6, 11];
+const WANDER: [usize; 2] = [5, 10];
 
 pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
     let chain = setting.chain;
