@@ -4,6 +4,7 @@ use super::LANES;
 use super::loads::LaneLoad;
 use super::store::Store;
 use std::cell::Cell;
+use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Chain, FrameId, JointId};
 
 /// The robot in each row of a block: `LANES` numbers of everything, of which those beyond the rows mean nothing and are finite.
@@ -44,6 +45,28 @@ impl<'a> LanePosture<'a> {
     pub fn joint_load(&self, joint: JointId) -> &'a [f64] {
         self.asked.set(true);
         self.store.row(self.store.load(joint.index()))
+    }
+
+    /// Rows of [`LanePosture::numbers`] at which a frame's axes (nine, column after column) and its origin (three) begin, in the measurement frame.
+    pub(crate) fn frame_rows(&self, frame: FrameId) -> (usize, usize) {
+        self.asked.set(true);
+        (self.store.behind(frame.0), self.store.place(frame.0))
+    }
+
+    /// The row at which what a frame carries begins: force and moment about its origin, in the measurement frame's axes.
+    pub(crate) fn carried_row(&self, frame: FrameId) -> usize {
+        self.asked.set(true);
+        self.store.wrench(frame.0)
+    }
+
+    /// All rows of frames and weights, `LANES` numbers each.
+    pub(crate) fn numbers(&self) -> &'a [f64] {
+        &self.store.numbers
+    }
+
+    /// The processor's registers.
+    pub(crate) fn arch(&self) -> Arch {
+        self.store.arch
     }
 
     /// Writes a component (0…5: `[fx fy fz mx my mz]`) of the wrench that a frame carries, about its origin, in its axes: N, N·m.

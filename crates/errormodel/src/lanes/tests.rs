@@ -1,7 +1,7 @@
 use super::*;
 use crate::effects::{
     BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, JointCompliance, LinkCompliance,
-    Place, Polynomial, Transmission, WrenchComponent,
+    OwnWeight, Place, Polynomial, Section, Transmission, WrenchComponent,
 };
 use crate::{AnyEffect, ErrorJacobian, ErrorModel, Schema};
 use truepose_kinematics::lanes::levels;
@@ -124,7 +124,11 @@ fn models(chain: &Chain) -> Vec<ErrorModel> {
     ];
     let slides = chain.movable().iter().filter(|&&j| chain.joint(j).kind == JointKind::Prismatic);
     physics.extend(slides.map(|&joint| Box::new(Guideway::of(joint)) as Box<dyn AnyEffect>));
-    let effects: [Vec<Box<dyn AnyEffect>>; 5] = [
+    let beams = |section, own_weight| -> Vec<Box<dyn AnyEffect>> {
+        let links = LinkCompliance { joints: None, section, own_weight };
+        vec![Box::new(Geometric::default()), Box::new(links)]
+    };
+    let effects: [Vec<Box<dyn AnyEffect>>; 8] = [
         physics,
         vec![Box::new(Geometric::default())],
         vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())],
@@ -134,6 +138,9 @@ fn models(chain: &Chain) -> Vec<ErrorModel> {
             Box::new(LinkCompliance::default()),
             Box::new(Transmission::of(JointId(chain.movable()[0].0), 0.3)),
         ],
+        beams(Section::Tube, OwnWeight::Declared),
+        beams(Section::Symmetric, OwnWeight::Free),
+        beams(Section::General, OwnWeight::Free),
     ];
     effects.into_iter().map(|effects| ErrorModel::new(chain.clone(), effects).unwrap()).collect()
 }

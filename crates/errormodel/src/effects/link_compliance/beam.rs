@@ -16,6 +16,9 @@
 use truepose_kinematics::Wrench;
 use truepose_kinematics::nalgebra::Vector3;
 
+/// What is no longer does not bend, m.
+pub(super) const NO_LENGTH: f64 = 1e-6;
+
 /// The moments that bend and twist a beam, summed over its length. All vectors are in the same axes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Beam {
@@ -33,7 +36,7 @@ impl Beam {
     /// An unloaded beam with this vector from root to tip; none without a length.
     pub fn new(span: &Vector3<f64>) -> Option<Self> {
         let length = span.norm();
-        (length > 1e-6).then(|| Beam {
+        (length > NO_LENGTH).then(|| Beam {
             along: span / length,
             length,
             slope: Vector3::zeros(),

@@ -30,13 +30,16 @@
 //! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times gravity.
 
 mod beam;
+mod wide;
 
 use super::{joint_moves, listed_once};
+use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
-use beam::Beam;
+use beam::{Beam, NO_LENGTH};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Axis, Chain, JointId, Posture, Site, Wrench};
+use wide::Bending;
 
 /// Which stiffnesses of a link are told apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -221,6 +224,26 @@ impl Effect for LinkCompliance {
                 self.bend(&beyond, &axis, |plane, sag, slope| put(column + planes + plane, sag, slope));
             }
         });
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let (chain, width) = (at.chain(), self.width());
+        let mut said = vec![0.0; 6 * width * LANES];
+        let mut first = 0;
+        self.for_each_joint(chain, |joint| {
+            let column = first;
+            first += width;
+            if chain.link_length(joint) <= NO_LENGTH {
+                return;
+            }
+            at.arch().dispatch(Bending { effect: self, at, joint, out: &mut said });
+            let frame = chain.frame_after(joint);
+            for (k, numbers) in said.chunks_exact(LANES).enumerate() {
+                let value = out.value(|into| into.copy_from_slice(numbers));
+                out.push(column + k / 6, Site::Frame(frame, Axis::ALL[k % 6]), value);
+            }
+        });
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
