@@ -34,6 +34,7 @@ use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::ErrorModel;
 use truepose_solvers::accumulator::{ColumnScale, Factor, Triangular};
+use truepose_solvers::kernels::{cholesky_lower, gram, solve_lower_many};
 
 /// How strongly coefficients are held to their expected sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,11 +96,9 @@ impl Prior {
         let rank = reduction.rank();
         let scale = |c: usize| model.columns()[c].scale;
         let grouped = members(model, reduction, &widths);
-        let covariance = &grouped * grouped.transpose();
-        let mut spread = covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
-        let mut unit = spread
-            .solve_lower_triangular(&DMatrix::identity(rank, rank))
-            .unwrap_or_else(|| DMatrix::identity(rank, rank));
+        let mut spread = root(&grouped);
+        let mut unit = DMatrix::identity(rank, rank);
+        solve_lower_many(&spread, &mut unit);
         for (k, group) in reduction.groups.iter().enumerate() {
             unit.column_mut(k).scale_mut(1.0 / scale(group.column));
             spread.row_mut(k).scale_mut(scale(group.column));
@@ -241,6 +240,20 @@ fn members(model: &ErrorModel, reduction: &Reduction, widths: &[f64]) -> DMatrix
         }
     }
     grouped
+}
+
+/// L of `G Gᵀ = L Lᵀ`.
+fn root(grouped: &DMatrix<f64>) -> DMatrix<f64> {
+    let rank = grouped.nrows();
+    let mut covariance = DMatrix::zeros(rank, rank);
+    gram(&mut covariance, &grouped.transpose());
+    let Some(mut root) = cholesky_lower(covariance, rank) else {
+        // Sizes too far apart for the quick way.
+        let covariance = grouped * grouped.transpose();
+        return covariance.cholesky().map_or_else(|| DMatrix::identity(rank, rank), |c| c.unpack());
+    };
+    root.fill_upper_triangle(0.0, 1);
+    root
 }
 
 /// A kind of no more unknowns than this is held no closer than so many expected sizes.

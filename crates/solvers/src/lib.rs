@@ -7,6 +7,7 @@ pub mod conic;
 mod dense;
 mod error;
 mod folds;
+pub mod kernels;
 pub mod nonlinear;
 mod problem;
 mod rank;

@@ -5,7 +5,7 @@
 //! function of the data alone. A visit is never cut.
 
 use crate::{IdentifyError, NoiseModel, Residuals};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use truepose_errormodel::lanes::{Component, LANES, Lanes};
@@ -205,6 +205,15 @@ impl<'a> Blocks<'a> {
         Ok(())
     }
 
+    /// The same of some batches.
+    fn wholes(&mut self, batches: &[Batch]) -> Result<Vec<Whole>, IdentifyError> {
+        let made = batches.iter().map(|batch| {
+            let mut whole = Whole::default();
+            self.whole(batch, &mut whole).map(|()| whole)
+        });
+        made.collect()
+    }
+
     /// One over the standard deviation of each component of each row; zero where nothing was measured.
     fn weigh(&mut self, rows: &[usize]) {
         for (lane, &row) in rows.iter().enumerate() {
@@ -338,6 +347,34 @@ pub fn triangular_of(
     Ok(triangle)
 }
 
+/// The whitened rows of A over all visits, in the order of their blocks.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub(crate) fn dense(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<DMatrix<f64>, IdentifyError> {
+    let Some(batches) = batches(data, visits, 0..visits.len()) else {
+        return Ok(super::collect(model, data, visits, noise, coefficients)?.a);
+    };
+    let mut blocks = Blocks::new(model, data, noise, coefficients, None)?;
+    let wholes = blocks.wholes(&batches)?;
+    let rows = wholes.iter().map(|whole| whole.rows).sum();
+    let mut dense = DMatrix::zeros(rows, blocks.width());
+    let mut first = 0;
+    for whole in wholes.iter().filter(|whole| whole.rows > 0) {
+        for (&column, numbers) in whole.active.iter().zip(whole.numbers.chunks_exact(whole.rows)) {
+            dense.column_mut(column).as_mut_slice()[first..first + whole.rows].copy_from_slice(numbers);
+        }
+        first += whole.rows;
+    }
+    Ok(dense)
+}
+
 /// The rows of `[A | r]` by visits, for cross-validation of the linear fit; visits are its groups.
 ///
 /// # Errors
@@ -353,12 +390,7 @@ pub fn left_out(
     let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
     let all = batches(data, visits, 0..visits.len());
     let batches = all.ok_or(IdentifyError::LongVisit { most: LANES })?;
-    let mut wholes = Vec::with_capacity(batches.len());
-    for batch in &batches {
-        let mut whole = Whole::default();
-        blocks.whole(batch, &mut whole)?;
-        wholes.push(whole);
-    }
+    let wholes = blocks.wholes(&batches)?;
     let parts = wholes.iter().map(|w| (w.active.as_slice(), w.groups.as_slice(), w.numbers.as_slice()));
     Ok(LeftOut::new(blocks.width(), visits.len(), parts)?)
 }

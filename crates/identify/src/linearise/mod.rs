@@ -13,6 +13,7 @@
 
 mod blocks;
 
+pub(crate) use blocks::dense;
 pub use blocks::{Batch, Blocks, batches, gram, left_out, left_over, triangular, triangular_of};
 
 use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};

@@ -9,7 +9,8 @@
 //! it; the rows are then turned (by a Householder reflection) so that a single row reaches it, and that row is set
 //! aside. The others stay orthonormal, so that no pivot is ever judged after a division: round-off cannot make a group.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
+use truepose_solvers::kernels::solve_upper_many;
 
 /// Columns that depend on the others, and how.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,30 +46,43 @@ pub fn echelon(null: &DMatrix<f64>, preference: &[usize]) -> Echelon {
         left -= 1;
         dropped.push(column);
     }
-    // Set aside from the last row upwards: row k−1 is the first pivot.
-    let chosen = DMatrix::from_fn(dropped.len(), p, |i, j| rows[(k - 1 - i, j)]);
-    let pivots = DMatrix::from_fn(dropped.len(), dropped.len(), |i, j| chosen[(i, dropped[j])]);
-    // Later pivots have a zero in earlier pivots' columns: the system is triangular and well away from singular.
-    let mut relations = pivots.lu().solve(&chosen).unwrap_or_else(|| DMatrix::zeros(dropped.len(), p));
-    for (i, &column) in dropped.iter().enumerate() {
-        for row in 0..dropped.len() {
-            relations[(row, column)] = if row == i { 1.0 } else { 0.0 };
-        }
-    }
+    // Set aside from the last row upwards: row k−1 is the first pivot. Later pivots have a zero in earlier pivots' columns: the system is
+    // triangular and well away from singular.
+    let set_aside = |i: usize, j: usize| rows[(k - 1 - i, j)];
+    let pivots = DMatrix::from_fn(dropped.len(), dropped.len(), |i, j| set_aside(i, dropped[j]));
+    let mut is_dropped = vec![false; p];
+    dropped.iter().for_each(|&column| is_dropped[column] = true);
+    let kept: Vec<usize> = (0..p).filter(|&column| !is_dropped[column]).collect();
+    let mut shares = DMatrix::from_fn(dropped.len(), kept.len(), |i, j| set_aside(i, kept[j]));
+    solve_upper_many(&pivots, &mut shares);
+    let mut relations = DMatrix::zeros(dropped.len(), p);
+    kept.iter().enumerate().for_each(|(from, &to)| relations.set_column(to, &shares.column(from)));
+    dropped.iter().enumerate().for_each(|(row, &column)| relations[(row, column)] = 1.0);
     Echelon { dropped, relations }
 }
 
 /// Turns the first `count` rows so that only the last of them reaches the column.
 fn reflect_to_last(rows: &mut DMatrix<f64>, count: usize, column: usize, reach: f64) {
-    let mut v = DVector::from_fn(count, |i, _| rows[(i, column)]);
+    let height = rows.nrows();
+    let mut v = rows.as_slice()[column * height..][..count].to_vec();
     let last = count - 1;
     v[last] += if v[last] < 0.0 { -reach } else { reach };
-    let square = v.norm_squared();
-    for mut column in rows.column_iter_mut() {
-        let mut part = column.rows_mut(0, count);
-        let along = part.dot(&v);
-        part.axpy(-2.0 * along / square, &v, 1.0);
+    let square = dot(&v, &v);
+    for column in rows.as_mut_slice().chunks_exact_mut(height) {
+        let part = &mut column[..count];
+        let by = 2.0 * dot(part, &v) / square;
+        part.iter_mut().zip(&v).for_each(|(part, v)| *part -= by * v);
     }
+}
+
+/// Eight sums side by side, so that none waits for the one before.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
+    }
+    sums.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -120,12 +120,6 @@ impl Reduction {
     }
 }
 
-/// Postures over which the structural null space is taken. Each of them gives three numbers at least, and the data's own rows
-/// come on top: enough for any number of columns.
-fn postures(columns: usize) -> usize {
-    columns.div_ceil(2).max(40)
-}
-
 /// Reduces by the structural null space and then by what the data, given as its triangular factor, leaves unexcited; both
 /// linearised at these coefficients.
 ///
@@ -169,7 +163,7 @@ fn reduce_in_order(
     order: &[usize],
 ) -> Result<Reduction, IdentifyError> {
     let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
-    let spread = spread_factor(model, data, factor, postures(scales.len()), coefficients)?;
+    let spread = spread_factor(model, data, factor, coefficients)?;
     let structural = spread.null_space(ColumnScale::Given(&scales), rule)?;
     let mut dropped = relations(&structural.basis, order, &scales, Cause::Structural);
 

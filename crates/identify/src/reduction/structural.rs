@@ -3,7 +3,8 @@
 //! Postures follow a Halton sequence (Halton 1960), so that the answer is the same everywhere. What was measured
 //! (which components, which targets), loads and channels are taken from the data in turn.
 
-use crate::{IdentifyError, NoiseModel, triangular};
+use crate::linearise::dense;
+use crate::{IdentifyError, NoiseModel};
 use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, ErrorModel, Interval, Visits};
 use truepose_kinematics::{Chain, JointKind};
@@ -33,8 +34,12 @@ pub fn joint_ranges(chain: &Chain, data: Option<&Dataset>) -> Vec<Interval> {
         .collect()
 }
 
-/// Triangular factor of the model, linearised at these coefficients, over `count` postures spread within the limits and
-/// seen as `data` was, and over the data itself, whose factor is given.
+/// Independent numbers that the postures give for each unknown, and how many postures there are at least.
+const NUMBERS: f64 = 1.5;
+const POSTURES: usize = 40;
+
+/// Triangular factor of the model, linearised at these coefficients, over postures spread within the limits and seen as `data` was, and
+/// over the data itself, whose factor is given.
 ///
 /// # Errors
 /// When nothing was measured, or the model does not fit the data.
@@ -42,7 +47,6 @@ pub fn spread_factor(
     model: &ErrorModel,
     data: &Dataset,
     own: &Factor,
-    count: usize,
     coefficients: &[f64],
 ) -> Result<Factor, IdentifyError> {
     let ranges = joint_ranges(model.chain(), Some(data));
@@ -59,6 +63,10 @@ pub fn spread_factor(
             kinds.push(row);
         }
     }
+    // However many targets are seen, a posture has no more than the six numbers of a rigid body; the data's own rows come on top.
+    let numbers: usize = kinds.iter().map(|&row| data.seen(row).count()).sum();
+    let unknowns = model.columns().len() as f64;
+    let count = ((NUMBERS * unknowns / numbers.min(6) as f64).ceil() as usize).max(POSTURES);
     let picked: Vec<usize> = (0..count).flat_map(|_| kinds.iter().copied()).collect();
     let conditions: Vec<usize> =
         (0..picked.len()).map(|k| rows[((k / kinds.len()) * 7919) % rows.len()]).collect();
@@ -78,14 +86,14 @@ pub fn spread_factor(
     let length = model.chain().characteristic_length();
     let noise = NoiseModel { position_sd: 1e-3, visit_sd: 0.0, orientation_sd: 1e-3 / length };
     let visits = Visits { rows: (0..sample.len()).map(|row| vec![row]).collect() };
-    let factor = triangular(model, &sample, &visits, noise, coefficients, None)?;
+    let rows = dense(model, &sample, &visits, noise, coefficients)?;
     // What the data itself shows can be shown: a function with narrow support may be missed by the postures above. Its
     // rows are whitened by other deviations, which moves no null space; they are made as large as those above.
-    let spread = factor.into_factor();
-    let (mine, theirs) = (spread.r.norm(), own.r.norm());
+    let (mine, theirs) = (rows.norm(), own.r.norm());
     let share = if theirs > 0.0 { mine / theirs } else { 1.0 };
-    let mut both = Triangular::of(&spread);
-    both.update(&(&own.r * share), &DMatrix::zeros(own.columns(), 1))?;
+    let own = Factor { r: &own.r * share, z: &own.z * share, ..own.clone() };
+    let mut both = Triangular::of(&own);
+    both.update(&rows, &DMatrix::zeros(rows.nrows(), own.z.ncols()))?;
     Ok(both.into_factor())
 }
 

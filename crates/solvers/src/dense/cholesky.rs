@@ -7,7 +7,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
 /// Adds AᵀA to the lower triangle of `g`.
-pub(crate) fn gram(g: &mut DMatrix<f64>, a: &DMatrix<f64>) {
+pub fn gram(g: &mut DMatrix<f64>, a: &DMatrix<f64>) {
     gram_of(g, a.nrows(), a.nrows(), a.as_slice());
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn residual_of_rows(x: &[f64], rows: &[f64]) -> Vec<f64> {
 }
 
 /// L of the leading p × p part of a matrix whose lower triangle is `g`; nothing if it is not positive definite to round-off.
-pub(crate) fn cholesky_lower(mut g: DMatrix<f64>, p: usize) -> Option<DMatrix<f64>> {
+pub fn cholesky_lower(mut g: DMatrix<f64>, p: usize) -> Option<DMatrix<f64>> {
     let stride = g.nrows();
     if p == 0 {
         return Some(g);
@@ -80,7 +80,7 @@ pub(crate) fn cholesky_lower(mut g: DMatrix<f64>, p: usize) -> Option<DMatrix<f6
 }
 
 /// L⁻¹ B, in place, with the leading part of L.
-pub(crate) fn solve_lower_many(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
+pub fn solve_lower_many(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
     let (p, columns) = b.shape();
     let l = MatRef::from_column_major_slice_with_stride(l.as_slice(), p, p, l.nrows());
     let b = MatMut::from_column_major_slice_mut(b.as_mut_slice(), p, columns);
@@ -88,7 +88,7 @@ pub(crate) fn solve_lower_many(l: &DMatrix<f64>, b: &mut DMatrix<f64>) {
 }
 
 /// R⁻¹ B, in place, with an upper triangle R.
-pub(crate) fn solve_upper_many(r: &DMatrix<f64>, b: &mut DMatrix<f64>) {
+pub fn solve_upper_many(r: &DMatrix<f64>, b: &mut DMatrix<f64>) {
     let (p, columns) = b.shape();
     let r = MatRef::from_column_major_slice(r.as_slice(), p, p);
     let b = MatMut::from_column_major_slice_mut(b.as_mut_slice(), p, columns);

@@ -10,10 +10,8 @@ mod pivoted_cholesky;
 mod singular;
 mod triangle;
 
-pub(crate) use cholesky::{
-    cholesky, cholesky_lower, gram, gram_of, gram_of_rows, residual_of_rows, solve_lower_many,
-    solve_upper_many,
-};
+pub(crate) use cholesky::{cholesky, gram_of, gram_of_rows, residual_of_rows};
+pub use cholesky::{cholesky_lower, gram, solve_lower_many, solve_upper_many};
 pub(crate) use householder::{Reflectors, fold};
 pub(crate) use norm::norm;
 pub(crate) use pivoted::{ordered_qr, pivoted_qr};
