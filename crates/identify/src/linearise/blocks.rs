@@ -4,15 +4,16 @@
 //! since whole columns of a model vanish there: a block has the columns of its kind and no others. Their order is a
 //! function of the data alone. A visit is never cut.
 
-use crate::{IdentifyError, NoiseModel, Residuals};
-use nalgebra::{DMatrix, Vector3};
-use rayon::prelude::*;
+mod sums;
+
+pub(crate) use sums::dense;
+pub use sums::{gram, left_out, left_over, triangular, triangular_of};
+
+use crate::{IdentifyError, NoiseModel};
 use std::collections::HashMap;
 use truepose_errormodel::lanes::{Component, LANES, Lanes};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_kinematics::Load;
-use truepose_solvers::Gram;
-use truepose_solvers::accumulator::{LeftOut, Triangular};
 
 /// A block that is begun with rows of another kind has at least so many.
 const LEAST: usize = 8;
@@ -290,194 +291,6 @@ struct Whole {
     /// The visit of each row.
     groups: Vec<usize>,
     numbers: Vec<f64>,
-}
-
-/// The triangular factor of `[A | r]` over all visits, over all columns or over these: as [`gram`], with all digits.
-///
-/// # Errors
-/// When the model and the data do not fit, or a number is not finite.
-pub fn triangular(
-    model: &ErrorModel,
-    data: &Dataset,
-    visits: &Visits,
-    noise: NoiseModel,
-    coefficients: &[f64],
-    columns: Option<&[usize]>,
-) -> Result<Triangular, IdentifyError> {
-    let parts = super::by_blocks(visits, |range| {
-        triangular_of(model, data, visits, noise, coefficients, columns, range)
-    })?;
-    let mut parts = parts.into_iter();
-    let width = columns.map_or(model.columns().len(), <[usize]>::len);
-    let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
-    for part in parts {
-        whole.merge(&part)?;
-    }
-    Ok(whole)
-}
-
-/// The same over some of the visits, by one thread.
-///
-/// # Errors
-/// As [`triangular`].
-pub fn triangular_of(
-    model: &ErrorModel,
-    data: &Dataset,
-    visits: &Visits,
-    noise: NoiseModel,
-    coefficients: &[f64],
-    columns: Option<&[usize]>,
-    which: impl Iterator<Item = usize> + Clone,
-) -> Result<Triangular, IdentifyError> {
-    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
-    let Some(batches) = batches(data, visits, which.clone()) else {
-        let lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
-        let lineariser = match columns {
-            Some(columns) => lineariser.of_columns(columns),
-            None => lineariser,
-        };
-        return super::accumulate(lineariser, visits, which);
-    };
-    let mut triangle = Triangular::new(blocks.width(), 1);
-    let mut whole = Whole::default();
-    for batch in &batches {
-        blocks.whole(batch, &mut whole)?;
-        triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
-    }
-    Ok(triangle)
-}
-
-/// The whitened rows of A over all visits, in the order of their blocks.
-///
-/// # Errors
-/// When the model and the data do not fit.
-pub(crate) fn dense(
-    model: &ErrorModel,
-    data: &Dataset,
-    visits: &Visits,
-    noise: NoiseModel,
-    coefficients: &[f64],
-) -> Result<DMatrix<f64>, IdentifyError> {
-    let Some(batches) = batches(data, visits, 0..visits.len()) else {
-        return Ok(super::collect(model, data, visits, noise, coefficients)?.a);
-    };
-    let mut blocks = Blocks::new(model, data, noise, coefficients, None)?;
-    let wholes = blocks.wholes(&batches)?;
-    let rows = wholes.iter().map(|whole| whole.rows).sum();
-    let mut dense = DMatrix::zeros(rows, blocks.width());
-    let mut first = 0;
-    for whole in wholes.iter().filter(|whole| whole.rows > 0) {
-        for (&column, numbers) in whole.active.iter().zip(whole.numbers.chunks_exact(whole.rows)) {
-            dense.column_mut(column).as_mut_slice()[first..first + whole.rows].copy_from_slice(numbers);
-        }
-        first += whole.rows;
-    }
-    Ok(dense)
-}
-
-/// The rows of `[A | r]` by visits, for cross-validation of the linear fit; visits are its groups.
-///
-/// # Errors
-/// When the model and the data do not fit, or a visit is longer than a block.
-pub fn left_out(
-    model: &ErrorModel,
-    data: &Dataset,
-    visits: &Visits,
-    noise: NoiseModel,
-    coefficients: &[f64],
-    columns: Option<&[usize]>,
-) -> Result<LeftOut, IdentifyError> {
-    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
-    let all = batches(data, visits, 0..visits.len());
-    let batches = all.ok_or(IdentifyError::LongVisit { most: LANES })?;
-    let wholes = blocks.wholes(&batches)?;
-    let parts = wholes.iter().map(|w| (w.active.as_slice(), w.groups.as_slice(), w.numbers.as_slice()));
-    Ok(LeftOut::new(blocks.width(), visits.len(), parts)?)
-}
-
-/// The Gram matrix of `[A | r]` over all visits, over all columns or over these: in parallel over fixed blocks, merged in order.
-///
-/// # Errors
-/// When the model and the data do not fit.
-pub fn gram(
-    model: &ErrorModel,
-    data: &Dataset,
-    visits: &Visits,
-    noise: NoiseModel,
-    coefficients: &[f64],
-    columns: Option<&[usize]>,
-) -> Result<Gram, IdentifyError> {
-    let parts = super::by_blocks(visits, |range| {
-        let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
-        let mut gram = Gram::new(blocks.width(), 1);
-        match batches(data, visits, range.clone()) {
-            Some(batches) => {
-                for batch in &batches {
-                    blocks.each(batch, |c| Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?))?;
-                }
-            }
-            None => {
-                let mut lineariser = super::Lineariser::new(model, data, noise, coefficients)?;
-                if let Some(columns) = columns {
-                    lineariser = lineariser.of_columns(columns);
-                }
-                for visit in range {
-                    gram.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
-                }
-            }
-        }
-        Ok(gram)
-    })?;
-    let mut parts = parts.into_iter();
-    let width = columns.map_or(model.columns().len(), <[usize]>::len);
-    let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
-    whole.settle();
-    for part in parts {
-        whole.merge(&part)?;
-    }
-    Ok(whole)
-}
-
-/// Residuals `y − y(c) − P J_e Φ δ` of every row, in metres and radians.
-///
-/// # Errors
-/// When the model and the data do not fit.
-pub fn left_over(
-    model: &ErrorModel,
-    data: &Dataset,
-    coefficients: &[f64],
-    change: &[f64],
-) -> Result<Residuals, IdentifyError> {
-    data.validate(model.chain())?;
-    let bound = model.bind(&data.schema)?;
-    const ROWS: usize = 128 * LANES;
-    let parts: Vec<Vec<f64>> = (0..data.len().div_ceil(ROWS))
-        .into_par_iter()
-        .map(|part| {
-            let mut lanes = Lanes::new(bound.clone());
-            let rows: Vec<usize> = (part * ROWS..((part + 1) * ROWS).min(data.len())).collect();
-            let mut numbers = vec![0.0; rows.len().div_ceil(LANES) * 6 * LANES];
-            for (rows, numbers) in rows.chunks(LANES).zip(numbers.chunks_exact_mut(6 * LANES)) {
-                lanes.gather(data, rows);
-                lanes.settle(data, coefficients);
-                lanes.left(data, change, numbers);
-            }
-            numbers
-        })
-        .collect();
-    let mut residuals = Residuals {
-        position: vec![Vector3::repeat(f64::NAN); data.len()],
-        orientation: vec![None; data.len()],
-    };
-    for row in 0..data.len() {
-        let block = &parts[row / ROWS][row % ROWS / LANES * 6 * LANES..][..6 * LANES];
-        let at = |component: usize| block[component * LANES + row % LANES];
-        for k in (0..3).filter(|&k| !data.position[row][k].is_nan()) {
-            residuals.position[row][k] = at(k);
-        }
-        residuals.orientation[row] = data.orientation[row].map(|_| Vector3::new(at(3), at(4), at(5)));
-    }
-    Ok(residuals)
 }
 
 #[cfg(test)]

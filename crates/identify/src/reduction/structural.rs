@@ -5,7 +5,6 @@
 
 use crate::linearise::dense;
 use crate::{IdentifyError, NoiseModel};
-use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, ErrorModel, Interval, Visits};
 use truepose_kinematics::{Chain, JointKind};
 use truepose_solvers::accumulator::{Factor, Triangular};
@@ -89,11 +88,11 @@ pub fn spread_factor(
     let rows = dense(model, &sample, &visits, noise, coefficients)?;
     // What the data itself shows can be shown: a function with narrow support may be missed by the postures above. Its
     // rows are whitened by other deviations, which moves no null space; they are made as large as those above.
-    let (mine, theirs) = (rows.norm(), own.r.norm());
+    let (mine, theirs) = (rows.columns(0, own.columns()).norm(), own.r.norm());
     let share = if theirs > 0.0 { mine / theirs } else { 1.0 };
     let own = Factor { r: &own.r * share, z: &own.z * share, ..own.clone() };
     let mut both = Triangular::of(&own);
-    both.update(&rows, &DMatrix::zeros(rows.nrows(), own.z.ncols()))?;
+    both.update_block(rows)?;
     Ok(both.into_factor())
 }
 

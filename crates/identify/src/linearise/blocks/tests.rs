@@ -1,8 +1,9 @@
 use super::*;
+use nalgebra::Vector3;
 use truepose_errormodel::effects::{Geometric, JointCompliance};
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::{Payload, samples};
-use truepose_solvers::accumulator::ColumnScale;
+use truepose_solvers::accumulator::{ColumnScale, Triangular};
 
 fn visits(rows: usize, movable: usize) -> Dataset {
     let wave = |k: usize, row: usize| 1.9 * ((1 + k) as f64 * 1.3 + row as f64 * 0.37 * (1 + k) as f64).sin();
