@@ -3,16 +3,16 @@
 //!
 //! Our table is the peers' with columns as our files name them: once made, it lies beside theirs. The peer reads its own.
 
-use super::{Residual, paper, shared_with};
+use super::{answer_of_points, of_points, paper, shared_with};
 use crate::robots::dataset;
 use crate::table::Table;
-use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
+use crate::workload::{Declared, Failure, Way, Workload};
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use truepose_errormodel::Dataset;
 use truepose_identify::{
-    FitOptions, IdentifyError, PriorStrength, Source, StreamedOptions, identify_streamed, left_over,
+    FitOptions, IdentifyError, PriorStrength, Source, StreamedOptions, identify_streamed,
 };
 use truepose_io::{MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
 use truepose_kinematics::Chain;
@@ -92,33 +92,25 @@ fn way(folder: &Path, file: &'static str) -> Result<Way, Failure> {
     };
     shared_with(run, move |(rank, coefficients): &(usize, Vec<f64>)| {
         let data = dataset(&Table::read(&own.join(file))?, 6, |_| true)?;
-        let zero = vec![0.0; coefficients.len()];
-        let residual = Residual::of(&left_over(&also, &data, &zero, coefficients)?);
-        Ok(Answer::from([("rank".into(), *rank as f64), ("rms_fit_um".into(), residual.position_um)]))
+        answer_of_points(&also, &data, *rank, coefficients)
     })
 }
 
 const ASKED: &[(&str, f64)] = &[("pandas+numba-chunk", 0.75)];
 
-const fn bound(points: f64) -> Bound {
-    let r = 224.0;
-    Bound { flops: points * (3.0 * r * (r + 1.0) + 9.0 * r + 900.0) + r * r * r / 3.0, bytes: points * 190.0 }
-}
+/// Bytes of a row of the table, read twice.
+const BYTES: f64 = 190.0;
 
 /// 200 000 points.
-pub const DISK_200K: Workload = Workload {
-    name: "W3-disk-200k",
-    about: "200 000 points from a table on disk to a fit on disk",
-    bound: bound(2e5),
-    agree: &[("rank", 9), ("rms_fit_um", 9)],
-    ways: &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_200k.csv") }],
-};
+pub const DISK_200K: Workload = of_points(
+    ("W3-disk-200k", "200 000 points from a table on disk to a fit on disk"),
+    (2e5, BYTES),
+    &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_200k.csv") }],
+);
 
 /// A million.
-pub const DISK_1M: Workload = Workload {
-    name: "W3-disk-1m",
-    about: "1 000 000 points from a table on disk to a fit on disk",
-    bound: bound(1e6),
-    agree: &[("rank", 9), ("rms_fit_um", 9)],
-    ways: &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_1m.csv") }],
-};
+pub const DISK_1M: Workload = of_points(
+    ("W3-disk-1m", "1 000 000 points from a table on disk to a fit on disk"),
+    (1e6, BYTES),
+    &[Declared { name: "streamed", asked: ASKED, prepare: |folder| way(folder, "w3_1m.csv") }],
+);

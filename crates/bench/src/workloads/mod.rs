@@ -7,10 +7,11 @@ mod folds;
 mod paper;
 mod points;
 
-use crate::workload::{Answer, Failure, Way, Workload};
+use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
 use std::cell::RefCell;
 use std::rc::Rc;
-use truepose_identify::Residuals;
+use truepose_errormodel::{Dataset, ErrorModel};
+use truepose_identify::{Residuals, left_over};
 
 /// In the order in which they run.
 pub const ALL: &[Workload] = &[
@@ -45,6 +46,30 @@ fn shared_with<T: 'static>(
         }),
         check: Box::new(move || answer(last.borrow().as_ref().ok_or("nothing was run")?)),
     })
+}
+
+/// A workload over so many points of the paper's model with 224 columns, each of which makes any way move so many bytes.
+const fn of_points(
+    (name, about): (&'static str, &'static str),
+    (points, bytes): (f64, f64),
+    ways: &'static [Declared],
+) -> Workload {
+    let r = 224.0;
+    let flops = points * (3.0 * r * (r + 1.0) + 9.0 * r + 900.0) + r * r * r / 3.0;
+    let bound = Bound { flops, bytes: points * bytes };
+    Workload { name, about, bound, agree: &[("rank", 9), ("rms_fit_um", 9)], ways }
+}
+
+/// The answer over points: the rank, and what these coefficients leave.
+fn answer_of_points(
+    model: &ErrorModel,
+    data: &Dataset,
+    rank: usize,
+    coefficients: &[f64],
+) -> Result<Answer, Failure> {
+    let zero = vec![0.0; coefficients.len()];
+    let residual = Residual::of(&left_over(model, data, &zero, coefficients)?);
+    Ok(Answer::from([("rank".into(), rank as f64), ("rms_fit_um".into(), residual.position_um)]))
 }
 
 /// Sizes of residuals under the peers' names.
