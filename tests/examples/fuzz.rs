@@ -21,7 +21,17 @@ use truepose_solvers::SolverSpec;
 
 const SLOW: Duration = Duration::from_secs(1);
 const LARGEST: u64 = 1 << 30;
-const TARGETS: [&str; 7] = ["robot", "urdf", "measurements", "model", "fit", "poses", "solver"];
+const TARGETS: &[&str] = &[
+    "robot",
+    "urdf",
+    "measurements",
+    "model",
+    "fit",
+    "poses",
+    "solver",
+    #[cfg(feature = "parquet")]
+    "parquet",
+];
 
 const PIECES: [&str; 40] = [
     "nan",
@@ -82,7 +92,8 @@ fn main() {
     let number = |key: &str, or: u64| value(key).map_or(or, |text| text.parse().expect("a number"));
     let (inputs, seed) = (number("--inputs", 100_000), number("--seed", 0));
     let wanted = arguments.first().filter(|a| !a.starts_with("--")).cloned().unwrap_or_else(|| "all".into());
-    let names: Vec<&str> = TARGETS.into_iter().filter(|name| wanted == "all" || *name == wanted).collect();
+    let names: Vec<&str> =
+        TARGETS.iter().copied().filter(|name| wanted == "all" || *name == wanted).collect();
     assert!(!names.is_empty(), "no target `{wanted}` (known: {}, all)", TARGETS.join(", "));
     std::panic::set_hook(Box::new(|_| ()));
     let mut findings = 0;
@@ -128,6 +139,7 @@ fn target(name: &'static str) -> Target {
                 b"j1[deg],j2[deg],d3[mm],x[m],y[m],z[m],qw,qx,qy,qz,payload[kg],time[s]\n10,20,30,0.4,0.1,0.3,1,0,0,0,5,1\n".to_vec(),
             ],
         ),
+        "parquet" => ("parquet", Vec::new()),
         _ => (
             "csv",
             vec![
@@ -139,7 +151,8 @@ fn target(name: &'static str) -> Target {
         ),
     };
     let mut seeds = Vec::new();
-    let mut files: Vec<PathBuf> = std::fs::read_dir(corpus()).unwrap().map(|e| e.unwrap().path()).collect();
+    let folder = if name == "parquet" { corpus().join("../parquet") } else { corpus() };
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
     files.sort();
     for file in files {
         let stem = file.file_stem().unwrap().to_string_lossy().into_owned();
@@ -148,7 +161,7 @@ fn target(name: &'static str) -> Target {
         let ours = file.extension().is_some_and(|e| e == ending)
             && match name {
                 "measurements" => !own,
-                "urdf" => true,
+                "urdf" | "parquet" => true,
                 _ => kind == name,
             };
         if ours && (kind == "good" || kind == "fine") {
@@ -180,13 +193,15 @@ fn read(target: &Target, path: &Path, bytes: &[u8]) -> bool {
     let registry = EffectRegistry::builtin();
     match target.name {
         "robot" | "urdf" => read_robot(path, &RobotOptions::default()).is_ok(),
-        "measurements" => match read_measurements(path, &target.chain, &MeasurementsOptions::default()) {
-            Ok((data, _, _)) => {
-                let _ = truepose_identify::suspicion(&target.chain, &data);
-                true
+        "measurements" | "parquet" => {
+            match read_measurements(path, &target.chain, &MeasurementsOptions::default()) {
+                Ok((data, _, _)) => {
+                    let _ = truepose_identify::suspicion(&target.chain, &data);
+                    true
+                }
+                Err(_) => false,
             }
-            Err(_) => false,
-        },
+        }
         "model" => read_model(path, &target.chain, &registry).is_ok(),
         "fit" => read_fit(path, &registry).is_ok(),
         "poses" => read_poses(path, &target.chain).is_ok(),

@@ -12,13 +12,17 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 6] = [
+const STEPS: [Step; 7] = [
     Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
     Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
     Step { environment: &[], arguments: &["test", "--workspace"] },
     Step {
         environment: &[],
         arguments: &["test", "-p", "truepose-io", "--features", "parquet", "--test", "parquet"],
+    },
+    Step {
+        environment: &[],
+        arguments: &["test", "-p", "truepose-cli", "--features", "parquet", "--test", "program", "parquet"],
     },
     Step { environment: &[("RUSTDOCFLAGS", "-D warnings")], arguments: &["doc", "--workspace", "--no-deps"] },
     Step { environment: &[], arguments: &["xtask", "tidy"] },

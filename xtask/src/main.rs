@@ -34,7 +34,7 @@ enum Verb {
     },
     /// Throw spoiled input at everything that reads files; what it finds is kept in target/fuzz.
     Fuzz {
-        /// Which: robot, urdf, measurements, model, fit, poses, solver, or all.
+        /// Which: robot, urdf, measurements, model, fit, poses, solver, parquet, or all.
         #[arg(default_value = "all")]
         target: String,
         /// Passed on, e.g. `--inputs 1000000 --seed 7`.
@@ -73,7 +73,17 @@ fn run(verb: Verb) -> Result<()> {
         ),
         Verb::Fuzz { target, rest } => finished(
             Command::new("cargo")
-                .args(["run", "--release", "--package", "truepose-tests", "--example", "fuzz", "--"])
+                .args([
+                    "run",
+                    "--release",
+                    "--package",
+                    "truepose-tests",
+                    "--features",
+                    "parquet",
+                    "--example",
+                    "fuzz",
+                    "--",
+                ])
                 .arg(target)
                 .args(rest)
                 .current_dir(&root),

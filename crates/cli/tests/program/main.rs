@@ -14,6 +14,8 @@ mod folder;
 mod limits;
 mod output;
 mod page;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod report;
 mod round_trip;
 mod spoiled;

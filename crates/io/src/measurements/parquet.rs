@@ -4,14 +4,17 @@
 //! A null and a NaN are an empty cell; a text in a column of numbers is read as a CSV's cell is. Rows count from one, and the schema is line 0:
 //! `d.parquet:7: column `x[mm]` (3): …` is the seventh row.
 
+mod pages;
+
 use super::row::{Cell, RowReader};
 use crate::IoError;
 use ::parquet::basic::{ConvertedType, Type};
-use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use ::parquet::data_type::{ByteArray, DataType};
 use ::parquet::errors::ParquetError;
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::schema::types::ColumnDescriptor;
+use pages::{Bounded, Pages, lies_in};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -39,7 +42,7 @@ enum Batch {
 pub(crate) struct ParquetRows {
     file: PathBuf,
     bytes: u64,
-    reader: SerializedFileReader<File>,
+    reader: SerializedFileReader<Bounded>,
     names: Vec<String>,
     /// Of unsigned integers.
     unsigned: Vec<bool>,
@@ -104,7 +107,16 @@ impl ParquetRows {
     pub fn open(path: &Path) -> Result<Self, IoError> {
         let source = File::open(path).map_err(|error| IoError::read(path, error))?;
         let bytes = source.metadata().map_or(0, |metadata| metadata.len());
+        let source = Bounded { file: source, size: bytes };
         let reader = SerializedFileReader::new(source).map_err(|error| wrong(path, &error))?;
+        let mut chunks = reader.metadata().row_groups().iter().flat_map(|group| group.columns());
+        if let Some(column) = chunks.find(|column| !lies_in(column, bytes)) {
+            let name = super::cells::shown(&column.column_path().string());
+            return Err(IoError::file(
+                path,
+                format!("cannot be read as Parquet: column `{name}` is not in it"),
+            ));
+        }
         let metadata = reader.metadata().file_metadata();
         let described = metadata.schema_descr().columns().to_vec();
         for (k, column) in described.iter().enumerate() {
@@ -215,8 +227,11 @@ impl ParquetRows {
         }
         let open = || {
             let group = self.reader.get_row_group(self.next_group)?;
-            let columns =
-                (0..self.names.len()).map(|k| group.get_column_reader(k)).collect::<Result<_, _>>()?;
+            let columns = (0..self.names.len()).map(|k| {
+                let pages = Pages { inner: group.get_column_page_reader(k)?, known: false, late: None };
+                Ok(get_column_reader(group.metadata().schema_descr().column(k), Box::new(pages)))
+            });
+            let columns = columns.collect::<Result<_, ParquetError>>()?;
             Ok((columns, usize::try_from(group.metadata().num_rows()).unwrap_or(0)))
         };
         (self.columns, self.left) = open().map_err(|error| wrong(&self.file, &error))?;

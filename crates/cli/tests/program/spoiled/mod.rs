@@ -10,7 +10,7 @@ mod tables;
 use crate::folder::Run;
 
 /// What a run said that was not asked for: its exit code, its errors and its warnings.
-fn remarks(run: &Run) -> String {
+pub fn remarks(run: &Run) -> String {
     let warnings = run.out.lines().filter(|line| line.starts_with("warning: "));
     let all: Vec<&str> = run.log.lines().filter(|line| !line.starts_with("wrote ")).chain(warnings).collect();
     format!("[{}] {}", run.code.unwrap_or(-1), all.join("\n    "))
