@@ -17,6 +17,7 @@ use ::parquet::schema::types::ColumnDescriptor;
 use pages::{Bounded, Pages, lies_in};
 use std::fs::File;
 use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// Rows that are in memory at once.
@@ -108,7 +109,7 @@ impl ParquetRows {
         let source = File::open(path).map_err(|error| IoError::read(path, error))?;
         let bytes = source.metadata().map_or(0, |metadata| metadata.len());
         let source = Bounded { file: source, size: bytes };
-        let reader = SerializedFileReader::new(source).map_err(|error| wrong(path, &error))?;
+        let reader = caught(|| SerializedFileReader::new(source)).map_err(|error| wrong(path, &error))?;
         let mut chunks = reader.metadata().row_groups().iter().flat_map(|group| group.columns());
         if let Some(column) = chunks.find(|column| !lies_in(column, bytes)) {
             let name = super::cells::shown(&column.column_path().string());
@@ -191,9 +192,9 @@ impl ParquetRows {
             // A group that is passed as a whole is not even looked into.
             if over < self.left {
                 let file = &self.file;
-                self.columns
-                    .iter_mut()
-                    .try_for_each(|column| skip(column, over).map_err(|error| wrong(file, &error)))?;
+                self.columns.iter_mut().try_for_each(|column| {
+                    caught(|| skip(column, over)).map_err(|error| wrong(file, &error))
+                })?;
             }
             self.left -= over;
             self.row += over as u64;
@@ -234,7 +235,7 @@ impl ParquetRows {
             let columns = columns.collect::<Result<_, ParquetError>>()?;
             Ok((columns, usize::try_from(group.metadata().num_rows()).unwrap_or(0)))
         };
-        (self.columns, self.left) = open().map_err(|error| wrong(&self.file, &error))?;
+        (self.columns, self.left) = caught(open).map_err(|error| wrong(&self.file, &error))?;
         self.next_group += 1;
         Ok(true)
     }
@@ -247,7 +248,7 @@ impl ParquetRows {
         }
         let count = self.left.min(BATCH);
         for (k, (column, batch)) in self.columns.iter_mut().zip(&mut self.batch).enumerate() {
-            let read = read(column, batch, count, self.optional[k], self.unsigned[k]);
+            let read = caught(|| read(column, batch, count, self.optional[k], self.unsigned[k]));
             if read.map_err(|error| wrong(&self.file, &error))? != count {
                 let message =
                     format!("column `{}` ends before the others do", super::cells::shown(&self.names[k]));
@@ -258,6 +259,12 @@ impl ParquetRows {
         (self.filled, self.used) = (count, 0);
         Ok(true)
     }
+}
+
+/// What the library makes of bytes: it does not always end in an error where an altered file contradicts itself. What it leaves behind is not used again.
+fn caught<T>(work: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, ParquetError> {
+    catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|_| Err(ParquetError::General("its pages contradict themselves".into())))
 }
 
 fn wrong(file: &Path, error: &ParquetError) -> IoError {
