@@ -1,6 +1,7 @@
 //! Parquet beside CSV: the same rows, the same rules, errors with file, column and row.
 
 #![cfg(feature = "parquet")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int64Type};
@@ -81,7 +82,9 @@ fn both(folder: &Path, rows: usize, group: usize) -> [PathBuf; 2] {
     let q = |row: usize, k: usize| 1e-6 * (row / 2) as f64 + 1e-3 * k as f64;
     let names = ["d1[mm]", "d2[mm]", "d3[mm]", "theta[deg]", "roll[rad]", "pitch[rad]"];
     let target = |row: usize| if row.is_multiple_of(7) { None } else { Some(["P1", "P2", "P3"][row % 3]) };
-    let place = |row: usize, k: usize| (row % 5 != 0 || k == 2).then_some(100.0 + (row * 3 + k) as f64 / 7.0);
+    let place = |row: usize, k: usize| {
+        (!row.is_multiple_of(5) || k == 2).then_some(100.0 + (row * 3 + k) as f64 / 7.0)
+    };
     let mut columns: Vec<(&str, Values)> = names
         .iter()
         .enumerate()
