@@ -22,7 +22,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use std::ops::Range;
 use std::sync::OnceLock;
 use truepose_errormodel::Visits;
-use truepose_identify::{Folds, NoiseModel, Residuals, estimate_noise};
+use truepose_identify::{Folds, Freedom, NoiseModel, Residuals, estimate_noise};
 
 /// κ: expected sizes within which coefficients of a candidate lie.
 pub(crate) const WIDE: f64 = 100.0;
@@ -77,14 +77,16 @@ impl Likelihood {
                 (cross(&white, &white), whitener.log_determinant())
             }
         };
-        let freedom = (1.0 - n as f64 / scene.len().max(1) as f64).max(0.02);
+        // One share for all: rivals are held against each other, and what each takes of it differs by a trifle.
+        let share = (1.0 - n as f64 / scene.len().max(1) as f64).max(0.02);
+        let freedom = Freedom::all(scene.data, visits).share(share);
         let mut noise = scene.noise;
         let mut looks = 0;
         loop {
             let (gram, log_determinant) = gram(noise);
             let (solution, factor) = solved(&gram, &prior)?;
             let residual = &scene.y - &scene.base * solution.rows(0, r) - extra * solution.rows(r, k);
-            let again = estimate_noise(scene.data, visits, &as_residuals(scene, &residual), freedom);
+            let again = estimate_noise(scene.data, visits, &as_residuals(scene, &residual), &freedom);
             looks += 1;
             if looks < LOOKS && !near(&noise, &again) {
                 noise = again;

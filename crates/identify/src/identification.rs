@@ -159,10 +159,10 @@ pub fn identify(
             Some((Residuals::of(&frames_fit.fitted, &held)?, Residuals::of(&declared_fit.fitted, &held)?));
         let frozen =
             crate::FitOptions { noise: crate::NoiseSource::Fixed(declared_fit.noise), ..options.fit.clone() };
-        let shapes = std::mem::take(&mut declared_fit.shapes);
+        let (shapes, scatter) = (std::mem::take(&mut declared_fit.shapes), declared_fit.scatter);
         declared_fit =
             crate::refit(&model, data, solver, &frozen, &declared_fit.reduction, &declared_fit.prior)?;
-        declared_fit.shapes = shapes;
+        (declared_fit.shapes, declared_fit.scatter) = (shapes, scatter);
     }
     Ok(Identification {
         placement,

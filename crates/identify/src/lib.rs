@@ -6,6 +6,7 @@ mod error;
 mod excitation;
 mod fit;
 mod folds;
+mod freedom;
 mod identification;
 mod linearise;
 mod minimum;
@@ -29,6 +30,7 @@ pub use error::IdentifyError;
 pub use excitation::{Advice, excitation};
 pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, fit_again, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
+pub use freedom::Freedom;
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
 pub use linearise::{
     Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,

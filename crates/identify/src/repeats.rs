@@ -5,7 +5,8 @@
 //! | n_i | visits of configuration i in which a target's position was measured | 1 |
 //! | SS_PE = Σ_ij ‖V^{−1/2} (p_ij − p̄_i)‖² | around the mean of each configuration and target | 1 |
 //! | df_PE = 3 Σ (n_i − 1) | | 1 |
-//! | SS_LOF = RSS − SS_PE, df_LOF = m − r − df_PE | what the model misses beyond it, whitened | 1 |
+//! | SS_LOF = RSS − SS_PE, df_LOF = f − df_PE | what the model misses beyond it, whitened | 1 |
+//! | f | [`Freedom`] of positions, less the shape parameters | 1 |
 //! | F = (SS_LOF / df_LOF) / (SS_PE / df_PE) | ~ F(df_LOF, df_PE) when nothing is missing | 1 |
 //!
 //! V is the covariance of the rows of one visit ([`crate::NoiseModel`]): they share its repeatability, and without the whitening three
@@ -16,12 +17,12 @@
 //! sides stand in the model's data, and as pure error when it is ignored; `one_sided` says which repeats there are.
 
 use crate::noise::whiten;
-use crate::{Fit, NoiseModel};
+use crate::{Fit, Freedom, NoiseModel};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
-use truepose_errormodel::{Dataset, configurations};
+use truepose_errormodel::{Dataset, Visits, configurations};
 
 /// What repeated visits say.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,11 +81,16 @@ pub fn repeats(fit: &Fit, data: &Dataset) -> Option<Repeats> {
     let measured: Vec<usize> = members.into_values().flatten().collect();
     let pure = whitened_squares(fit.noise, data, &around, &repeated);
     let total = whitened_squares(fit.noise, data, &fit.residuals.position, &measured);
-    let left = (3 * measured.len()).saturating_sub(fit.reduction.rank()).saturating_sub(freedom);
-    let lack_of_fit = (left > 0 && pure > 0.0).then(|| {
-        let f = ((total - pure).max(0.0) / left as f64) / (pure / freedom as f64);
-        let p_value = FisherSnedecor::new(left as f64, freedom as f64).map_or(1.0, |d| d.sf(f));
-        LackOfFit { f, freedom: left, p_value }
+    // What the unknowns took of positions: orientations are no part of this.
+    let taken = match Freedom::of(fit, data) {
+        Ok(left) => Freedom::all(data, &Visits::of(data)).positions() - left.positions(),
+        Err(_) => fit.reduction.rank() as f64,
+    };
+    let left = 3.0 * measured.len() as f64 - taken - (fit.shapes.len() + freedom) as f64;
+    let lack_of_fit = (left >= 1.0 && pure > 0.0).then(|| {
+        let f = ((total - pure).max(0.0) / left) / (pure / freedom as f64);
+        let p_value = FisherSnedecor::new(left, freedom as f64).map_or(1.0, |d| d.sf(f));
+        LackOfFit { f, freedom: left.round() as usize, p_value }
     });
     Some(Repeats { groups: groups.len(), freedom, rms: (3.0 * variance).sqrt(), one_sided, lack_of_fit })
 }

@@ -2,19 +2,32 @@
 //!
 //! | symbol | here | unit |
 //! | --- | --- | --- |
-//! | f = (m − r)/m | `freedom`: the share of the data that the fit did not use up | 1 |
+//! | σ² = s² + τ², d = 1/σ, u = r/σ | of the rows of one visit, an axis at a time | |
+//! | f_w, f_b, f_o | [`Freedom`]: what the fit left within visits, between them, and of orientations | 1 |
 //! | τ | within a visit, on top of what the instrument states | m |
 //! | ρ | shared by a visit | m |
+//! | ω | of orientations, on top of what the instrument states | rad |
 //!
-//! Within visits of k ≥ 2 rows the shared part cancels: `E Σ (r − r̄)² = f Σ (k−1)(s² + τ²)`. With τ known, ρ is the
-//! value at which the whitened squares of all rows add up to their degrees of freedom; both equations have one
-//! root, found by bisection (Searle, Casella and McCulloch 1992, ch. 5, for the moments).
+//! ```text
+//! within     Σ |u|² − (d·u)²/|d|²             = f_w    → τ
+//! between    Σ (d·u)²/|d|² / (1 + ρ²|d|²)      = f_b    → ρ, τ known
+//! turns      Σ r² / (s² + ω²)                  = f_o    → ω
+//! ```
+//!
+//! Each left side falls and has one root, found by bisection. They are the equations of restricted maximum likelihood where deviations within
+//! a visit are alike (Searle, Casella and McCulloch 1992, ch. 6). Where visits share nothing, ρ = 0, or have one row each, τ is that of
+//! both together.
 
-use crate::{NoiseModel, Residuals};
+use crate::{Freedom, NoiseModel, Residuals};
 use truepose_errormodel::{Dataset, Visits};
 
-/// Noise that explains these residuals; `freedom` in (0, 1].
-pub fn estimate_noise(data: &Dataset, visits: &Visits, residuals: &Residuals, freedom: f64) -> NoiseModel {
+/// Noise that explains these residuals.
+pub fn estimate_noise(
+    data: &Dataset,
+    visits: &Visits,
+    residuals: &Residuals,
+    freedom: &Freedom,
+) -> NoiseModel {
     let mut axes = Vec::new();
     for rows in &visits.rows {
         for axis in 0..3 {
@@ -28,13 +41,17 @@ pub fn estimate_noise(data: &Dataset, visits: &Visits, residuals: &Residuals, fr
             }
         }
     }
-    let (position_sd, visit_sd) = if axes.iter().any(|members| members.len() > 1) {
-        let inner: Vec<(f64, f64)> = axes.iter().filter(|m| m.len() > 1).flat_map(|m| within(m)).collect();
-        let tau = excess(&inner, freedom);
-        (tau, shared(&axes, tau, freedom))
-    } else {
-        (excess(&axes.concat(), freedom), 0.0)
-    };
+    let (mut position_sd, mut visit_sd) = (0.0, 0.0);
+    if freedom.within > 0.0 {
+        let largest = largest(axes.iter().flatten(), freedom.within);
+        position_sd = bisect(largest, |tau| {
+            axes.iter().filter(|m| m.len() > 1).map(|m| parted(m, tau).0).sum::<f64>() - freedom.within
+        });
+        visit_sd = shared(&axes, position_sd, freedom.between);
+    }
+    if visit_sd <= 0.0 {
+        position_sd = excess(&axes.concat(), freedom.positions());
+    }
     let turns: Vec<(f64, f64)> = residuals
         .orientation
         .iter()
@@ -47,7 +64,7 @@ pub fn estimate_noise(data: &Dataset, visits: &Visits, residuals: &Residuals, fr
     NoiseModel {
         position_sd: if axes.is_empty() { default.position_sd } else { position_sd },
         visit_sd,
-        orientation_sd: if turns.is_empty() { default.orientation_sd } else { excess(&turns, freedom) },
+        orientation_sd: if turns.is_empty() { default.orientation_sd } else { excess(&turns, freedom.turns) },
     }
 }
 
@@ -55,44 +72,48 @@ fn stated(sd: f64) -> f64 {
     if sd.is_nan() { 0.0 } else { sd }
 }
 
-/// Deviations from the visit's mean, stretched so that their mean square is the variance of one row.
-fn within(members: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let k = members.len() as f64;
-    let mean = members.iter().map(|m| m.0).sum::<f64>() / k;
-    let stretch = (k / (k - 1.0)).sqrt();
-    members.iter().map(|&(r, s)| ((r - mean) * stretch, s)).collect()
+/// |u|² − (d·u)²/|d|², (d·u)²/|d|² and |d|² of one visit's (r, s).
+fn parted(members: &[(f64, f64)], tau: f64) -> (f64, f64, f64) {
+    let (mut squares, mut along, mut weight) = (0.0, 0.0, 0.0);
+    for &(r, s) in members {
+        let w = 1.0 / (s * s + tau * tau).max(1e-24);
+        squares += r * r * w;
+        along += r * w;
+        weight += w;
+    }
+    let mean = along * along / weight;
+    ((squares - mean).max(0.0), mean, weight)
 }
 
-/// The τ at which Σ r²/(s² + τ²) is the number of values times `freedom`; zero when s alone explains them.
+/// Beyond the root: what alone would explain all of it.
+fn largest<'a>(values: impl Iterator<Item = &'a (f64, f64)>, freedom: f64) -> f64 {
+    (values.map(|v| v.0 * v.0).sum::<f64>() / freedom.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+/// The τ at which Σ r²/(s² + τ²) is `freedom`; zero when s alone explains them.
 fn excess(values: &[(f64, f64)], freedom: f64) -> f64 {
-    let wanted = freedom * values.len() as f64;
     let sum = |tau: f64| -> f64 {
         values.iter().map(|&(r, s)| r * r / (s * s + tau * tau).max(f64::MIN_POSITIVE)).sum()
     };
-    let largest = values.iter().map(|v| v.0 * v.0).sum::<f64>() / wanted.max(f64::MIN_POSITIVE);
-    bisect(largest.sqrt(), |tau| sum(tau) - wanted)
+    bisect(largest(values.iter(), freedom), |tau| sum(tau) - freedom)
 }
 
-/// The ρ at which the whitened squares of all visits add up.
+/// The ρ at which the whitened squares of the visits' means add up.
 fn shared(axes: &[Vec<(f64, f64)>], tau: f64, freedom: f64) -> f64 {
-    let rows: usize = axes.iter().map(Vec::len).sum();
-    let wanted = freedom * rows as f64;
-    let sum = |rho: f64| -> f64 {
-        axes.iter()
-            .map(|members| {
-                let (mut squares, mut along, mut weight) = (0.0, 0.0, 0.0);
-                for &(r, s) in members {
-                    let w = 1.0 / (s * s + tau * tau).max(1e-24);
-                    squares += r * r * w;
-                    along += r * w;
-                    weight += w;
-                }
-                squares - rho * rho * along * along / (1.0 + rho * rho * weight)
-            })
-            .sum()
-    };
-    let largest = axes.iter().flatten().map(|v| v.0 * v.0).sum::<f64>() / wanted.max(f64::MIN_POSITIVE);
-    bisect(10.0 * largest.sqrt(), |rho| sum(rho) - wanted)
+    let means: Vec<(f64, f64)> = axes
+        .iter()
+        .map(|members| {
+            let (_, mean, weight) = parted(members, tau);
+            (mean, weight)
+        })
+        .collect();
+    let sum =
+        |rho: f64| -> f64 { means.iter().map(|(mean, weight)| mean / (1.0 + rho * rho * weight)).sum() };
+    // A mean is no larger than what it is the mean of, and is weighed by no more than 1/ρ².
+    let upper = (means.iter().map(|(mean, weight)| mean / weight).sum::<f64>()
+        / freedom.max(f64::MIN_POSITIVE))
+    .sqrt();
+    bisect(upper, |rho| sum(rho) - freedom)
 }
 
 /// Root of a falling function on [0, upper]; zero when it is not positive at zero.
@@ -134,12 +155,15 @@ mod tests {
                 data.visit.push(visit);
                 data.position_sd.push([3e-5; 3]);
                 data.orientation_sd.push([f64::NAN; 3]);
+                data.orientation.push(None);
+                data.position.push([0.0; 3]);
                 let own = Vector3::new(normal(), normal(), normal()) * 4e-5;
                 residuals.position.push(common + own);
                 residuals.orientation.push(None);
             }
         }
-        let noise = estimate_noise(&data, &Visits::of(&data), &residuals, 1.0);
+        let noise =
+            estimate_noise(&data, &Visits::of(&data), &residuals, &Freedom::all(&data, &Visits::of(&data)));
         let tau = (4e-5f64.powi(2) - 3e-5f64.powi(2)).sqrt();
         assert!((noise.position_sd / tau - 1.0).abs() < 0.04, "{noise:?}");
         assert!((noise.visit_sd / 5e-5 - 1.0).abs() < 0.03, "{noise:?}");

@@ -68,7 +68,7 @@ impl Dataset {
     }
 
     /// Channel and lag of a late channel's name.
-    fn late(&self, name: &str) -> Option<(usize, f64)> {
+    pub fn late(&self, name: &str) -> Option<(usize, f64)> {
         let (source, lag) = name.rsplit_once(LATE)?;
         let lag = lag.parse().ok().filter(|lag: &f64| lag.is_finite() && *lag > 0.0)?;
         Some((self.schema.channel(source)?, lag))

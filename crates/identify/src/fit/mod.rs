@@ -24,7 +24,7 @@ mod warnings;
 
 use crate::reduction::{Reduction, grouped, reduce};
 use crate::shapes::{self, FittedShape, Shapes};
-use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
+use crate::{Freedom, IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
 use rounds::State;
 pub(crate) use rounds::from_factor;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
@@ -128,6 +128,8 @@ pub struct Fit {
     pub solution: Solution,
     /// Parameters in which effects are not linear, where they were looked for; the model of `fitted` holds their values.
     pub shapes: Vec<FittedShape>,
+    /// What was left to scatter where the noise was estimated; none where it was given, or comes from other rows.
+    pub scatter: Option<Freedom>,
     /// Things that a user should know.
     pub warnings: Vec<Warning>,
 }
@@ -190,9 +192,14 @@ pub enum Warning {
 }
 
 impl Fit {
-    /// Degrees of freedom m − r, at least one.
+    /// Degrees of freedom of the noise that intervals rest on, at least one: where visits share what differs from one to the next, those
+    /// between visits, for more rows of a visit say no more about it; otherwise m − r.
     pub fn degrees_of_freedom(&self) -> usize {
-        self.observations.saturating_sub(self.reduction.rank() + self.shapes.len()).max(1)
+        let shapes = self.shapes.len();
+        let all = self.observations.saturating_sub(self.reduction.rank() + shapes);
+        let between =
+            self.scatter.filter(|_| self.noise.visit_sd > 0.0).map(|left| left.between.round() as usize);
+        between.map_or(all, |between| between.saturating_sub(shapes).min(all)).max(1)
     }
 
     /// Half width of the 95 % interval of each coefficient of the model, in its unit; zero for dropped ones.

@@ -5,9 +5,10 @@ mod whole;
 pub(crate) use whole::from_factor;
 
 use super::{Fit, FitOptions, NoiseSource, Warning, constraints, warnings};
+use crate::freedom::Taken;
 use crate::linearise::{collect, factorise, misfit};
 use crate::reduction::{Reduction, reduce_further};
-use crate::{IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
+use crate::{Freedom, IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Dataset, Domain, ErrorModel, FittedModel, Noise, Visits};
 use truepose_solvers::accumulator::Factor;
@@ -24,6 +25,8 @@ pub(super) struct State<'a> {
     noise: NoiseModel,
     pub(super) prior: Prior,
     pub(super) coefficients: Vec<f64>,
+    /// What the unknowns leave to scatter, with the noise and the number of unknowns at which that was asked.
+    freedom: Option<(NoiseModel, usize, Freedom)>,
 }
 
 /// How the rounds ended.
@@ -57,7 +60,8 @@ impl<'a> State<'a> {
         };
         let coefficients = vec![0.0; model.columns().len()];
         let (prior, options) = (Prior::none(), options.clone());
-        Ok(State { model, data, visits, solver, options, observations, noise, prior, coefficients })
+        let freedom = None;
+        Ok(State { model, data, visits, solver, options, observations, noise, prior, coefficients, freedom })
     }
 
     /// Over all columns, or over these.
@@ -157,9 +161,9 @@ impl<'a> State<'a> {
             looks += 1;
             let mut settled = true;
             if self.options.noise == NoiseSource::Estimate {
-                let used = reduction.rank() as f64 / self.observations as f64;
-                let noise = estimate_noise(self.data, self.visits, &residuals, (1.0 - used).max(0.02));
-                settled &= alike(&self.noise, &noise);
+                let freedom = self.freedom(reduction, &factor)?;
+                let noise = estimate_noise(self.data, self.visits, &residuals, &freedom);
+                settled &= alike(&self.noise, &noise, 2e-3);
                 self.noise = noise;
             }
             factor = self.linearise(Some(&reduction.kept))?;
@@ -175,6 +179,24 @@ impl<'a> State<'a> {
                 return Ok(Outcome { solution, rounds, converged, factor, residuals });
             }
         }
+    }
+
+    /// What the unknowns leave to scatter: as it was with nearly this noise, or anew.
+    fn freedom(&mut self, reduction: &Reduction, factor: &Factor) -> Result<Freedom, IdentifyError> {
+        /// Changes of the noise that move traces by a trifle.
+        const NEARLY: f64 = 0.02;
+        let rank = reduction.rank();
+        if let Some((noise, of, freedom)) = &self.freedom
+            && *of == rank
+            && alike(noise, &self.noise, NEARLY)
+        {
+            return Ok(*freedom);
+        }
+        let (model, data, visits, coefficients) = (self.model, self.data, self.visits, &*self.coefficients);
+        let taken = Taken { model, data, visits, noise: self.noise, coefficients, kept: &reduction.kept };
+        let freedom = taken.left(factor, &self.prior)?;
+        self.freedom = Some((self.noise, rank, freedom));
+        Ok(freedom)
     }
 
     /// The prior as the data now has it; whether it stayed.
@@ -376,6 +398,7 @@ impl<'a> State<'a> {
             chi_square,
             solution: outcome.solution,
             shapes: Vec::new(),
+            scatter: self.freedom.map(|known| known.2),
             warnings,
         };
         let (model, at) = (self.model, fit.fitted.coefficients());
@@ -394,8 +417,9 @@ fn squares_of(factor: &Factor) -> f64 {
     factor.z.column(0).norm_squared() + factor.rss[0]
 }
 
-fn alike(old: &NoiseModel, new: &NoiseModel) -> bool {
-    let close = |a: f64, b: f64| (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-13;
+/// Whether two noises are the same but for this share.
+fn alike(old: &NoiseModel, new: &NoiseModel, share: f64) -> bool {
+    let close = |a: f64, b: f64| (a - b).abs() <= 0.5 * share * (a.abs() + b.abs()) + 1e-13;
     close(old.position_sd, new.position_sd)
         && close(old.visit_sd, new.visit_sd)
         && close(old.orientation_sd, new.orientation_sd)

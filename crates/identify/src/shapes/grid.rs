@@ -4,9 +4,9 @@
 //! | --- | --- |
 //! | smooth | 40 values, in even ratios where the range spans a factor of four |
 //! | period P | even steps of 1/P, six to a valley: valleys of harmonic h over a travel R are 1/(h R) wide |
-//! | instant | the middle of every gap between two visits; every n-th where there are many |
+//! | instant | the middle of every gap between two rows; every n-th where there are many |
 
-use truepose_errormodel::{Dataset, Search, Shape, Visits};
+use truepose_errormodel::{Dataset, Search, Shape};
 
 const SMOOTH: usize = 40;
 /// Steps to a valley in 1/P.
@@ -44,21 +44,14 @@ pub(super) fn values(shape: &Shape, data: &Dataset, chain: &truepose_kinematics:
     }
 }
 
-/// The gaps between visits within the range, each from its last row before to its first row after; at its ends as well.
+/// The gaps between rows within the range, each from the last instant before it to the first after it; at its ends as well. Most lie between
+/// visits, but what happens may happen during one.
 pub(super) fn gaps(shape: &Shape, data: &Dataset) -> Vec<[f64; 2]> {
-    let visits = Visits::of(data);
-    let mut spans: Vec<[f64; 2]> = visits
-        .rows
-        .iter()
-        .filter(|rows| !rows.is_empty())
-        .map(|rows| {
-            let times = || rows.iter().map(|&row| data.time[row]);
-            [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)]
-        })
-        .collect();
-    spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let between = spans.windows(2).map(|pair| [pair[0][1], pair[1][0]]);
-    between.filter(|gap| gap[0] < gap[1] && gap[1] >= shape.lower && gap[0] <= shape.upper).collect()
+    let mut times: Vec<f64> = data.time.iter().copied().filter(|t| t.is_finite()).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let between = times.windows(2).map(|pair| [pair[0], pair[1]]);
+    between.filter(|gap| gap[1] >= shape.lower && gap[0] <= shape.upper).collect()
 }
 
 /// `count` values from `from` to `to`, both included.
@@ -92,15 +85,15 @@ mod tests {
     }
 
     #[test]
-    fn instants_lie_between_visits() {
+    fn instants_lie_between_rows() {
         let chain = samples::ur10();
         let data = Dataset {
-            visit: vec![0, 0, 1, 1, 2, 2],
-            time: vec![0.0, 1.0, 10.0, 11.0, 20.0, 21.0],
+            visit: vec![1, 1, 0, 0, 2, 2],
+            time: vec![10.0, 11.0, 0.0, 0.0, 20.0, 21.0],
             ..Dataset::default()
         };
-        let free = shape(2.0, 30.0, Search::Instant);
-        assert_eq!(gaps(&free, &data), [[1.0, 10.0], [11.0, 20.0]]);
-        assert_eq!(values(&free, &data, &chain), [5.5, 15.5]);
+        let free = shape(2.0, 20.5, Search::Instant);
+        assert_eq!(gaps(&free, &data), [[0.0, 10.0], [10.0, 11.0], [11.0, 20.0], [20.0, 21.0]]);
+        assert_eq!(values(&free, &data, &chain), [5.0, 10.5, 15.5, 20.5]);
     }
 }

@@ -21,12 +21,17 @@
 
 use super::FittedShape;
 use super::grid::{gaps, values};
+use super::late::{self, Gains, Moved};
+use super::mixture;
 use super::picture::Picture;
 use super::refine::{Valley, left};
 use crate::{Fit, IdentifyError, student_quantile};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use truepose_errormodel::{FittedModel, Search, Shape};
+
+/// From, to.
+pub(super) type Range = [f64; 2];
 
 /// −2 ln(1 − √0.95): 95 % of the likelihood ratio of an instant.
 const RATIO: f64 = 7.352_217_9;
@@ -48,6 +53,9 @@ struct Known {
     alone: Vec<f64>,
     others: DMatrix<f64>,
     own: DMatrix<f64>,
+    /// X̃ and D̃ less what X̃ has of it.
+    columns: DMatrix<f64>,
+    slopes: DMatrix<f64>,
 }
 
 impl Known {
@@ -78,7 +86,22 @@ impl Known {
         let covariance = gram
             .try_inverse()
             .unwrap_or_else(|| DMatrix::from_diagonal_element(smooth.len(), smooth.len(), f64::MAX.sqrt()));
-        Ok(Known { smooth, covariance, alone, others, own })
+        Ok(Known { smooth, covariance, alone, others, own, columns: x, slopes: rest })
+    }
+
+    /// What the noise of channels moves that effects follow late.
+    fn moved(&self, picture: &Picture<'_>, theta: &[f64]) -> Result<Vec<Moved>, IdentifyError> {
+        let Some(gram) = self.columns.tr_mul(&self.columns).try_inverse() else { return Ok(Vec::new()) };
+        let shapes = &self.covariance * self.slopes.transpose();
+        let alone = gram * self.columns.transpose();
+        let basis = picture.basis().transpose();
+        let along = picture.along(&picture.all(theta)?);
+        let others = match picture.triangle.solve_upper_triangular(&(basis - along * &alone)) {
+            Some(others) => others - &self.others * &shapes,
+            None => return Ok(Vec::new()),
+        };
+        let own = alone - &self.own * &shapes;
+        late::moved(picture, theta, &Gains { shapes: &shapes, others: &others, own: &own })
     }
 }
 
@@ -116,16 +139,20 @@ pub(super) fn judge(
 ) -> Result<(), IdentifyError> {
     let shapes: Vec<Shape> = free.iter().map(|(_, shape)| shape.clone()).collect();
     let mut known = Known::of(picture, &shapes, theta)?;
+    let moved = known.moved(picture, theta)?;
     // What a part of the visits says, the whole says the better the more there are.
     known.covariance *= picture.share();
     let freedom = fit.degrees_of_freedom().saturating_sub(shapes.len()).max(1);
     let quantile = student_quantile(0.975, freedom);
+    let one = shapes.len() == 1;
+    let mut pieces: Vec<(usize, Vec<Range>)> = Vec::new();
     for (k, (effect, shape)) in free.iter().enumerate() {
         let interval = match known.smooth.iter().position(|&s| s == k) {
             Some(place) => {
                 let alone = known.alone[place] * picture.share();
                 let half = quantile * alone.sqrt();
-                let stretch = (known.covariance[(place, place)] / alone).sqrt();
+                let noise: f64 = moved.iter().map(|moved| moved.shapes.row(place).norm_squared()).sum();
+                let stretch = ((known.covariance[(place, place)] + noise) / alone).sqrt();
                 // Of an effect that explains nothing, or was left out, the data says nothing: the whole range.
                 if !half.is_finite() || stretch.is_nan() {
                     [shape.lower, shape.upper]
@@ -137,8 +164,15 @@ pub(super) fn judge(
                         .map(|end| (theta[k] + stretch * (end - theta[k])).clamp(shape.lower, shape.upper))
                 }
             }
-            None => instant(picture, shape, theta, k)?,
+            None => {
+                let (interval, all) = instant(picture, shape, theta, k)?;
+                pieces.push((k, all));
+                interval
+            }
         };
+        if one && shape.search == Search::Smooth && interval[0] < interval[1] {
+            pieces.push((k, around(interval, theta[k], shape)));
+        }
         fit.shapes.push(FittedShape {
             effect: *effect,
             name: shape.name.clone(),
@@ -155,7 +189,27 @@ pub(super) fn judge(
     for (rows, places) in [(&known.others, &picture.places.0), (&known.own, &picture.places.1)] {
         places.iter().enumerate().for_each(|(k, &place)| z.set_row(place, &rows.row(k)));
     }
-    let more = &z * &known.covariance * z.transpose();
+    let mut more = &z * &known.covariance * z.transpose();
+    for (k, pieces) in &pieces {
+        let places: Vec<usize> = picture.places.0.iter().chain(&picture.places.1).copied().collect();
+        let Some(mixed) = mixture::more(picture, theta, *k, pieces)? else { continue };
+        // Of a smooth parameter the parabola was but a first guess.
+        if shapes[*k].search == Search::Smooth {
+            more.fill(0.0);
+        }
+        for (i, &a) in places.iter().enumerate() {
+            for (j, &b) in places.iter().enumerate() {
+                more[(a, b)] += mixed[(i, j)];
+            }
+        }
+    }
+    for moved in moved {
+        let mut late = DMatrix::zeros(fit.reduction.rank(), moved.own.ncols());
+        for (rows, places) in [(&moved.others, &picture.places.0), (&moved.own, &picture.places.1)] {
+            places.iter().enumerate().for_each(|(k, &place)| late.set_row(place, &rows.row(k)));
+        }
+        more += &late * late.transpose();
+    }
     let mut covariance = fit.fitted.covariance().clone();
     for (i, &a) in fit.reduction.kept.iter().enumerate() {
         for (j, &b) in fit.reduction.kept.iter().enumerate() {
@@ -172,34 +226,45 @@ pub(super) fn judge(
     Ok(())
 }
 
-/// Every gap that is nearly as good as the best, walking outwards from it until a gap is not.
-fn instant(picture: &Picture<'_>, shape: &Shape, theta: &[f64], k: usize) -> Result<[f64; 2], IdentifyError> {
+/// From the first gap that is nearly as good as the best to the last, walking outwards from it until gaps are far worse; and those that are not.
+fn instant(
+    picture: &Picture<'_>,
+    shape: &Shape,
+    theta: &[f64],
+    k: usize,
+) -> Result<(Range, Vec<Range>), IdentifyError> {
     debug_assert_eq!(shape.search, Search::Instant);
     let gaps = gaps(shape, picture.data);
     let here = gaps.iter().position(|gap| gap[0] <= theta[k] && theta[k] <= gap[1]);
-    let Some(here) = here else { return Ok([theta[k]; 2]) };
-    let middle = |gap: &[f64; 2]| height(picture, theta, k, 0.5 * (gap[0] + gap[1]));
+    let Some(here) = here else { return Ok(([theta[k]; 2], Vec::new())) };
+    let middle = |gap: &Range| height(picture, theta, k, 0.5 * (gap[0] + gap[1]));
     let least = middle(&gaps[here])?;
-    let mut ends = gaps[here];
-    for gap in gaps[..here].iter().rev() {
-        let above = middle(gap)? - least;
-        if above > RATIO + FAR {
-            break;
-        }
-        if above <= RATIO {
-            ends[0] = gap[0];
-        }
-    }
-    for gap in &gaps[here + 1..] {
-        let above = middle(gap)? - least;
-        if above > RATIO + FAR {
-            break;
-        }
-        if above <= RATIO {
-            ends[1] = gap[1];
+    let (mut ends, mut near) = (gaps[here], vec![gaps[here]]);
+    let (before, after) = (&gaps[..here], &gaps[here + 1..]);
+    let outwards: [&mut dyn Iterator<Item = &Range>; 2] = [&mut before.iter().rev(), &mut after.iter()];
+    for gaps in outwards {
+        for gap in gaps {
+            let above = middle(gap)? - least;
+            if above > RATIO + FAR {
+                break;
+            }
+            near.push(*gap);
+            if above <= RATIO {
+                ends = [ends[0].min(gap[0]), ends[1].max(gap[1])];
+            }
         }
     }
-    Ok(ends)
+    Ok((ends, near))
+}
+
+/// Pieces of a parameter's range on both sides of its interval, half as long again.
+fn around([low, high]: Range, value: f64, shape: &Shape) -> Vec<Range> {
+    const PIECES: usize = 32;
+    const BEYOND: f64 = 1.6;
+    let low = (value + BEYOND * (low - value)).max(shape.lower);
+    let high = (value + BEYOND * (high - value)).min(shape.upper);
+    let at = |k: usize| low + (high - low) * k as f64 / PIECES as f64;
+    (0..PIECES).map(|k| [at(k), at(k + 1)]).collect()
 }
 
 /// Whitened squares with another value of one parameter, coefficients solved for anew.

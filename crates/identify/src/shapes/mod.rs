@@ -17,6 +17,8 @@
 
 mod grid;
 mod interval;
+mod late;
+mod mixture;
 mod picture;
 mod refine;
 mod scan;

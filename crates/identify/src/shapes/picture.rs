@@ -3,7 +3,7 @@
 use crate::linearise::Lineariser;
 use crate::{Fit, FitOptions, IdentifyError, NoiseModel, NoiseSource};
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape, Signal, Visits};
 use truepose_solvers::accumulator::Triangular;
 
 /// The effects that leave parameters free.
@@ -226,9 +226,22 @@ impl<'a> Picture<'a> {
 
     /// Columns of one effect with these values of all parameters, their rows of the prior below.
     pub fn columns(&self, effect: usize, theta: &[f64]) -> Result<DMatrix<f64>, IdentifyError> {
+        self.columns_on(self.data, self.shaped(effect, theta)?, effect)
+    }
+
+    /// A model of one effect with these values of all parameters.
+    fn shaped(&self, effect: usize, theta: &[f64]) -> Result<ErrorModel, IdentifyError> {
         let shaped = self.trial.effects[effect].1.with_shape(&self.trial.values(effect, theta));
-        let model = ErrorModel::new(self.at.0.chain().clone(), vec![shaped])?;
-        let derived = self.data.derived_for(&model)?;
+        Ok(ErrorModel::new(self.at.0.chain().clone(), vec![shaped])?)
+    }
+
+    fn columns_on(
+        &self,
+        data: &Dataset,
+        model: ErrorModel,
+        effect: usize,
+    ) -> Result<DMatrix<f64>, IdentifyError> {
+        let derived = data.derived_for(&model)?;
         let derived = match derived.derived_for(&self.at.0)? {
             std::borrow::Cow::Owned(both) => std::borrow::Cow::Owned(both),
             std::borrow::Cow::Borrowed(_) => derived,
@@ -241,6 +254,42 @@ impl<'a> Picture<'a> {
         let mut columns = whole.resize_vertically(rows + prior.nrows(), 0.0);
         columns.rows_mut(rows, prior.nrows()).copy_from(prior);
         Ok(columns)
+    }
+
+    /// Of an effect that follows a channel late: the channel, the lag, and how much the rows change with a unit of what the effect sees; the
+    /// effect's coefficients are `b`.
+    pub fn late(
+        &self,
+        effect: usize,
+        theta: &[f64],
+        b: &DVector<f64>,
+    ) -> Result<Option<(usize, f64, DVector<f64>)>, IdentifyError> {
+        let model = self.shaped(effect, theta)?;
+        let mut bent = self.data.derived_for(&model)?.into_owned();
+        for need in model.effects()[0].needs() {
+            let Signal::Channel(name) = &need else { continue };
+            let (Some((channel, lag)), Some(at)) = (self.data.late(name), bent.schema.channel(name)) else {
+                continue;
+            };
+            let before = self.columns_on(&bent, self.shaped(effect, theta)?, effect)?;
+            bent.channels[at].iter_mut().for_each(|value| *value += 1.0);
+            let after = self.columns_on(&bent, model, effect)?;
+            return Ok(Some((channel, lag, (after - before) * b)));
+        }
+        Ok(None)
+    }
+
+    /// For each row of the picture the place of its visit among all.
+    pub fn visit_of_rows(&self) -> Vec<usize> {
+        let count = |visit: usize| -> usize {
+            self.visits.rows[visit].iter().map(|&row| self.data.seen(row).count()).sum()
+        };
+        self.used.iter().flat_map(|&visit| std::iter::repeat_n(visit, count(visit))).collect()
+    }
+
+    /// Basis of all other columns.
+    pub fn basis(&self) -> &DMatrix<f64> {
+        &self.q
     }
 
     /// The robot.

@@ -118,8 +118,16 @@ impl NonlinearLeastSquares for Joint<'_> {
 
 /// ‖(I − X̃ X̃⁺) ỹ‖².
 pub(super) fn left(basis: &DMatrix<f64>, target: &DVector<f64>) -> Result<f64, IdentifyError> {
+    Ok(solved(basis, target)?.1)
+}
+
+/// X̃⁺ ỹ, and the squares that it leaves.
+pub(super) fn solved(
+    basis: &DMatrix<f64>,
+    target: &DVector<f64>,
+) -> Result<(DVector<f64>, f64), IdentifyError> {
     let solution = PivotedQr::default().solve(&LeastSquares::new(basis, target))?;
-    Ok(solution.info.residual_norm.powi(2))
+    Ok((solution.x, solution.info.residual_norm.powi(2)))
 }
 
 /// The parameters at the bottom of the valley in which they lie; those that are not `moving` stay.

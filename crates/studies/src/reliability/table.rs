@@ -90,6 +90,9 @@ fn row(text: &mut String, what: &str, c: &Coverage, verdict: &str) -> Result<(),
 
 /// Intervals of what the closed loop found.
 pub fn found(records: &[Discovered]) -> Result<String, Error> {
+    if records.is_empty() {
+        return Ok(String::new());
+    }
     let mut text = String::from(
         "| told by `discover` | robots | intervals | hold the truth | |\n| --- | --- | --- | --- | --- |\n",
     );

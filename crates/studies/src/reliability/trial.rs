@@ -126,6 +126,11 @@ fn parameters(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
             _ => made.extra.word().to_owned(),
         };
         record.count(&what, off <= half[group.column]);
+        if alone && made.shape.is_some() && !matches!(effect, Some(0 | 1)) {
+            let (value, half) = (found.fitted.coefficients()[group.column], half[group.column]);
+            let [low, high] = [value - half, value + half];
+            record.story += &format!(" size {value:e} [{low:e} {high:e}] truth {truth:e}");
+        }
     }
     if let (Some(truth), Some(shape)) = (made.shape, found.shapes.first()) {
         let [low, high] = shape.interval;
