@@ -52,11 +52,9 @@ pub(crate) fn conclude(
     let judged = Scene::new(&now.fit, &all)?;
     let trial = Trial::new(&ground, &now, &found, &judged, &whole);
     // The model step by step, on the same training rows.
-    let mut steps = vec![before.rms()];
-    for count in 1..found.len() {
-        steps.push(trial.first(count)?);
-    }
-    steps.push(after.rms());
+    let between: Vec<_> =
+        (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
+    let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
 
     // The structure is frozen; coefficients come from all rows but the outliers.
     let residual = &judged.y - &judged.base * judged.coefficients();

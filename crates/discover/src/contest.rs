@@ -21,6 +21,8 @@ use truepose_errormodel::effects::Transmission;
 pub(crate) const TIE: f64 = 6.0;
 /// Who is behind by more than this will not win by other components, and what a set of components has to be better by.
 const FAR: f64 = 120.0;
+/// The same of curves in all components that have no name, and many coefficients to try without.
+const NEAR: f64 = 30.0;
 const WORTH: f64 = 1.0;
 /// Causes that get a second look, and variants of each.
 const CAUSES: usize = 10;
@@ -59,7 +61,7 @@ pub(crate) fn contest(
     let best = least(&rivals);
     let mut rivals: Vec<Rival> = rivals
         .into_par_iter()
-        .map(|r| if r.score < best + FAR { fitted_out(scene, screen, &visits, r) } else { Ok(r) })
+        .map(|r| if r.score < best + reach(&r) { fitted_out(scene, screen, &visits, r) } else { Ok(r) })
         .collect::<Result<_, _>>()?;
     rank(&mut rivals);
     let first = look_ahead::first(scene, screen, &visits, &rivals, &causes)?;
@@ -147,6 +149,10 @@ fn rank(rivals: &mut [Rival]) {
         let family = a.candidate.family.rank().cmp(&b.candidate.family.rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
     });
+}
+
+fn reach(rival: &Rival) -> f64 {
+    if rival.candidate.family == Family::Unmodelled { NEAR } else { FAR }
 }
 
 fn least(rivals: &[Rival]) -> f64 {
