@@ -266,18 +266,22 @@ pub fn accumulate(
     Ok(factor)
 }
 
-/// How many visits one block of work takes: fixed, so that results do not depend on the number of threads; many, since rows of a kind are
-/// brought together within it.
+/// How many visits one block of work takes at the most: many, since rows of a kind are brought together within it.
 const VISITS_PER_BLOCK: usize = 4096;
+/// From so many visits on there are two blocks at least: with fewer, bringing two triangles together costs what it gains.
+const WORTH_TWO: usize = 600;
 
-/// Does one thing to every block of visits, in parallel; what comes of it is in their order.
+/// Does one thing to every block of visits, in parallel; what comes of it is in their order. Blocks are a function of the
+/// number of visits alone, so that results do not depend on the number of threads.
 fn by_blocks<T: Send>(
     visits: &Visits,
     work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
-    (0..visits.len().div_ceil(VISITS_PER_BLOCK))
+    let count = visits.len();
+    let length = if count < WORTH_TWO { WORTH_TWO } else { VISITS_PER_BLOCK.min(count.div_ceil(2)) };
+    (0..count.div_ceil(length))
         .into_par_iter()
-        .map(|block| work(block * VISITS_PER_BLOCK..((block + 1) * VISITS_PER_BLOCK).min(visits.len())))
+        .map(|block| work(block * length..((block + 1) * length).min(count)))
         .collect()
 }
 

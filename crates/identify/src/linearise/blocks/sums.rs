@@ -172,7 +172,7 @@ pub fn left_over(
 ) -> Result<Residuals, IdentifyError> {
     data.validate(model.chain())?;
     let bound = model.bind(&data.schema)?;
-    const ROWS: usize = 128 * LANES;
+    const ROWS: usize = 4 * LANES;
     let parts: Vec<Vec<f64>> = (0..data.len().div_ceil(ROWS))
         .into_par_iter()
         .map(|part| {
