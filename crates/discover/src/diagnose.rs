@@ -150,6 +150,9 @@ impl Search<'_> {
         /// With more finds than this they are looked at again only at the end.
         const FEW: usize = 4;
         let mut settled = false;
+        // Finds that were together before: what takes one out again only for it to come back goes round in circles.
+        let mut together: Vec<Vec<(String, usize)>> = Vec::new();
+        let mut circling = false;
         let mut rounds = 0;
         let mut told = SoFar::new(&self.now, whole)?;
         loop {
@@ -194,7 +197,9 @@ impl Search<'_> {
                 self.accepted[taken].candidate = better;
                 self.refit()?;
             }
-            if self.accepted.len() <= FEW {
+            circling |= together.contains(&self.finds());
+            if self.accepted.len() <= FEW && !circling {
+                together.push(self.finds());
                 progress(Progress::Reconsidering);
                 // The last one has just won.
                 if reconsider::reconsider(self, self.accepted.len() - 1)? {
@@ -207,6 +212,14 @@ impl Search<'_> {
             }
             progress(Progress::SoFar(Box::new(told.after(self, whole, last)?)));
         }
+    }
+
+    /// What was found, in any order, and of how many effects each is.
+    fn finds(&self) -> Vec<(String, usize)> {
+        let of = |a: &Accepted| (a.candidate.words(), a.candidate.effects().len());
+        let mut finds: Vec<_> = self.accepted.iter().map(of).collect();
+        finds.sort();
+        finds
     }
 
     /// Takes a find in; more of a cause that is known (further periods of one gear) goes to the find that it belongs to. Returns the

@@ -122,6 +122,9 @@ impl Triangular {
     ) -> Result<(), SolveError> {
         let width = active.len() + self.rhs;
         super::fits(self.columns, active, self.rhs, (rows, stride), numbers)?;
+        if rows == 0 {
+            return Ok(());
+        }
         for column in 0..width {
             let column_of = &numbers[column * stride..][..rows];
             if !column_of.iter().fold(true, |all, v| all & v.is_finite()) {

@@ -119,3 +119,15 @@ fn blocks_with_some_of_the_columns_are_the_same_rows() {
     assert!(sparse.update_columns(&[9], 1, 4, &[0.0; 8]).is_err());
     assert!(sparse.update_columns(&[0], 1, 4, &[0.0, 0.0, 0.0, 0.0, f64::NAN]).is_err());
 }
+
+#[test]
+fn a_block_without_rows_says_nothing() {
+    let some = block(5, 3, 1);
+    let mut triangle = Triangular::new(4, 1);
+    triangle.update_columns(&[0, 3], 5, 5, some.as_slice()).unwrap();
+    let before = triangle.finish();
+    // Columns that no other block has: all of its rows were taken out.
+    triangle.update_columns(&[1, 2], 0, 0, &[]).unwrap();
+    triangle.update_columns(&[], 0, 0, &[]).unwrap();
+    assert_eq!(triangle.finish(), before);
+}
