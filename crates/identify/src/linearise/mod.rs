@@ -268,17 +268,19 @@ pub fn accumulate(
 
 /// How many visits one block of work takes at the most: many, since rows of a kind are brought together within it.
 const VISITS_PER_BLOCK: usize = 4096;
-/// From so many visits on there are two blocks at least: with fewer, bringing two triangles together costs what it gains.
-const WORTH_TWO: usize = 600;
+/// From so many visits times columns on there are two blocks at least: with fewer, bringing them together costs what it gains.
+const WORTH_TWO: usize = 150_000;
 
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order. Blocks are a function of the
-/// number of visits alone, so that results do not depend on the number of threads.
+/// number of visits and columns alone, so that results do not depend on the number of threads.
 fn by_blocks<T: Send>(
     visits: &Visits,
+    columns: usize,
     work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
     let count = visits.len();
-    let length = if count < WORTH_TWO { WORTH_TWO } else { VISITS_PER_BLOCK.min(count.div_ceil(2)) };
+    let two = count * columns >= WORTH_TWO;
+    let length = if two { VISITS_PER_BLOCK.min(count.div_ceil(2)) } else { VISITS_PER_BLOCK };
     (0..count.div_ceil(length))
         .into_par_iter()
         .map(|block| work(block * length..((block + 1) * length).min(count)))

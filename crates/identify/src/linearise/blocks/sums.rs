@@ -22,10 +22,9 @@ pub fn triangular(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Triangular, IdentifyError> {
-    let parts =
-        by_blocks(visits, |range| triangular_of(model, data, visits, noise, coefficients, columns, range))?;
-    let mut parts = parts.into_iter();
     let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let of = |range| triangular_of(model, data, visits, noise, coefficients, columns, range);
+    let mut parts = by_blocks(visits, width, of)?.into_iter();
     let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
     for part in parts {
         whole.merge(&part)?;
@@ -129,7 +128,8 @@ pub fn gram(
     coefficients: &[f64],
     columns: Option<&[usize]>,
 ) -> Result<Gram, IdentifyError> {
-    let parts = by_blocks(visits, |range| {
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let parts = by_blocks(visits, width, |range| {
         let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
         let mut gram = Gram::new(blocks.width(), 1);
         match batches(data, visits, range.clone()) {
@@ -151,7 +151,6 @@ pub fn gram(
         Ok(gram)
     })?;
     let mut parts = parts.into_iter();
-    let width = columns.map_or(model.columns().len(), <[usize]>::len);
     let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
     whole.settle();
     for part in parts {
