@@ -17,6 +17,7 @@ mod odd_robots;
 mod permuted;
 mod placement;
 mod plants;
+mod readme;
 mod reduction;
 mod shapes;
 mod shared_data;

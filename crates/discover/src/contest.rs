@@ -19,10 +19,11 @@ use truepose_errormodel::effects::Transmission;
 
 /// Scores that differ by less cannot be told apart.
 pub(crate) const TIE: f64 = 6.0;
-/// Who is behind by more than this will not win by other components, and what a set of components has to be better by.
+/// Who is behind by more than this will not win by other components.
 const FAR: f64 = 120.0;
-/// The same of curves in all components that have no name, and many coefficients to try without.
+/// The same of curves in all components that have no name: each set of components has many coefficients to fit.
 const NEAR: f64 = 30.0;
+/// What a set of components has to be better by.
 const WORTH: f64 = 1.0;
 /// Causes that get a second look, and variants of each.
 const CAUSES: usize = 10;
@@ -151,6 +152,7 @@ fn rank(rivals: &mut [Rival]) {
     });
 }
 
+/// How far behind the best a rival may be to try other components.
 fn reach(rival: &Rival) -> f64 {
     if rival.candidate.family == Family::Unmodelled { NEAR } else { FAR }
 }

@@ -56,7 +56,7 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
     if whole.len() < 20 {
         return found;
     }
-    let unsorted = whole.clone();
+    let by_row = whole.clone();
     whole.sort_by(f64::total_cmp);
     let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
     let ratio = at(0.95) / at(0.5).max(f64::MIN_POSITIVE);
@@ -83,7 +83,7 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
             }
         }
     }
-    let gross = split(&unsorted, scale_under, LEAST * LEAST);
+    let gross = split(&by_row, scale_under, LEAST * LEAST);
     // Rows of one visit may share what sets them apart: no more than as many are independent as there are visits.
     let independent = (scene.visits as f64 / whole.len() as f64).min(1.0);
     let p_value = chance(gross.gain * independent);

@@ -47,12 +47,7 @@ pub fn triangular_of(
 ) -> Result<Triangular, IdentifyError> {
     let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
     let Some(batches) = batches(data, visits, which.clone()) else {
-        let lineariser = Lineariser::new(model, data, noise, coefficients)?;
-        let lineariser = match columns {
-            Some(columns) => lineariser.of_columns(columns),
-            None => lineariser,
-        };
-        return accumulate(lineariser, visits, which);
+        return accumulate(row_by_row(model, data, noise, coefficients, columns)?, visits, which);
     };
     let mut triangle = Triangular::new(blocks.width(), 1);
     let mut whole = Whole::default();
@@ -61,6 +56,21 @@ pub fn triangular_of(
         triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
     }
     Ok(triangle)
+}
+
+/// Over all columns or over these, for visits that are longer than a block.
+fn row_by_row<'a>(
+    model: &'a ErrorModel,
+    data: &'a Dataset,
+    noise: NoiseModel,
+    coefficients: &'a [f64],
+    columns: Option<&[usize]>,
+) -> Result<Lineariser<'a>, IdentifyError> {
+    let lineariser = Lineariser::new(model, data, noise, coefficients)?;
+    Ok(match columns {
+        Some(columns) => lineariser.of_columns(columns),
+        None => lineariser,
+    })
 }
 
 /// The whitened rows of `[A | r]` over all visits, in the order of their blocks.
@@ -139,10 +149,7 @@ pub fn gram(
                 }
             }
             None => {
-                let mut lineariser = Lineariser::new(model, data, noise, coefficients)?;
-                if let Some(columns) = columns {
-                    lineariser = lineariser.of_columns(columns);
-                }
+                let mut lineariser = row_by_row(model, data, noise, coefficients, columns)?;
                 for visit in range {
                     gram.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
                 }
