@@ -197,3 +197,27 @@ fn a_rival_that_the_data_cannot_refute_is_fitted_for_a_plan() {
     let rms = |fit: &truepose_identify::Fit| fit.residuals.positions().rms;
     assert!((rms(&rival.fit) / rms(&found.fit) - 1.0).abs() < 0.02);
 }
+
+#[test]
+fn a_spring_whose_name_is_not_in_the_library_is_not_told_for_another_without_a_doubt() {
+    let chain = with_three_targets(&samples::heavy());
+    let soft = flaws::JointCompliance {
+        joint: "a2".into(),
+        stiffness: Some(1.5e6),
+        ..flaws::JointCompliance::default()
+    };
+    let errors = Flaws { joint_compliance: vec![soft], ..constants() };
+    let data = measured(&chain, errors, 60, &[0.0, 40.0, 90.0], 7);
+    let options = DiscoverOptions { without: vec![Family::JointCompliance], ..DiscoverOptions::default() };
+    let declared: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric::default())];
+    let told = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
+    let first = &told.findings[0];
+    let nameless = |a: &truepose_discover::Alternative| {
+        a.equivalent && a.family == Family::Unmodelled && a.place.covariate.as_deref() == Some("load_a2")
+    };
+    let named = first.candidate.family != Family::Unmodelled;
+    assert!(!named || first.alternatives.iter().any(nameless), "{:?} {:?}", words(&told), first.alternatives);
+    // With its name in the library nothing is in doubt.
+    let told = found(&chain, &declared, &data, 0);
+    assert_eq!(words(&told), ["joint_compliance a2"]);
+}

@@ -210,11 +210,15 @@ fn alternatives(
     which: usize,
     rivals: &[(Candidate, f64)],
 ) -> Result<Vec<Alternative>, DiscoverError> {
-    /// Rivals that are listed.
+    /// Rivals that are listed, and how many of them may go without a name: these come in many forms of one thing.
     const LISTED: usize = 4;
-    rivals
+    const NAMELESS: usize = 2;
+    let nameless = rivals.iter().filter(|(r, _)| r.family == Family::Unmodelled).nth(NAMELESS);
+    let last = nameless.map_or(f64::INFINITY, |(_, behind)| *behind);
+    let listed = rivals.iter().filter(|(r, behind)| r.family != Family::Unmodelled || *behind < last);
+    let listed: Vec<_> = listed.take(LISTED).collect();
+    listed
         .par_iter()
-        .take(LISTED)
         .map(|(candidate, behind)| {
             Ok(Alternative {
                 family: candidate.family,

@@ -7,7 +7,7 @@ use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
 use crate::payload::weighed;
 use crate::polish::polished;
-use crate::rival::Rival;
+use crate::rival::{Rival, losers};
 use crate::sample::sample;
 use crate::scene::Scene;
 use crate::screen::Screen;
@@ -43,7 +43,7 @@ pub enum Progress {
 pub(crate) struct Accepted {
     pub candidate: Candidate,
     pub evidence: Evidence,
-    /// (candidate, score behind the find's).
+    /// Who lost against it: how much less likely each makes the data (−2 ln L and what its coefficients cost), the most likely first.
     pub rivals: Vec<(Candidate, f64)>,
     /// Causes without a name that did well when it was found.
     pub shortlist: Vec<Candidate>,
@@ -283,11 +283,10 @@ fn winner(
                 evidence.doubt(options.alpha, floor, best.candidate.family.belongs_to_time())
             };
             let Some(doubt) = doubt else {
-                let others = rivals[k + 1..].iter().map(|r| (r.candidate.clone(), r.score - best.score));
                 return Ok(Some(Accepted {
                     candidate: adopted(best),
                     evidence,
-                    rivals: others.collect(),
+                    rivals: losers(&rivals[k + 1..], best),
                     shortlist: screen.shortlist(scene),
                 }));
             };

@@ -13,7 +13,7 @@ use crate::contest::{TIE, contest};
 use crate::diagnose::{Accepted, Search, adopted, parametric};
 use crate::evidence::collect;
 use crate::likelihood::Likelihood;
-use crate::rival::{cost, odds};
+use crate::rival::{cost, losers, odds};
 use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::{DiscoverError, Family};
@@ -70,8 +70,7 @@ fn one_for_both(search: &Search<'_>, pair: [usize; 2]) -> Result<Option<Accepted
     let p_value = both[0].evidence.p_value.min(both[1].evidence.p_value);
     let evidence =
         collect(&scene, &contest.present, best, (p_value, parametric(&screen, best)), options.seed)?;
-    let rivals = contest.rivals.iter().filter(|r| !r.candidate.same_cause(&best.candidate));
-    let rivals = rivals.map(|r| (r.candidate.clone(), r.score - best.score)).collect();
+    let rivals = losers(&contest.rivals, best);
     Ok(Some(Accepted { candidate: adopted(best), evidence, rivals, shortlist }))
 }
 

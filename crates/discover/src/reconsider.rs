@@ -8,7 +8,7 @@ use crate::candidate::Candidate;
 use crate::contest::{Contest, TIE, contest};
 use crate::diagnose::{Accepted, Search, adopted, parametric};
 use crate::evidence::{Evidence, collect};
-use crate::rival::{Rival, rival};
+use crate::rival::{Rival, losers, rival};
 use crate::scene::Scene;
 use crate::screen::Screen;
 use truepose_errormodel::Visits;
@@ -36,13 +36,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
         };
         let mine = &search.accepted[at].candidate;
         let next = adopted(winner);
-        let score = winner.score;
-        let rivals: Vec<(Candidate, f64)> = contest
-            .rivals
-            .iter()
-            .filter(|r| !r.candidate.same_cause(&next))
-            .map(|r| (r.candidate.clone(), r.score - score))
-            .collect();
+        let rivals = losers(&contest.rivals, winner);
         let changed = !same_shape(&next, mine);
         search.accepted[at].rivals = rivals;
         if let Some(evidence) = evidence {

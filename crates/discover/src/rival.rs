@@ -8,7 +8,7 @@
 
 use crate::candidate::Candidate;
 use crate::law::Law;
-use crate::likelihood::Likelihood;
+use crate::likelihood::{Likelihood, WIDE};
 use crate::scene::Scene;
 use crate::screen::{Screen, price};
 use crate::shape::{climbed, seen_as, shapes};
@@ -32,6 +32,8 @@ pub(crate) struct Rival {
     pub score: f64,
     /// What of the score is neither likelihood nor coefficients.
     pub odds: f64,
+    /// What of the odds the data has no part in: for the questions that were asked of its family, and for having no name.
+    preference: f64,
     /// Of the law from which its coefficients look drawn, expected sizes.
     pub width: f64,
     pub likelihood: Likelihood,
@@ -41,6 +43,11 @@ impl Rival {
     /// What had to be found out: coefficients that the data judges, and shapes.
     pub fn unknowns(&self) -> usize {
         self.freedom + shapes(&self.candidate)
+    }
+
+    /// By how much less likely it makes the data than another, whatever one would rather believe.
+    fn behind(&self, other: &Rival) -> f64 {
+        (self.score - self.preference) - (other.score - other.preference)
     }
 }
 
@@ -55,10 +62,22 @@ pub(crate) fn rival(
     let columns = candidate.columns(scene)?;
     let likelihood = Likelihood::new(scene, &columns, visits)?;
     let law = likelihood.law(0..columns.ncols());
-    let odds = odds(scene, screen, &candidate);
+    let (odds, preference) = (odds(scene, screen, &candidate), preference(screen, &candidate));
     let total = likelihood.deviance + cost(&candidate, &law, score.freedom, scene) + odds;
     let (freedom, gain) = (score.freedom, score.gain);
-    Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, width: law.width, likelihood }))
+    let width = law.width;
+    Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, preference, width, likelihood }))
+}
+
+/// Who lost against a rival, with how much less likely each makes the data: the most likely first.
+pub(crate) fn losers<'a>(
+    rivals: impl IntoIterator<Item = &'a Rival>,
+    winner: &Rival,
+) -> Vec<(Candidate, f64)> {
+    let others = rivals.into_iter().filter(|r| !r.candidate.same_cause(&winner.candidate));
+    let mut losers: Vec<_> = others.map(|r| (r.candidate.clone(), r.behind(winner))).collect();
+    losers.sort_by(|a, b| a.1.total_cmp(&b.1));
+    losers
 }
 
 /// What the coefficients of a candidate cost, so many of which the data judges: those of a curve over time or travel, or of a
@@ -87,16 +106,42 @@ fn wanders(candidate: &Candidate) -> bool {
 /// What a candidate pays for the questions that are asked of its family, for its shapes, and for having no name. A shape on a fine grid
 /// pays by the questions that the grid asks, one that was climbed for as an unknown.
 pub(crate) fn odds(scene: &Scene<'_>, screen: &Screen, candidate: &Candidate) -> f64 {
-    let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
-    let asked = 2.0 * (screen.asked(candidate.family) as f64).ln();
-    asked + price(scene.len()) * climbed(candidate) as f64 + nameless
+    preference(screen, candidate) + price(scene.len()) * climbed(candidate) as f64
 }
 
-/// Whether the sign is one that nature has: what yields, yields with its load.
+/// What a candidate pays before the data is looked at.
+fn preference(screen: &Screen, candidate: &Candidate) -> f64 {
+    let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
+    2.0 * (screen.asked(candidate.family) as f64).ln() + nameless
+}
+
+/// Whether size and sign are such as nature has.
 pub(crate) fn plausible(rival: &Rival) -> bool {
-    if !rival.candidate.family.is_compliance() {
-        return true;
+    let first = (rival.likelihood.coefficients[0], rival.likelihood.deviation(0));
+    natural(rival.candidate.family, rival.width, first)
+}
+
+/// A link that five hundred newtons bend by a tenth of its length is none ([`WIDE`] times the expected size); and what yields, yields
+/// with its load: `first` is the first coefficient with its standard deviation.
+fn natural(family: Family, width: f64, first: (f64, f64)) -> bool {
+    let (value, deviation) = first;
+    let paper = family == Family::LinkCompliance && width > WIDE;
+    let pushes_back = family.is_compliance() && value <= -2.0 * deviation;
+    !paper && !pushes_back
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_are_no_paper_and_springs_do_not_push_back() {
+        assert!(natural(Family::LinkCompliance, 20.0, (20.0, 1.0)));
+        assert!(!natural(Family::LinkCompliance, 600.0, (600.0, 5.0)));
+        // What a joint's expected size is worth depends on the robot.
+        assert!(natural(Family::JointCompliance, 600.0, (600.0, 5.0)));
+        assert!(!natural(Family::JointCompliance, 3.0, (-3.0, 1.0)));
+        assert!(natural(Family::JointCompliance, 3.0, (-1.0, 1.0)));
+        assert!(natural(Family::Coupling, 3.0, (-3.0, 1.0)));
     }
-    let (value, deviation) = (rival.likelihood.coefficients[0], rival.likelihood.deviation(0));
-    value > -2.0 * deviation
 }

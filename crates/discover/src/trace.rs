@@ -11,6 +11,7 @@
 //! scatter widely in e; `lever` is their weight.
 
 use crate::candidate::{Candidate, Change};
+use crate::library::load_word;
 use crate::{DiscoverError, Family};
 use nalgebra::{DVector, Vector3};
 use truepose_errormodel::{Dataset, Emission, ErrorJacobian, ErrorModel, Rest};
@@ -334,11 +335,18 @@ fn driver(chain: &Chain, data: &Dataset, candidate: &Candidate, own: &Own) -> Dr
         Family::Unmodelled => coordinate(&place.covariate)
             .map(Driver::Joint)
             .or_else(|| channel(&place.covariate).map(Driver::Channel))
+            .or_else(|| loaded(chain, &place.covariate).map(Driver::JointLoad))
             .unwrap_or(when),
         Family::Transmission | Family::Guideway | Family::Geometric => {
             coordinate(&place.joint).map_or(when, Driver::Joint)
         }
     }
+}
+
+/// The joint on whose load something depends.
+fn loaded(chain: &Chain, covariate: &Option<String>) -> Option<JointId> {
+    let word = covariate.as_deref()?;
+    chain.movable().iter().copied().find(|&joint| load_word(chain, joint) == word)
 }
 
 /// The component of the wrench that goes most with what the model says.

@@ -7,13 +7,15 @@ mod compliance;
 mod components;
 mod constant;
 mod guideway;
-mod load;
+mod loaded;
 mod motion;
+mod payload;
 mod thermal;
 mod time;
 mod unmodelled;
 
 pub(crate) use components::neighbours;
+pub(crate) use loaded::load_word;
 pub(crate) use motion::transmission_at;
 pub(crate) use time::instants;
 pub(crate) use unmodelled::richer;
@@ -40,14 +42,18 @@ impl Setting<'_> {
         span(&self.data.channels[channel])
     }
 
-    /// The largest load about or along a joint, of some two hundred rows, N·m or N.
-    pub fn largest_load(&self, joint: JointId) -> f64 {
+    /// The range of the load about or along a joint, of some two hundred rows, N·m or N; none when nothing loads it.
+    pub fn load_range(&self, joint: JointId) -> Option<[f64; 2]> {
         let mut buffer = PostureBuffer::new(self.chain);
         let stride = (self.data.len() / 200).max(1);
-        (0..self.data.len())
-            .step_by(stride)
-            .map(|row| buffer.update(self.chain, &self.data.conditions(row)).joint_load(joint).abs())
-            .fold(0.0, f64::max)
+        let load = |row| buffer.update(self.chain, &self.data.conditions(row)).joint_load(joint);
+        let loads: Vec<f64> = (0..self.data.len()).step_by(stride).map(load).collect();
+        span(&loads)
+    }
+
+    /// The largest load about or along a joint, N·m or N.
+    pub fn largest_load(&self, joint: JointId) -> f64 {
+        self.load_range(joint).map_or(0.0, |[lower, upper]| lower.abs().max(upper.abs()))
     }
 
     pub fn slides(&self, joint: JointId) -> bool {
@@ -65,7 +71,9 @@ fn span(column: &[f64]) -> Option<[f64; 2]> {
 pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> Vec<Candidate> {
     let mut all = named(chain, data, without);
     if !without.contains(&Family::Unmodelled) {
-        unmodelled::add(&Setting { chain, data }, &mut all);
+        let setting = Setting { chain, data };
+        unmodelled::add(&setting, &mut all);
+        loaded::add_nameless(&setting, &mut all);
     }
     all
 }
@@ -76,7 +84,8 @@ pub(crate) fn named(chain: &Chain, data: &Dataset, without: &[Family]) -> Vec<Ca
     let mut all = Vec::new();
     constant::add(&setting, &mut all);
     compliance::add(&setting, &mut all);
-    load::add(&setting, &mut all);
+    payload::add(&setting, &mut all);
+    loaded::add(&setting, &mut all);
     motion::add(&setting, &mut all);
     guideway::add(&setting, &mut all);
     thermal::add(&setting, &mut all);
@@ -115,5 +124,38 @@ mod tests {
         let fewer = families(&[Family::Transmission]);
         assert!(!fewer.contains(&Family::Transmission) && fewer.contains(&Family::Guideway));
         assert!(fewer.len() < all.len());
+    }
+
+    #[test]
+    fn a_load_bends_where_there_is_one_under_a_name_and_without() {
+        let chain = samples::ur10();
+        let rows = 40;
+        let column = |joint: usize| (0..rows).map(|row| (0.7 * ((row * (joint + 3)) as f64)).sin()).collect();
+        let carried = Load::Payload(truepose_kinematics::Payload { mass: 5.0, com: [0.0; 3].into() });
+        let data = Dataset {
+            joints: (0..chain.movable().len()).map(column).collect(),
+            position: vec![[0.0; 3]; rows],
+            target: vec![None; rows],
+            visit: (0..rows).collect(),
+            load: vec![carried; rows],
+            time: vec![0.0; rows],
+            approach: vec![vec![0.0; rows]; chain.movable().len()],
+            ..Dataset::default()
+        };
+        let curves = |family: Family| -> Vec<String> {
+            let follows = |candidate: &&Candidate| {
+                let text = candidate.effects().iter().map(|e| e.parameters().to_string()).collect::<String>();
+                candidate.family == family && text.contains("load") && text.contains("spline")
+            };
+            let all = candidates(&chain, &data, &[]);
+            let mut words: Vec<String> = all.iter().filter(follows).map(Candidate::words).collect();
+            words.dedup();
+            words
+        };
+        let named = curves(Family::LoadNonlinearity);
+        // The first joint turns about the vertical: no weight loads it.
+        assert_eq!(named[..2], ["load_nonlinearity j2", "load_nonlinearity j3"]);
+        assert_eq!(curves(Family::Unmodelled)[0], "unmodelled j2 on load_j2");
+        assert_eq!(curves(Family::Unmodelled).len(), named.len());
     }
 }
