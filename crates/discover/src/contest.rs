@@ -40,7 +40,7 @@ pub(crate) struct Contest {
 }
 
 /// Holds the contest between the best causes of a screen, leaving out those that are barred. The most promising gears may grow further
-/// periods, where a new cause is looked for.
+/// periods, where a new cause is looked for or a gear defends its place.
 pub(crate) fn contest(
     scene: &Scene<'_>,
     screen: &Screen,

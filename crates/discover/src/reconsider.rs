@@ -3,7 +3,6 @@
 //! A first find that a later one explains better falls; one that is better told at another place, or in another shape, is
 //! swapped. Each find is taken out in turn, what is left is screened, and the contest is held once more.
 
-use crate::DiscoverError;
 use crate::candidate::Candidate;
 use crate::contest::{Contest, TIE, contest};
 use crate::diagnose::{Accepted, Search, adopted, parametric};
@@ -11,6 +10,7 @@ use crate::evidence::{Evidence, collect};
 use crate::rival::{Rival, losers, rival};
 use crate::scene::Scene;
 use crate::screen::Screen;
+use crate::{DiscoverError, Family};
 use truepose_errormodel::Visits;
 
 /// Takes each of the first `count` finds out in turn and lets it defend its place; true when something changed.
@@ -72,7 +72,8 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Defen
     let Accepted { candidate, shortlist, evidence, .. } = &search.accepted[at];
     let held = |scene: &Scene<'_>| {
         let screen = Screen::again(scene, &search.options.without, (shortlist, others), &search.asked);
-        let mut contest = contest(scene, &screen, others, false)?;
+        // The periods of a gear were found while less was known: it may look for them again.
+        let mut contest = contest(scene, &screen, others, candidate.family == Family::Transmission)?;
         // The find as it stands defends its place, and its shape.
         if let Some(own) = rival(scene, &screen, &Visits::of(scene.data), candidate.clone())? {
             let same = contest.rivals.iter().position(|r| r.candidate.same_cause(candidate));
