@@ -12,7 +12,7 @@ use super::Triangular;
 use crate::SolveError;
 use crate::dense::{Reflectors, fold, norm, zeros};
 use faer::MatMut;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView};
 
 /// How many sets are kept apart.
 const SETS: usize = 48;
@@ -94,20 +94,19 @@ impl Sets {
         let mut work = Reflectors::default();
         if top.iter().any(|v| *v != 0.0) {
             let all: Vec<usize> = (0..p).collect();
-            made.fold(&all, top, true, &place, &mut work);
+            made.fold(&all, top.as_view(), true, &place, &mut work);
         }
         for Set { columns, mut rows } in self.list {
             // What is hardly taller than wide gains nothing by being folded on its own.
-            let raw = rows.raw().filter(|raw| raw.nrows() <= 2 * columns.len());
-            match raw {
-                Some(raw) => made.fold(&columns, &raw, false, &place, &mut work),
+            match rows.raw().filter(|raw| raw.nrows() <= 2 * columns.len()) {
+                Some(raw) => made.fold(&columns, raw, false, &place, &mut work),
                 None => {
                     rows.flush();
                     made.below
                         .iter_mut()
                         .zip(&rows.below)
                         .for_each(|(own, of_set)| *own = own.hypot(*of_set));
-                    made.fold(&columns, &rows.top, true, &place, &mut work);
+                    made.fold(&columns, rows.top.as_view(), true, &place, &mut work);
                 }
             }
         }
@@ -120,7 +119,7 @@ impl Ordered {
     fn fold(
         &mut self,
         columns: &[usize],
-        rows: &DMatrix<f64>,
+        rows: DMatrixView<'_, f64>,
         tall: bool,
         place: &[usize],
         work: &mut Reflectors,
@@ -128,39 +127,54 @@ impl Ordered {
         let (n, k) = (columns.len(), self.below.len());
         let mut sorted: Vec<usize> = (0..n).collect();
         sorted.sort_by_key(|&j| place[columns[j]]);
+        if !tall || n == 0 {
+            return self.fold_rows((columns, &sorted), rows, (0, rows.nrows()), place, work);
+        }
         let mut block = zeros(rows.nrows(), n + k);
-        sorted.iter().enumerate().for_each(|(to, &from)| block.set_column(to, &rows.column(from)));
-        (0..k).for_each(|j| block.set_column(n + j, &rows.column(n + j)));
-        let mut chunk = block.nrows();
-        if tall && n > 0 {
-            let mut triangle = zeros(n, n + k);
-            fold(view(&mut triangle), view(&mut block), work);
-            self.rest(&block, n);
-            (block, chunk) = (triangle, CHUNK);
-        }
-        let mut from = 0;
-        while from < block.nrows() {
-            let count = chunk.min(block.nrows() - from);
+        let taken = sorted.iter().copied().chain(n..n + k);
+        taken.enumerate().for_each(|(to, from)| block.set_column(to, &rows.column(from)));
+        let mut triangle = zeros(n, n + k);
+        fold(view(&mut triangle), view(&mut block), work);
+        self.rest(&block, n);
+        let columns: Vec<usize> = sorted.iter().map(|&j| columns[j]).collect();
+        let all: Vec<usize> = (0..n).collect();
+        for from in (0..n).step_by(CHUNK) {
+            let count = CHUNK.min(n - from);
             // Rows of a triangle begin where their own column stands.
-            let first = if tall { from } else { 0 };
-            let start = sorted.get(first).map_or(place.len(), |&j| place[columns[j]]);
-            let width = place.len() - start;
-            let mut part = zeros(count, width + k);
-            for (at, &j) in sorted.iter().enumerate().skip(first) {
-                part.set_column(place[columns[j]] - start, &block.column(at).rows(from, count));
-            }
-            (0..k).for_each(|j| part.set_column(width + j, &block.column(n + j).rows(from, count)));
-            let top = view(&mut self.top).submatrix_mut(start, start, width, width + k);
-            fold(top, view(&mut part), work);
-            self.rest(&part, width);
-            from += count;
+            let part = (columns.as_slice(), &all[from..]);
+            self.fold_rows(part, triangle.as_view(), (from, count), place, work);
         }
+    }
+
+    /// Folds some rows, of which only the columns `sorted` are not zero.
+    fn fold_rows(
+        &mut self,
+        (columns, sorted): (&[usize], &[usize]),
+        rows: DMatrixView<'_, f64>,
+        (from, count): (usize, usize),
+        place: &[usize],
+        work: &mut Reflectors,
+    ) {
+        let k = self.below.len();
+        let start = sorted.first().map_or(place.len(), |&j| place[columns[j]]);
+        let width = place.len() - start;
+        let mut part = zeros(count, width + k);
+        for &j in sorted {
+            part.set_column(place[columns[j]] - start, &rows.column(j).rows(from, count));
+        }
+        for j in 0..k {
+            part.set_column(width + j, &rows.column(columns.len() + j).rows(from, count));
+        }
+        let top = view(&mut self.top).submatrix_mut(start, start, width, width + k);
+        fold(top, view(&mut part), work);
+        self.rest(&part, width);
     }
 
     /// What a block leaves of the right-hand sides.
     fn rest(&mut self, block: &DMatrix<f64>, columns: usize) {
         for (j, below) in self.below.iter_mut().enumerate() {
-            *below = below.hypot(norm(block.column(columns + j).into_owned().as_slice()));
+            let rows = block.nrows();
+            *below = below.hypot(norm(&block.as_slice()[(columns + j) * rows..(columns + j + 1) * rows]));
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::dense::{Reflectors, fold, norm, zeros};
 use crate::problem::check_len;
 use crate::{LeastSquares, SolveError};
 use faer::MatMut;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DMatrixView};
 
 const MAGIC: [u8; 4] = *b"TPTR";
 
@@ -153,9 +153,8 @@ impl Triangular {
     }
 
     /// Rows that wait, where none has been folded yet.
-    pub(super) fn raw(&self) -> Option<DMatrix<f64>> {
-        let fresh = self.filled == self.rows;
-        fresh.then(|| self.buffer.rows(0, self.filled).into_owned())
+    pub(super) fn raw(&self) -> Option<DMatrixView<'_, f64>> {
+        (self.filled == self.rows).then(|| self.buffer.view((0, 0), (self.filled, self.buffer.ncols())))
     }
 
     /// The factor of all rows seen, with its columns in the order that is cheapest, and that order: the problem's column at each place.
