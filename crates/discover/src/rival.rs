@@ -69,12 +69,19 @@ pub(crate) fn rival(
     Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, preference, width, likelihood }))
 }
 
-/// Who lost against a rival, with how much less likely each makes the data: the most likely first.
+/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none.
 pub(crate) fn losers<'a>(
     rivals: impl IntoIterator<Item = &'a Rival>,
     winner: &Rival,
 ) -> Vec<(Candidate, f64)> {
-    let others = rivals.into_iter().filter(|r| !r.candidate.same_cause(&winner.candidate));
+    /// Of −2 ln L, within which two explanations are the same one.
+    const SAME: f64 = 1e-3;
+    let itself = |r: &Rival| {
+        let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
+        let nameless = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
+        nameless || r.candidate.same_cause(&winner.candidate)
+    };
+    let others = rivals.into_iter().filter(|r| !itself(r));
     let mut losers: Vec<_> = others.map(|r| (r.candidate.clone(), r.behind(winner))).collect();
     losers.sort_by(|a, b| a.1.total_cmp(&b.1));
     losers
