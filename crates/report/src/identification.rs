@@ -151,14 +151,7 @@ pub(crate) fn groups(fit: &truepose_identify::Fit) -> Vec<GroupSummary> {
 
 fn shapes(fit: &truepose_identify::Fit) -> Vec<ShapeSummary> {
     let effects = fit.fitted.model().effects();
-    let shape = |shape: &truepose_identify::FittedShape| ShapeSummary {
-        effect: (effects[shape.effect].kind().into(), shape.effect + 1),
-        name: shape.name.clone(),
-        value: shape.value,
-        ci95: shape.interval,
-        unit: shape.unit.clone(),
-    };
-    fit.shapes.iter().map(shape).collect()
+    fit.shapes.iter().map(|shape| ShapeSummary::of(shape, effects[shape.effect].kind())).collect()
 }
 
 /// A parameter in which an effect is not linear.
@@ -172,8 +165,33 @@ pub struct ShapeSummary {
     pub value: f64,
     /// Its 95 % interval.
     pub ci95: [f64; 2],
+    /// Whether the range in which it was looked for ends where the interval does, below and above: the data would allow more.
+    pub cut: [bool; 2],
     /// SI unit.
     pub unit: String,
+}
+
+impl ShapeSummary {
+    fn of(shape: &truepose_identify::FittedShape, family: &str) -> Self {
+        ShapeSummary {
+            effect: (family.into(), shape.effect + 1),
+            name: shape.name.clone(),
+            value: shape.value,
+            ci95: shape.interval,
+            cut: [shape.interval[0] <= shape.range[0], shape.interval[1] >= shape.range[1]],
+            unit: shape.unit.clone(),
+        }
+    }
+
+    /// Where the interval ends only because its range does.
+    fn cut_words(&self) -> &'static str {
+        match self.cut {
+            [false, false] => "",
+            [true, false] => ": below, only its range ends",
+            [false, true] => ": above, only its range ends",
+            [true, true] => ": the data leaves it open",
+        }
+    }
 }
 
 impl IdentificationSummary {
@@ -331,4 +349,28 @@ fn limit(summary: &IdentificationSummary) -> String {
             .into();
     }
     "no configuration was visited twice, so that noise and missing effects cannot be told apart: repeat a few visits".into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_that_its_range_cuts_says_so() {
+        let told = |interval: [f64; 2]| {
+            let shape = truepose_identify::FittedShape {
+                effect: 0,
+                name: "period".into(),
+                unit: "rad".into(),
+                value: 0.3,
+                interval,
+                range: [0.2, 0.5],
+            };
+            ShapeSummary::of(&shape, "transmission").cut_words()
+        };
+        assert_eq!(told([0.29, 0.31]), "");
+        assert_eq!(told([0.2, 0.31]), ": below, only its range ends");
+        assert_eq!(told([0.29, 0.5]), ": above, only its range ends");
+        assert_eq!(told([0.2, 0.5]), ": the data leaves it open");
+    }
 }

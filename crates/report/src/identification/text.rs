@@ -216,10 +216,11 @@ impl IdentificationSummary {
                 let (family, number) = &shape.effect;
                 writeln!(
                     f,
-                    " {} = {} {}  [{lower}, {upper}]  (effect {number}, {family})",
+                    " {} = {} {}  [{lower}, {upper}]  (effect {number}, {family}){}",
                     shape.name,
                     significant(shape.value, 6),
-                    shape.unit
+                    shape.unit,
+                    shape.cut_words()
                 )?;
             }
         }
