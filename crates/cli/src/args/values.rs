@@ -1,0 +1,51 @@
+//! Values that are typed in a form of their own.
+
+/// `evidence`, `none`, or κ.
+pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
+    use truepose_identify::PriorStrength;
+    match text {
+        "evidence" => Ok(PriorStrength::Kinds),
+        "none" => Ok(PriorStrength::None),
+        _ => match text.parse::<f64>() {
+            Ok(kappa) if kappa.is_finite() && kappa > 0.0 => Ok(PriorStrength::Fixed(kappa)),
+            _ => Err("expected `evidence`, `none` or a number above 0".into()),
+        },
+    }
+}
+
+/// `0.15mm`, `150um`, `0.006in`; metres.
+pub(super) fn parse_length(text: &str) -> Result<f64, String> {
+    let value = length(text)?;
+    if value > 0.0 { Ok(value) } else { Err("a length above 0 is needed".into()) }
+}
+
+/// `-500mm,0mm,0.2m`; metres.
+pub(super) fn parse_position(text: &str) -> Result<[f64; 3], String> {
+    three(text, length)
+}
+
+/// Three numbers.
+pub(super) fn parse_three(text: &str) -> Result<[f64; 3], String> {
+    three(text, |part| match part.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("`{part}` is not a number")),
+    })
+}
+
+fn three(text: &str, one: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    match parts[..] {
+        [x, y, z] => Ok([one(x)?, one(y)?, one(z)?]),
+        _ => Err(format!("three values with commas between them are needed, not {}", parts.len())),
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
+    let unit = truepose_io::Unit::named(unit.trim())
+        .filter(|unit| unit.quantity == truepose_io::Quantity::Length)
+        .ok_or("a length needs a unit: m, mm, um or in, as in 0.15mm")?;
+    if value.is_finite() { Ok(unit.to_si(value)) } else { Err("a finite length is needed".into()) }
+}
