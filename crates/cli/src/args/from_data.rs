@@ -5,9 +5,9 @@ use super::values::{parse_length, parse_prior};
 use std::path::PathBuf;
 use truepose_solvers::SolverSpec;
 
-/// `truepose identify`
+/// What was measured of which robot, and what is declared of it.
 #[derive(Debug, clap::Args)]
-pub struct Identify {
+pub struct Measured {
     #[command(flatten)]
     pub robot: Robot,
     /// Measurements (CSV)
@@ -16,6 +16,13 @@ pub struct Identify {
     /// Declared model (TOML) [default: constant errors of every frame and target]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+}
+
+/// `truepose identify`
+#[derive(Debug, clap::Args)]
+pub struct Identify {
+    #[command(flatten)]
+    pub measured: Measured,
     /// Where to write the fit
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -83,13 +90,7 @@ pub enum SplitKind {
 #[derive(Debug, clap::Args)]
 pub struct Discover {
     #[command(flatten)]
-    pub robot: Robot,
-    /// Measurements (CSV)
-    #[arg(long, value_name = "FILE")]
-    pub data: PathBuf,
-    /// Declared model (TOML) [default: constant errors of every frame and target]
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    pub measured: Measured,
     /// Where to write the enlarged fit
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -138,13 +139,7 @@ pub struct Discover {
 #[derive(Debug, clap::Args)]
 pub struct Compare {
     #[command(flatten)]
-    pub robot: Robot,
-    /// Measurements (CSV)
-    #[arg(long, value_name = "FILE")]
-    pub data: PathBuf,
-    /// Declared model (TOML) [default: constant errors of every frame and target]
-    #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    pub measured: Measured,
     /// A strategy; give the option once for each
     #[arg(long = "solver", value_name = "SOLVER",
           default_values = ["qr", "svd", "normal", "ridge(gcv)", "ridge(map)", "lasso(cv)", "huber(qr)", "tukey(qr)"])]

@@ -6,7 +6,7 @@ mod from_fit;
 mod values;
 
 pub use beside::{Check, Effects, Simulate, Verify};
-pub use from_data::{Compare, Discover, Identify, SplitKind};
+pub use from_data::{Compare, Discover, Identify, Measured, SplitKind};
 pub use from_fit::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 
 use clap::{Parser, Subcommand};

@@ -2,28 +2,25 @@
 
 use super::identify::{split, split_words};
 use super::reporting::Folder;
-use super::{print_json, read_files, robot, suspected};
+use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::Compare;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, EffectRegistry, ErrorModel};
+use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare, place};
-use truepose_io::{MeasurementsOptions, read_measurements, read_model};
+use truepose_io::{MeasurementsOptions, read_measurements};
 use truepose_report::{ComparisonSummary, comparison_report};
 
 /// Runs the verb.
 pub fn run(args: &Compare) -> Result<(), Failure> {
     let folder = Folder::prepare(args.report.as_ref(), "comparison.json")?;
-    let chain = robot(&args.robot)?;
-    let effects: Vec<Box<dyn AnyEffect>> = match &args.model {
-        Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
-        None => vec![Box::new(Geometric::default())],
-    };
-    let (mut data, _, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    let chain = robot(&args.measured.robot)?;
+    let effects = declared(&args.measured, &chain)?;
+    let (mut data, _, warnings) =
+        read_measurements(&args.measured.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
-    terminal::warn(suspected(&chain, &data, &args.data).as_slice());
+    terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }
@@ -40,7 +37,7 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     drop(progress);
     let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &compared);
     if let Some(folder) = &folder {
-        let inputs = read_files(&args.robot.robot, &args.data, args.model.as_ref());
+        let inputs = read_files(&args.measured);
         folder.write(&summary, &inputs, |run| Ok(comparison_report(&summary, run)))?;
     }
     if args.json {

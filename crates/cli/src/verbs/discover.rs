@@ -1,7 +1,7 @@
 //! `truepose discover`: find what a declared model lacks, add it, and prove the gain.
 
 use super::reporting::Folder;
-use super::{print_json, read_files, robot, suspected};
+use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
@@ -9,10 +9,9 @@ use crate::terminal;
 use crate::watch;
 use std::path::{Path, PathBuf};
 use truepose_discover::{Diagnosis, DiscoverOptions, Progress, RivalFit, diagnose, nested};
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, EffectRegistry, FittedModel};
+use truepose_errormodel::FittedModel;
 use truepose_io::{
-    MeasurementsOptions, check_writable, make_folder, read_measurements, read_model, write_fit, write_whole,
+    MeasurementsOptions, check_writable, make_folder, read_measurements, write_fit, write_whole,
 };
 use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
 
@@ -26,14 +25,12 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         make_folder(rivals)?;
         check_writable(rivals.join("rival.json"))?;
     }
-    let chain = robot(&args.robot)?;
-    let declared: Vec<Box<dyn AnyEffect>> = match &args.model {
-        Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
-        None => vec![Box::new(Geometric::default())],
-    };
-    let (mut data, info, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    let chain = robot(&args.measured.robot)?;
+    let declared = declared(&args.measured, &chain)?;
+    let (mut data, info, warnings) =
+        read_measurements(&args.measured.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
-    terminal::warn(suspected(&chain, &data, &args.data).as_slice());
+    terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }
@@ -85,7 +82,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         terminal::print(&summary.to_string());
     }
     if let Some(folder) = &folder {
-        let inputs = read_files(&args.robot.robot, &args.data, args.model.as_ref());
+        let inputs = read_files(&args.measured);
         folder.write(&summary, &inputs, |run| {
             Ok(discovery_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;

@@ -1,15 +1,14 @@
 //! `truepose identify`: fit a declared error model, and say what it is worth.
 
 use super::reporting::Folder;
-use super::{print_json, read_files, robot, suspected};
+use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, ModelError, Visits};
+use truepose_errormodel::{Dataset, ModelError, Visits};
 use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
-use truepose_io::{MeasurementsOptions, check_writable, read_measurements, read_model, write_fit};
+use truepose_io::{MeasurementsOptions, check_writable, read_measurements, write_fit};
 use truepose_report::{IdentificationSummary, identification_report, millimetres};
 
 /// Runs the verb.
@@ -18,15 +17,13 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         check_writable(out)?;
     }
     let folder = Folder::prepare(args.report.as_ref(), "identification.json")?;
-    let chain = robot(&args.robot)?;
-    let effects: Vec<Box<dyn AnyEffect>> = match &args.model {
-        Some(model) => read_model(model, &chain, &EffectRegistry::builtin())?,
-        None => vec![Box::new(Geometric::default())],
-    };
+    let chain = robot(&args.measured.robot)?;
+    let effects = declared(&args.measured, &chain)?;
     if args.stream {
         return super::stream::identify(args, &chain, &effects);
     }
-    let (mut data, info, warnings) = read_measurements(&args.data, &chain, &MeasurementsOptions::default())?;
+    let (mut data, info, warnings) =
+        read_measurements(&args.measured.data, &chain, &MeasurementsOptions::default())?;
     terminal::warn(&warnings);
     if args.positions_only {
         data.orientation.fill(None);
@@ -42,7 +39,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         seed: args.seed,
     };
     // Said with the result, or with the error where there is none.
-    let suspected = suspected(&chain, &data, &args.data);
+    let suspected = suspected(&chain, &data, &args.measured.data);
     let progress = Progress::steps(Step::ALL.len());
     let solver = args.solver.build();
     let mut found = identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(word(step)))
@@ -68,7 +65,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         summary = summary.against(limit, &found, &data, &locked);
     }
     if let Some(folder) = &folder {
-        let inputs = read_files(&args.robot.robot, &args.data, args.model.as_ref());
+        let inputs = read_files(&args.measured);
         folder.write(&summary, &inputs, |run| {
             Ok(identification_report(&summary, &found, &data, &info.visit_labels, &locked, run)?)
         })?;
@@ -104,7 +101,7 @@ pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
         IdentifyError::NothingMeasured { .. }
         | IdentifyError::Placement { .. }
         | IdentifyError::Model(ModelError::MissingSignal { .. }) => {
-            Failure::Input(format!("{}: {error}", args.data.display()))
+            Failure::Input(format!("{}: {error}", args.measured.data.display()))
         }
         _ => error.into(),
     }

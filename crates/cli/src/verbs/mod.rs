@@ -15,14 +15,15 @@ pub mod simulate;
 mod stream;
 pub mod verify;
 
-use crate::args::Robot;
+use crate::args::{Measured, Robot};
 use crate::failure::Failure;
 use crate::terminal;
 use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
 use truepose_identify::suspicion;
-use truepose_io::{CommandStatus, RobotOptions, read_robot};
+use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
 use truepose_report::suspicion_words;
 
@@ -53,8 +54,17 @@ fn target(chain: &Chain, name: Option<&str>) -> Result<Option<TargetId>, Failure
 }
 
 /// Files that a run on measurements read.
-fn read_files<'a>(robot: &'a Path, data: &'a Path, model: Option<&'a PathBuf>) -> Vec<&'a Path> {
-    [Some(robot), Some(data), model.map(PathBuf::as_path)].into_iter().flatten().collect()
+fn read_files(measured: &Measured) -> Vec<&Path> {
+    let Measured { robot, data, model } = measured;
+    [Some(&robot.robot), Some(data), model.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect()
+}
+
+/// The declared effects; without a model file constant errors of every frame and target.
+fn declared(measured: &Measured, chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, Failure> {
+    Ok(match &measured.model {
+        Some(model) => read_model(model, chain, &EffectRegistry::builtin())?,
+        None => vec![Box::new(Geometric::default())],
+    })
 }
 
 /// A value as JSON on stdout.

@@ -28,7 +28,7 @@ pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) 
         ));
     }
     let solver = args.solver.build();
-    let mut file = Table { path: &args.data, chain, positions_only: args.positions_only, passes: 0 };
+    let mut file = Table { path: &args.measured.data, chain, positions_only: args.positions_only, passes: 0 };
     let mut found =
         identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| match error {
             Wrong::Reading(error) => error.into(),
