@@ -63,6 +63,8 @@ fn play_is_found_named_and_sized_and_the_ledger_is_the_same_again() {
     assert!(gap.ci95[0] < 3e-4 && 3e-4 < gap.ci95[1], "{gap:?}");
     assert!(finding.holdout.1 < 0.6 * finding.holdout.0, "{:?}", finding.holdout);
     assert!(finding.evidence.p_value < 0.002);
+    // The same switch under no name is the find itself.
+    assert!(finding.alternatives.iter().all(|a| !a.equivalent), "{:?}", finding.alternatives);
 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let again = pool.install(|| found(&chain, &[Box::new(Geometric::default())], &data, 1));

@@ -74,8 +74,8 @@ pub(crate) fn losers<'a>(
     rivals: impl IntoIterator<Item = &'a Rival>,
     winner: &Rival,
 ) -> Vec<(Candidate, f64)> {
-    /// Of −2 ln L, within which two explanations are the same one.
-    const SAME: f64 = 1e-3;
+    /// Of −2 ln L, within which two explanations of as many unknowns are the same one: their wide priors differ by as much.
+    const SAME: f64 = 0.05;
     let itself = |r: &Rival| {
         let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
         let nameless = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
