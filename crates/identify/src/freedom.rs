@@ -18,7 +18,7 @@
 //!
 //! Both projections are the whitening itself, in the limit: by a visit that shares infinitely much only deviations from its mean are left.
 
-use crate::linearise::factorise;
+use crate::linearise::{factorise, gram};
 use crate::{Fit, IdentifyError, NoiseModel, Prior};
 use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
@@ -109,9 +109,16 @@ impl Taken<'_> {
             return Ok(all.share((1.0 - rank as f64 / numbers).max(LEAST)));
         };
         let of = |noise: NoiseModel| -> Result<f64, IdentifyError> {
-            let part =
-                factorise(self.model, self.data, self.visits, noise, self.coefficients, Some(self.kept))?;
-            Ok(taken(&joined, &part.r).unwrap_or(0.0))
+            let (model, data, visits, at, kept) =
+                (self.model, self.data, self.visits, self.coefficients, Some(self.kept));
+            // A number that is wanted to a few digits: sums of products do where they can.
+            let quick = gram(model, data, visits, noise, at, kept)?.norm_behind(&joined)?;
+            match quick {
+                Some(squares) => Ok(squares),
+                None => {
+                    Ok(taken(&joined, &factorise(model, data, visits, noise, at, kept)?.r).unwrap_or(0.0))
+                }
+            }
         };
         let turns = match all.turns > 0.0 {
             true => of(NoiseModel { position_sd: INFINITE, ..self.noise })?,

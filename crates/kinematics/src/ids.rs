@@ -60,6 +60,9 @@ impl Axis {
     /// The three translations.
     pub const TRANSLATIONS: [Axis; 3] = [Axis::Tx, Axis::Ty, Axis::Tz];
 
+    /// The three rotations.
+    pub const ROTATIONS: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
+
     /// Position in a twist, 0…5.
     #[inline]
     pub fn index(self) -> usize {

@@ -1,4 +1,4 @@
-//! Time that work takes on one thread: what the system says that it ran, not what passed on the wall.
+//! Time that work takes: on one thread, what the system says that it ran; on all of them, what passed on the wall.
 
 use std::error::Error;
 use std::time::Instant;
@@ -19,6 +19,18 @@ pub fn least<T: Send>(
         (0..runs.max(1)).map(timed).collect()
     });
     Ok(times?.into_iter().fold(f64::INFINITY, f64::min))
+}
+
+/// Least of some runs of this work on all threads, in seconds on the wall.
+pub fn least_on_the_wall<T>(
+    runs: usize,
+    work: impl Fn() -> Result<T, Box<dyn Error>>,
+) -> Result<f64, Box<dyn Error>> {
+    let timed = |_| {
+        let begun = Instant::now();
+        work().map(|_| begun.elapsed().as_secs_f64())
+    };
+    (0..runs.max(1)).map(timed).try_fold(f64::INFINITY, |least, time| Ok(least.min(time?)))
 }
 
 /// For how long this thread has run, s.

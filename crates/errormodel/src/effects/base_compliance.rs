@@ -88,7 +88,7 @@ impl Effect for BaseCompliance {
         let carried = at.wrench(FrameId::BASE);
         for (column, yields) in self.yields(&up).enumerate() {
             let (axes, value) = match yields {
-                Yields::Turns(matrix) => (ROTATIONS, matrix * carried.moment),
+                Yields::Turns(matrix) => (Axis::ROTATIONS, matrix * carried.moment),
                 Yields::Sinks => (Axis::TRANSLATIONS, up * up.dot(&carried.force)),
             };
             for axis in axes {
@@ -103,7 +103,7 @@ impl Effect for BaseCompliance {
         carried.chunks_exact_mut(LANES).enumerate().for_each(|(k, into)| at.wrench(FrameId::BASE, k, into));
         for (column, yields) in self.yields(&up).enumerate() {
             let (axes, matrix, part) = match yields {
-                Yields::Turns(matrix) => (ROTATIONS, matrix, &carried[3 * LANES..]),
+                Yields::Turns(matrix) => (Axis::ROTATIONS, matrix, &carried[3 * LANES..]),
                 Yields::Sinks => (Axis::TRANSLATIONS, up * up.transpose(), &carried[..3 * LANES]),
             };
             for axis in axes {
@@ -119,8 +119,6 @@ impl Effect for BaseCompliance {
         true
     }
 }
-
-const ROTATIONS: [Axis; 3] = [Axis::Rx, Axis::Ry, Axis::Rz];
 
 /// What one unknown of a base does.
 enum Yields {

@@ -111,14 +111,14 @@ impl Effect for Guideway {
         let [lower, upper] = travel(self.range, self.joint, chain);
         let basis = self.basis(chain);
         let width = basis.len() - 1;
-        let mut functions = vec![0.0; width * LANES];
-        for (lane, &q) in joint.iter().enumerate() {
-            basis.for_each_from(0.5 * (lower + upper), q, |column, value| {
-                functions[column * LANES + lane] += value;
-            });
-        }
-        for (column, function) in functions.chunks_exact(LANES).enumerate() {
-            let value = out.value(|into| into.copy_from_slice(function));
+        let values = out.values(width, |into| {
+            for (lane, &q) in joint.iter().enumerate() {
+                basis.for_each_from(0.5 * (lower + upper), q, |column, value| {
+                    into[column * LANES + lane] += value;
+                });
+            }
+        });
+        for (column, value) in values.enumerate() {
             for (k, &axis) in self.components().iter().enumerate() {
                 out.push(k * width + column, Site::Frame(frame, axis), value);
             }

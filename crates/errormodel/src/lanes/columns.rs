@@ -54,7 +54,7 @@ impl Lanes<'_> {
         known.clear();
         known.resize(self.store.wrench(0), None);
         values.clear();
-        values.extend((0..self.emission.values()).map(|k| {
+        values.extend((0..self.emission.count()).map(|k| {
             let numbers = self.emission.numbers(super::LaneValue(k as u32));
             numbers[..self.rows.len()].iter().all(|&v| v == 0.0)
         }));

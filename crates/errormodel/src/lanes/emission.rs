@@ -1,6 +1,7 @@
 //! What effects say in a block of rows: which column makes how much error at which site, with a value a lane.
 
 use super::LANES;
+use super::standing::Standing;
 use crate::Entry;
 use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
 
@@ -58,6 +59,11 @@ impl LaneEmission {
         self.values.truncate((last + 1) * LANES);
     }
 
+    /// Gives every lane the values of its standstill.
+    pub(super) fn spread(&mut self, standing: &Standing) {
+        standing.spread(&mut self.values[LANES..]);
+    }
+
     /// Values that `fill` writes into `LANES` zeros; those beyond the rows of the block are read by nobody but have to be finite.
     #[inline]
     pub fn value(&mut self, fill: impl FnOnce(&mut [f64])) -> LaneValue {
@@ -65,6 +71,20 @@ impl LaneEmission {
         self.values.resize(at + LANES, 0.0);
         fill(&mut self.values[at..]);
         LaneValue((at / LANES) as u32)
+    }
+
+    /// As [`LaneEmission::value`], for so many values that are written together, one after the other.
+    #[inline]
+    pub fn values<F: FnOnce(&mut [f64])>(
+        &mut self,
+        count: usize,
+        fill: F,
+    ) -> impl Iterator<Item = LaneValue> + use<F> {
+        let at = self.values.len();
+        self.values.resize(at + count * LANES, 0.0);
+        fill(&mut self.values[at..]);
+        let first = (at / LANES) as u32;
+        (first..first + count as u32).map(LaneValue)
     }
 
     /// The product of a value with another one's numbers.
@@ -113,7 +133,7 @@ impl LaneEmission {
     }
 
     /// How many values there are.
-    pub(super) fn values(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.values.len() / LANES
     }
 

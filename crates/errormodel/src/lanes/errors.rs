@@ -1,5 +1,6 @@
 //! ε = Φ c in a block of rows: what is the same in all lanes, and what is not.
 
+use super::standing::Standing;
 use super::{LANES, LaneEmission};
 use crate::GeneralizedErrors;
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
@@ -55,6 +56,27 @@ impl LaneErrors {
     /// Adds those of an emission's entries, from one on, with these coefficients.
     pub fn add(&mut self, emission: &LaneEmission, from: usize, coefficients: &[f64]) {
         self.arch.dispatch(Add { errors: self, emission, from, coefficients });
+    }
+
+    /// Becomes what another one is, which has the same sites.
+    pub fn become_as(&mut self, other: &Self) {
+        self.same.copy_from_slice(&other.same);
+        let theirs = other.lanes.chunks_exact(LANES).zip(&other.varies);
+        let mine = self.lanes.chunks_exact_mut(LANES).zip(&mut self.varies);
+        for ((mine, varies), (theirs, vary)) in mine.zip(theirs) {
+            if *varies || *vary {
+                mine.copy_from_slice(theirs);
+            }
+            *varies = *vary;
+        }
+    }
+
+    /// Gives every lane the errors of its standstill.
+    pub fn spread(&mut self, standing: &Standing) {
+        for (lanes, _) in self.lanes.chunks_exact_mut(LANES).zip(&self.varies).filter(|(_, varies)| **varies)
+        {
+            standing.spread(lanes);
+        }
     }
 
     /// Takes those of one lane.

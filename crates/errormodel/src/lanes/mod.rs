@@ -10,7 +10,8 @@
 //! The same mathematics as [`crate::Rest`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
 //! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; others row by row, at the frames and weights of
 //! the block. A model whose gravity turns with a base that yields is brought to rest row by row, and only the rest of the arithmetic is wide.
-//! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers.
+//! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers. Rows of one standstill
+//! are brought to rest once.
 
 mod columns;
 mod emission;
@@ -18,6 +19,7 @@ mod errors;
 mod jacobian;
 mod loads;
 mod posture;
+mod standing;
 mod store;
 mod walk;
 
@@ -31,6 +33,7 @@ use crate::{BoundModel, Dataset, Emission, Rest};
 use errors::LaneErrors;
 use loads::LaneLoad;
 use nalgebra::Vector3;
+use standing::Standing;
 use std::cell::Cell;
 use store::Store;
 use truepose_kinematics::pulp::Arch;
@@ -47,6 +50,7 @@ const STEPS: usize = 2;
 pub struct Lanes<'m> {
     bound: BoundModel<'m>,
     rows: Vec<usize>,
+    standing: Standing,
     conditions: Conditions,
     joints: Vec<f64>,
     signals: Vec<f64>,
@@ -56,6 +60,8 @@ pub struct Lanes<'m> {
     errors: LaneErrors,
     /// None at all.
     plain: LaneErrors,
+    /// Of what does not settle.
+    stiff: LaneErrors,
     /// ε of a change of the coefficients.
     change: LaneErrors,
     /// For each effect: whether it speaks of blocks.
@@ -78,6 +84,7 @@ impl<'m> Lanes<'m> {
         let chain = model.chain();
         let mut lanes = Lanes {
             rows: Vec::with_capacity(LANES),
+            standing: Standing::default(),
             conditions: Conditions::default(),
             joints: vec![0.0; chain.movable().len() * LANES],
             signals: vec![0.0; bound.slots().len() * LANES],
@@ -86,6 +93,7 @@ impl<'m> Lanes<'m> {
             emission: LaneEmission::new(),
             errors: LaneErrors::new(chain),
             plain: LaneErrors::new(chain),
+            stiff: LaneErrors::new(chain),
             change: LaneErrors::new(chain),
             wide: Vec::new(),
             seat: PostureBuffer::new(chain),
@@ -143,9 +151,11 @@ impl<'m> Lanes<'m> {
         let rows = &rows[..rows.len().min(LANES)];
         self.rows.clear();
         self.rows.extend_from_slice(rows);
+        self.standing.gather(&self.bound, data, rows);
+        let standing = &self.standing.rows;
         let put = |to: &mut [f64], from: &[f64]| {
-            to.iter_mut().zip(rows).for_each(|(to, &row)| *to = from[row]);
-            to[rows.len()..LANES].fill(0.0);
+            to.iter_mut().zip(standing).for_each(|(to, &row)| *to = from[row]);
+            to[standing.len()..LANES].fill(0.0);
         };
         for (to, from) in self.joints.chunks_exact_mut(LANES).zip(&data.joints) {
             put(to, from);
@@ -153,12 +163,22 @@ impl<'m> Lanes<'m> {
         for (to, slot) in self.signals.chunks_exact_mut(LANES).zip(self.bound.slots()) {
             put(to, data.slot(*slot));
         }
-        self.load.gather(data, rows);
+        self.load.gather(data, standing);
         self.store.aim(self.bound.model().chain(), data, rows);
     }
 
     /// Brings the block to rest with these coefficients (one a column of the model): Φ, ε and the frames.
     pub fn settle(&mut self, data: &Dataset, coefficients: &[f64]) {
+        self.come_to_rest(data, coefficients);
+        if self.standing.shared() {
+            self.store.spread(&self.standing);
+            self.emission.spread(&self.standing);
+            self.errors.spread(&self.standing);
+        }
+    }
+
+    /// The standstills of the block, one a lane.
+    fn come_to_rest(&mut self, data: &Dataset, coefficients: &[f64]) {
         let moves = coefficients.iter().any(|&c| c != 0.0);
         if moves && self.turns_with_base() {
             self.row_by_row(data, coefficients);
@@ -181,20 +201,20 @@ impl<'m> Lanes<'m> {
                 self.errors.add(&self.emission, still, coefficients);
             }
             if moves || !weighed {
-                self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
+                self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
             }
             return;
         }
-        let stiff = self.errors.clone();
+        self.stiff.become_as(&self.errors);
         self.errors.add(&self.emission, still, coefficients);
         for _ in 0..STEPS {
             self.walk(&gravity);
             self.emission.truncate(still);
             self.emit(data, |pace| pace == Pace::Settling);
-            self.errors.clone_from(&stiff);
+            self.errors.become_as(&self.stiff);
             self.errors.add(&self.emission, still, coefficients);
         }
-        self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
+        self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
     }
 
     /// What effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
@@ -204,8 +224,8 @@ impl<'m> Lanes<'m> {
         let mut ready = false;
         loop {
             if self.asks && !ready {
-                self.store.walk(chain, &self.joints, &self.plain, self.rows.len());
-                self.store.weigh(chain, &self.load, gravity, self.rows.len());
+                self.store.walk(chain, &self.joints, &self.plain, self.standing.rows.len());
+                self.store.weigh(chain, &self.load, gravity, self.standing.rows.len());
                 ready = true;
             }
             self.emission.truncate(still);
@@ -233,7 +253,7 @@ impl<'m> Lanes<'m> {
                 signals: &self.signals[self.bound.slots_of(k).start * LANES..],
                 load: &self.load,
                 store: &self.store,
-                rows: self.rows.len(),
+                rows: self.standing.rows.len(),
                 asked: &asked,
             };
             model.effects()[k].eval_lanes(&posture, &mut self.emission);
@@ -258,19 +278,16 @@ impl<'m> Lanes<'m> {
         let settling = pace == Pace::Settling;
         asked.set(asked.get() || settling);
         let from = self.emission.mark();
-        for (lane, &row) in self.rows.iter().enumerate() {
-            let alike = lane > 0 && self.bound.same_conditions(data, self.rows[lane - 1], row);
-            if !alike {
-                data.conditions_into(row, &mut self.conditions);
-                let (store, seat) = (&self.store, &mut self.seat);
-                let at = |f: FrameId| (store.frame(f.0, lane), store.carries(f.0, lane));
-                let posture = match settling {
-                    true => seat.place(model.chain(), &self.conditions, at),
-                    false => seat.update(model.chain(), &self.conditions),
-                };
-                self.said.clear();
-                those.iter().for_each(|&k| self.bound.emit_effect(k, &posture, &mut self.said));
-            }
+        for (lane, &row) in self.standing.rows.iter().enumerate() {
+            data.conditions_into(row, &mut self.conditions);
+            let (store, seat) = (&self.store, &mut self.seat);
+            let at = |f: FrameId| (store.frame(f.0, lane), store.carries(f.0, lane));
+            let posture = match settling {
+                true => seat.place(model.chain(), &self.conditions, at),
+                false => seat.update(model.chain(), &self.conditions),
+            };
+            self.said.clear();
+            those.iter().for_each(|&k| self.bound.emit_effect(k, &posture, &mut self.said));
             self.emission.take(lane, self.said.entries(), from, model.chain());
         }
     }
@@ -278,8 +295,8 @@ impl<'m> Lanes<'m> {
     /// Frames with the errors that there are, and weights under this gravity.
     fn walk(&mut self, gravity: &Vector3<f64>) {
         let chain = self.bound.model().chain();
-        self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
-        self.store.weigh(chain, &self.load, gravity, self.rows.len());
+        self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
+        self.store.weigh(chain, &self.load, gravity, self.standing.rows.len());
     }
 
     /// Whether gravity goes with the base, whose own error then turns it.
@@ -294,17 +311,13 @@ impl<'m> Lanes<'m> {
         self.emission.clear();
         self.errors.clear();
         self.store.turn(chain, &self.joints);
-        for lane in 0..self.rows.len() {
-            let row = self.rows[lane];
-            let alike = lane > 0 && self.bound.same_conditions(data, self.rows[lane - 1], row);
-            if !alike {
-                data.conditions_into(row, &mut self.conditions);
-                self.rest.settle(&self.bound, &self.conditions, coefficients);
-            }
+        for (lane, &row) in self.standing.rows.iter().enumerate() {
+            data.conditions_into(row, &mut self.conditions);
+            self.rest.settle(&self.bound, &self.conditions, coefficients);
             self.emission.take(lane, self.rest.emission().entries(), 0, chain);
             self.errors.take(lane, self.rest.errors(), chain);
         }
-        self.store.walk(chain, &self.joints, &self.errors, self.rows.len());
+        self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
     }
 }
 

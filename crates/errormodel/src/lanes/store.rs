@@ -12,6 +12,7 @@
 //! | `wrench(i, c)`, `load(j)` | what frame i carries, what joint j feels | measurement; the joint's axis |
 
 use super::LANES;
+use super::standing::Standing;
 use crate::Dataset;
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::pulp::Arch;
@@ -140,6 +141,20 @@ impl Store {
 
     pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
         &mut self.numbers[row * LANES..][..LANES]
+    }
+
+    /// Gives every lane the frames of its standstill; what lies behind them is worked out lane by lane.
+    pub fn spread(&mut self, standing: &Standing) {
+        let (frames, place) = (self.frames, self.place(0));
+        for frame in 0..frames {
+            let mut spread = |first: usize| standing.spread(&mut self.numbers[first * LANES..][..9 * LANES]);
+            spread(9 * frame);
+            if !self.plain[frame] {
+                spread(9 * (frames + frame));
+                spread(9 * (2 * frames + frame));
+            }
+        }
+        standing.spread(&mut self.numbers[place * LANES..(place + 3 * frames) * LANES]);
     }
 
     /// Where the targets of these rows nominally are.

@@ -182,6 +182,34 @@ fn what_is_zero_is_left_out() {
     }
 }
 
+#[test]
+fn rows_of_one_standstill_say_what_each_says_by_itself() {
+    for chain in samples::all() {
+        // Three rows a standstill, of which each is seen in its own way; one stands alone.
+        let mut data = data(&chain, 22);
+        let first = |row: usize| row - row % 3;
+        data.joints.iter_mut().for_each(|joint| (0..21).for_each(|row| joint[row] = joint[first(row)]));
+        (0..21).for_each(|row| data.load[row] = data.load[first(row)]);
+        for model in models(&chain) {
+            let zero = vec![0.0; model.columns().len()];
+            let some: Vec<f64> = model.columns().iter().map(|column| 0.03 * column.scale).collect();
+            check(&model, &data, &zero, Arch::new());
+            check(&model, &data, &some, Arch::new());
+            // From row to row nothing is left behind of a block that shared.
+            let mut used = Lanes::new(model.bind(&data.schema).unwrap());
+            let all: Vec<usize> = (0..22).collect();
+            let apart: Vec<usize> = (0..22).step_by(3).collect();
+            for rows in [&all, &apart, &all] {
+                let have = left(&mut used, &data, rows, &some);
+                let fresh = left(&mut Lanes::new(model.bind(&data.schema).unwrap()), &data, rows, &some);
+                for (have, fresh) in have.chunks_exact(LANES).zip(fresh.chunks_exact(LANES)) {
+                    assert_eq!(have[..rows.len()], fresh[..rows.len()], "{}", chain.name());
+                }
+            }
+        }
+    }
+}
+
 /// Residuals of a block after a change, from memory that has seen other blocks or none.
 fn left(lanes: &mut Lanes<'_>, data: &Dataset, rows: &[usize], coefficients: &[f64]) -> Vec<f64> {
     let mut into = vec![0.0; 6 * LANES];

@@ -39,6 +39,9 @@ pub struct FitOptions {
     pub refine: bool,
     /// Rounds at most.
     pub max_rounds: usize,
+    /// Look at the reduction again where the rounds end, and take in what the data determines there though not at the nominal robot;
+    /// otherwise what is left out at the nominal robot is left out for good, as in the paper.
+    pub second_look: bool,
     /// Three rounds in turn that gain less than this share of the objective end the fit, however far they still go: the floor of a
     /// flat valley.
     pub flat: f64,
@@ -66,6 +69,7 @@ impl Default for FitOptions {
         FitOptions {
             refine: true,
             max_rounds: 500,
+            second_look: true,
             flat: 1e-6,
             rank: RankRule::Default,
             prior: PriorStrength::Kinds,
@@ -265,6 +269,7 @@ pub(crate) fn fit_fixed(
     state.prior = Prior::new(model, &reduction, options.prior);
     let mut outcome = state.rounds(&reduction, factor.select(&reduction.kept))?;
     if options.refine
+        && options.second_look
         && let Some(more) = state.looked_at_again(&reduction, &outcome)?
     {
         // The same width as before, until the data is asked again.

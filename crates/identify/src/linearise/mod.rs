@@ -268,8 +268,12 @@ pub fn accumulate(
 
 /// How many visits one block of work takes at the most: many, since rows of a kind are brought together within it.
 const VISITS_PER_BLOCK: usize = 4096;
-/// From so many visits times columns on there are two blocks at least: with fewer, bringing them together costs what it gains.
+/// From so many visits times columns on there are two blocks at least.
 const WORTH_TWO: usize = 150_000;
+/// Or where there are so many numbers for each column, and so many of their products: with fewer, bringing two blocks together costs what
+/// it gains.
+const TALL: usize = 15;
+const MANY_PRODUCTS: usize = 40_000_000;
 
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order. Blocks are a function of the
 /// number of visits and columns alone, so that results do not depend on the number of threads.
@@ -279,7 +283,9 @@ fn by_blocks<T: Send>(
     work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
     let count = visits.len();
-    let two = count * columns >= WORTH_TWO;
+    let numbers = 3 * visits.rows.iter().map(Vec::len).sum::<usize>();
+    let tall = numbers >= TALL * columns && numbers.saturating_mul(columns * columns) >= MANY_PRODUCTS;
+    let two = count * columns >= WORTH_TWO || tall;
     let length = if two { VISITS_PER_BLOCK.min(count.div_ceil(2)) } else { VISITS_PER_BLOCK };
     (0..count.div_ceil(length))
         .into_par_iter()

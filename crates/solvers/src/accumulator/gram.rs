@@ -15,7 +15,9 @@ use super::Factor;
 use super::bytes::{Stored, read, write};
 use super::pieces::Pieces;
 use super::triangular::check_finite;
-use crate::dense::{Reflectors, fold, gram_of, pivoted_cholesky, solve_lower, solve_lower_transposed, svd};
+use crate::dense::{
+    Reflectors, fold, gram_of, pivoted_cholesky, solve_lower, solve_lower_many, solve_lower_transposed, svd,
+};
 use crate::problem::check_len;
 use crate::solver::status_of_rank;
 use crate::{RankDecision, Solution, SolveError, SolverInfo};
@@ -185,6 +187,29 @@ impl Gram {
             ..SolverInfo::default()
         };
         Ok(Some(Solution { x, rank, status: status_of_rank(rank, p), info }))
+    }
+
+    /// `‖A R⁻¹‖²`, the trace of `R⁻ᵀ G R⁻¹`, with an upper triangle R of the same unknowns; none where R is singular or spans more than the
+    /// squares can hold: its pivots, by the lengths of their columns, below 1e-5.
+    ///
+    /// # Errors
+    /// When R has another size.
+    pub fn norm_behind(&self, r: &DMatrix<f64>) -> Result<Option<f64>, SolveError> {
+        const LEAST: f64 = 1e-5;
+        let p = self.columns;
+        check_len("columns of the triangle", p, r.ncols())?;
+        check_len("rows of the triangle", p, r.nrows())?;
+        if (0..p).any(|k| !(r[(k, k)].abs() > LEAST * r.column(k).norm())) {
+            return Ok(None);
+        }
+        let whole = self.flushed();
+        let mut turned = DMatrix::from_fn(p, p, |i, j| whole[(i.max(j), i.min(j))]);
+        let lower = r.transpose();
+        solve_lower_many(&lower, &mut turned);
+        turned.transpose_mut();
+        solve_lower_many(&lower, &mut turned);
+        let trace = turned.trace();
+        Ok(trace.is_finite().then(|| trace.max(0.0)))
     }
 
     /// The factor of all rows seen: G = V D Vᵀ of the equilibrated G, R from the QR of D^{1/2} Vᵀ. Directions below the

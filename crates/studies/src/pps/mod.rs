@@ -19,7 +19,7 @@ mod trial;
 pub use models::{Strategy, polynomial, reduced_first};
 pub use trial::Experiment;
 
-use crate::clock::least;
+use crate::clock::{least, least_on_the_wall};
 use crate::{folder, say};
 use models::strategies;
 use rayon::prelude::*;
@@ -30,6 +30,8 @@ use trial::Radii;
 /// How many plants, and at how many of them the identification is timed.
 const PLANTS: u64 = 20;
 const TIMED: usize = 3;
+/// How often each, of which the quickest counts.
+const RUNS: usize = 3;
 
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
@@ -46,17 +48,25 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let noise: Vec<f64> = experiments.iter().map(Experiment::noise_only).collect();
     let linearity: Vec<f64> = experiments.iter().map(|e| e.linearity).collect();
     writeln!(text, "The paper's experiment, {plants} plants; radii in mm, median [worst]")?;
-    writeln!(text, "{:44} {:>16}   paper", "", "here")?;
-    writeln!(text, "{:44} {:>16}   order of 10", "error before", show(&before))?;
-    writeln!(text, "{:44} {:>16}   within 0.1", "payload linearity at home", show(&linearity))?;
-    writeln!(text, "{:44} {:>16}   –", "radius of noise only", show(&noise))?;
+    writeln!(text, "{:48} {:>16}   paper", "", "here")?;
+    writeln!(text, "{:48} {:>16}   order of 10", "error before", show(&before))?;
+    writeln!(text, "{:48} {:>16}   within 0.1", "payload linearity at home", show(&linearity))?;
+    writeln!(text, "{:48} {:>16}   –", "radius of noise only", show(&noise))?;
     let configurations = experiments.first().map_or(0, |e| e.configurations);
-    writeln!(text, "{:44} {configurations:>16}   < 400", "configurations used")?;
+    writeln!(text, "{:48} {configurations:>16}   < 400", "configurations used")?;
     writeln!(text)?;
     writeln!(
         text,
-        "{:44} {:>6} {:>16} {:>12} {:>16} {:>16} {:>6} {:>6}",
-        "model and solver", "rank", "measured", "/ noise only", "noise-free", "driven", "rounds", "ms"
+        "{:48} {:>6} {:>16} {:>12} {:>16} {:>16} {:>6} {:>6} {:>6}",
+        "model and solver",
+        "rank",
+        "measured",
+        "/ noise only",
+        "noise-free",
+        "driven",
+        "rounds",
+        "ms",
+        "wall"
     )?;
     say(&text);
     let mut best: Option<(f64, Vec<Radii>, String)> = None;
@@ -65,19 +75,18 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
             .par_iter()
             .map(|e| e.identify(&strategy).map_err(|error| error.to_string()))
             .collect::<Result<_, _>>()?;
-        let times: Vec<f64> = experiments
-            .iter()
-            .take(TIMED)
-            .map(|e| least(2, || e.fit(&strategy)))
-            .collect::<Result<_, _>>()?;
-        line(&mut text, &strategy, &radii, &times)?;
+        let timed = || experiments.iter().take(TIMED);
+        let work: Vec<f64> = timed().map(|e| least(RUNS, || e.fit(&strategy))).collect::<Result<_, _>>()?;
+        let wall: Vec<f64> =
+            timed().map(|e| least_on_the_wall(RUNS, || e.fit(&strategy))).collect::<Result<_, _>>()?;
+        line(&mut text, &strategy, &radii, [&work, &wall])?;
         say(text.lines().last().unwrap_or_default());
         let median = quantile(&radii.iter().map(|r| r.noise_free).collect::<Vec<_>>(), 0.5);
         if best.as_ref().is_none_or(|b| median < b.0) {
             best = Some((median, radii, strategy.name.clone()));
         }
     }
-    writeln!(text, "paper (measured, one machine): {:>35}", "0.38")?;
+    writeln!(text, "paper (measured, one machine): {:>39}", "0.38")?;
     say(&text);
     std::fs::write(folder.join("table.txt"), &text)?;
     let missed: usize = best.iter().flat_map(|b| &b.1).map(|r| r.errors.len() - r.reached).sum();
@@ -96,12 +105,12 @@ fn line(
     text: &mut String,
     strategy: &Strategy,
     radii: &[Radii],
-    seconds: &[f64],
+    seconds: [&[f64]; 2],
 ) -> Result<(), std::fmt::Error> {
     let of = |f: &dyn Fn(&Radii) -> f64| radii.iter().map(f).collect::<Vec<f64>>();
     writeln!(
         text,
-        "{:44} {:>6} {:>16} {:>12.2} {:>16} {:>16} {:>6.0} {:>6.0}",
+        "{:48} {:>6} {:>16} {:>12.2} {:>16} {:>16} {:>6.0} {:>6.0} {:>6.0}",
         strategy.name,
         radii.first().map_or(0, |r| r.rank),
         show(&of(&|r| r.measured)),
@@ -109,7 +118,8 @@ fn line(
         show(&of(&|r| r.noise_free)),
         show(&of(&|r| r.driven)),
         quantile(&of(&|r| r.rounds as f64), 0.5),
-        1e3 * quantile(seconds, 0.5),
+        1e3 * quantile(seconds[0], 0.5),
+        1e3 * quantile(seconds[1], 0.5),
     )
 }
 

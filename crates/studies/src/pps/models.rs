@@ -24,6 +24,8 @@ pub struct Strategy {
     pub solver: SolverSpec,
     /// Rounds at the exact robot, or the paper's single linear step.
     pub refine: bool,
+    /// Whether what the nominal robot leaves out is looked at again at the exact one.
+    pub second_look: bool,
 }
 
 /// All of them.
@@ -34,13 +36,18 @@ pub fn strategies() -> Vec<Strategy> {
         prior,
         solver: solver.parse().unwrap_or_default(),
         refine: true,
+        second_look: true,
     };
-    let linear = |name: &str, effects| Strategy { refine: false, ..strategy(name, effects, None, "qr") };
     use PriorStrength::{Evidence, None};
+    let once =
+        |name: &str, effects| Strategy { second_look: false, ..strategy(name, effects, Evidence, "qr") };
+    let linear = |name: &str, effects| Strategy { refine: false, ..strategy(name, effects, None, "qr") };
     vec![
         strategy("constant errors, qr", constant, None, "qr"),
         linear("constant errors, one linear step", constant),
         strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
+        once("the same, reduced at the nominal robot", physics),
+        once("turning springs, beam, short rails, the same way", lean),
         strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
         strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
         strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
@@ -78,10 +85,15 @@ fn in_order(chain: &Chain, order: &str) -> Declared {
 
 /// Every frame gives in proportion to each component of the wrench that it carries: six springs a frame.
 fn elastic(chain: &Chain) -> Declared {
+    springs(chain, &Axis::ALL)
+}
+
+/// Every frame gives along and about these of its axes in proportion to what it carries there; the couch bends, the base yields.
+fn springs(chain: &Chain, axes: &[Axis]) -> Declared {
     let mut effects = constant(chain)?;
     for frame in (0..=chain.joints().len()).map(FrameId) {
-        for (component, axis) in Axis::ALL.into_iter().enumerate() {
-            let of = Input::Wrench { frame, component };
+        for &axis in axes {
+            let of = Input::Wrench { frame, component: axis.index() };
             effects.push(Box::new(Expansion {
                 at: Place::Frame { frame, components: vec![axis] },
                 factors: vec![Factor { of, basis: Basis::Powers(vec![1]) }],
@@ -95,11 +107,18 @@ fn elastic(chain: &Chain) -> Declared {
 
 /// The same, with rails that are not straight.
 fn physics(chain: &Chain) -> Declared {
-    let mut effects = elastic(chain)?;
-    for joint in 1..=3 {
-        let rail: Guideway = serde_json::from_value(json!({ "joint": joint }))
-            .map_err(|error| ModelError::Parameters { kind: "guideway".into(), reason: error.to_string() })?;
-        effects.push(Box::new(rail));
+    Ok(on_rails(elastic(chain)?, 6))
+}
+
+/// Frames that turn under moments, and rails that bend three times at the most.
+fn lean(chain: &Chain) -> Declared {
+    Ok(on_rails(springs(chain, &Axis::ROTATIONS)?, 3))
+}
+
+/// With rails as splines of so many pieces.
+fn on_rails(mut effects: Vec<Box<dyn AnyEffect>>, pieces: usize) -> Vec<Box<dyn AnyEffect>> {
+    for slide in 1..=3 {
+        effects.push(Box::new(Guideway { pieces, ..Guideway::of(JointId(slide)) }));
     }
-    Ok(effects)
+    effects
 }

@@ -104,8 +104,8 @@ impl Experiment {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
         // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
-        let (prior, refine) = (strategy.prior, strategy.refine);
-        let options = FitOptions { prior, refine, max_rounds: 25, ..FitOptions::default() };
+        let Strategy { prior, refine, second_look, .. } = *strategy;
+        let options = FitOptions { prior, refine, second_look, max_rounds: 25, ..FitOptions::default() };
         Ok(fit(&model, &self.identification, &*strategy.solver.build(), &options)?)
     }
 

@@ -7,6 +7,7 @@
 //! | chebyshev | `T_d(x)`, x = u mapped from [lower, upper] to [−1, 1], clamped | Rivlin 1974 |
 //! | spline | uniform B-splines of a degree on [lower, upper], clamped | de Boor 1978 |
 
+use crate::lanes::LANES;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -88,6 +89,22 @@ impl Basis {
                 let values = uniform_spline(x - cell as f64, *degree);
                 for (k, &value) in values.iter().take(degree + 1).enumerate() {
                     each(cell + k, value);
+                }
+            }
+        }
+    }
+
+    /// All functions at many values, `LANES` numbers a function, of which the first ones count; into zeros.
+    pub(in crate::effects) fn of_block(&self, u: &[f64], into: &mut [f64]) {
+        match self {
+            Basis::Powers(list) => {
+                for (&power, into) in list.iter().zip(into.chunks_exact_mut(LANES)) {
+                    raise(&mut into[..u.len()], u, power);
+                }
+            }
+            _ => {
+                for (lane, &u) in u.iter().enumerate() {
+                    self.for_each(u, |index, value| into[index * LANES + lane] = value);
                 }
             }
         }
@@ -184,6 +201,25 @@ impl Basis {
             Basis::Powers(list) => list.iter().map(|&power| typical.powi(power as i32)).collect(),
             _ => vec![1.0; self.len()],
         }
+    }
+}
+
+/// `u^power` by squaring, as [`f64::powi`] does one by one.
+fn raise(into: &mut [f64], u: &[f64], power: u32) {
+    if power == 1 {
+        into.copy_from_slice(u);
+        return;
+    }
+    for (into, &u) in into.iter_mut().zip(u) {
+        let (mut left, mut square, mut value) = (power, u, 1.0);
+        while left > 0 {
+            if left % 2 == 1 {
+                value *= square;
+            }
+            square *= square;
+            left /= 2;
+        }
+        *into = value;
     }
 }
 

@@ -58,11 +58,7 @@ impl Factor {
             Input::Load(_) => &own,
             Input::Channel(_) | Input::Time | Input::Approach(_) => at.signal(signal),
         };
-        let mut functions = vec![0.0; self.basis.len() * LANES];
-        for (lane, &u) in u[..at.rows()].iter().enumerate() {
-            self.basis.for_each(u, |index, value| functions[index * LANES + lane] = value);
-        }
-        functions.chunks_exact(LANES).map(|f| out.value(|into| into.copy_from_slice(f))).collect()
+        out.values(self.basis.len(), |into| self.basis.of_block(&u[..at.rows()], into)).collect()
     }
 }
 

@@ -33,7 +33,7 @@ mod beam;
 mod wide;
 
 use super::{joint_moves, listed_once};
-use crate::lanes::{LANES, LaneEmission, LanePosture};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use beam::{Beam, NO_LENGTH};
 use serde::{Deserialize, Serialize};
@@ -228,7 +228,6 @@ impl Effect for LinkCompliance {
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
         let (chain, width) = (at.chain(), self.width());
-        let mut said = vec![0.0; 6 * width * LANES];
         let mut first = 0;
         self.for_each_joint(chain, |joint| {
             let column = first;
@@ -236,10 +235,9 @@ impl Effect for LinkCompliance {
             if chain.link_length(joint) <= NO_LENGTH {
                 return;
             }
-            at.arch().dispatch(Bending { effect: self, at, joint, out: &mut said });
+            let said = |into: &mut [f64]| at.arch().dispatch(Bending { effect: self, at, joint, out: into });
             let frame = chain.frame_after(joint);
-            for (k, numbers) in said.chunks_exact(LANES).enumerate() {
-                let value = out.value(|into| into.copy_from_slice(numbers));
+            for (k, value) in out.values(6 * width, said).enumerate() {
                 out.push(column + k / 6, Site::Frame(frame, Axis::ALL[k % 6]), value);
             }
         });
