@@ -9,7 +9,9 @@ mod sums;
 pub(crate) use sums::dense;
 pub use sums::{gram, left_out, left_over, triangular, triangular_of};
 
+use super::Lineariser;
 use crate::{IdentifyError, NoiseModel};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use truepose_errormodel::lanes::{Component, LANES, Lanes};
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
@@ -31,6 +33,8 @@ pub struct Blocks<'a> {
     starts: Vec<usize>,
     /// For each component: the lanes in which it was measured.
     seen: [Vec<usize>; 6],
+    /// How many make batches at once.
+    threads: usize,
 }
 
 /// Rows of whole visits, [`LANES`] at most.
@@ -123,7 +127,24 @@ impl<'a> Blocks<'a> {
             weights: vec![0.0; 6 * LANES],
             starts: Vec::new(),
             seen: Default::default(),
+            threads: 1,
         })
+    }
+
+    /// With so many threads where batches are made one after the other.
+    fn on_threads(mut self, threads: usize) -> Self {
+        self.threads = threads.max(1);
+        self
+    }
+
+    /// The same rows one by one, for visits that are longer than a block.
+    fn row_by_row(&self) -> Result<Lineariser<'a>, IdentifyError> {
+        let model = self.lanes.bound().model();
+        let mut columns = vec![0; self.width()];
+        for (column, place) in self.places.iter().enumerate().filter_map(|(c, place)| Some((c, (*place)?))) {
+            columns[place] = column;
+        }
+        Ok(Lineariser::new(model, self.data, self.noise, self.coefficients)?.of_columns(&columns))
     }
 
     /// How many columns there are.
@@ -215,6 +236,22 @@ impl<'a> Blocks<'a> {
         made.collect()
     }
 
+    /// The same of batch after batch, which are made by all threads and handed on in their order.
+    fn in_turn(
+        &self,
+        batches: &[Batch],
+        mut each: impl FnMut(&Whole) -> Result<(), IdentifyError>,
+    ) -> Result<(), IdentifyError> {
+        let mut makers = vec![(self.clone(), Whole::default()); self.threads.min(batches.len().max(1))];
+        for group in batches.chunks(makers.len()) {
+            let made =
+                makers.par_iter_mut().zip(group).map(|((blocks, whole), batch)| blocks.whole(batch, whole));
+            made.collect::<Result<(), _>>()?;
+            makers.iter().zip(group).try_for_each(|((_, whole), _)| each(whole))?;
+        }
+        Ok(())
+    }
+
     /// One over the standard deviation of each component of each row; zero where nothing was measured.
     fn weigh(&mut self, rows: &[usize]) {
         for (lane, &row) in rows.iter().enumerate() {
@@ -284,7 +321,7 @@ fn take_out<const N: usize>(column: &mut [f64], weights: &[f64], shrinks: &[f64]
 }
 
 /// All components of a batch.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 struct Whole {
     active: Vec<usize>,
     rows: usize,

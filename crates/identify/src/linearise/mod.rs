@@ -268,28 +268,27 @@ pub fn accumulate(
 
 /// How many visits one block of work takes at the most: many, since rows of a kind are brought together within it.
 const VISITS_PER_BLOCK: usize = 4096;
-/// From so many visits times columns on there are two blocks at least.
-const WORTH_TWO: usize = 150_000;
-/// Or where there are so many numbers for each column, and so many of their products: with fewer, bringing two blocks together costs what
-/// it gains.
-const TALL: usize = 15;
-const MANY_PRODUCTS: usize = 40_000_000;
+/// From so many visits times columns on there are two blocks at least: with fewer, bringing two triangles together costs what it gains,
+/// and two sums of products next to nothing.
+const WORTH_TWO_TRIANGLES: usize = 150_000;
+const WORTH_TWO_SUMS: usize = 15_000;
 
 /// Does one thing to every block of visits, in parallel; what comes of it is in their order. Blocks are a function of the
-/// number of visits and columns alone, so that results do not depend on the number of threads.
+/// number of visits and columns alone, so that results do not depend on the number of threads, of which each block is told its share.
 fn by_blocks<T: Send>(
     visits: &Visits,
     columns: usize,
-    work: impl Fn(Range<usize>) -> Result<T, IdentifyError> + Sync,
+    worth_two: usize,
+    work: impl Fn(Range<usize>, usize) -> Result<T, IdentifyError> + Sync,
 ) -> Result<Vec<T>, IdentifyError> {
     let count = visits.len();
-    let numbers = 3 * visits.rows.iter().map(Vec::len).sum::<usize>();
-    let tall = numbers >= TALL * columns && numbers.saturating_mul(columns * columns) >= MANY_PRODUCTS;
-    let two = count * columns >= WORTH_TWO || tall;
+    let two = count * columns >= worth_two;
     let length = if two { VISITS_PER_BLOCK.min(count.div_ceil(2)) } else { VISITS_PER_BLOCK };
-    (0..count.div_ceil(length))
+    let blocks = count.div_ceil(length);
+    let each = rayon::current_num_threads().div_ceil(blocks.max(1));
+    (0..blocks)
         .into_par_iter()
-        .map(|block| work(block * length..((block + 1) * length).min(count)))
+        .map(|block| work(block * length..((block + 1) * length).min(count), each))
         .collect()
 }
 

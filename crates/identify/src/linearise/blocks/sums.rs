@@ -1,7 +1,7 @@
 //! What accumulators make of all blocks: triangles, Gram matrices, rows by visits, and what is left of the measurements.
 
-use super::super::{Lineariser, accumulate, by_blocks, collect};
-use super::{Blocks, Whole, batches};
+use super::super::{WORTH_TWO_SUMS, WORTH_TWO_TRIANGLES, accumulate, by_blocks, collect};
+use super::{Blocks, batches};
 use crate::{IdentifyError, NoiseModel, Residuals};
 use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
@@ -23,8 +23,10 @@ pub fn triangular(
     columns: Option<&[usize]>,
 ) -> Result<Triangular, IdentifyError> {
     let width = columns.map_or(model.columns().len(), <[usize]>::len);
-    let of = |range| triangular_of(model, data, visits, noise, coefficients, columns, range);
-    let mut parts = by_blocks(visits, width, of)?.into_iter();
+    let of = |range, threads| {
+        triangle(Blocks::new(model, data, noise, coefficients, columns)?.on_threads(threads), visits, range)
+    };
+    let mut parts = by_blocks(visits, width, WORTH_TWO_TRIANGLES, of)?.into_iter();
     let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
     for part in parts {
         whole.merge(&part)?;
@@ -45,32 +47,22 @@ pub fn triangular_of(
     columns: Option<&[usize]>,
     which: impl Iterator<Item = usize> + Clone,
 ) -> Result<Triangular, IdentifyError> {
-    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
-    let Some(batches) = batches(data, visits, which.clone()) else {
-        return accumulate(row_by_row(model, data, noise, coefficients, columns)?, visits, which);
-    };
-    let mut triangle = Triangular::new(blocks.width(), 1);
-    let mut whole = Whole::default();
-    for batch in &batches {
-        blocks.whole(batch, &mut whole)?;
-        triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?;
-    }
-    Ok(triangle)
+    triangle(Blocks::new(model, data, noise, coefficients, columns)?, visits, which)
 }
 
-/// Over all columns or over these, for visits that are longer than a block.
-fn row_by_row<'a>(
-    model: &'a ErrorModel,
-    data: &'a Dataset,
-    noise: NoiseModel,
-    coefficients: &'a [f64],
-    columns: Option<&[usize]>,
-) -> Result<Lineariser<'a>, IdentifyError> {
-    let lineariser = Lineariser::new(model, data, noise, coefficients)?;
-    Ok(match columns {
-        Some(columns) => lineariser.of_columns(columns),
-        None => lineariser,
-    })
+fn triangle(
+    blocks: Blocks<'_>,
+    visits: &Visits,
+    which: impl Iterator<Item = usize> + Clone,
+) -> Result<Triangular, IdentifyError> {
+    let Some(batches) = batches(blocks.data, visits, which.clone()) else {
+        return accumulate(blocks.row_by_row()?, visits, which);
+    };
+    let mut triangle = Triangular::new(blocks.width(), 1);
+    blocks.in_turn(&batches, |whole| {
+        Ok(triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?)
+    })?;
+    Ok(triangle)
 }
 
 /// The whitened rows of `[A | r]` over all visits, in the order of their blocks.
@@ -139,7 +131,7 @@ pub fn gram(
     columns: Option<&[usize]>,
 ) -> Result<Gram, IdentifyError> {
     let width = columns.map_or(model.columns().len(), <[usize]>::len);
-    let parts = by_blocks(visits, width, |range| {
+    let parts = by_blocks(visits, width, WORTH_TWO_SUMS, |range, _| {
         let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
         let mut gram = Gram::new(blocks.width(), 1);
         match batches(data, visits, range.clone()) {
@@ -149,7 +141,7 @@ pub fn gram(
                 }
             }
             None => {
-                let mut lineariser = row_by_row(model, data, noise, coefficients, columns)?;
+                let mut lineariser = blocks.row_by_row()?;
                 for visit in range {
                     gram.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
                 }
