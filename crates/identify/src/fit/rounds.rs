@@ -6,7 +6,7 @@ pub(crate) use whole::from_factor;
 
 use super::{Fit, FitOptions, NoiseSource, Warning, constraints, warnings};
 use crate::freedom::Taken;
-use crate::linearise::{collect, factorise, misfit};
+use crate::linearise::{collect, factorise, gram, misfit};
 use crate::reduction::{Reduction, reduce_further};
 use crate::{Freedom, IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
 use nalgebra::{DMatrix, DVector};
@@ -25,6 +25,8 @@ pub(super) struct State<'a> {
     noise: NoiseModel,
     pub(super) prior: Prior,
     pub(super) coefficients: Vec<f64>,
+    /// Whether sums of products have held the digits of every factor so far.
+    sums_hold: bool,
     /// What the unknowns leave to scatter, with the noise and the number of unknowns at which that was asked.
     freedom: Option<(NoiseModel, usize, Freedom)>,
 }
@@ -60,13 +62,39 @@ impl<'a> State<'a> {
         };
         let coefficients = vec![0.0; model.columns().len()];
         let (prior, options) = (Prior::none(), options.clone());
-        let freedom = None;
-        Ok(State { model, data, visits, solver, options, observations, noise, prior, coefficients, freedom })
+        Ok(State {
+            model,
+            data,
+            visits,
+            solver,
+            options,
+            observations,
+            noise,
+            prior,
+            coefficients,
+            sums_hold: true,
+            freedom: None,
+        })
     }
 
     /// Over all columns, or over these.
     pub(super) fn linearise(&self, columns: Option<&[usize]>) -> Result<Factor, IdentifyError> {
         factorise(self.model, self.data, self.visits, self.noise, &self.coefficients, columns)
+    }
+
+    /// Over the kept columns on the way, where half the digits do: from sums of products, as long as these hold them.
+    fn passing(&mut self, kept: &[usize]) -> Result<Factor, IdentifyError> {
+        /// Condition number of the columns, brought to length one.
+        const MOST: f64 = 1e5;
+        if self.sums_hold {
+            let (model, data, visits, at) = (self.model, self.data, self.visits, &*self.coefficients);
+            let sums = gram(model, data, visits, self.noise, at, Some(kept))?;
+            if let Some(factor) = sums.finish_guarded(MOST)? {
+                return Ok(factor);
+            }
+            self.sums_hold = false;
+        }
+        self.linearise(Some(kept))
     }
 
     /// Residuals, and the sum of their whitened squares.
@@ -123,7 +151,7 @@ impl<'a> State<'a> {
                 let (residuals, squares) = self.misfit()?;
                 (Some(residuals), None, squares)
             } else {
-                match self.linearise(Some(&reduction.kept)) {
+                match self.passing(&reduction.kept) {
                     Ok(next) => {
                         let squares = squares_of(&next);
                         (None, Some(next), squares)
@@ -153,7 +181,7 @@ impl<'a> State<'a> {
             let Some(residuals) = residuals.filter(|_| look) else {
                 factor = match next {
                     Some(next) => next,
-                    None => self.linearise(Some(&reduction.kept))?,
+                    None => self.passing(&reduction.kept)?,
                 };
                 continue;
             };
@@ -166,7 +194,8 @@ impl<'a> State<'a> {
                 settled &= alike(&self.noise, &noise, 2e-3);
                 self.noise = noise;
             }
-            factor = self.linearise(Some(&reduction.kept))?;
+            factor =
+                if last { self.linearise(Some(&reduction.kept))? } else { self.passing(&reduction.kept)? };
             if self.options.prior.asks_the_data() {
                 settled &= self.look_at_prior(reduction, &self.absolute(reduction, &factor))?;
             }
@@ -176,6 +205,8 @@ impl<'a> State<'a> {
             }
             if (settled && moved < STILL) || last {
                 let converged = moved < STILL || !self.options.refine;
+                let passed = self.sums_hold && !last;
+                let factor = if passed { self.linearise(Some(&reduction.kept))? } else { factor };
                 return Ok(Outcome { solution, rounds, converged, factor, residuals });
             }
         }

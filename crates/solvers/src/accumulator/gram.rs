@@ -11,24 +11,20 @@
 //! It squares the condition number: singular values below √(p ε) of the largest are round-off, which the factor says
 //! as its `resolution`. Take [`Triangular`](super::Triangular) wherever a rank is in question.
 
+mod guarded;
+
 use super::Factor;
 use super::bytes::{Stored, read, write};
 use super::pieces::Pieces;
 use super::triangular::check_finite;
-use crate::dense::{
-    Reflectors, fold, gram_of, pivoted_cholesky, solve_lower, solve_lower_many, solve_lower_transposed, svd,
-};
+use crate::SolveError;
+use crate::dense::{Reflectors, fold, gram_of, svd};
 use crate::problem::check_len;
-use crate::solver::status_of_rank;
-use crate::{RankDecision, Solution, SolveError, SolverInfo};
 use faer::MatMut;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use std::borrow::Cow;
 
 const MAGIC: [u8; 4] = *b"TPGR";
-
-/// How many times larger than round-off, and than what is dropped, the square of the last pivot has to be.
-const CLEAR: f64 = 100.0;
 
 /// AᵀA, AᵀY and the squares of Y over a stream of rows.
 #[derive(Debug, Clone)]
@@ -128,88 +124,6 @@ impl Gram {
         let (mut whole, mut pieces) = (self.whole.clone(), self.pieces.clone());
         pieces.flush(&mut whole);
         Cow::Owned(whole)
-    }
-
-    /// Basic solution of right-hand side `k` from a Cholesky factor with the largest pivot first, if the Gram matrix is fit to give one: columns
-    /// that depend on others get zero. None where it is not, because no gap separates what is kept from round-off: then take a
-    /// [`Triangular`](super::Triangular). `limit` is the highest condition number of the columns, brought to length one, that it
-    /// is trusted with. What differs from other columns by less than 1e-7 of its length is not seen at all.
-    pub fn solve_guarded(&self, k: usize, limit: f64) -> Result<Option<Solution>, SolveError> {
-        let p = self.columns;
-        check_len("right-hand sides", self.rhs, k + 1)?;
-        let whole = self.flushed();
-        let size: Vec<f64> =
-            (0..p).map(|i| if whole[(i, i)] > 0.0 { 1.0 / whole[(i, i)].sqrt() } else { 1.0 }).collect();
-        let mut scaled = DMatrix::zeros(p, p);
-        for (j, (to, from)) in scaled
-            .as_mut_slice()
-            .chunks_exact_mut(p)
-            .zip(whole.as_slice().chunks_exact(p + self.rhs))
-            .enumerate()
-        {
-            let mut sum = 0.0;
-            for ((to, from), size_of) in to[j..].iter_mut().zip(&from[j..]).zip(&size[j..]) {
-                *to = from * size_of * size[j];
-                sum += *to;
-            }
-            if !sum.is_finite() {
-                return Err(SolveError::NotFinite { what: "the Gram matrix", row: j, column: j });
-            }
-        }
-        let floor = p as f64 * f64::EPSILON;
-        let found = pivoted_cholesky(scaled, floor);
-        let rank = found.pivots.len();
-        let last = found.pivots.last().copied().unwrap_or(1.0);
-        if last * limit * limit < 1.0 || last < CLEAR * found.rest.max(floor) {
-            return Ok(None);
-        }
-        let kept = &found.order[..rank];
-        let moments: Vec<f64> = kept.iter().map(|&c| whole[(p + k, c)] * size[c]).collect();
-        let inner = solve_lower(&found.l, &moments);
-        let reached: f64 = inner.iter().map(|v| v * v).sum();
-        let inner = solve_lower_transposed(&found.l, inner.as_slice());
-        let mut x = DVector::zeros(p);
-        kept.iter().zip(inner.iter()).for_each(|(&c, v)| x[c] = v * size[c]);
-        let mut kept = kept.to_vec();
-        kept.sort_unstable();
-        let decision = RankDecision {
-            rank,
-            tolerance: floor.sqrt(),
-            last_kept: last.sqrt(),
-            first_dropped: found.rest.sqrt(),
-            gap: if found.rest > 0.0 { (last / found.rest).sqrt() } else { f64::INFINITY },
-            dropped: p - rank,
-        };
-        let info = SolverInfo {
-            residual_norm: (whole[(p + k, p + k)] - reached).max(0.0).sqrt(),
-            rank_decision: Some(decision),
-            kept: Some(kept),
-            ..SolverInfo::default()
-        };
-        Ok(Some(Solution { x, rank, status: status_of_rank(rank, p), info }))
-    }
-
-    /// `‖A R⁻¹‖²`, the trace of `R⁻ᵀ G R⁻¹`, with an upper triangle R of the same unknowns; none where R is singular or spans more than the
-    /// squares can hold: its pivots, by the lengths of their columns, below 1e-5.
-    ///
-    /// # Errors
-    /// When R has another size.
-    pub fn norm_behind(&self, r: &DMatrix<f64>) -> Result<Option<f64>, SolveError> {
-        const LEAST: f64 = 1e-5;
-        let p = self.columns;
-        check_len("columns of the triangle", p, r.ncols())?;
-        check_len("rows of the triangle", p, r.nrows())?;
-        if (0..p).any(|k| !(r[(k, k)].abs() > LEAST * r.column(k).norm())) {
-            return Ok(None);
-        }
-        let whole = self.flushed();
-        let mut turned = DMatrix::from_fn(p, p, |i, j| whole[(i.max(j), i.min(j))]);
-        let lower = r.transpose();
-        solve_lower_many(&lower, &mut turned);
-        turned.transpose_mut();
-        solve_lower_many(&lower, &mut turned);
-        let trace = turned.trace();
-        Ok(trace.is_finite().then(|| trace.max(0.0)))
     }
 
     /// The factor of all rows seen: G = V D Vᵀ of the equilibrated G, R from the QR of D^{1/2} Vᵀ. Directions below the
@@ -337,32 +251,5 @@ mod tests {
         assert_eq!(back.finish().unwrap(), sparse.finish().unwrap());
         assert!(sparse.update_columns(&[6], 1, 4, &[0.0; 8]).is_err());
         assert!(sparse.update_columns(&[0], 3, 4, &[0.0; 6]).is_err());
-    }
-
-    #[test]
-    fn the_guard_gives_the_basic_solution_or_none() {
-        let noise = |i: usize, j: usize| ((i * i * 31 + j * 17 + i * j * 7) as f64 * 0.9).sin();
-        let mut a = DMatrix::from_fn(60, 8, noise);
-        let sum = a.column(0) + a.column(1) * 2.0;
-        a.set_column(5, &sum);
-        a.column_mut(3).scale_mut(1e6);
-        let y = DMatrix::from_fn(60, 1, |i, _| noise(i, 40));
-        let (mut gram, mut triangle) = (Gram::new(8, 1), Triangular::new(8, 1));
-        gram.update(&a, &y).unwrap();
-        triangle.update(&a, &y).unwrap();
-        let found = gram.solve_guarded(0, 1e6).unwrap().unwrap();
-        let want = triangle.finish().solve_pivoted(0, ColumnScale::Norms, RankRule::Default).unwrap();
-        assert_eq!((found.rank, want.rank, found.info.kept.map(|kept| kept.len())), (7, 7, Some(7)));
-        // The square of the condition number times round-off.
-        assert!((&a * (&found.x - &want.x)).norm() < 1e-6);
-        assert!((found.info.residual_norm - want.info.residual_norm).abs() < 1e-6);
-        // A column that is another one but for 1e-4 of its length: trusted or not, as the caller says.
-        let near = a.column(0) + DVector::from_fn(60, |i, _| 1e-4 * noise(i, 50));
-        a.set_column(5, &near);
-        let mut gram = Gram::new(8, 1);
-        gram.update(&a, &y).unwrap();
-        assert!(gram.solve_guarded(0, 1e3).unwrap().is_none());
-        assert_eq!(gram.solve_guarded(0, 1e6).unwrap().unwrap().rank, 8);
-        assert!(gram.solve_guarded(1, 1e6).is_err());
     }
 }
