@@ -86,7 +86,7 @@ fn shapes(page: &mut Page, shapes: &[ShapeSummary]) {
         return;
     }
     let cut = shapes.iter().any(|shape| !shape.cut_words().is_empty());
-    let mut head = vec!["parameter", "value", "95 % interval", "unit", "of"];
+    let mut head = vec!["parameter", "value", "95 % interval", "unit", "belongs to"];
     head.extend(cut.then_some("the interval"));
     let row = |shape: &ShapeSummary| {
         let [value, interval] = shape.numbers();
