@@ -1,16 +1,27 @@
 //! The only place that writes to the terminal.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 /// A result, to stdout. A reader that has gone away (`| head`) is no error.
 pub fn print(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let _ = out.write_all(shown(text).as_bytes()).and_then(|()| out.flush());
 }
 
 /// A remark, to stderr.
 pub fn log(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", shown(text));
+}
+
+/// Names come from files and from those who type: what would steer the terminal is shown, not done.
+fn shown(text: &str) -> Cow<'_, str> {
+    let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
+    if !text.contains(steers) {
+        return text.into();
+    }
+    let one = |c: char| if steers(c) { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(one).collect::<String>().into()
 }
 
 /// Warnings of a reader, to stderr.

@@ -65,7 +65,7 @@ pub fn begin(args: &Args) -> Result<(), Failure> {
         let _ = sender.send(());
     })?;
     let (time, memory) = (args.time_limit, args.memory_limit);
-    let json = std::env::args().any(|argument| argument == "--json");
+    let json = std::env::args_os().any(|argument| argument == "--json");
     let began = Instant::now();
     std::thread::Builder::new().name("watch".into()).spawn(move || {
         loop {
@@ -97,10 +97,11 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
     let so_far = SO_FAR.lock().unwrap_or_else(PoisonError::into_inner);
     let seconds = began.elapsed().as_secs_f64();
     let doing = if so_far.doing.is_empty() { "reading" } else { &so_far.doing };
+    let files: Vec<String> = kept.iter().map(|file| file.display().to_string()).collect();
     if json {
         let value = serde_json::json!({
             "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": so_far.found,
-            "files": kept,
+            "files": files,
         });
         terminal::print(&format!("{value:#}\n"));
     } else {
@@ -112,7 +113,6 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
             "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n"
         ));
     }
-    let files: Vec<String> = kept.iter().map(|file| file.display().to_string()).collect();
     let files = match files.is_empty() {
         true => "no file was written".to_owned(),
         false => format!("what was found so far is in {}, marked as incomplete", files.join(" and ")),

@@ -12,30 +12,25 @@
 //! the last bit: nothing is carried over from one command to the next.
 
 mod entry;
+mod find;
 mod many;
+mod robots;
+mod scale;
 
 use crate::CompensateError;
 use crate::arm::{Arm, Reached};
 use crate::command::{Command, Extrapolation, MOST, Status, Target, Values};
-use crate::lanes::{Block, Kernel};
+use crate::lanes::Kernel;
 use crate::options::{Approach, CompensatorOptions};
-use crate::position_first::walk_position_first;
 use crate::real::RealArm;
-use crate::search::{Ending, NominalArm, Robot, Walk, walk};
+use crate::search::{Robot, Walk};
 use crate::starts::Starts;
 use crate::step::Limits;
-use crate::task::{Columns, Gap, Task};
+use crate::task::Task;
 use nalgebra::Vector3;
-use std::f64::consts::TAU;
 use truepose_errormodel::{FittedModel, Schema, Signal};
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Conditions, Pose, TargetId};
-
-/// Rounds on the nominal robot from one start, and how near is near enough to go on with the exact model.
-const NOMINAL_ROUNDS: usize = 60;
-const NOMINAL_TOLERANCE: f64 = 1e-5;
-const WORTH_A_TRY: f64 = 1e-3;
-const NUDGE: f64 = 0.15;
 
 /// Turns desired poses into commands for one robot. One for each thread; a clone is another one.
 #[derive(Debug, Clone)]
@@ -185,155 +180,6 @@ impl<'m> Compensator<'m> {
         Some(Pose::new(self.at.tool.rotation, self.at.tool.apply(&self.real.point(task.target))))
     }
 
-    fn find(
-        &mut self,
-        task: &Task,
-        seed: Option<&[f64; MOST]>,
-        kept: Option<&nalgebra::Matrix3<f64>>,
-    ) -> Found {
-        let most = self.options.rounds;
-        let limits = self.limits;
-        let mut rounds = 0;
-        let mut best: Option<Walk> = None;
-        if let (Some(x), Some(rotation)) = (seed, kept) {
-            // Position only: with the seed's orientation if that can be, else as near to it as it goes.
-            let whole = Task { rotation: Some(*rotation), ..*task };
-            let found = walk(&mut self.exact(), &whole, x, &limits, most);
-            if found.ending == Ending::There {
-                return Found::ok(found, rounds);
-            }
-            rounds += found.rounds;
-            let ended = walk_position_first(&mut self.exact(), &whole, x, &limits, most);
-            if ended.ending == Ending::There {
-                return Found::ok(ended, rounds);
-            }
-            rounds += ended.rounds;
-        }
-        if let Some(found) = seed.and_then(|x| self.straight(task, x)) {
-            return Found::ok(found, rounds);
-        }
-        if let Some(x) = seed {
-            let found = walk(&mut self.exact(), task, x, &limits, most);
-            if found.ending == Ending::There {
-                return Found::ok(found, rounds);
-            }
-            rounds += found.rounds;
-            best = Some(found);
-        }
-        let point = self.nominal_point(task.target);
-        let nearest = self.starts.nearest(task, &point, self.options.starts.max(1));
-        let rough = Task {
-            position_tolerance: NOMINAL_TOLERANCE * self.length,
-            orientation_tolerance: NOMINAL_TOLERANCE,
-            ..*task
-        };
-        let mut nearest_nominal: Option<Walk> = None;
-        let mut stuck = 0;
-        for k in 0..self.options.starts {
-            let Some(&start) = self.starts.start(&nearest, k).filter(|_| stuck < self.enough()) else {
-                break;
-            };
-            let nominal = walk(&mut self.ideal(&point), &rough, &start, &limits, NOMINAL_ROUNDS);
-            if nominal.gap.cost < WORTH_A_TRY {
-                let found = walk(&mut self.exact(), task, &nominal.x, &limits, most);
-                if found.ending == Ending::There {
-                    return Found::ok(found, rounds);
-                }
-                rounds += found.rounds;
-                stuck += usize::from(!self.at_a_limit(&found.x));
-                best = nearer(best, found);
-            } else {
-                nearest_nominal = nearer(nearest_nominal, nominal);
-            }
-        }
-        if best.is_none_or(|walk| walk.gap.cost.is_nan() || walk.gap.cost >= WORTH_A_TRY)
-            && let Some(nominal) = nearest_nominal
-        {
-            let found = walk(&mut self.exact(), task, &nominal.x, &limits, most);
-            if found.ending == Ending::There {
-                return Found::ok(found, rounds);
-            }
-            rounds += found.rounds;
-            best = nearer(best, found);
-        }
-        let Some(mut best) = best.or_else(|| {
-            let start = self.starts.start(&nearest, 0).copied()?;
-            Some(walk(&mut self.exact(), task, &start, &limits, most))
-        }) else {
-            return Found { walk: Walk::nowhere(), status: Status::NotConverged };
-        };
-        if task.rotation.is_some() && self.nominal.joints() < 6 {
-            // Such a robot cannot have every orientation: the position comes first.
-            let found = walk_position_first(&mut self.exact(), task, &best.x, &limits, most);
-            rounds += found.rounds;
-            if found.ending == Ending::There {
-                best = found;
-                if task.reached(&best.gap) {
-                    return Found::ok(best, rounds);
-                }
-            }
-        }
-        // Near, but bent the wrong way: the same posture with one joint nudged.
-        if best.gap.cost < WORTH_A_TRY {
-            for k in 0..2 * self.nominal.joints() {
-                let mut x = best.x;
-                x[k / 2] += if k.is_multiple_of(2) { NUDGE } else { -NUDGE };
-                let x = self.within(&x);
-                let found = walk(&mut self.exact(), task, &x, &limits, most);
-                if found.ending == Ending::There {
-                    return Found::ok(found, rounds);
-                }
-                rounds += found.rounds;
-            }
-        }
-        let mut stuck = 0;
-        for k in 0..=self.options.starts {
-            let start = if k == 0 { Some(best.x) } else { self.starts.start(&nearest, k - 1).copied() };
-            let Some(start) = start.filter(|_| stuck < self.enough()) else { break };
-            let nominal = walk(&mut self.ideal(&point), &rough, &start, &Limits::NONE, NOMINAL_ROUNDS);
-            if nominal.gap.cost.is_nan() || nominal.gap.cost > WORTH_A_TRY {
-                continue;
-            }
-            let free = walk(&mut self.exact(), task, &nominal.x, &Limits::NONE, most);
-            rounds += free.rounds;
-            if free.ending != Ending::There {
-                stuck += 1;
-                continue;
-            }
-            // The same posture a turn further may lie within the limits.
-            let turned = self.within(&self.wrapped(&free.x));
-            let inside = walk(&mut self.exact(), task, &turned, &limits, most);
-            if inside.ending == Ending::There {
-                return Found::ok(inside, rounds);
-            }
-            rounds += inside.rounds;
-            best.rounds = rounds;
-            return Found { walk: best, status: Status::Limit };
-        }
-        let status = if best.ending == Ending::GaveUp { Status::NotConverged } else { Status::Unreachable };
-        best.rounds = rounds;
-        Found { walk: best, status }
-    }
-
-    /// The straight way from a seed, as [`Compensator::commands`] takes it for several at once.
-    fn straight(&mut self, task: &Task, seed: &[f64; MOST]) -> Option<Walk> {
-        let kernel = self.kernel.as_ref()?;
-        let mut block = Block::empty();
-        let lane = block.push(task, &self.real.still_point(task.target), &self.conditions.load, seed)?;
-        kernel.walk(&mut block);
-        block.found(lane)
-    }
-
-    /// After so many exact walks that began where the nominal robot is there and got stuck, the pose is at the edge of
-    /// what can be reached. A robot of fewer joints than six may have to try all its postures: each tilts otherwise.
-    fn enough(&self) -> usize {
-        if self.nominal.joints() < 6 { usize::MAX } else { 6 }
-    }
-
-    fn at_a_limit(&self, x: &[f64; MOST]) -> bool {
-        (0..self.nominal.joints()).any(|k| x[k] <= self.limits.lower[k] || x[k] >= self.limits.upper[k])
-    }
-
     fn answer(
         &self,
         turned: bool,
@@ -367,86 +213,10 @@ impl<'m> Compensator<'m> {
         }
     }
 
-    /// A joint's value; exactly its limit where x lies there.
-    fn joint(&self, k: usize, x: f64) -> f64 {
-        let chain = self.fitted.chain();
-        let value = x * self.scale[k];
-        chain.joint(chain.movable()[k]).limits.map_or(value, |(lower, upper)| value.clamp(lower, upper))
-    }
-
-    /// A seed in units of the search, whole turns off where that brings it within the limits.
-    fn seed(&self, joints: &[f64]) -> [f64; MOST] {
-        let mut x = [0.0; MOST];
-        for (k, &q) in joints.iter().enumerate() {
-            x[k] = q / self.scale[k];
-        }
-        self.within(&self.wrapped(&x))
-    }
-
-    fn within(&self, x: &[f64; MOST]) -> [f64; MOST] {
-        let mut inside = *x;
-        for (k, x) in inside.iter_mut().enumerate().take(self.nominal.joints()) {
-            *x = x.clamp(self.limits.lower[k], self.limits.upper[k]);
-        }
-        inside
-    }
-
-    fn wrapped(&self, x: &[f64; MOST]) -> [f64; MOST] {
-        let mut inside = *x;
-        for (k, x) in inside.iter_mut().enumerate().take(self.nominal.joints()) {
-            let (lower, upper) = (self.limits.lower[k], self.limits.upper[k]);
-            if self.nominal.slides(k) || (*x >= lower && *x <= upper) {
-                continue;
-            }
-            let goal = if *x < lower { lower } else { upper };
-            let off = ((*x - goal) / TAU).abs().ceil() * TAU;
-            *x = if *x < lower { *x + off } else { *x - off };
-        }
-        inside
-    }
-
-    fn nominal_point(&self, target: Option<TargetId>) -> Vector3<f64> {
-        target.map_or(Vector3::zeros(), |t| self.fitted.chain().targets()[t.0].position)
-    }
-
     fn turned(&mut self, x: &[f64; MOST], task: &Task) -> nalgebra::Matrix3<f64> {
         self.exact().send(x, task);
         self.at.tool.rotation
     }
-
-    fn exact(&mut self) -> ExactArm<'_, 'm> {
-        ExactArm {
-            real: &mut self.real,
-            slides: &self.nominal,
-            conditions: &mut self.conditions,
-            scale: &self.scale,
-            at: &mut self.at,
-        }
-    }
-
-    fn ideal(&mut self, point: &Vector3<f64>) -> NominalArm<'_> {
-        NominalArm { arm: &self.nominal, point: *point, scale: &self.scale, at: &mut self.at }
-    }
-}
-
-/// The end of a search.
-struct Found {
-    walk: Walk,
-    status: Status,
-}
-
-impl Found {
-    fn ok(mut walk: Walk, rounds: usize) -> Self {
-        walk.rounds += rounds;
-        Found { walk, status: Status::Ok }
-    }
-}
-
-fn nearer(best: Option<Walk>, other: Walk) -> Option<Walk> {
-    Some(match best {
-        Some(walk) if walk.gap.cost <= other.gap.cost => walk,
-        _ => other,
-    })
 }
 
 /// The channels that some effect reads: names, and where they stand in the fit's domain and in the schema.
@@ -463,31 +233,4 @@ fn channels_read(fitted: &FittedModel, schema: &Schema) -> (Vec<String>, Vec<(Op
         }
     }
     (names, read)
-}
-
-/// The exact model as a robot to walk with.
-struct ExactArm<'a, 'm> {
-    real: &'a mut RealArm<'m>,
-    slides: &'a Arm,
-    conditions: &'a mut Conditions,
-    scale: &'a [f64; MOST],
-    at: &'a mut Reached,
-}
-
-impl Robot for ExactArm<'_, '_> {
-    fn send(&mut self, x: &[f64; MOST], task: &Task) -> Gap {
-        for ((q, x), scale) in self.conditions.joints.iter_mut().zip(x).zip(self.scale) {
-            *q = x * scale;
-        }
-        self.real.reach(self.conditions, self.at);
-        task.gap(self.at, &self.real.point(task.target))
-    }
-
-    fn columns(&self, task: &Task, columns: &mut Columns) {
-        task.columns(self.slides, self.at, columns);
-    }
-
-    fn joints(&self) -> usize {
-        self.slides.joints()
-    }
 }

@@ -23,7 +23,7 @@ pub enum DiscoverError {
     },
     /// Too little data for the question.
     #[error(
-        "{have} visits are too few to look for what a model of rank {rank} lacks; at least {need} are needed"
+        "too few visits to look for what a model of rank {rank} lacks: {have}, and at least {need} are needed"
     )]
     TooFewVisits {
         /// Visits in the data.

@@ -3,6 +3,9 @@
 use crate::{DiscoverError, Family};
 use truepose_identify::{FitOptions, PriorStrength};
 
+/// Sign flips beyond this many say nothing that fewer do not, and have to be kept in memory.
+const MOST_FLIPS: usize = 1_000_000;
+
 /// How a discovery looks, and when it believes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscoverOptions {
@@ -58,6 +61,9 @@ impl DiscoverOptions {
         }
         if self.flips < 19 {
             return refuse("flips", self.flips as f64, "at least 19");
+        }
+        if self.flips > MOST_FLIPS {
+            return refuse("flips", self.flips as f64, "at most 1 000 000");
         }
         if ((self.flips + 1) as f64).recip() > self.alpha {
             return refuse("flips", self.flips as f64, "so many that 1/(flips + 1) is below alpha");

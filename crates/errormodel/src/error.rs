@@ -43,7 +43,7 @@ pub enum ModelError {
         joint: String,
     },
     /// A signal that the model needs and the data lacks.
-    #[error("effect `{kind}` needs {signal}, which the data does not have{}", hint(have))]
+    #[error("effect `{kind}` needs {signal}, which the data does not have{}", hint(signal, have))]
     MissingSignal {
         /// The effect's family.
         kind: String,
@@ -74,6 +74,11 @@ pub enum ModelError {
     },
 }
 
-fn hint(have: &[String]) -> String {
-    if have.is_empty() { String::new() } else { format!(" (its channels: {})", have.join(", ")) }
+fn hint(signal: &str, have: &[String]) -> String {
+    let known = if have.is_empty() { String::new() } else { format!(" (its channels: {})", have.join(", ")) };
+    // A channel that follows late is made from the one that it follows.
+    match signal.strip_prefix("a channel `").and_then(|name| name.split_once("~lag=")) {
+        Some((source, _)) => format!("{known}; it is made from `{source}` and `time`, where both are there"),
+        None => known,
+    }
 }

@@ -144,7 +144,8 @@ pub fn hold_out(data: &Dataset, share: f64, seed: u64) -> Result<(Vec<usize>, Ve
     let count = configuration.iter().max().map_or(0, |last| last + 1);
     let held = ((count as f64 * share).round() as usize).max(1);
     if held >= count {
-        return Err(IdentifyError::TooFewFolds { have: count, need: held + 1 });
+        let expected = "so small that a configuration is left to fit";
+        return Err(IdentifyError::Option { option: "holdout", value: share, expected });
     }
     let mut order: Vec<usize> = (0..count).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));

@@ -1,6 +1,9 @@
 //! What an identification found: one summary, shown as text or as JSON.
 
+mod shape;
 mod text;
+
+pub use shape::ShapeSummary;
 
 use crate::{PositionSpread, RotationSpread, advice_words, warning_words};
 use serde::Serialize;
@@ -149,51 +152,6 @@ pub(crate) fn groups(fit: &truepose_identify::Fit) -> Vec<GroupSummary> {
     fit.reduction.groups.iter().map(group).collect()
 }
 
-fn shapes(fit: &truepose_identify::Fit) -> Vec<ShapeSummary> {
-    let effects = fit.fitted.model().effects();
-    fit.shapes.iter().map(|shape| ShapeSummary::of(shape, effects[shape.effect].kind())).collect()
-}
-
-/// A parameter in which an effect is not linear.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ShapeSummary {
-    /// The effect's family, and the number of the effect in the model (from 1).
-    pub effect: (String, usize),
-    /// Its name.
-    pub name: String,
-    /// Value in SI units.
-    pub value: f64,
-    /// Its 95 % interval.
-    pub ci95: [f64; 2],
-    /// Whether the range in which it was looked for ends where the interval does, below and above: the data would allow more.
-    pub cut: [bool; 2],
-    /// SI unit.
-    pub unit: String,
-}
-
-impl ShapeSummary {
-    fn of(shape: &truepose_identify::FittedShape, family: &str) -> Self {
-        ShapeSummary {
-            effect: (family.into(), shape.effect + 1),
-            name: shape.name.clone(),
-            value: shape.value,
-            ci95: shape.interval,
-            cut: [shape.interval[0] <= shape.range[0], shape.interval[1] >= shape.range[1]],
-            unit: shape.unit.clone(),
-        }
-    }
-
-    /// Where the interval ends only because its range does.
-    fn cut_words(&self) -> &'static str {
-        match self.cut {
-            [false, false] => "",
-            [true, false] => ": below, only its range ends",
-            [false, true] => ": above, only its range ends",
-            [true, true] => ": the data leaves it open",
-        }
-    }
-}
-
 impl IdentificationSummary {
     /// Of an identification; `labels` are the file's own numbers of the visits, `solver` its text.
     pub fn new(
@@ -253,7 +211,7 @@ impl IdentificationSummary {
             gaps: [gap(fit.reduction.structural.gap), gap(fit.reduction.practical.gap)],
             prior: gap(fit.prior.kappa),
             groups,
-            shapes: shapes(fit),
+            shapes: ShapeSummary::all(fit),
             advice: found.weak.1.iter().take(4).map(|a| advice_words(chain, a)).collect(),
             observability: found.observability.clone(),
             repeats: found.repeats.clone(),
@@ -349,28 +307,4 @@ fn limit(summary: &IdentificationSummary) -> String {
             .into();
     }
     "no configuration was visited twice, so that noise and missing effects cannot be told apart: repeat a few visits".into()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_interval_that_its_range_cuts_says_so() {
-        let told = |interval: [f64; 2]| {
-            let shape = truepose_identify::FittedShape {
-                effect: 0,
-                name: "period".into(),
-                unit: "rad".into(),
-                value: 0.3,
-                interval,
-                range: [0.2, 0.5],
-            };
-            ShapeSummary::of(&shape, "transmission").cut_words()
-        };
-        assert_eq!(told([0.29, 0.31]), "");
-        assert_eq!(told([0.2, 0.31]), ": below, only its range ends");
-        assert_eq!(told([0.29, 0.5]), ": above, only its range ends");
-        assert_eq!(told([0.2, 0.5]), ": the data leaves it open");
-    }
 }

@@ -19,7 +19,9 @@ pub use discovery::{
     AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary,
     NestedSummary, Reference, RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
 };
-pub use identification::{GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, StageSummary};
+pub use identification::{
+    GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, ShapeSummary, StageSummary,
+};
 pub use layout::{Alignment, table};
 pub use page::{
     CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,

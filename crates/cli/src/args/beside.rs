@@ -1,6 +1,7 @@
 //! Verbs beside the work: looking at files, making them up, repeating a run.
 
 use super::Robot;
+use super::values::parse_whole;
 use std::path::PathBuf;
 
 /// `truepose check`
@@ -37,10 +38,10 @@ pub struct Simulate {
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Another seed than the plant's own
-    #[arg(long)]
+    #[arg(long, value_parser = parse_whole::<u64>)]
     pub seed: Option<u64>,
     /// Visit other configurations than the plant's own, drawn from this seed; the robot stays the same
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", value_parser = parse_whole::<u64>)]
     pub campaign_seed: Option<u64>,
 }
 

@@ -1,7 +1,7 @@
 //! Verbs that learn from measurements.
 
 use super::Robot;
-use super::values::{parse_length, parse_prior};
+use super::values::{parse_length, parse_prior, parse_whole};
 use std::path::PathBuf;
 use truepose_solvers::SolverSpec;
 
@@ -30,7 +30,7 @@ pub struct Identify {
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
     /// Folds of the cross-validation; 0 for none
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = 5, value_parser = parse_whole::<usize>)]
     pub folds: usize,
     /// How configurations are divided into folds
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
@@ -42,7 +42,7 @@ pub struct Identify {
     #[arg(long, value_name = "CHANNEL", conflicts_with_all = ["split", "repeat"])]
     pub fold_by: Option<String>,
     /// Seed of every random choice
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
     /// Share of the configurations to lock away first and judge by
     #[arg(long, value_name = "SHARE")]
@@ -63,10 +63,10 @@ pub struct Identify {
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Specification to hold poses against that the fit did not see, e.g. 0.5mm
-    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
-    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub require: Option<f64>,
     /// Print JSON instead of text
     #[arg(long)]
@@ -98,7 +98,7 @@ pub struct Discover {
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// Specification to hold held-out poses against, e.g. 0.5mm
-    #[arg(long, value_name = "LENGTH", value_parser = parse_length)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Folder for fits of the explanations that the data cannot tell from what was found: rivals for `truepose plan`
     #[arg(long, value_name = "DIR")]
@@ -110,13 +110,13 @@ pub struct Discover {
     #[arg(long, value_name = "SHARE", default_value_t = 0.2)]
     pub holdout: f64,
     /// Seed of every random choice
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
     /// Family-wise probability above which a find is taken for chance
     #[arg(long, default_value_t = 0.002)]
     pub alpha: f64,
     /// Sign flips behind each p-value
-    #[arg(long, default_value_t = 999)]
+    #[arg(long, default_value_t = 999, value_parser = parse_whole::<usize>)]
     pub flips: usize,
     /// Judge the loop itself as well: run the whole of it with each of so many folds left out
     #[arg(long, value_name = "FOLDS", value_parser = clap::value_parser!(u16).range(2..=100))]
@@ -125,7 +125,7 @@ pub struct Discover {
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
     pub split: SplitKind,
     /// Effects to find at most
-    #[arg(long, default_value_t = 24)]
+    #[arg(long, default_value_t = 24, value_parser = parse_whole::<usize>)]
     pub most: usize,
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]
@@ -145,13 +145,13 @@ pub struct Compare {
           default_values = ["qr", "svd", "normal", "ridge(gcv)", "ridge(map)", "lasso(cv)", "huber(qr)", "tukey(qr)"])]
     pub solvers: Vec<SolverSpec>,
     /// Folds of the cross-validation
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = 5, value_parser = parse_whole::<usize>)]
     pub folds: usize,
     /// How configurations are divided into folds
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
     pub split: SplitKind,
     /// Seed of every random choice
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]

@@ -1,6 +1,6 @@
 //! Verbs that use what was learned.
 
-use super::values::{parse_position, parse_three};
+use super::values::{parse_position, parse_three, parse_whole};
 use std::path::PathBuf;
 
 /// `truepose plan`
@@ -19,7 +19,7 @@ pub struct Plan {
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Visits
-    #[arg(long, default_value_t = 30)]
+    #[arg(long, default_value_t = 30, value_parser = parse_whole::<usize>)]
     pub count: usize,
     /// Payloads that can be put on, kg [default: none]
     #[arg(long, value_name = "KG", value_delimiter = ',', allow_negative_numbers = true)]
@@ -28,10 +28,10 @@ pub struct Plan {
     #[arg(long, value_name = "MM", num_args = 3, value_delimiter = ',', allow_negative_numbers = true, default_values_t = [0.0, 0.0, 0.0])]
     pub com: Vec<f64>,
     /// Configurations among which is chosen
-    #[arg(long, default_value_t = 400)]
+    #[arg(long, default_value_t = 400, value_parser = parse_whole::<usize>)]
     pub pool: usize,
     /// Seed of those configurations
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
     /// Print JSON instead of text
     #[arg(long)]

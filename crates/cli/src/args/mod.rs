@@ -9,7 +9,7 @@ pub use beside::{Check, Effects, Simulate, Verify};
 pub use from_data::{Compare, Discover, Identify, Measured, SplitKind};
 pub use from_fit::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 
-use clap::{Parser, Subcommand};
+use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Finds out why a robot arm does not go where it is told, and makes it go there.
@@ -20,14 +20,28 @@ pub struct Args {
     #[arg(long, global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// End after so long, with what was found so far, e.g. 10min (exit code 3)
-    #[arg(long, global = true, display_order = 901, value_name = "TIME", value_parser = crate::watch::parse_time)]
+    #[arg(long, global = true, display_order = 901, value_name = "TIME", allow_hyphen_values = true, value_parser = crate::watch::parse_time)]
     pub time_limit: Option<std::time::Duration>,
     /// End when more memory is in use, with what was found so far, e.g. 2GB (exit code 3)
-    #[arg(long, global = true, display_order = 902, value_name = "SIZE", value_parser = crate::watch::parse_memory)]
+    #[arg(long, global = true, display_order = 902, value_name = "SIZE", allow_hyphen_values = true, value_parser = crate::watch::parse_memory)]
     pub memory_limit: Option<u64>,
     /// What to do
     #[command(subcommand)]
     pub verb: Verb,
+}
+
+impl Args {
+    /// What was typed; ends the program where that makes no sense.
+    pub fn typed() -> Self {
+        let command = negative(Args::command());
+        Args::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+    }
+}
+
+/// A number below zero is a value, so that what is said is that it is too small, not that there is no such option.
+fn negative(command: Command) -> Command {
+    let one = |arg: Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
+    command.mut_args(one).mut_subcommands(negative)
 }
 
 /// What to do.

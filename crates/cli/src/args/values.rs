@@ -13,6 +13,11 @@ pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength
     }
 }
 
+/// A whole number, such as a count or a seed.
+pub(super) fn parse_whole<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|_| "a whole number is needed, 0 or more".into())
+}
+
 /// `0.15mm`, `150um`, `0.006in`; metres.
 pub(super) fn parse_length(text: &str) -> Result<f64, String> {
     let value = length(text)?;

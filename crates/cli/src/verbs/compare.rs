@@ -1,6 +1,6 @@
 //! `truepose compare`: solver strategies side by side on one data set.
 
-use super::identify::{split, split_words};
+use super::identify::{different, split, split_words};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::Compare;
@@ -24,8 +24,12 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     if args.positions_only {
         data.orientation.fill(None);
     }
-    let Some(split) = split(args.folds, args.split, args.seed, &data)? else {
-        return Err(Failure::Input("--folds: a comparison needs at least 2 folds".into()));
+    let Some(split) = split(args.folds, args.split, args.seed, different(&data))? else {
+        let words = match args.folds {
+            0 => "--folds: a comparison needs at least 2 folds".into(),
+            _ => format!("{}: one configuration is too few to compare by", args.measured.data.display()),
+        };
+        return Err(Failure::Input(words));
     };
     let placed = place(&chain, &data)?.chain;
     let model = ErrorModel::new(placed, effects)?;

@@ -1,14 +1,14 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
 use super::reporting::Folder;
-use super::{print_json, status};
+use super::{about, print_json, status};
 use crate::args::Compensate;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use rayon::prelude::*;
 use truepose_compensate::{
-    Command, Compensator, CompensatorOptions, Status, Target, Wanted, predicted_error,
+    Command, CompensateError, Compensator, CompensatorOptions, Status, Target, Wanted, predicted_error,
 };
 use truepose_errormodel::{EffectRegistry, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
@@ -27,7 +27,7 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let (poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
     terminal::warn(&warnings);
-    let commands = commands(&fitted, &poses)?;
+    let commands = commands(args, &fitted, &poses)?;
     let rows: Vec<CommandRow> =
         commands.iter().map(|c| CommandRow { joints: c.joints.to_vec(), status: status(c.status) }).collect();
     write_commands(&args.out, fitted.chain(), &poses, &rows)?;
@@ -112,10 +112,15 @@ fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> Wanted<'
 }
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
-fn commands(fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure> {
+fn commands(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
-    let inputs = poses.rows.derived_for(fitted.model())?;
-    let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default())?;
+    let inputs = poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?;
+    let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default()).map_err(
+        |error| match error {
+            CompensateError::Model(error) => about(&args.poses)(error),
+            error => Failure::Input(format!("{}: {error}", args.fit.display())),
+        },
+    )?;
     let progress = Progress::steps(rows.len().div_ceil(CHUNK));
     let parts: Vec<Vec<Command>> = rows
         .par_chunks(CHUNK)

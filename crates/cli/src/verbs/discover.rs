@@ -1,5 +1,6 @@
 //! `truepose discover`: find what a declared model lacks, add it, and prove the gain.
 
+use super::identify::{different, split, split_words};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::Discover;
@@ -8,8 +9,9 @@ use crate::progress::Progress as Bar;
 use crate::terminal;
 use crate::watch;
 use std::path::{Path, PathBuf};
-use truepose_discover::{Diagnosis, DiscoverOptions, Progress, RivalFit, diagnose, nested};
-use truepose_errormodel::FittedModel;
+use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, RivalFit, diagnose, nested};
+use truepose_errormodel::{FittedModel, ModelError};
+use truepose_identify::IdentifyError;
 use truepose_io::{
     MeasurementsOptions, check_writable, make_folder, read_measurements, write_fit, write_whole,
 };
@@ -59,18 +61,19 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
             }
             bar.say(&word(&step));
         }
-    })?;
+    })
+    .map_err(|error| refused(args, error))?;
     drop(bar);
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(folds) = args.nested {
-        let Some(split) = super::identify::split(usize::from(folds), args.split, args.seed, &data)? else {
+        let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
             return Err(Failure::Input("--nested: a single configuration cannot be divided".into()));
         };
         let bar = Bar::spinner();
         let judged = nested(&chain, &declared, &data, &split, &*solver, &options, &|fold, step| {
             bar.say(&format!("fold {} of {folds}: {}", fold + 1, word(&step)));
         })?;
-        summary.nested = Some(NestedSummary::new(&judged, super::identify::split_words(&split)));
+        summary.nested = Some(NestedSummary::new(&judged, split_words(&split)));
     }
     if let Some(limit) = args.spec {
         summary = summary.against(limit, &found, &data);
@@ -96,6 +99,19 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         write_rivals(folder, &found.rivals)?;
     }
     Ok(())
+}
+
+/// An error with the file that it is about, where it is about the data.
+fn refused(args: &Discover, error: DiscoverError) -> Failure {
+    match error {
+        DiscoverError::TooFewVisits { .. }
+        | DiscoverError::Identify(
+            IdentifyError::NothingMeasured { .. }
+            | IdentifyError::Placement { .. }
+            | IdentifyError::Model(ModelError::MissingSignal { .. }),
+        ) => Failure::Input(format!("{}: {error}", args.measured.data.display())),
+        _ => error.into(),
+    }
 }
 
 /// One file a rival, named by what it says.

@@ -6,7 +6,7 @@ use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
-use truepose_errormodel::{Dataset, ModelError, Visits};
+use truepose_errormodel::{Dataset, ModelError, Visits, configurations};
 use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, write_fit};
 use truepose_report::{IdentificationSummary, identification_report, millimetres};
@@ -32,7 +32,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
         split: match &args.fold_by {
             Some(channel) => Some(own_folds(&data, channel)?),
-            None => split(args.folds, args.split, args.seed, &data)?,
+            None => split(args.folds, args.split, args.seed, in_fit(&data, args)?)?,
         },
         repeats: usize::from(args.repeat),
         holdout: args.holdout,
@@ -124,10 +124,12 @@ pub(super) fn met(args: &Identify, judged: f64) -> Result<(), Failure> {
 fn own_folds(data: &Dataset, channel: &str) -> Result<Split, Failure> {
     let Some(k) = data.schema.channel(channel) else {
         let known: Vec<&str> = data.schema.channels.iter().map(|c| c.name.as_str()).collect();
-        return Err(Failure::Input(format!(
-            "--fold-by: the data has no channel `{channel}` (its channels: {})",
-            known.join(", ")
-        )));
+        let known = if known.is_empty() {
+            "it has none".into()
+        } else {
+            format!("its channels: {}", known.join(", "))
+        };
+        return Err(Failure::Input(format!("--fold-by: the data has no channel `{channel}` ({known})")));
     };
     let mut numbers: Vec<f64> = Vec::new();
     let mut of_visit = Vec::new();
@@ -152,12 +154,28 @@ fn own_folds(data: &Dataset, channel: &str) -> Result<Split, Failure> {
     Ok(Split::Given(of_visit))
 }
 
+/// Different pairs of joint values and load.
+pub(super) fn different(data: &Dataset) -> usize {
+    configurations(data).iter().max().map_or(0, |last| last + 1)
+}
+
+/// Those that are not locked away.
+fn in_fit(data: &Dataset, args: &Identify) -> Result<usize, Failure> {
+    let Some(share) = args.holdout else { return Ok(different(data)) };
+    let (left, _) = hold_out(data, share, args.seed)?;
+    let of_visit = configurations(data);
+    let mut seen: Vec<usize> = left.iter().map(|&row| of_visit[data.visit[row]]).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    Ok(seen.len())
+}
+
 /// The split that was asked for, fitted to what the data has.
 pub(super) fn split(
     folds: usize,
     kind: SplitKind,
     seed: u64,
-    data: &Dataset,
+    configurations: usize,
 ) -> Result<Option<Split>, Failure> {
     if folds == 0 {
         return Ok(None);
@@ -167,7 +185,6 @@ pub(super) fn split(
             "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
         ));
     }
-    let configurations = truepose_errormodel::configurations(data).iter().max().map_or(0, |last| last + 1);
     if configurations < 2 {
         terminal::log("warning: a single configuration cannot be divided: no cross-validation");
         return Ok(None);

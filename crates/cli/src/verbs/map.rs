@@ -34,6 +34,7 @@ pub fn run(args: &Map) -> Result<(), Failure> {
         _ => MapGrid::Joints { points },
     };
     let options = MapOptions { grid, conditions, target: target(chain, args.target.as_deref())? };
+    crate::watch::doing("mapping");
     let map = accuracy_map(&fitted, &options)?;
     let rows: Vec<MapRow> = map
         .nodes

@@ -6,6 +6,7 @@ pub mod compensate;
 pub mod discover;
 pub mod effects;
 pub mod export;
+pub mod files;
 pub mod identify;
 pub mod map;
 pub mod plan;
@@ -21,7 +22,7 @@ use crate::terminal;
 use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, ModelError};
 use truepose_identify::suspicion;
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
@@ -65,6 +66,11 @@ fn declared(measured: &Measured, chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>
         Some(model) => read_model(model, chain, &EffectRegistry::builtin())?,
         None => vec![Box::new(Geometric::default())],
     })
+}
+
+/// An error about what rows lack, with their file.
+fn about(file: &Path) -> impl Fn(ModelError) -> Failure {
+    move |error| Failure::Input(format!("{}: {error}", file.display()))
 }
 
 /// A value as JSON on stdout.

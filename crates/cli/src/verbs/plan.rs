@@ -38,6 +38,7 @@ pub fn run(args: &Plan) -> Result<(), Failure> {
         pool: args.pool.max(args.count),
         seed: args.seed,
     };
+    crate::watch::doing("choosing visits");
     let made = plan(&fitted, rival.as_ref(), goals.as_ref(), &options)?;
     let visits: Vec<PlannedVisit> = made
         .visits

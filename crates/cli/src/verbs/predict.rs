@@ -1,12 +1,12 @@
 //! `truepose predict`: where the real robot is, from a fit.
 
-use super::print_json;
+use super::{about, print_json};
 use crate::args::Predict;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use std::borrow::Cow;
-use truepose_errormodel::{Dataset, EffectRegistry, FittedModel};
+use truepose_errormodel::{Dataset, EffectRegistry, FittedModel, ModelError};
 use truepose_identify::{Residuals, Tally};
 use truepose_io::{
     MeasurementsOptions, MeasurementsReader, PredictionsWriter, check_writable, read_fit, read_measurements,
@@ -32,14 +32,14 @@ pub fn run(args: &Predict) -> Result<(), Failure> {
     }
     let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
     terminal::warn(&warnings);
-    let predicted = predict(&fitted, &data)?;
+    let predicted = predict(&fitted, &data).map_err(about(&args.data))?;
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     let residuals = Residuals::of(&fitted, &data)?;
     let (position, orientation) = (residuals.positions().into(), residuals.orientations().into());
     Said { rows: data.len(), position, orientation }.print(args)
 }
 
-fn predict(fitted: &FittedModel, data: &Dataset) -> Result<Vec<Pose>, Failure> {
+fn predict(fitted: &FittedModel, data: &Dataset) -> Result<Vec<Pose>, ModelError> {
     let inputs = data.derived_for(fitted.model())?;
     let mut predictor = fitted.bind(&inputs.schema)?;
     let mut conditions = Conditions::default();

@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::terminal;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use truepose_io::{check_writable, file_digest, make_folder, sha256, write_whole};
 use truepose_report::{FileRecord, Report, RunRecord};
@@ -42,11 +43,19 @@ impl Folder {
         let inputs = inputs
             .iter()
             .map(|file| {
-                let (bytes, sha256) = file_digest(file)?;
+                // What comes through a pipe is gone once it was read.
+                let (bytes, sha256) = if file.is_file() { file_digest(file)? } else { (0, String::new()) };
+                if sha256.is_empty() {
+                    unrepeatable(file, "is no file that stays");
+                }
                 Ok(FileRecord { file: file.to_string_lossy().into_owned(), bytes, sha256 })
             })
             .collect::<Result<Vec<_>, Failure>>()?;
-        let arguments = std::env::args().skip(1).collect();
+        let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
+        if let Some(name) = arguments.iter().find(|argument| argument.to_str().is_none()) {
+            unrepeatable(Path::new(name), "is not UTF-8");
+        }
+        let arguments = arguments.iter().map(|argument| argument.to_string_lossy().into_owned()).collect();
         let record =
             FileRecord { file: self.result.into(), bytes: bytes.len() as u64, sha256: sha256(&bytes) };
         let run = RunRecord::new(PROGRAM, arguments, inputs, record);
@@ -60,4 +69,10 @@ impl Folder {
         terminal::log(&format!("wrote {}", self.path.join("index.html").display()));
         Ok(())
     }
+}
+
+/// A run of which `verify` will not be able to say anything.
+fn unrepeatable(name: &Path, why: &str) {
+    let name = name.display();
+    terminal::log(&format!("warning: `{name}` {why}: `truepose verify` will not be able to repeat this run"));
 }

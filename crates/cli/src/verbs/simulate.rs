@@ -14,13 +14,26 @@ use truepose_simulate::{PlantDescription, SimulateError};
 pub fn run(args: &Simulate) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let text = read_text(&args.plant)?;
-    let located = |error: SimulateError| Failure::Input(format!("{}:{error}", args.plant.display()));
+    let file = args.plant.display();
+    let located = |error: SimulateError| {
+        Failure::Input(match error {
+            SimulateError::Description { line, column, message } => {
+                format!("{file}:{line}:{column}: {message}")
+            }
+            error => format!("{file}: {error}"),
+        })
+    };
     let mut description = PlantDescription::from_toml(&text).map_err(located)?;
     if let Some(seed) = args.seed {
         description.seed = seed;
     }
+    if description.robot.is_empty() {
+        return Err(Failure::Input(format!("{file}: names no robot; begin with `robot = \"arm.toml\"`")));
+    }
     let folder = args.plant.parent().unwrap_or_else(|| Path::new(""));
-    let (chain, warnings) = read_robot(folder.join(&description.robot), &RobotOptions::default())?;
+    let robot = folder.join(&description.robot);
+    super::files::kept("--out", &args.out, &[("the plant's `robot`", &robot)])?;
+    let (chain, warnings) = read_robot(robot, &RobotOptions::default())?;
     terminal::warn(&warnings);
     let measured = description.plant(&chain).and_then(|plant| {
         let seed = args.campaign_seed.unwrap_or(description.seed);

@@ -17,7 +17,7 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     let file = args.run.display();
     let text = read_text(&args.run)?;
     let record: RunRecord =
-        serde_json::from_str(&text).map_err(|e| Failure::Input(format!("{file}: {e}")))?;
+        serde_json::from_str(&text).map_err(|error| Failure::Input(no_record(&args.run, &error)))?;
     if record.format != RunRecord::FORMAT || record.version != 1 {
         return Err(Failure::Input(format!(
             "{file}: `{}` version {} is not a record that this program reads",
@@ -62,6 +62,17 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
         terminal::print(&format!("{difference}\n"));
     }
     Err(Failure::Criterion(format!("{} on repetition", count(differences.len(), "difference"))))
+}
+
+/// What is wrong with a file that should be a record, and where.
+fn no_record(file: &Path, error: &serde_json::Error) -> String {
+    let words = error.to_string();
+    let words = words.split(" at line ").next().unwrap_or(&words);
+    let (line, column) = (error.line().max(1), error.column().max(1));
+    format!(
+        "{}:{line}:{column}: is no record of a run ({words}); `--report DIR` writes one, DIR/run.json",
+        file.display()
+    )
 }
 
 /// Runs the program again, with its outputs in a folder of our own, and lists what differs.

@@ -107,8 +107,43 @@ fn page_ledger_and_terminal_have_the_same_numbers() {
 }
 
 #[test]
+fn page_json_and_terminal_have_the_same_shapes() {
+    let folder = discovered("small", "j1");
+    let declared = |range: &str| {
+        format!(
+            "[[effects]]\nfamily = \"geometric\"\n\n\
+             [[effects]]\nfamily = \"transmission\"\njoint = \"j1\"\nperiod_range = {range}\n"
+        )
+    };
+    // The wave is one turn long: the second range ends just behind it.
+    for (range, cut) in [("[5.0, 8.0]", [false, false]), ("[5.0, 6.2832]", [false, true])] {
+        folder.write("model.toml", &declared(range));
+        let same = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--model", "model.toml"];
+        let terminal = folder.run(&[&same[..], &["--report", "shaped"]].concat()).ended(0).out;
+        let page = folder.read("shaped/index.html");
+        let json: Value = serde_json::from_str(&folder.read("shaped/identification.json")).unwrap();
+        let [shape] = &json["shapes"].as_array().unwrap()[..] else { panic!("{json}") };
+        assert_eq!(shape["cut"], serde_json::json!(cut), "{range}: {shape}");
+        let number = |pointer: &str| significant(shape.pointer(pointer).unwrap().as_f64().unwrap(), 6);
+        let (value, ends) = (number("/value"), format!("[{}, {}]", number("/ci95/0"), number("/ci95/1")));
+        let words = if cut[1] { "above, only its range ends" } else { "" };
+        let line = format!(" period = {value} rad  {ends}  (effect 2, transmission)");
+        assert!(terminal.contains(&line) && terminal.contains(words), "{line}\n{terminal}");
+        let row = format!(
+            "<tr><th scope=\"row\">period</th><td>{value}</td><td>{ends}</td><td>rad</td><td>effect 2, transmission</td>"
+        );
+        assert!(page.contains(&row) && page.contains(words), "{row}");
+        assert_eq!(page.contains("<th scope=\"col\">the interval</th>"), cut[1], "a column of nothing");
+    }
+    // Where nothing was looked for there is no table.
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--report", "plain"]).ended(0);
+    assert!(!folder.read("plain/index.html").contains("Found within their ranges"));
+}
+
+#[test]
 fn names_are_shown_and_not_run() {
     const FILE: &str = "<img src=x onerror=alert(1)>.csv";
+    const POSES: &str = "<img src=x onerror=alert(1)> poses.csv";
     const CHANNEL: &str = "<img src=y onerror=alert(2)>";
     let folder = discovered(EVIL, EVIL);
     let robot = folder.read("robot.toml").replace("\"T1\"", &format!("{EVIL:?}"));
@@ -129,9 +164,9 @@ fn names_are_shown_and_not_run() {
     folder.run(&with("discover", &["--report", "d", "--flips", "499"])).ended(0);
     folder.run(&with("identify", &["--report", "i", "--out", "fit.json"])).ended(0);
     folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
-    folder.run(&["predict", "--fit", "fit.json", "--data", FILE, "--out", FILE]).ended(0);
+    folder.run(&["predict", "--fit", "fit.json", "--data", FILE, "--out", POSES]).ended(0);
     folder
-        .run(&["compensate", "--fit", "fit.json", "--poses", FILE, "--out", "q.csv", "--report", "k"])
+        .run(&["compensate", "--fit", "fit.json", "--poses", POSES, "--out", "q.csv", "--report", "k"])
         .ended(0);
     for page in ["page", "d", "i", "c", "k"] {
         let html = folder.read(&format!("{page}/index.html"));

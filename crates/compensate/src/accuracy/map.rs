@@ -76,7 +76,7 @@ impl MapOptions {
             return Err(CompensateError::Option {
                 option: "grid",
                 value: nodes,
-                need: "1 to 2 000 000 nodes",
+                need: "1 to 2 000 000 nodes: take fewer points a joint, or a box",
             });
         }
         Ok(())

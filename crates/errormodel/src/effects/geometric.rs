@@ -121,19 +121,25 @@ impl Effect for Geometric {
                 Where::Targets(AllTargets::All) => target_exists(Self::KIND, TargetId(0), chain)?,
             }
         }
-        let repeated =
+        let refused_for =
             |reason: &str| ModelError::Parameters { kind: Self::KIND.into(), reason: reason.into() };
+        if self.frames.as_ref().is_some_and(Vec::is_empty) {
+            return Err(refused_for("`frames` is empty; leave it out for all frames"));
+        }
+        if self.components.as_ref().is_some_and(Vec::is_empty) {
+            return Err(refused_for("`components` is empty; leave it out for all components"));
+        }
         if let Some(list) = &self.frames {
             for (k, place) in list.iter().enumerate() {
                 if list[..k].contains(place) {
-                    return Err(repeated("a frame stands twice in `frames`"));
+                    return Err(refused_for("a frame stands twice in `frames`"));
                 }
             }
         }
         if let Some(list) = &self.components {
             for (k, axis) in list.iter().enumerate() {
                 if list[..k].contains(axis) {
-                    return Err(repeated("a component stands twice in `components`"));
+                    return Err(refused_for("a component stands twice in `components`"));
                 }
             }
         }

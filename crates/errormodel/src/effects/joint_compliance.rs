@@ -168,7 +168,7 @@ impl Effect for JointCompliance {
         if self.links == 0 {
             return Err(refused(Self::KIND, "`links` counts the joint's own: it is 1 or more"));
         }
-        listed_once(Self::KIND, self.joints.as_deref().unwrap_or_default(), chain)
+        listed_once(Self::KIND, self.joints.as_deref(), chain)
     }
 }
 

@@ -86,8 +86,12 @@ pub(crate) fn target_exists(kind: &str, target: TargetId, chain: &Chain) -> Resu
     }
 }
 
-/// Refuses a joint that stands twice in a list called `joints`.
-pub(crate) fn listed_once(kind: &str, joints: &[JointId], chain: &Chain) -> Result<(), ModelError> {
+/// Refuses a list called `joints` that is empty, or in which a joint stands twice; no list stands for all.
+pub(crate) fn listed_once(kind: &str, joints: Option<&[JointId]>, chain: &Chain) -> Result<(), ModelError> {
+    let Some(joints) = joints else { return Ok(()) };
+    if joints.is_empty() {
+        return Err(refused(kind, "`joints` is empty; leave it out for all joints"));
+    }
     for (k, &joint) in joints.iter().enumerate() {
         if joints[..k].contains(&joint) {
             let reason = format!("joint `{}` stands twice in `joints`", chain.joint(joint).name);

@@ -64,6 +64,9 @@ pub struct Planned {
     pub worth: f64,
 }
 
+/// Configurations among which can be chosen: each is a block of rows in memory.
+const MOST: usize = 100_000;
+
 /// What to measure next, and what it would bring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
@@ -90,6 +93,11 @@ pub fn plan(
 ) -> Result<Plan, IdentifyError> {
     if options.count == 0 {
         return Err(IdentifyError::Option { option: "count", value: 0.0, expected: "at least 1" });
+    }
+    for (option, value) in [("count", options.count), ("pool", options.pool)] {
+        if value > MOST {
+            return Err(IdentifyError::Option { option, value: value as f64, expected: "at most 100 000" });
+        }
     }
     if options.pool < options.count {
         let value = options.pool as f64;

@@ -40,8 +40,8 @@ impl<'a> Valley<'a> {
     /// Derivative of the columns of a moved parameter's effect, times their coefficients.
     pub fn slope(&self, moved: &[f64], k: usize, b: &DVector<f64>) -> Result<DVector<f64>, IdentifyError> {
         let at = self.smooth[k];
-        let step =
-            f64::EPSILON.cbrt() * moved[k].abs().max(1e-3 * (self.shapes[at].upper - self.shapes[at].lower));
+        let (lower, upper) = (self.shapes[at].lower, self.shapes[at].upper);
+        let step = f64::EPSILON.cbrt() * moved[k].abs().max(1e-3 * (upper - lower));
         let owner = self.picture.trial.owner[at];
         let own = b.rows_range(self.picture.columns_of(owner)).into_owned();
         let told = |value: f64| -> Result<DVector<f64>, IdentifyError> {
@@ -49,7 +49,9 @@ impl<'a> Valley<'a> {
             moved[k] = value;
             Ok(self.picture.columns(owner, &self.whole(&moved))? * &own)
         };
-        let (above, below) = (moved[k] + step, moved[k] - step);
+        // One-sided at an end: beyond it the effect may make no sense, as a period below zero.
+        let here = moved[k].clamp(lower, upper);
+        let (above, below) = ((here + step).min(upper), (here - step).max(lower));
         Ok((told(above)? - told(below)?) / (above - below))
     }
 }

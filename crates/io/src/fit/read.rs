@@ -95,7 +95,8 @@ mod tests {
         .unwrap();
         let n = model.columns().len();
         let coefficients = (0..n).map(|_| numbers()).collect();
-        let covariance = DMatrix::from_fn(n, n, |_, _| numbers());
+        let mut covariance = DMatrix::from_fn(n, n, |_, _| numbers());
+        (0..n).for_each(|k| covariance[(k, k)] = covariance[(k, k)].abs());
         let mut fit = FittedModel::new(model, coefficients, covariance).unwrap();
         fit.channels = vec![Channel { name: "oil".into(), unit: "degC".into(), temperature: true }];
         fit.noise = Noise { position_sd: 5e-5, orientation_sd: 0.0 };

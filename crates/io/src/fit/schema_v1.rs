@@ -35,6 +35,7 @@ pub(super) struct EffectV1 {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
+#[serde(expecting = "a coefficient: a table of name, unit and value")]
 pub(super) struct CoefficientV1 {
     pub name: String,
     pub unit: String,
@@ -141,6 +142,12 @@ impl FitV1 {
             ));
         }
         let covariance = DMatrix::from_row_iterator(size, size, self.covariance.into_iter().flatten());
+        if let Some((name, variance)) = below_zero(&model, &covariance) {
+            return Err(format!("the variance of `{name}` is {variance:e}, below zero; the file is damaged"));
+        }
+        if self.noise.position_sd < 0.0 || self.noise.orientation_sd < 0.0 {
+            return Err("a standard deviation of `noise` is below zero; the file is damaged".into());
+        }
         let mut fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
         fit.channels = self
             .channels
@@ -166,6 +173,15 @@ impl FitV1 {
 
 fn ends(interval: &Interval) -> [f64; 2] {
     [interval.lower, interval.upper]
+}
+
+/// A coefficient with a variance below zero by more than rounding, in units of expected sizes.
+fn below_zero<'m>(model: &'m ErrorModel, covariance: &DMatrix<f64>) -> Option<(&'m str, f64)> {
+    let scaled = |k: usize| covariance[(k, k)] / model.columns()[k].scale.powi(2);
+    let size = covariance.nrows().min(model.columns().len());
+    let largest = (0..size).map(scaled).fold(1.0, f64::max);
+    let found = (0..size).find(|&k| scaled(k) < -1e-9 * largest)?;
+    Some((&model.columns()[found].name, covariance[(found, found)]))
 }
 
 fn interval([lower, upper]: [f64; 2]) -> Interval {

@@ -170,6 +170,7 @@ fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warn
                 );
                 header.warn(warnings, None, message);
             }
+            stuck(reader, warnings);
         }
     }
     let unloaded =
@@ -180,6 +181,17 @@ fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warn
         let message = "is zero in every row: what yields under a payload cannot be told from this data; if something was carried, \
                        declare it";
         header.warn(warnings, Some(k), message);
+    }
+}
+
+/// Positions that are all the same, although the robot moves.
+fn stuck(reader: &MeasurementsReader, warnings: &mut Vec<Warning>) {
+    let Some(slots) = reader.rows.header.slots.position else { return };
+    let one =
+        |&k: &usize| reader.rows.seen[k].range().is_some_and(|(low, high)| low.to_bits() == high.to_bits());
+    if reader.count >= 5 && slots.iter().all(one) {
+        let message = "never changes, nor do the other two, although the robot moves; was something measured that does not move with it?";
+        reader.rows.header.warn(warnings, Some(slots[0]), message);
     }
 }
 

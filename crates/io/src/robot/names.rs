@@ -7,6 +7,9 @@ const COLUMNS: [&str; 33] = [
     "tool", "targets",
 ];
 
+/// Characters that a name has at most.
+const LONGEST: usize = 200;
+
 /// Why a joint cannot bear this name, if it cannot.
 pub(crate) fn joint_name_problem(name: &str) -> Option<String> {
     if matches!(name, "base" | "tool" | "targets") {
@@ -28,6 +31,9 @@ pub(crate) fn cell_problem(name: &str) -> Option<String> {
     let shown = name.escape_debug();
     if name.is_empty() {
         Some("the name is empty; give one".into())
+    } else if name.chars().count() > LONGEST {
+        let begins: String = name.chars().take(20).collect();
+        Some(format!("the name `{}…` is longer than {LONGEST} characters", begins.escape_debug()))
     } else if name.trim() != name {
         Some(format!("the name `{shown}` begins or ends with a space; remove it"))
     } else if name.contains([',', '"', '#']) || name.chars().any(char::is_control) {
@@ -49,7 +55,7 @@ mod tests {
         {
             assert!(joint_name_problem(name).is_some(), "{name}");
         }
-        for name in ["", " a", "a,b", "a[b", "a\nb"] {
+        for name in ["", " a", "a,b", "a[b", "a\nb", &"a".repeat(201)] {
             assert!(joint_name_problem(name).is_some(), "{name}");
         }
         for name in ["j1", "theta", "roll", "shoulder pan", "α"] {

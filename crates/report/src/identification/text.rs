@@ -212,15 +212,15 @@ impl IdentificationSummary {
         if !self.shapes.is_empty() {
             writeln!(f, "\nfound within their ranges, 95 % intervals")?;
             for shape in &self.shapes {
-                let [lower, upper] = shape.ci95.map(|end| significant(end, 6));
-                let (family, number) = &shape.effect;
+                let [value, interval] = shape.numbers();
+                let cut = shape.cut_words();
                 writeln!(
                     f,
-                    " {} = {} {}  [{lower}, {upper}]  (effect {number}, {family}){}",
+                    " {} = {value} {}  {interval}  ({}){}{cut}",
                     shape.name,
-                    significant(shape.value, 6),
                     shape.unit,
-                    shape.cut_words()
+                    shape.effect_words(),
+                    if cut.is_empty() { "" } else { ": " }
                 )?;
             }
         }

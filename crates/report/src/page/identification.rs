@@ -3,8 +3,8 @@
 use super::discovery::specification;
 use super::rows::{Rows, complement, merged};
 use super::{Page, Report};
-use crate::figure::{Bar, bars, escape};
-use crate::{IdentificationSummary, RunRecord, SpecificationSummary, significant};
+use crate::figure::{Bar, bars, escape, unit_words};
+use crate::{IdentificationSummary, RunRecord, ShapeSummary, SpecificationSummary, significant};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Identification, IdentifyError, Residuals, Stage};
 
@@ -58,6 +58,7 @@ pub fn identification_report(
     page.title("Worst visits");
     page.worst(&rows, 8);
     page.section("What the data determines");
+    shapes(&mut page, &summary.shapes);
     page.identifiability(&found.fit, data)?;
     page.section("Settings, files");
     let row = |name: &str, value: String| vec![name.to_owned(), value];
@@ -77,6 +78,32 @@ pub fn identification_report(
     page.table("Settings", &["setting", "value"], &settings, true);
     page.repeat(run);
     Ok(page.finish())
+}
+
+/// What was looked for within a range, where anything was: as in the terminal.
+fn shapes(page: &mut Page, shapes: &[ShapeSummary]) {
+    if shapes.is_empty() {
+        return;
+    }
+    let cut = shapes.iter().any(|shape| !shape.cut_words().is_empty());
+    let mut head = vec!["parameter", "value", "95 % interval", "unit", "belongs to"];
+    head.extend(cut.then_some("the interval"));
+    let row = |shape: &ShapeSummary| {
+        let [value, interval] = shape.numbers();
+        let mut row =
+            vec![shape.name.clone(), value, interval, unit_words(&shape.unit), shape.effect_words()];
+        row.extend(cut.then(|| match shape.cut_words() {
+            "" => "the data ends it".to_owned(),
+            words => words.to_owned(),
+        }));
+        row
+    };
+    page.table(
+        "Found within their ranges, with 95 % intervals",
+        &head,
+        &shapes.iter().map(row).collect::<Vec<_>>(),
+        true,
+    );
 }
 
 fn verdict(page: &mut Page, summary: &IdentificationSummary) {

@@ -25,6 +25,9 @@ pub enum Postures {
     PaperLinearity,
 }
 
+/// Visits at most: each is held in memory, with its rows.
+const MOST_VISITS: f64 = 1e7;
+
 /// What is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -109,8 +112,17 @@ impl CampaignDescription {
     /// The campaign, on this robot.
     ///
     /// # Errors
-    /// [`SimulateError::NoLimits`] for a slide without limits, and those of the paper's sets.
+    /// [`SimulateError::NoLimits`] for a slide without limits, [`SimulateError::Size`] for more visits than fit into memory, and those
+    /// of the paper's sets.
     pub fn on(&self, chain: &Chain, seed: u64) -> Result<Campaign, SimulateError> {
+        let value = self.size(chain);
+        if value > MOST_VISITS {
+            return Err(SimulateError::Size {
+                what: "the number of visits",
+                value,
+                need: "at most 10 000 000",
+            });
+        }
         let mut campaign = match self.postures {
             Postures::Random => Campaign::random(chain, self.visits, seed)?,
             Postures::Halton => Campaign::halton(chain, self.visits)?,
@@ -134,6 +146,17 @@ impl CampaignDescription {
         campaign.row_s = self.row_s;
         campaign.channels = self.channels.iter().map(ChannelDescription::plan).collect();
         Ok(campaign)
+    }
+
+    /// Visits in all; of the paper's sets, which are small, those of one set.
+    fn size(&self, chain: &Chain) -> f64 {
+        let postures = match self.postures {
+            Postures::Random | Postures::Halton | Postures::Returns => self.visits as f64,
+            Postures::Grid => (self.points as f64).powf(chain.movable().len() as f64),
+            Postures::PaperA | Postures::PaperB | Postures::PaperLinearity => 1.0,
+        };
+        let loads = if self.each_payload { self.payloads_kg.len().max(1) } else { 1 };
+        postures * loads as f64 * self.repeats as f64
     }
 }
 

@@ -1,9 +1,10 @@
 //! Spoiled input: every way in which people's files were ever wrong, and exactly what is said about it.
 //!
 //! [`files`] runs the corpus in `tests/spoiled`; [`tables`] makes mistakes in a good campaign that only the whole of it shows;
-//! [`system`] has what is too large or too strange to be committed.
+//! [`system`] has what is too large or too strange to be committed; [`runs`] asks for what cannot be meant.
 
 mod files;
+mod runs;
 mod system;
 mod tables;
 

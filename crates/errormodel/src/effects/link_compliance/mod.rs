@@ -253,7 +253,7 @@ impl Effect for LinkCompliance {
                 return Err(ModelError::Parameters { kind: Self::KIND.into(), reason });
             }
         }
-        listed_once(Self::KIND, self.joints.as_deref().unwrap_or_default(), chain)
+        listed_once(Self::KIND, self.joints.as_deref(), chain)
     }
 }
 

@@ -1,0 +1,120 @@
+//! Which files a run reads and writes: nothing that it reads is overwritten, and nothing is written twice.
+
+use crate::args::{Measured, Verb};
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
+use truepose_io::same_file;
+
+/// A file with the option that names it.
+type Named<'a> = (&'static str, &'a Path);
+
+/// Refuses a run that would write over its own input or output, before anything is read.
+pub fn apart(verb: &Verb) -> Result<(), Failure> {
+    let (read, written) = named(verb);
+    for (option, file) in &read {
+        if *file == Path::new("-") {
+            return refused(option, "`-` is not read as standard input; name a file, or /dev/stdin".into());
+        }
+    }
+    let mut whole: Vec<(&str, PathBuf)> = Vec::new();
+    for &(option, file) in &written {
+        if file == Path::new("-") {
+            return refused(
+                option,
+                "`-` does not stand for standard output; name a file, or /dev/stdout".into(),
+            );
+        }
+        kept(option, file, &read)?;
+        for (other, theirs) in &whole {
+            if same_file(file, theirs) {
+                let words = format!("`{}` is written by {other} as well; name another file", file.display());
+                return refused(option, words);
+            }
+        }
+        whole.push((option, file.into()));
+        if option == "--report" {
+            for name in PAGE {
+                kept(option, &file.join(name), &read)?;
+                whole.push((option, file.join(name)));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses to write one of the files that are read.
+pub fn kept(option: &str, file: &Path, read: &[Named<'_>]) -> Result<(), Failure> {
+    match read.iter().find(|(_, other)| same_file(file, other)) {
+        Some((other, _)) => {
+            let file = file.display();
+            refused(
+                option,
+                format!("`{file}` is what {other} reads, and would be overwritten; name another file"),
+            )
+        }
+        None => Ok(()),
+    }
+}
+
+/// Files of a report, whichever verb writes it.
+const PAGE: [&str; 6] = [
+    "index.html",
+    "run.json",
+    "identification.json",
+    "discovery.json",
+    "comparison.json",
+    "compensation.json",
+];
+
+fn refused(option: &str, words: String) -> Result<(), Failure> {
+    Err(Failure::Input(format!("{option}: {words}")))
+}
+
+/// What a verb reads, and what it writes; the folder of a report first, so that it is the other file that is named.
+fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
+    fn list<'a>(all: &[(&'static str, Option<&'a PathBuf>)]) -> Vec<Named<'a>> {
+        all.iter().filter_map(|(option, file)| Some((*option, file.as_ref()?.as_path()))).collect()
+    }
+    fn measured(of: &Measured) -> Vec<Named<'_>> {
+        list(&[
+            ("--robot", Some(&of.robot.robot)),
+            ("--data", Some(&of.data)),
+            ("--model", of.model.as_ref()),
+        ])
+    }
+    match verb {
+        Verb::Identify(of) => {
+            (measured(&of.measured), list(&[("--report", of.report.as_ref()), ("--out", of.out.as_ref())]))
+        }
+        Verb::Discover(of) => {
+            (measured(&of.measured), list(&[("--report", of.report.as_ref()), ("--out", of.out.as_ref())]))
+        }
+        Verb::Compare(of) => (measured(&of.measured), list(&[("--report", of.report.as_ref())])),
+        Verb::Plan(of) => (
+            list(&[("--fit", Some(&of.fit)), ("--rival", of.rival.as_ref()), ("--at", of.at.as_ref())]),
+            list(&[("--out", Some(&of.out))]),
+        ),
+        Verb::Predict(of) => {
+            (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
+        }
+        Verb::Compensate(of) => (
+            list(&[("--fit", Some(&of.fit)), ("--poses", Some(&of.poses))]),
+            list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
+        ),
+        Verb::Export(of) => (
+            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref())]),
+            list(&[("--out", Some(&of.out))]),
+        ),
+        Verb::Map(of) => (list(&[("--fit", Some(&of.fit))]), list(&[("--out", Some(&of.out))])),
+        Verb::Simulate(of) => (list(&[("--plant", Some(&of.plant))]), list(&[("--out", Some(&of.out))])),
+        Verb::Check(of) => (
+            list(&[
+                ("--robot", Some(&of.robot.robot)),
+                ("--data", of.data.as_ref()),
+                ("--model", of.model.as_ref()),
+            ]),
+            Vec::new(),
+        ),
+        Verb::Effects(_) | Verb::Verify(_) => (Vec::new(), Vec::new()),
+    }
+}
