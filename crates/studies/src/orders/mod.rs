@@ -55,8 +55,15 @@ pub fn run() -> Result<(), Box<dyn Error>> {
     for (words, prior) in [("none", PriorStrength::None), ("evidence", PriorStrength::Evidence)] {
         for (order, effects) in ORDERS.into_iter().zip([polynomial as fn(&Chain) -> _, reduced_first]) {
             let solver = SolverSpec::default();
-            let strategy =
-                Strategy { name: order.into(), effects, prior, solver, refine: true, second_look: true };
+            let strategy = Strategy {
+                name: order.into(),
+                effects,
+                prior,
+                solver,
+                refine: true,
+                second_look: true,
+                rounds: 25,
+            };
             let shown: Vec<Shown> = experiments
                 .par_iter()
                 .map(|e| couch(e, &strategy).map_err(|error| error.to_string()))

@@ -26,6 +26,8 @@ pub struct Strategy {
     pub refine: bool,
     /// Whether what the nominal robot leaves out is looked at again at the exact one.
     pub second_look: bool,
+    /// Rounds at most.
+    pub rounds: usize,
 }
 
 /// All of them.
@@ -37,6 +39,8 @@ pub fn strategies() -> Vec<Strategy> {
         solver: solver.parse().unwrap_or_default(),
         refine: true,
         second_look: true,
+        // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
+        rounds: 25,
     };
     use PriorStrength::{Evidence, None};
     let once =
@@ -48,6 +52,7 @@ pub fn strategies() -> Vec<Strategy> {
         strategy("physics (compliances, beam, rails), evidence", physics, Evidence, "qr"),
         once("the same, reduced at the nominal robot", physics),
         once("turning springs, beam, short rails, the same way", lean),
+        Strategy { rounds: 3, ..once("the same in three rounds", lean) },
         strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
         strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
         strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),

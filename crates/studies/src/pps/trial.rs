@@ -103,9 +103,8 @@ impl Experiment {
     pub fn fit(&self, strategy: &Strategy) -> Result<Fit, Box<dyn Error>> {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
-        // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
-        let Strategy { prior, refine, second_look, .. } = *strategy;
-        let options = FitOptions { prior, refine, second_look, max_rounds: 25, ..FitOptions::default() };
+        let Strategy { prior, refine, second_look, rounds: max_rounds, .. } = *strategy;
+        let options = FitOptions { prior, refine, second_look, max_rounds, ..FitOptions::default() };
         Ok(fit(&model, &self.identification, &*strategy.solver.build(), &options)?)
     }
 
