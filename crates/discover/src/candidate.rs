@@ -1,5 +1,6 @@
 //! A candidate: a change of the model that might explain what is left.
 
+use crate::library::{LOADED, SIDE, TIME};
 use crate::{DiscoverError, Family, Place};
 use nalgebra::DMatrix;
 use truepose_errormodel::AnyEffect;
@@ -42,6 +43,25 @@ impl Candidate {
     /// Whether both are the same cause at the same place, in whatever shape.
     pub fn same_cause(&self, other: &Candidate) -> bool {
         self.family == other.family && self.place == other.place
+    }
+
+    /// Whether it is a structure without a name that follows the time.
+    pub(crate) fn follows_the_time(&self) -> bool {
+        self.depends(|covariate| covariate == TIME)
+    }
+
+    /// Whether it is one that follows a joint's load.
+    pub(crate) fn follows_a_load(&self) -> bool {
+        self.depends(|covariate| covariate.starts_with(LOADED))
+    }
+
+    /// Whether it is one that switches with the side from which a joint comes.
+    pub(crate) fn has_two_sides(&self) -> bool {
+        self.depends(|covariate| covariate.starts_with(SIDE))
+    }
+
+    fn depends(&self, on: impl Fn(&str) -> bool) -> bool {
+        self.family == Family::Unmodelled && self.place.covariate.as_deref().is_some_and(on)
     }
 
     /// Its effects; none of a corrected load.

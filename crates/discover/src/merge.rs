@@ -86,6 +86,7 @@ fn drivers(candidate: &Candidate) -> Vec<&str> {
     let names: Vec<&Option<String>> = match candidate.family {
         Family::Transmission | Family::Guideway | Family::Backlash => vec![&place.joint],
         Family::Coupling => vec![&place.driver],
+        Family::Unmodelled if candidate.follows_the_time() => return vec!["the time"],
         Family::Unmodelled => vec![&place.covariate, &place.covariate2],
         Family::Thermal | Family::Drift | Family::Shift => return vec!["the time"],
         Family::JointCompliance

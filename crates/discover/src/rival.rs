@@ -69,7 +69,9 @@ pub(crate) fn rival(
     Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, preference, width, likelihood }))
 }
 
-/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none.
+/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none
+/// where a covariate has two values, since these allow of nothing else. A curve over time or load does: it may be a slow drift, or a jump
+/// that nobody looks for, a spring that hardens, or play.
 pub(crate) fn losers<'a>(
     rivals: impl IntoIterator<Item = &'a Rival>,
     winner: &Rival,
@@ -78,8 +80,8 @@ pub(crate) fn losers<'a>(
     const SAME: f64 = 0.05;
     let itself = |r: &Rival| {
         let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
-        let nameless = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
-        nameless || r.candidate.same_cause(&winner.candidate)
+        (r.candidate.has_two_sides() && r.freedom == winner.freedom && alike)
+            || r.candidate.same_cause(&winner.candidate)
     };
     let others = rivals.into_iter().filter(|r| !itself(r));
     let mut losers: Vec<_> = others.map(|r| (r.candidate.clone(), r.behind(winner))).collect();
@@ -87,18 +89,20 @@ pub(crate) fn losers<'a>(
     losers
 }
 
-/// What the coefficients of a candidate cost, so many of which the data judges: those of a curve over time or travel, or of a
-/// frame that moves, as the evidence says; all others their number.
+/// What the coefficients of a candidate cost, so many of which the data judges: those of a curve over time or travel, of a frame that moves,
+/// or of something without a name that follows the load, as the evidence says; all others their number.
 pub(crate) fn cost(candidate: &Candidate, law: &Law, freedom: usize, scene: &Scene<'_>) -> f64 {
     let counted = price(scene.len()) * freedom as f64;
     if by_evidence(candidate) { law.cost.min(counted) } else { counted }
 }
 
-/// Whether the coefficients of a candidate are those of a curve over time or travel, or of a frame that moves.
+/// Whether the coefficients of a candidate pay by the evidence.
 pub(crate) fn by_evidence(candidate: &Candidate) -> bool {
     match candidate.family {
         Family::Guideway | Family::Drift | Family::Shift | Family::Thermal => true,
-        Family::Unmodelled => wanders(candidate),
+        Family::Unmodelled => {
+            wanders(candidate) || candidate.follows_the_time() || candidate.follows_a_load()
+        }
         _ => false,
     }
 }

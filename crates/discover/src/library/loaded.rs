@@ -7,6 +7,10 @@ use truepose_kinematics::{Chain, JointId};
 
 /// Equal pieces of the curves.
 const PIECES: [usize; 2] = [2, 5];
+/// And of those that may do anything from one to the next.
+const AT_ONCE: [usize; 2] = [8, 20];
+/// What a structure depends on that follows the load of a joint, in words: this, and the joint's name.
+pub(crate) const LOADED: &str = "load_";
 
 /// Springs that are not straight.
 pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
@@ -19,24 +23,38 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
     }
 }
 
-/// The same and straight ones, without a name.
+/// The same, straight ones, and such as may do anything from one piece to the next, without a name.
 pub(super) fn add_nameless(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
-    for (joint, [lower, upper]) in loaded(setting) {
+    for (joint, range) in loaded(setting) {
+        let [lower, upper] = range;
         let place = Place::joint(setting.chain, joint).depending_on(&load_word(setting.chain, joint));
         let straight = Basis::Chebyshev { lower, upper, degrees: vec![1] };
         let curves = PIECES.map(|pieces| Basis::Spline { lower, upper, pieces, degree: 3 });
+        let steps = AT_ONCE.map(|pieces| steps(range, pieces));
         all.extend(
             [straight]
                 .into_iter()
                 .chain(curves)
+                .chain(steps)
                 .map(|basis| Candidate::new(Family::Unmodelled, place.clone(), curve(joint, basis))),
         );
     }
 }
 
+/// Another value in each of so many equal pieces, of which two meet where the load changes its side.
+fn steps([lower, upper]: [f64; 2], pieces: usize) -> Basis {
+    let width = (upper - lower) / pieces as f64;
+    let (mut lower, mut pieces) = (lower, pieces);
+    if lower < 0.0 && upper > 0.0 {
+        let [below, above] = [-lower, upper].map(|end| (end / width).ceil());
+        (lower, pieces) = (-below * width, (below + above) as usize);
+    }
+    Basis::Spline { lower, upper: lower + pieces as f64 * width, pieces, degree: 0 }
+}
+
 /// How the load about or along a joint is called where something depends on it.
 pub(crate) fn load_word(chain: &Chain, joint: JointId) -> String {
-    format!("load_{}", chain.joint(joint).name)
+    format!("{LOADED}{}", chain.joint(joint).name)
 }
 
 /// Joints with the range of their load.
@@ -47,4 +65,20 @@ fn loaded(setting: &Setting<'_>) -> impl Iterator<Item = (JointId, [f64; 2])> {
 /// A joint's own motion along a curve over its load.
 fn curve(joint: JointId, basis: Basis) -> Expansion {
     Expansion { at: At::Motion { joint }, factors: vec![Factor { of: Input::Load(joint), basis }] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_meet_where_the_load_changes_its_side() {
+        let of = |range, pieces| match steps(range, pieces) {
+            Basis::Spline { lower, upper, pieces, degree: 0 } => (lower, upper, pieces),
+            other => panic!("{other:?}"),
+        };
+        let (lower, upper, pieces) = of([-7.0, 13.0], 8);
+        assert_eq!((lower, upper, pieces), (-7.5, 15.0, 9));
+        assert_eq!(of([2.0, 10.0], 8), (2.0, 10.0, 8));
+    }
 }

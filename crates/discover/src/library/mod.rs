@@ -15,10 +15,10 @@ mod time;
 mod unmodelled;
 
 pub(crate) use components::neighbours;
-pub(crate) use loaded::load_word;
+pub(crate) use loaded::{LOADED, load_word};
 pub(crate) use motion::transmission_at;
 pub(crate) use time::instants;
-pub(crate) use unmodelled::richer;
+pub(crate) use unmodelled::{SIDE, TIME, richer};
 
 use crate::{Candidate, Family};
 use truepose_errormodel::Dataset;

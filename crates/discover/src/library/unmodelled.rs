@@ -10,7 +10,8 @@ struct Covariate {
     name: String,
     input: Input,
     range: [f64; 2],
-    joint: bool,
+    /// It is known so finely that a curve may have many pieces.
+    fine: bool,
     /// It has two values: no curve, only a difference.
     side: bool,
 }
@@ -21,26 +22,38 @@ fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
     for &joint in chain.movable() {
         if let Some(range) = setting.range(joint) {
             let name = chain.joint(joint).name.clone();
-            list.push(Covariate { name, input: Input::Joint(joint), range, joint: true, side: false });
+            list.push(Covariate { name, input: Input::Joint(joint), range, fine: true, side: false });
         }
     }
     for (k, channel) in setting.data.schema.channels.iter().enumerate() {
         if let (Some(range), false) = (setting.channel_range(k), channel.name.contains('~')) {
             let input = Input::Channel(channel.name.clone());
-            list.push(Covariate { name: channel.name.clone(), input, range, joint: false, side: false });
+            list.push(Covariate { name: channel.name.clone(), input, range, fine: false, side: false });
         }
     }
     if setting.data.schema.approach {
         for &joint in chain.movable() {
-            let name = format!("approach_{}", chain.joint(joint).name);
+            let name = format!("{SIDE}{}", chain.joint(joint).name);
             let input = Input::Approach(joint);
-            list.push(Covariate { name, input, range: [-1.0, 1.0], joint: false, side: true });
+            list.push(Covariate { name, input, range: [-1.0, 1.0], fine: false, side: true });
         }
     }
     list
 }
 
+/// The time: what follows it may do so smoothly or at once.
+fn time(setting: &Setting<'_>) -> Option<Covariate> {
+    let range = super::span(&setting.data.time).filter(|_| setting.data.schema.time)?;
+    Some(Covariate { name: TIME.into(), input: Input::Time, range, fine: true, side: false })
+}
+
 impl Covariate {
+    /// Another value in each of so many equal pieces.
+    fn steps(&self, pieces: usize) -> Factor {
+        let [lower, upper] = self.range;
+        Factor { of: self.input.clone(), basis: Basis::Spline { lower, upper, pieces, degree: 0 } }
+    }
+
     fn spline(&self, pieces: usize) -> Factor {
         let [lower, upper] = self.range;
         Factor { of: self.input.clone(), basis: Basis::Spline { lower, upper, pieces, degree: 3 } }
@@ -52,6 +65,13 @@ impl Covariate {
     }
 }
 
+/// What a structure depends on that switches with the side from which a joint comes, in words: this, and the joint's name.
+pub(crate) const SIDE: &str = "approach_";
+/// What a structure over the time depends on, in words.
+pub(crate) const TIME: &str = "time";
+/// Pieces over which all of a frame may wander with the time, and pieces from one to the next of which it may do anything.
+const SLOWLY: [usize; 5] = [1, 2, 4, 8, 16];
+const AT_ONCE: [usize; 3] = [6, 12, 24];
 /// Pieces of the curves along which the axis of a turn may wander in all directions as it turns.
 const WANDER: [usize; 2] = [5, 10];
 
@@ -72,17 +92,24 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
         let effect = Expansion { at: At::Frame { frame, components }, factors };
         all.push(Candidate::new(Family::Unmodelled, place, effect));
     };
-    for covariate in &covariates {
+    let time = time(setting);
+    for covariate in covariates.iter().chain(&time) {
         for &frame in &frames {
             for axis in Axis::ALL {
                 put(frame, vec![axis], vec![covariate.polynomial(vec![1])], &[covariate]);
                 for pieces in [2, 5, 10, 18] {
-                    if !covariate.side && (covariate.joint || pieces < 8) {
+                    if !covariate.side && (covariate.fine || pieces < 8) {
                         put(frame, vec![axis], vec![covariate.spline(pieces)], &[covariate]);
                     }
                 }
             }
-            if !covariate.side {
+            if matches!(covariate.input, Input::Time) {
+                let slowly = SLOWLY.map(|pieces| covariate.spline(pieces));
+                let at_once = AT_ONCE.map(|pieces| covariate.steps(pieces));
+                for curve in slowly.into_iter().chain(at_once) {
+                    put(frame, Axis::ALL.to_vec(), vec![curve], &[covariate]);
+                }
+            } else if !covariate.side {
                 put(frame, Axis::ALL.to_vec(), vec![covariate.spline(3)], &[covariate]);
             }
             for pieces in WANDER.into_iter().filter(|_| own(covariate, frame)) {
