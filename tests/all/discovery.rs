@@ -223,3 +223,25 @@ fn a_spring_whose_name_is_not_in_the_library_is_not_told_for_another_without_a_d
     let told = found(&chain, &declared, &data, 0);
     assert_eq!(words(&told), ["joint_compliance a2"]);
 }
+
+#[test]
+fn a_jump_is_a_jump_and_without_that_word_not_a_drift_without_a_doubt() {
+    let chain = with_three_targets(&samples::pps());
+    let bump = flaws::Shift { at: "tool".into(), when_s: 1500.0, size_mm: 0.4, size_mrad: 0.6 };
+    let data = measured(&chain, Flaws { shift: vec![bump], ..constants() }, 90, &[], 11);
+    let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+    let nameless = |found: &Diagnosis| {
+        let first = &found.findings[0];
+        first.candidate.family == Family::Unmodelled
+            || first.alternatives.iter().any(|a| a.family == Family::Unmodelled && a.equivalent)
+    };
+    let all = found(&chain, &declared, &data, 0);
+    assert_eq!(all.findings[0].candidate.family, Family::Shift, "{:?}", words(&all));
+    // Told with certainty: no curve over time does as well.
+    assert!(!nameless(&all), "{:?}", all.findings[0].alternatives);
+
+    let options = DiscoverOptions { without: vec![Family::Shift], ..DiscoverOptions::default() };
+    let without = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
+    assert!(!without.findings.is_empty());
+    assert!(nameless(&without), "{:?}: {:?}", words(&without), without.findings[0].alternatives);
+}

@@ -1,6 +1,6 @@
 //! A candidate: a change of the model that might explain what is left.
 
-use crate::library::{LOADED, SIDE, TIME};
+use crate::library::{LOADED, TIME};
 use crate::{DiscoverError, Family, Place};
 use nalgebra::DMatrix;
 use truepose_errormodel::AnyEffect;
@@ -53,11 +53,6 @@ impl Candidate {
     /// Whether it is one that follows a joint's load.
     pub(crate) fn follows_a_load(&self) -> bool {
         self.depends(|covariate| covariate.starts_with(LOADED))
-    }
-
-    /// Whether it is one that switches with the side from which a joint comes.
-    pub(crate) fn has_two_sides(&self) -> bool {
-        self.depends(|covariate| covariate.starts_with(SIDE))
     }
 
     fn depends(&self, on: impl Fn(&str) -> bool) -> bool {

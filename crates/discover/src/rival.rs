@@ -69,19 +69,20 @@ pub(crate) fn rival(
     Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, preference, width, likelihood }))
 }
 
-/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none
-/// where a covariate has two values, since these allow of nothing else. A curve over time or load does: it may be a slow drift, or a jump
-/// that nobody looks for, a spring that hardens, or play.
+/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none,
+/// but where its name says no more than what it follows: a curve over time may be a slow drift or a jump, one over a load a spring that
+/// hardens or play.
 pub(crate) fn losers<'a>(
     rivals: impl IntoIterator<Item = &'a Rival>,
     winner: &Rival,
 ) -> Vec<(Candidate, f64)> {
     /// Of −2 ln L, within which two explanations of as many unknowns are the same one: their wide priors differ by as much.
     const SAME: f64 = 0.05;
+    let a_curve = matches!(winner.candidate.family, Family::Drift | Family::LoadNonlinearity);
     let itself = |r: &Rival| {
         let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
-        (r.candidate.has_two_sides() && r.freedom == winner.freedom && alike)
-            || r.candidate.same_cause(&winner.candidate)
+        let nameless = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
+        (nameless && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
     let others = rivals.into_iter().filter(|r| !itself(r));
     let mut losers: Vec<_> = others.map(|r| (r.candidate.clone(), r.behind(winner))).collect();

@@ -18,7 +18,7 @@ pub(crate) use components::neighbours;
 pub(crate) use loaded::{LOADED, load_word};
 pub(crate) use motion::transmission_at;
 pub(crate) use time::instants;
-pub(crate) use unmodelled::{SIDE, TIME, richer};
+pub(crate) use unmodelled::{TIME, richer};
 
 use crate::{Candidate, Family};
 use truepose_errormodel::Dataset;

@@ -33,7 +33,7 @@ fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
     }
     if setting.data.schema.approach {
         for &joint in chain.movable() {
-            let name = format!("{SIDE}{}", chain.joint(joint).name);
+            let name = format!("approach_{}", chain.joint(joint).name);
             let input = Input::Approach(joint);
             list.push(Covariate { name, input, range: [-1.0, 1.0], fine: false, side: true });
         }
@@ -54,6 +54,13 @@ impl Covariate {
         Factor { of: self.input.clone(), basis: Basis::Spline { lower, upper, pieces, degree: 0 } }
     }
 
+    /// One value before and another one from here on.
+    fn step(&self, at: f64) -> Factor {
+        let [lower, upper] = self.range;
+        let (lower, upper) = (at - (upper - lower), at + (upper - lower));
+        Factor { of: self.input.clone(), basis: Basis::Spline { lower, upper, pieces: 2, degree: 0 } }
+    }
+
     fn spline(&self, pieces: usize) -> Factor {
         let [lower, upper] = self.range;
         Factor { of: self.input.clone(), basis: Basis::Spline { lower, upper, pieces, degree: 3 } }
@@ -65,13 +72,13 @@ impl Covariate {
     }
 }
 
-/// What a structure depends on that switches with the side from which a joint comes, in words: this, and the joint's name.
-pub(crate) const SIDE: &str = "approach_";
 /// What a structure over the time depends on, in words.
 pub(crate) const TIME: &str = "time";
 /// Pieces over which all of a frame may wander with the time, and pieces from one to the next of which it may do anything.
 const SLOWLY: [usize; 5] = [1, 2, 4, 8, 16];
 const AT_ONCE: [usize; 3] = [6, 12, 24];
+/// Instants at which something may change for good.
+const INSTANTS: usize = 32;
 /// Pieces of the curves along which the axis of a turn may wander in all directions as it turns.
 const WANDER: [usize; 2] = [5, 10];
 
@@ -93,6 +100,9 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
         all.push(Candidate::new(Family::Unmodelled, place, effect));
     };
     let time = time(setting);
+    let instants = if time.is_some() { super::instants(setting.data) } else { Vec::new() };
+    let stride = instants.len().div_ceil(INSTANTS).max(1);
+    let instants: Vec<f64> = instants.into_iter().step_by(stride).collect();
     for covariate in covariates.iter().chain(&time) {
         for &frame in &frames {
             for axis in Axis::ALL {
@@ -104,6 +114,10 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
                 }
             }
             if matches!(covariate.input, Input::Time) {
+                for &at in &instants {
+                    put(frame, Axis::ALL.to_vec(), vec![covariate.step(at)], &[covariate]);
+                    Axis::ALL.map(|axis| put(frame, vec![axis], vec![covariate.step(at)], &[covariate]));
+                }
                 let slowly = SLOWLY.map(|pieces| covariate.spline(pieces));
                 let at_once = AT_ONCE.map(|pieces| covariate.steps(pieces));
                 for curve in slowly.into_iter().chain(at_once) {
