@@ -1,8 +1,9 @@
 //! Verbs that learn from measurements.
 
 use super::Robot;
-use super::values::{parse_length, parse_prior, parse_whole};
+use super::values::{parse_count, parse_length, parse_prior, parse_whole};
 use std::path::PathBuf;
+use truepose_identify::FitOptions;
 use truepose_solvers::SolverSpec;
 
 /// What was measured of which robot, and what is declared of it.
@@ -56,6 +57,13 @@ pub struct Identify {
     /// The paper's single linear step, without refinement at the exact model
     #[arg(long)]
     pub linear: bool,
+    /// Decide once, at the nominal robot, which errors can be told apart, as the paper does; otherwise the robot as it is found is looked at
+    /// again
+    #[arg(long)]
+    pub reduce_once: bool,
+    /// Rounds of the refinement at most
+    #[arg(long, value_name = "ROUNDS", default_value_t = FitOptions::default().max_rounds, value_parser = parse_count)]
+    pub rounds: usize,
     /// Read the data block by block, in memory that does not grow with it: for files larger than memory
     #[arg(long, conflicts_with_all = ["split", "repeat", "fold_by", "holdout", "report", "spec"])]
     pub stream: bool,
@@ -71,6 +79,19 @@ pub struct Identify {
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
+}
+
+impl Identify {
+    /// How to fit.
+    pub fn fit(&self) -> FitOptions {
+        FitOptions {
+            refine: !self.linear,
+            second_look: !self.reduce_once,
+            max_rounds: self.rounds,
+            prior: self.prior,
+            ..FitOptions::default()
+        }
+    }
 }
 
 /// How configurations are divided into folds.

@@ -18,6 +18,11 @@ pub(super) fn parse_whole<T: std::str::FromStr>(text: &str) -> Result<T, String>
     text.parse().map_err(|_| "a whole number is needed, 0 or more".into())
 }
 
+/// As [`parse_whole`], of which there is one at least.
+pub(super) fn parse_count(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|&count| count > 0).ok_or_else(|| "a whole number is needed, 1 or more".into())
+}
+
 /// `0.15mm`, `150um`, `0.006in`; metres.
 pub(super) fn parse_length(text: &str) -> Result<f64, String> {
     let value = length(text)?;

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::{Dataset, ModelError, Visits, configurations};
-use truepose_identify::{FitOptions, IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
+use truepose_identify::{IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
 use truepose_io::{MeasurementsOptions, check_writable, read_measurements, write_fit};
 use truepose_report::{IdentificationSummary, identification_report, millimetres};
 
@@ -29,7 +29,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         data.orientation.fill(None);
     }
     let options = IdentificationOptions {
-        fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
+        fit: args.fit(),
         split: match &args.fold_by {
             Some(channel) => Some(own_folds(&data, channel)?),
             None => split(args.folds, args.split, args.seed, in_fit(&data, args)?)?,

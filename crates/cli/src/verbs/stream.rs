@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use std::path::Path;
 use truepose_errormodel::{AnyEffect, Dataset};
-use truepose_identify::{FitOptions, IdentifyError, Source, StreamedOptions, identify_streamed};
+use truepose_identify::{IdentifyError, Source, StreamedOptions, identify_streamed};
 use truepose_io::{IoError, MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
 use truepose_kinematics::Chain;
 use truepose_report::StreamedSummary;
@@ -18,10 +18,7 @@ const BLOCK: usize = 16384;
 
 /// Runs the verb.
 pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) -> Result<(), Failure> {
-    let options = StreamedOptions {
-        fit: FitOptions { refine: !args.linear, prior: args.prior, ..FitOptions::default() },
-        folds: args.folds,
-    };
+    let options = StreamedOptions { fit: args.fit(), folds: args.folds };
     if args.folds == 1 {
         return Err(Failure::Input(
             "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),

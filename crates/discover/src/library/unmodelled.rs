@@ -116,7 +116,9 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             if matches!(covariate.input, Input::Time) {
                 for &at in &instants {
                     put(frame, Axis::ALL.to_vec(), vec![covariate.step(at)], &[covariate]);
-                    Axis::ALL.map(|axis| put(frame, vec![axis], vec![covariate.step(at)], &[covariate]));
+                    for axis in Axis::ALL {
+                        put(frame, vec![axis], vec![covariate.step(at)], &[covariate]);
+                    }
                 }
                 let slowly = SLOWLY.map(|pieces| covariate.spline(pieces));
                 let at_once = AT_ONCE.map(|pieces| covariate.steps(pieces));
