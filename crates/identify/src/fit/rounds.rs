@@ -1,18 +1,21 @@
 //! The rounds of a fit: solve, move, look at the noise and the prior, until nothing moves.
 
+mod finish;
+mod second_look;
+mod solve;
 mod whole;
 
 pub(crate) use whole::from_factor;
 
-use super::{Fit, FitOptions, NoiseSource, Warning, constraints, warnings};
+use super::{FitOptions, NoiseSource};
 use crate::freedom::Taken;
-use crate::linearise::{collect, factorise, gram, misfit};
-use crate::reduction::{Reduction, reduce_further};
+use crate::linearise::{factorise, gram, misfit};
+use crate::reduction::Reduction;
 use crate::{Freedom, IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, estimate_noise};
-use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{Dataset, Domain, ErrorModel, FittedModel, Noise, Visits};
+use nalgebra::DVector;
+use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_solvers::accumulator::Factor;
-use truepose_solvers::{Bounds, ColumnScale, LeastSquares, Need, Solution, SolveError, Solver};
+use truepose_solvers::{Need, Solution, SolveError, Solver};
 
 /// Everything that a fit has while it runs.
 pub(super) struct State<'a> {
@@ -245,201 +248,12 @@ impl<'a> State<'a> {
         Ok(same(self.prior.kappa, before.kappa) && widths.into_iter().all(|(a, b)| same(*a, *b)))
     }
 
-    /// The reduction at the solution, when the data determines more there than at the nominal robot.
-    pub(super) fn looked_at_again(
-        &self,
-        reduction: &Reduction,
-        outcome: &Outcome,
-    ) -> Result<Option<Reduction>, IdentifyError> {
-        let (at, rule) = (&self.coefficients, self.options.rank);
-        if reduction.dropped.is_empty() {
-            return Ok(None);
-        }
-        let all = self.linearise(None)?;
-        let more = reduce_further(self.model, self.data, &all, rule, at, reduction)?;
-        if more.rank() <= reduction.rank() || !reduction.kept.iter().all(|c| more.kept.contains(c)) {
-            return Ok(None);
-        }
-        // Directions that the data determines better than by their expected sizes.
-        let determined = |kept: &[usize], factor: &Factor| -> Result<usize, IdentifyError> {
-            let scales: Vec<f64> = kept.iter().map(|&c| self.model.columns()[c].scale).collect();
-            let values = factor.singular_values(ColumnScale::Given(&scales))?;
-            Ok(values.iter().filter(|d| **d >= 1.0).count())
-        };
-        if determined(&more.kept, &all.select(&more.kept))? <= determined(&reduction.kept, &outcome.factor)? {
-            return Ok(None);
-        }
-        Ok(Some(more))
-    }
-
-    /// Shares the grouped errors out among the finer groups of another reduction, as the prior expects it: the same robot to first
-    /// order, and no long way through the valley between them.
-    pub(super) fn share_out(&mut self, coarse: &Reduction, fine: &Reduction) {
-        let mut place = vec![usize::MAX; self.coefficients.len()];
-        fine.kept.iter().enumerate().for_each(|(k, &column)| place[column] = k);
-        let mut groups = DMatrix::zeros(coarse.rank(), fine.rank());
-        for (row, group) in coarse.groups.iter().enumerate() {
-            groups[(row, place[group.column])] = 1.0;
-            let members = group.members.iter().filter(|(column, _)| place[*column] != usize::MAX);
-            members.for_each(|&(column, weight)| groups[(row, place[column])] = weight);
-        }
-        if let Some(shared) = self.prior.shared_out(&groups, &coarse.grouped(&self.coefficients)) {
-            self.coefficients = fine.expand(shared.as_slice(), self.coefficients.len());
-        }
-    }
-
     /// Squares of the prior, unless the solver has an objective of its own.
     fn penalty(&self, reduction: &Reduction) -> f64 {
         if self.solver.supports(Need::Outliers) {
             return 0.0;
         }
         self.prior.penalty(&reduction.grouped(&self.coefficients))
-    }
-
-    /// One solve for the grouped errors: the new coefficients.
-    fn solve(
-        &self,
-        reduction: &Reduction,
-        factor: &Factor,
-        scales: &[f64],
-        damping: f64,
-    ) -> Result<(Solution, Vec<f64>), IdentifyError> {
-        let columns = self.model.columns().len();
-        let bounds = constraints::bounds(self.model, reduction);
-        let effects = constraints::effects(self.model, reduction);
-        let constrained = |problem| self.constrained(problem, &bounds, &effects);
-        // Plain least squares is the same on the triangle; whoever weighs rows or validates on them has to see them.
-        let plain = self.solver.supports(Need::Unpenalised) && !self.solver.supports(Need::Outliers);
-        let solution = if !plain {
-            let rows = collect(self.model, self.data, self.visits, self.noise, &self.coefficients)?;
-            let y = &rows.residual + &rows.a * DVector::from_column_slice(&self.coefficients);
-            let (a, y) = self.with_prior(reduction.select(&rows.a), y);
-            let mut groups = rows.visit;
-            groups.extend((0..a.nrows() - groups.len()).map(|k| self.visits.len() + k));
-            let problem = LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&groups);
-            self.solver.solve(&constrained(problem))?
-        } else {
-            let small = self.absolute(reduction, factor);
-            let y = small.z.column(0).into_owned();
-            let (a, y) = self.with_prior(small.r, y);
-            let (a, y) = self.damped(a, y, &reduction.grouped(&self.coefficients), damping);
-            self.solver.solve(&constrained(LeastSquares::new(&a, &y).with_scale(scales)))?
-        };
-        if !solution.x.iter().all(|v| v.is_finite()) {
-            return Err(IdentifyError::NoAnswer {
-                solver: self.solver.name().into(),
-                status: format!("{:?}", solution.status),
-            });
-        }
-        let next = reduction.expand(solution.x.as_slice(), columns);
-        Ok((solution, next))
-    }
-
-    /// The problem with bounds, and with the effect of each column, for solvers that hold or ask for them.
-    fn constrained<'p>(
-        &self,
-        problem: LeastSquares<'p>,
-        bounds: &'p Bounds,
-        effects: &'p [usize],
-    ) -> LeastSquares<'p> {
-        let problem = match bounds.any() && self.solver.supports(Need::Bounds) {
-            true => problem.with_bounds(bounds),
-            false => problem,
-        };
-        match self.solver.supports(Need::ColumnGroups) {
-            true => problem.with_column_groups(effects),
-            false => problem,
-        }
-    }
-
-    /// The problem with the rows of the prior, `W β = 0`.
-    fn with_prior(&self, a: DMatrix<f64>, y: DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
-        let Some(prior) = self.prior.rows() else { return (a, y) };
-        let rows = a.nrows();
-        let more = prior.nrows();
-        let mut a = a.resize_vertically(rows + more, 0.0);
-        a.rows_mut(rows, more).copy_from(&prior);
-        (a, y.resize_vertically(rows + more, 0.0))
-    }
-
-    /// The problem with rows that hold the unknowns where they are, `√λ W₁ (β − β_now) = 0` (Levenberg, Marquardt),
-    /// measured in expected sizes.
-    fn damped(
-        &self,
-        a: DMatrix<f64>,
-        y: DVector<f64>,
-        now: &[f64],
-        damping: f64,
-    ) -> (DMatrix<f64>, DVector<f64>) {
-        if damping <= 0.0 {
-            return (a, y);
-        }
-        let hold = self.prior.unit_rows() * damping.sqrt();
-        let (rows, more) = (a.nrows(), hold.nrows());
-        let mut a = a.resize_vertically(rows + more, 0.0);
-        let mut y = y.resize_vertically(rows + more, 0.0);
-        y.rows_mut(rows, more).copy_from(&(&hold * DVector::from_column_slice(now)));
-        a.rows_mut(rows, more).copy_from(&hold);
-        (a, y)
-    }
-
-    /// How far a step goes, in standard deviations of the data or relative to its size, whichever is finer.
-    fn step(&self, reduction: &Reduction, factor: &Factor, next: &[f64]) -> f64 {
-        let next = DVector::from_vec(reduction.grouped(next));
-        let change = &next - DVector::from_vec(reduction.grouped(&self.coefficients));
-        (&factor.r * change).norm() / (1.0 + (&factor.r * next).norm())
-    }
-
-    pub(super) fn finish(self, reduction: Reduction, outcome: Outcome) -> Result<Fit, IdentifyError> {
-        let columns = self.model.columns().len();
-        let absolute = self.absolute(&reduction, &outcome.factor);
-        let grouped = DVector::from_vec(reduction.grouped(&self.coefficients));
-        let chi_square = absolute.residual_norm(0, &grouped).powi(2);
-        let joined = self.prior.joined(&absolute, &vec![0.0; reduction.rank()])?;
-        let inverse =
-            joined.inverse_gram().unwrap_or_else(|| DMatrix::zeros(reduction.rank(), reduction.rank()));
-        let covariance = spread_out(&inverse, &reduction.kept, columns);
-        let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
-        fitted.channels = self.data.schema.channels.clone();
-        fitted.domain = Domain::of(self.data);
-        let typical =
-            median(self.data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect());
-        fitted.noise = Noise {
-            position_sd: self.noise.position(typical).hypot(self.noise.visit_sd),
-            orientation_sd: if self.data.orientation.iter().any(Option::is_some) {
-                self.noise.orientation_sd
-            } else {
-                0.0
-            },
-        };
-        let mut warnings = warnings::of(self.model, &reduction, self.observations);
-        if !outcome.converged {
-            warnings.push(Warning::NotConverged { rounds: outcome.rounds });
-        }
-        let mut fit = Fit {
-            fitted,
-            reduction,
-            noise: self.noise,
-            residuals: outcome.residuals,
-            factor: absolute,
-            prior: self.prior,
-            rounds: outcome.rounds,
-            converged: outcome.converged,
-            observations: self.observations,
-            chi_square,
-            solution: outcome.solution,
-            shapes: Vec::new(),
-            scatter: self.freedom.map(|known| known.2),
-            warnings,
-        };
-        let (model, at) = (self.model, fit.fitted.coefficients());
-        let more = match (self.solver.supports(Need::Bounds), self.solver.supports(Need::ColumnGroups)) {
-            (false, false) => constraints::violated(model, &fit.reduction, at, &fit.half_widths()),
-            (_, true) => constraints::left_out(model, &fit.reduction, at),
-            _ => Vec::new(),
-        };
-        fit.warnings.extend(more);
-        Ok(fit)
     }
 }
 
@@ -454,23 +268,4 @@ fn alike(old: &NoiseModel, new: &NoiseModel, share: f64) -> bool {
     close(old.position_sd, new.position_sd)
         && close(old.visit_sd, new.visit_sd)
         && close(old.orientation_sd, new.orientation_sd)
-}
-
-/// A matrix over the kept columns, among all columns.
-fn spread_out(inner: &DMatrix<f64>, kept: &[usize], columns: usize) -> DMatrix<f64> {
-    let mut outer = DMatrix::zeros(columns, columns);
-    for (i, &a) in kept.iter().enumerate() {
-        for (j, &b) in kept.iter().enumerate() {
-            outer[(a, b)] = inner[(i, j)];
-        }
-    }
-    outer
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -81,7 +81,8 @@ impl Gram {
         let p = self.columns;
         check_len("columns of the triangle", p, r.ncols())?;
         check_len("rows of the triangle", p, r.nrows())?;
-        if (0..p).any(|k| !(r[(k, k)].abs() > LEAST * r.column(k).norm())) {
+        let clear = |k: usize| r[(k, k)].abs() > LEAST * r.column(k).norm();
+        if !(0..p).all(clear) {
             return Ok(None);
         }
         let whole = self.flushed();
