@@ -53,6 +53,7 @@ pub fn strategies() -> Vec<Strategy> {
         once("the same, reduced at the nominal robot", physics),
         once("turning springs, beam, short rails, the same way", lean),
         Strategy { rounds: 3, ..once("the same in three rounds", lean) },
+        Strategy { rounds: 2, ..once("the same in two rounds", lean) },
         strategy("physics (compliances, beam, rails), no prior", physics, None, "qr"),
         strategy("frame compliances, evidence prior, qr", elastic, Evidence, "qr"),
         strategy("Eq. (17) polynomial, evidence prior, qr", polynomial, Evidence, "qr"),
