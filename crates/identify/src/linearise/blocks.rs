@@ -133,7 +133,9 @@ impl<'a> Blocks<'a> {
 
     /// With so many threads where batches are made one after the other.
     fn on_threads(mut self, threads: usize) -> Self {
-        self.threads = threads.max(1);
+        /// Each has memory of its own.
+        const MOST: usize = 8;
+        self.threads = threads.clamp(1, MOST);
         self
     }
 
