@@ -14,7 +14,7 @@ const CLEAR: f64 = 100.0;
 impl Gram {
     /// Basic solution of right-hand side `k` from a Cholesky factor with the largest pivot first, if the Gram matrix is fit to give one: columns
     /// that depend on others get zero. None where it is not, because no gap separates what is kept from round-off: then take a
-    /// [`Triangular`](super::Triangular). `limit` is the highest condition number of the columns, brought to length one, that it
+    /// [`Triangular`](crate::accumulator::Triangular). `limit` is the highest condition number of the columns, brought to length one, that it
     /// is trusted with. What differs from other columns by less than 1e-7 of its length is not seen at all.
     pub fn solve_guarded(&self, k: usize, limit: f64) -> Result<Option<Solution>, SolveError> {
         let p = self.columns;
