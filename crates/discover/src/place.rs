@@ -22,7 +22,7 @@ pub struct Place {
     /// The target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
-    /// What a structure without a name depends on: a joint or a channel.
+    /// What a structure without a name depends on: a joint, a channel, `time`, or `approach_J` or `load_J` of a joint J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariate: Option<String>,
     /// The second such input.
