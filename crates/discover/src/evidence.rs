@@ -11,7 +11,9 @@
 use crate::DiscoverError;
 use crate::likelihood::{Likelihood, distances};
 use crate::rival::Rival;
-use crate::scene::Scene;
+use crate::scene::{Observation, Scene};
+use crate::whitener::Whitener;
+use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -49,7 +51,8 @@ pub struct Gain {
     /// 3-D RMS with.
     pub after: f64,
     /// Student's t of the paired difference over folds: of mean squares, of their logarithms (an effect of which a few rows have
-    /// most), or of the log score under a heavy tail (a few rows beyond what was visited), whichever is clearest.
+    /// most), or of the log score under a heavy tail (a few rows beyond what was visited), of each number by itself or
+    /// against the others of its visit, whichever is clearest.
     pub t: f64,
     /// Share of the held-out RMS of all numbers measured where it acts, in deviations, that it takes away.
     pub won: f64,
@@ -128,49 +131,81 @@ fn folds(scene: &Scene<'_>, most: usize) -> usize {
 }
 
 /// The paired difference, fold by fold, over all measured numbers in deviations: an orientation counts as well.
+///
+/// Numbers are judged twice: each by itself, and against what the others of its visit say of it. While whole visits are still off by more than
+/// the noise, for causes that have not been found yet, the second sees what the first cannot.
 fn paired(scene: &Scene<'_>, folds: &Folds, rival: &Rival, before: &[f64], after: &[f64]) -> Gain {
-    /// Degrees of freedom of the heavy tail.
-    const TAIL: f64 = 4.0;
-    let surprise = |square: f64| (1.0 + square / TAIL).ln();
     let noise = rival.likelihood.noise;
-    let acts = acts(scene, rival);
-    let mut by_fold = vec![(0.0, 0.0, 0usize, 0.0); folds.count];
-    let mut where_it_acts = (0.0, 0.0);
-    for (at, o) in scene.observations.iter().enumerate() {
-        let variance = if o.component < 3 {
-            noise.position(scene.data.position_sd[o.row][o.component]).powi(2) + noise.visit_sd.powi(2)
+    let deviation = |o: &Observation| {
+        if o.component < 3 {
+            noise.position(scene.data.position_sd[o.row][o.component]).hypot(noise.visit_sd)
         } else {
-            noise.orientation(scene.data.orientation_sd[o.row][o.component - 3]).powi(2)
-        };
-        if before[at].is_finite() && after[at].is_finite() {
-            let fold = &mut by_fold[folds.of_visit[o.visit]];
-            let (without, with) = (before[at].powi(2) / variance, after[at].powi(2) / variance);
-            fold.0 += without;
-            fold.1 += with;
-            fold.2 += 1;
-            fold.3 += surprise(without) - surprise(with);
-            if acts[o.row] {
-                where_it_acts.0 += without;
-                where_it_acts.1 += with;
-            }
+            noise.orientation(scene.data.orientation_sd[o.row][o.component - 3])
         }
-    }
-    let filled: Vec<_> = by_fold.iter().filter(|f| f.2 > 0 && f.1 > 0.0).collect();
-    let squares: Vec<f64> = filled.iter().map(|f| (f.0 - f.1) / f.2 as f64).collect();
-    let scores: Vec<f64> = filled.iter().map(|f| f.3 / f.2 as f64).collect();
-    let ratios: Vec<f64> = filled.iter().map(|f| (f.0 / f.1).ln()).collect();
-    let middle = median(&ratios);
+    };
+    let by_itself = |residual: &[f64]| -> Vec<f64> {
+        scene.observations.iter().zip(residual).map(|(o, r)| r / deviation(o)).collect()
+    };
+    let among_others = |residual: &[f64]| {
+        let mut white = DMatrix::from_column_slice(residual.len(), 1, residual);
+        Whitener::new(scene, noise).apply(&mut white);
+        white.as_slice().to_vec()
+    };
+    let alone = ByFold::new(scene, folds, &by_itself(before), &by_itself(after));
+    let together = ByFold::new(scene, folds, &among_others(before), &among_others(after));
+    let acts = acts(scene, rival);
+    let where_it_acts = |residual: &[f64]| -> f64 {
+        let own = scene.observations.iter().zip(by_itself(residual)).filter(|(o, _)| acts[o.row]);
+        own.map(|(_, deviation)| deviation * deviation).sum()
+    };
     let rms = |residual: &[f64]| {
         let whole: Vec<f64> = distances(scene, residual).into_iter().filter(|v| v.is_finite()).collect();
         (whole.iter().sum::<f64>() / whole.len().max(1) as f64).sqrt()
     };
-    let (without, with) = where_it_acts;
+    let (without, with) = (where_it_acts(before), where_it_acts(after));
     Gain {
         before: rms(before),
         after: rms(after),
-        t: students_t(&squares).max(students_t(&ratios)).max(students_t(&scores)),
+        t: alone.clearest().max(together.clearest()),
         won: if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 },
-        middle: 1.0 - (-0.5 * middle).exp(),
+        middle: 1.0 - (-0.5 * median(&alone.ratios)).exp(),
+    }
+}
+
+/// What an effect wins in each fold, of squared deviations.
+struct ByFold {
+    /// Mean difference of the squares.
+    squares: Vec<f64>,
+    /// Logarithm of their ratio.
+    ratios: Vec<f64>,
+    /// Mean difference of the log score under a heavy tail.
+    scores: Vec<f64>,
+}
+
+impl ByFold {
+    /// Of deviations without and with it.
+    fn new(scene: &Scene<'_>, folds: &Folds, without: &[f64], with: &[f64]) -> Self {
+        /// Degrees of freedom of the heavy tail.
+        const TAIL: f64 = 4.0;
+        let surprise = |square: f64| (1.0 + square / TAIL).ln();
+        let mut sums = vec![[0.0; 4]; folds.count];
+        for ((o, a), b) in scene.observations.iter().zip(without).zip(with) {
+            let (a, b) = (a * a, b * b);
+            let own = [a, b, surprise(a) - surprise(b), 1.0];
+            sums[folds.of_visit[o.visit]].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        }
+        let filled: Vec<[f64; 4]> = sums.into_iter().filter(|[_, with, ..]| *with > 0.0).collect();
+        let each = |of: fn(&[f64; 4]) -> f64| filled.iter().map(of).collect();
+        ByFold {
+            squares: each(|[a, b, _, n]| (a - b) / n),
+            ratios: each(|[a, b, ..]| (a / b).ln()),
+            scores: each(|[.., score, n]| score / n),
+        }
+    }
+
+    /// Student's t of whichever is clearest.
+    fn clearest(&self) -> f64 {
+        students_t(&self.squares).max(students_t(&self.ratios)).max(students_t(&self.scores))
     }
 }
 

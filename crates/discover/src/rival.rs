@@ -11,7 +11,7 @@ use crate::law::Law;
 use crate::likelihood::{Likelihood, WIDE};
 use crate::scene::Scene;
 use crate::screen::{Screen, price};
-use crate::shape::{climbed, seen_as, shapes};
+use crate::shape::{climbed, found_periods, seen_as, shapes};
 use crate::{DiscoverError, Family};
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
@@ -121,10 +121,10 @@ pub(crate) fn odds(scene: &Scene<'_>, screen: &Screen, candidate: &Candidate) ->
     preference(screen, candidate) + price(scene.len()) * climbed(candidate) as f64
 }
 
-/// What a candidate pays before the data is looked at.
+/// What a candidate pays before the data is looked at: every period of a gear is an answer of its own to the questions asked.
 fn preference(screen: &Screen, candidate: &Candidate) -> f64 {
     let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
-    2.0 * (screen.asked(candidate.family) as f64).ln() + nameless
+    2.0 * found_periods(candidate).max(1) as f64 * (screen.asked(candidate.family) as f64).ln() + nameless
 }
 
 /// Whether size and sign are such as nature has.

@@ -65,6 +65,14 @@ pub(crate) fn shapes(candidate: &Candidate) -> usize {
     candidate.effects().iter().filter(|effect| one(&***effect)).count() + climbed(candidate)
 }
 
+/// How many periods of a gear were found rather than known.
+pub(crate) fn found_periods(candidate: &Candidate) -> usize {
+    let found = |effect: &dyn AnyEffect| {
+        seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
+    };
+    candidate.effects().iter().filter(|effect| found(&***effect)).count()
+}
+
 /// How many of them have a coarse grid, so that they were climbed for.
 pub(crate) fn climbed(candidate: &Candidate) -> usize {
     candidate.effects().iter().filter(|effect| scale(&***effect).is_some()).count()
