@@ -2,6 +2,7 @@
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
+use crate::descend::{between_rows, descended, gaps, shapes};
 use crate::diagnose::{Accepted, LastWord, Search};
 use crate::diagnosis::{
     Alternative, Diagnosis, Errors, Finding, Parameter, RivalFit, Stop, Unexplained, Untestable,
@@ -56,22 +57,31 @@ pub(crate) fn conclude(
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
     let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
 
-    // The structure is frozen; coefficients come from all rows but the outliers.
-    let residual = &judged.y - &judged.base * judged.coefficients();
-    let outside = outliers(&judged, residual.as_slice(), now.fit.noise);
-    let mut data = all.clone();
-    for &row in &outside.suspects {
-        data.position[row] = [f64::NAN; 3];
-        data.orientation[row] = None;
-    }
+    // The structure is frozen; coefficients and shapes come from all rows but the outliers.
     let frozen = FitOptions { noise: NoiseSource::Fixed(now.fit.noise), ..ground.fit.clone() };
-    let shapes: Vec<(usize, Shape)> = (0..found.len())
-        .flat_map(|k| ground.effects_of(&found, k).zip(found[k].effects()))
-        .flat_map(|(k, effect)| {
-            crate::shape::found(&**effect, &data).into_iter().map(move |shape| (k, shape))
-        })
-        .collect();
+    let outside = |fit: &Fit| -> Result<Outliers, DiscoverError> {
+        let judged = Scene::new(fit, &all)?;
+        let residual = &judged.y - &judged.base * judged.coefficients();
+        Ok(outliers(&judged, residual.as_slice(), now.fit.noise))
+    };
+    let mut first = outside(&now.fit)?;
+    // Between the rows on either side of a jump the training rows cannot say who is out.
+    let jumps: Vec<[f64; 2]> = between_rows(&found, &now.data).iter().flat_map(gaps).collect();
+    let unsure = |row: usize| jumps.iter().any(|[before, after]| (*before..*after).contains(&all.time[row]));
+    first.suspects.retain(|&row| !unsure(row));
+    let data = without(&all, &first.suspects);
     let fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
+    let moved = descended(&ground, &found, &fit, &data)?;
+    let found = between_rows(moved.as_deref().unwrap_or(&found), &data);
+    let shapes = shapes(&ground, &found, &data);
+    let fit = if shapes.is_empty() { fit } else { ground.fitted_by(&found, &data, &frozen)? };
+    let outside = outside(&fit)?;
+    let data = without(&all, &outside.suspects);
+    let fit = if outside.suspects == first.suspects {
+        fit
+    } else {
+        fit_again(&fit, &data, ground.solver, &frozen)?
+    };
     let mut fit = with_shapes(fit, &data, &shapes);
 
     at_run_time(&mut fit, &found, whole.data);
@@ -86,12 +96,12 @@ pub(crate) fn conclude(
                 Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
                 Change::Add(_) => Vec::new(),
             },
-            candidate: accepted.candidate.clone(),
+            candidate: found[k].clone(),
             evidence: accepted.evidence.clone(),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: alternatives(&trial, k, &accepted.rivals)?,
-            trace: trace(&fit, &data, &accepted.candidate, effects.start)?,
+            trace: trace(&fit, &data, &found[k], effects.start)?,
         });
     }
     let rivals =
@@ -132,6 +142,16 @@ pub(crate) fn conclude(
         untestable,
         holdout_rows: whole.holdout_rows,
     })
+}
+
+/// The data without what was measured in these rows.
+fn without(data: &Dataset, rows: &[usize]) -> Dataset {
+    let mut data = data.clone();
+    for &row in rows {
+        data.position[row] = [f64::NAN; 3];
+        data.orientation[row] = None;
+    }
+    data
 }
 
 /// Loads, domain and channels as they are declared at run time: as they were declared here.

@@ -2,6 +2,7 @@
 
 use crate::candidate::{Candidate, Change};
 use crate::contest::{Contest, contest};
+use crate::descend::{between_rows, descended, gaps};
 use crate::diagnosis::{Diagnosis, Refused, Stop, Untestable};
 use crate::evidence::{Evidence, collect};
 use crate::flips::NullDistribution;
@@ -122,6 +123,7 @@ pub(crate) fn on_split(
         let working = search.ground.working_from(found, &[], Some(&search.now.fit))?;
         search.stand_on(working);
     }
+    search.between_rows()?;
     conclude::conclude(search, whole, stopped, last)
 }
 
@@ -149,7 +151,9 @@ impl Search<'_> {
     ) -> Result<(Stop, LastWord), DiscoverError> {
         /// With more finds than this they are looked at again only at the end.
         const FEW: usize = 4;
-        let mut settled = false;
+        let mut looked_again = false;
+        // Finds whose shapes went down together.
+        let mut together_down: Option<Vec<(String, usize)>> = None;
         // Finds that were together before: what takes one out again only for it to come back goes round in circles.
         let mut together: Vec<Vec<(String, usize)>> = Vec::new();
         let mut circling = false;
@@ -179,11 +183,17 @@ impl Search<'_> {
             }
             let Some(accepted) = accepted else {
                 let stop = stop.unwrap_or(Stop::NothingConvincing);
-                if settled || self.accepted.len() <= FEW {
+                if together_down.as_ref() != Some(&self.finds()) {
+                    together_down = Some(self.finds());
+                    if self.descend()? {
+                        continue;
+                    }
+                }
+                if looked_again || self.accepted.len() <= FEW {
                     return Ok((stop, last));
                 }
                 // Once, at the end: if that changes something, there may be more to find.
-                settled = true;
+                looked_again = true;
                 progress(Progress::Reconsidering);
                 if !reconsider::reconsider(self, self.accepted.len())? {
                     return Ok((stop, last));
@@ -235,6 +245,26 @@ impl Search<'_> {
         }
         self.accepted.push(accepted);
         self.accepted.len() - 1
+    }
+
+    /// Lets the shapes of all finds go down together; true when something moved.
+    fn descend(&mut self) -> Result<bool, DiscoverError> {
+        let Some(next) = descended(&self.ground, &self.now.found, &self.now.fit, &self.now.data)? else {
+            return Ok(false);
+        };
+        self.accepted.iter_mut().zip(next).for_each(|(accepted, next)| accepted.candidate = next);
+        self.refit()?;
+        Ok(true)
+    }
+
+    /// What jumped did so between two rows, one does not know when.
+    fn between_rows(&mut self) -> Result<(), DiscoverError> {
+        let next = between_rows(&self.now.found, self.ground.data);
+        if next.iter().all(|found| gaps(found).is_empty()) {
+            return Ok(());
+        }
+        self.accepted.iter_mut().zip(next).for_each(|(accepted, next)| accepted.candidate = next);
+        self.refit()
     }
 
     /// Fits the model with everything that was accepted.

@@ -3,6 +3,7 @@
 mod candidate;
 mod conclude;
 mod contest;
+mod descend;
 mod diagnose;
 mod diagnosis;
 mod error;

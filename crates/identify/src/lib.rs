@@ -46,7 +46,7 @@ pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
-pub use shapes::{FittedShape, Shapes, judge_shapes};
+pub use shapes::{FittedShape, Shapes, descend_shapes, judge_shapes};
 pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
 pub use suspicion::{Cause, Suspicion, suspicion};
 pub use variance::estimate_noise;

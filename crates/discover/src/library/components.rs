@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn what_moves_a_joint_has_nothing_to_leave_out() {
-        let at = |spot| Shift { spot, components: None, at: 1.0, at_range: None };
+        let at = |spot| Shift::of(spot, 1.0);
         let joint = Candidate::new(Family::Shift, crate::Place::default(), at(Spot::Joint(JointId(1))));
         assert!(neighbours(&joint).is_empty());
         let one = Shift { components: Some(vec![Axis::Tx]), ..at(Spot::Frame(FrameId::BASE)) };

@@ -39,7 +39,7 @@ pub(super) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
 
 /// A jump of one place at one instant.
 fn shift_at(chain: &Chain, spot: Spot, at: f64) -> Candidate {
-    let effect = Shift { spot, components: None, at, at_range: None };
+    let effect = Shift::of(spot, at);
     Candidate::new(Family::Shift, Place::spot(chain, spot), effect)
 }
 

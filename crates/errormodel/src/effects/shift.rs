@@ -1,6 +1,10 @@
 //! An error that jumps once: something was bumped, changed or mounted anew.
 //!
 //! `ε(t) = c · [t ≥ t_0]`, one unknown a component of the place; t_0 (`at`, s) is its shape where `at_range` is given.
+//!
+//! Nobody saw it happen: of what was measured, the last on one side of it and the first on the other are known. In between (`gap`) the jump has
+//! happened with a probability that grows with the time gone by, `c (t − t_−)/(t_+ − t_−)` is what is to be expected, and there is no
+//! prediction with smaller squares.
 
 use super::Spot;
 use super::travel::{ascending, free};
@@ -23,6 +27,24 @@ pub struct Shift {
     /// Between which instants `at` is to be found, s; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_range: Option<[f64; 2]>,
+    /// Last instant known to be before it and first one known to be after it, s; when absent all of it happens at `at`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<[f64; 2]>,
+}
+
+impl Shift {
+    /// A jump of all components at a known instant, s.
+    pub fn of(spot: Spot, at: f64) -> Self {
+        Shift { spot, components: None, at, at_range: None, gap: None }
+    }
+
+    /// How much of it has happened, as far as one knows, at an instant, s.
+    fn share(&self, time: f64) -> f64 {
+        match self.gap {
+            Some([before, after]) => ((time - before) / (after - before)).clamp(0.0, 1.0),
+            None => f64::from(time >= self.at),
+        }
+    }
 }
 
 impl Effect for Shift {
@@ -42,8 +64,9 @@ impl Effect for Shift {
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
-        if at.signal(0) >= self.at {
-            self.spot.put(self.components.as_deref(), (0, 1), 1.0, at, out);
+        let share = self.share(at.signal(0));
+        if share > 0.0 {
+            self.spot.put(self.components.as_deref(), (0, 1), share, at, out);
         }
     }
 
@@ -53,7 +76,8 @@ impl Effect for Shift {
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         self.spot.check(Self::KIND, self.components.as_deref(), chain)?;
-        ascending(Self::KIND, "at_range", self.at_range)
+        ascending(Self::KIND, "at_range", self.at_range)?;
+        ascending(Self::KIND, "gap", self.gap)
     }
 
     fn shape(&self) -> Vec<Shape> {
@@ -61,7 +85,7 @@ impl Effect for Shift {
     }
 
     fn with_shape(&self, values: &[f64]) -> Self {
-        Shift { at: values.first().copied().unwrap_or(self.at), ..self.clone() }
+        Shift { at: values.first().copied().unwrap_or(self.at), gap: None, ..self.clone() }
     }
 }
 
@@ -77,7 +101,7 @@ mod tests {
             let at_range = Some([10.0, 300.0]);
             for spot in [Spot::Frame(FrameId::BASE), Spot::Frame(chain.tool_frame()), Spot::Joint(JointId(1))]
             {
-                check_effect(&Shift { spot, components: None, at: 100.0, at_range }, &chain);
+                check_effect(&Shift { at_range, ..Shift::of(spot, 100.0) }, &chain);
             }
         }
     }
@@ -86,11 +110,32 @@ mod tests {
     fn begins_at_its_instant_and_stays() {
         let chain = samples::ur10();
         let components = Some(vec![Axis::Tz, Axis::Rx]);
-        let shift = Shift { spot: Spot::Frame(FrameId::BASE), components, at: 50.0, at_range: None };
+        let shift = Shift { components, ..Shift::of(Spot::Frame(FrameId::BASE), 50.0) };
         let count = |time| {
             let conditions = Conditions { time, ..Conditions::at(&chain, &[0.0; 6]) };
             emitted(&shift, &chain, &conditions).len()
         };
         assert_eq!([count(49.9), count(50.0), count(1e6)], [0, 2, 2]);
+    }
+
+    #[test]
+    fn what_nobody_saw_has_happened_in_part() {
+        let chain = samples::ur10();
+        let gap = Some([40.0, 60.0]);
+        let shift = Shift { gap, ..Shift::of(Spot::Joint(JointId(1)), 50.0) };
+        let share = |time| {
+            let conditions = Conditions { time, ..Conditions::at(&chain, &[0.0; 6]) };
+            emitted(&shift, &chain, &conditions).iter().map(|(_, _, value)| value).sum::<f64>()
+        };
+        let whole = share(1e6);
+        assert!(whole > 0.0);
+        assert_eq!(
+            [0.0, 40.0, 45.0, 50.0, 60.0, 70.0].map(|t| share(t) / whole),
+            [0.0, 0.0, 0.25, 0.5, 1.0, 1.0]
+        );
+        // Where its instant is searched for it happens at once.
+        assert_eq!(Effect::with_shape(&shift, &[45.0]).gap, None);
+        let none = Shift { gap: Some([60.0, 40.0]), ..shift };
+        assert!(Effect::validate(&none, &chain).is_err());
     }
 }

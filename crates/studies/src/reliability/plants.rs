@@ -324,7 +324,7 @@ impl Draw<'_> {
                 errors.shift.push(flaws::Shift { at, when_s, size_mm: milli, size_mrad: milli });
                 let at_range = Some([0.0, self.duration]);
                 let spot = Spot::Joint(joint);
-                let effect = Shift { spot, components: None, at: 0.5 * self.duration, at_range };
+                let effect = Shift { at_range, ..Shift::of(spot, 0.5 * self.duration) };
                 (some(Box::new(effect), vec![size], Some(when_s)), None)
             }
             Extra::Lag => {
