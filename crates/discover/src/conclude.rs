@@ -14,7 +14,7 @@ use crate::screen::Screen;
 use crate::trace::trace;
 use crate::trial::Trial;
 use crate::working::with_loads;
-use crate::{Family, Place, contest::TIE, lags, payload};
+use crate::{Family, Place, contest::TIE, derived, payload};
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Shape};
@@ -165,7 +165,7 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
             Change::Add(_) => None,
         })
         .collect();
-    let own = lags::own_channels(data);
+    let own = derived::own_channels(data);
     fit.fitted.domain = Domain::of(&own);
     fit.fitted.channels.clone_from(&own.schema.channels);
 }

@@ -15,7 +15,7 @@ use crate::screen::Screen;
 use crate::so_far::SoFar;
 use crate::surprise::gain_of_one;
 use crate::working::{Ground, Working};
-use crate::{DiscoverError, DiscoverOptions, Family, conclude, lags, merge, reconsider, wide};
+use crate::{DiscoverError, DiscoverOptions, Family, conclude, derived, merge, reconsider, wide};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
@@ -66,7 +66,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
     // History is made on the whole record, before anything is drawn from it.
-    let data = &lags::with_lags(data);
+    let data = &derived::with_derived(data);
     let rows = hold_out(data, options.holdout, options.seed)?;
     on_split(chain, declared, (data, rows), solver, options, progress)
 }

@@ -3,6 +3,7 @@
 mod candidate;
 mod conclude;
 mod contest;
+mod derived;
 mod descend;
 mod diagnose;
 mod diagnosis;
@@ -12,7 +13,6 @@ mod family;
 mod flips;
 mod functions;
 mod gross;
-mod lags;
 mod law;
 mod library;
 mod likelihood;

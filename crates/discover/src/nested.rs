@@ -5,7 +5,7 @@
 //! finds on the others.
 
 use crate::diagnose::on_split;
-use crate::{Diagnosis, DiscoverError, DiscoverOptions, Progress, lags};
+use crate::{Diagnosis, DiscoverError, DiscoverOptions, Progress, derived};
 use truepose_errormodel::{AnyEffect, Dataset};
 use truepose_identify::{Folds, Residuals, Split, Spread};
 use truepose_kinematics::Chain;
@@ -36,7 +36,7 @@ pub fn nested(
     progress: &(dyn Fn(usize, Progress) + Sync),
 ) -> Result<Nested, DiscoverError> {
     options.validate()?;
-    let data = &lags::with_lags(data);
+    let data = &derived::with_derived(data);
     let folds = Folds::new(data, split)?;
     let mut runs = Vec::new();
     let (mut before, mut after) = (Vec::new(), Vec::new());

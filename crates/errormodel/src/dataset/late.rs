@@ -1,4 +1,4 @@
-//! Derived channels: one that follows another late.
+//! A derived channel: one that follows another late.
 //!
 //! `τ dT/dt = u(t) − T`, u the channel, straight between its rows; T = u at the first row. From one row to the next, h later:
 //!
@@ -10,11 +10,9 @@
 //! by this formula at fit time and wherever a fit is used.
 
 use super::{Channel, Dataset};
-use crate::{ErrorModel, ModelError, Signal};
-use std::borrow::Cow;
 
 /// What stands between a channel's name and its lag.
-const LATE: &str = "~lag=";
+pub(super) const LATE: &str = "~lag=";
 
 /// The name of a channel that follows another with this time constant, s.
 pub fn late_channel(channel: &str, lag: f64) -> String {
@@ -22,37 +20,6 @@ pub fn late_channel(channel: &str, lag: f64) -> String {
 }
 
 impl Dataset {
-    /// The data with the late channels that a model needs and the data lacks, where they can be made: from their own
-    /// channel and the time of the rows. What cannot be made is told when the model is bound.
-    ///
-    /// # Errors
-    /// [`ModelError::MissingSignal`] for a late channel of data without a time.
-    pub fn derived_for(&self, model: &ErrorModel) -> Result<Cow<'_, Dataset>, ModelError> {
-        let mut data = Cow::Borrowed(self);
-        for effect in model.effects() {
-            for need in effect.needs() {
-                let Signal::Channel(name) = &need else { continue };
-                let Some((source, lag)) = self.late(name) else { continue };
-                if data.schema.channel(name).is_some() {
-                    continue;
-                }
-                if !self.schema.time {
-                    return Err(ModelError::MissingSignal {
-                        kind: effect.kind().into(),
-                        signal: format!("{} to make `{name}`", Signal::Time.describe(model.chain())),
-                        have: self.schema.channels.iter().map(|channel| channel.name.clone()).collect(),
-                    });
-                }
-                let column = self.following(source, lag);
-                let made = Channel { name: name.clone(), ..self.schema.channels[source].clone() };
-                let more = data.to_mut();
-                more.schema.channels.push(made);
-                more.channels.push(column);
-            }
-        }
-        Ok(data)
-    }
-
     /// Adds the column of a body that follows a channel with this time constant, s; nothing happens where there is no such
     /// channel, no time, or where the column is there already.
     pub fn follow_late(&mut self, channel: &str, lag: f64) {
@@ -75,7 +42,7 @@ impl Dataset {
     }
 
     /// The channel as a body sees it that follows with this time constant.
-    fn following(&self, channel: usize, lag: f64) -> Vec<f64> {
+    pub(super) fn following(&self, channel: usize, lag: f64) -> Vec<f64> {
         let u = &self.channels[channel];
         let mut order: Vec<usize> = (0..u.len()).collect();
         order.sort_by(|&a, &b| self.time[a].total_cmp(&self.time[b]));
@@ -98,8 +65,9 @@ impl Dataset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Schema;
     use crate::effects::{Spot, Thermal};
+    use crate::{ErrorModel, Schema};
+    use std::borrow::Cow;
     use truepose_kinematics::{JointId, samples};
 
     fn warming(time: bool) -> Dataset {

@@ -4,11 +4,13 @@
 //! NaN in `position` and `None` in `orientation`: files cannot contain a NaN, so that nothing else is.
 
 mod approach;
+mod derived;
 mod late;
 mod schema;
 mod visits;
 
 pub use approach::approach_from_order;
+pub use derived::{CARRIED, is_derived};
 pub use late::late_channel;
 pub use schema::{Channel, Schema};
 pub use visits::{Visits, configurations, visits_from_rows};

@@ -2,7 +2,7 @@
 
 use crate::figure::unit_words;
 use std::collections::BTreeSet;
-use truepose_errormodel::{Dataset, configurations};
+use truepose_errormodel::{Dataset, configurations, is_derived};
 use truepose_identify::Residuals;
 use truepose_kinematics::{Chain, Load};
 
@@ -141,7 +141,7 @@ fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) 
         list.push(Input { name: "order of visits".into(), unit: String::new(), values: pick(&order, 1.0) });
     }
     for (channel, column) in data.schema.channels.iter().zip(&data.channels) {
-        if !channel.name.contains("~lag=") {
+        if !is_derived(&channel.name) {
             let (name, unit) = (channel.name.clone(), unit_words(&channel.unit));
             list.push(Input { name, unit, values: pick(column, 1.0) });
         }

@@ -1,6 +1,6 @@
-//! Temperatures that a body follows late: derived channels for a grid of time constants.
+//! Derived channels: temperatures that a body follows late, for a grid of time constants, and the mass that is carried.
 
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, is_derived};
 
 /// Time constants tried for each temperature.
 const LAGS: usize = 12;
@@ -9,10 +9,11 @@ const LAGS: usize = 12;
 /// told from a drift.
 const LONGEST: f64 = 1.0 / 3.0;
 
-/// The data with each temperature channel as bodies of several time constants follow it: from the pace of the visits to a
-/// part of the length of the record, in equal ratios.
-pub(crate) fn with_lags(data: &Dataset) -> Dataset {
+/// The data with the mass that is carried, and with each temperature channel as bodies of several time constants follow it: from the pace of
+/// the visits to a part of the length of the record, in equal ratios.
+pub(crate) fn with_derived(data: &Dataset) -> Dataset {
     let mut more = data.clone();
+    more.add_carried();
     let from = data.time.iter().copied().fold(f64::INFINITY, f64::min);
     let until = data.time.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let length = until - from;
@@ -39,7 +40,7 @@ pub(crate) fn own_channels(data: &Dataset) -> Dataset {
     own.schema.channels = Vec::new();
     own.channels = Vec::new();
     for (channel, column) in data.schema.channels.iter().zip(&data.channels) {
-        if !channel.name.contains("~lag=") {
+        if !is_derived(&channel.name) {
             own.schema.channels.push(channel.clone());
             own.channels.push(column.clone());
         }
