@@ -196,7 +196,7 @@ fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) 
     let mut added = 0;
     while added < MOST_PERIODS {
         let wave = periodogram::scan(scene, &projection, joint, &grid)?;
-        let &(period, gain) = wave.peaks(1).first()?;
+        let (period, gain) = wave.strongest()?;
         if gain < threshold {
             break;
         }

@@ -304,7 +304,7 @@ fn winner(
             return Ok(None);
         }
         for (k, best) in rivals.iter().enumerate().take(ASKED) {
-            let p = (null.p_value(Screen::statistic(best.gain, best.freedom)), parametric(screen, best));
+            let p = (null.p_value(best.surprise), parametric(screen, best));
             let evidence = collect(scene, &present, best, p, options.seed)?;
             let floor = best.likelihood.noise.floor(f64::NAN);
             let doubt = if best.score >= present.deviance {

@@ -35,6 +35,7 @@ mod sample;
 mod scene;
 mod screen;
 mod shape;
+mod share;
 mod so_far;
 mod surprise;
 mod tables;

@@ -5,7 +5,8 @@
 
 use crate::projection::{Projection, basis};
 use crate::scene::Scene;
-use crate::surprise::surprise;
+use crate::share::Share;
+use crate::surprise::Surprise;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -16,7 +17,9 @@ pub(crate) struct Periodogram {
     pub joint: JointId,
     pub periods: Vec<f64>,
     pub gains: Vec<f64>,
-    pub surprises: Vec<f64>,
+    pub surprises: Vec<Surprise>,
+    /// Of the share that each takes by chance.
+    pub laws: Vec<Share>,
     /// Units × 2 columns a period.
     pub by_unit: DMatrix<f32>,
 }
@@ -66,7 +69,7 @@ pub(crate) fn scan(
     if periods.is_empty() || pulses.square.iter().sum::<f64>() <= 0.0 {
         return None;
     }
-    let parts: Vec<(Vec<f64>, Vec<f64>, DMatrix<f32>)> = periods
+    let parts: Vec<(Vec<Wave>, DMatrix<f32>)> = periods
         .par_chunks(BATCH)
         .map(|batch| {
             let mut waves = DMatrix::zeros(values.len(), 2 * batch.len());
@@ -78,27 +81,27 @@ pub(crate) fn scan(
                 }
             }
             let (along, sums) = pulses.through(&waves, projection);
-            let (mut gains, mut surprises) = (Vec::new(), Vec::new());
+            let mut told = Vec::with_capacity(batch.len());
             let mut by_unit = DMatrix::<f32>::zeros(projection.units, 2 * batch.len());
             for k in 0..batch.len() {
                 let raw = pulses.products(&waves.columns(2 * k, 2));
                 let pair = along.columns(2 * k, 2);
                 let left = &raw - pair.tr_mul(&pair);
                 let Some(turn) = basis(&raw, &left) else {
-                    gains.push(0.0);
-                    surprises.push(f64::NEG_INFINITY);
+                    told.push(Wave::silent());
                     continue;
                 };
                 let scores = sums.columns(2 * k, 2) * &turn;
                 let squares: f64 = scores.column_iter().map(|c| c.sum().powi(2)).sum();
+                let law = projection.law(&scores);
                 let gain = projection.gain(squares, projection.rss);
-                gains.push(gain);
-                surprises.push(surprise(gain, 2));
+                let surprise = Surprise::of(gain, 2, law.surprise(squares / projection.rss));
+                told.push(Wave { gain, surprise, law });
                 for (j, column) in scores.column_iter().enumerate() {
                     by_unit.column_mut(2 * k + j).copy_from(&column.map(|v| v as f32));
                 }
             }
-            (gains, surprises, by_unit)
+            (told, by_unit)
         })
         .collect();
     let mut whole = Periodogram {
@@ -106,17 +109,45 @@ pub(crate) fn scan(
         periods: periods.to_vec(),
         gains: Vec::new(),
         surprises: Vec::new(),
+        laws: Vec::new(),
         by_unit: DMatrix::zeros(projection.units, 2 * periods.len()),
     };
-    for (gains, surprises, by_unit) in parts {
+    for (told, by_unit) in parts {
         whole.by_unit.columns_mut(2 * whole.gains.len(), by_unit.ncols()).copy_from(&by_unit);
-        whole.gains.extend(gains);
-        whole.surprises.extend(surprises);
+        for wave in told {
+            whole.gains.push(wave.gain);
+            whole.surprises.push(wave.surprise);
+            whole.laws.push(wave.law);
+        }
     }
     Some(whole)
 }
 
+/// What one period does.
+struct Wave {
+    gain: f64,
+    surprise: Surprise,
+    law: Share,
+}
+
+impl Wave {
+    /// Nothing of it is left beside the present model.
+    fn silent() -> Self {
+        Wave { gain: 0.0, surprise: Surprise::NONE, law: Share::none() }
+    }
+}
+
 impl Periodogram {
+    /// The period that is most surprising among visits, with the χ²_2 that would be as surprising.
+    pub fn strongest(&self) -> Option<(f64, f64)> {
+        let pairs = self
+            .periods
+            .iter()
+            .copied()
+            .zip(self.surprises.iter().map(|surprise| 2.0 * surprise.among_visits));
+        pairs.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, gain)| gain.is_finite())
+    }
+
     /// Local maxima, best first: (period, gain).
     pub fn peaks(&self, count: usize) -> Vec<(f64, f64)> {
         let mut peaks: Vec<(f64, f64)> = (0..self.gains.len())

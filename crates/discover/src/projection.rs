@@ -8,12 +8,24 @@
 //! the sum of squares RSS (score test, no refit), and `LR = −m ln(1 − SS/RSS)`. Statistics of different numbers of
 //! unknowns are compared by how surprising they are. A direction of which the present model already
 //! explains nearly all is left out: there the data cannot speak for the candidate.
+//!
+//! What causes that have not been found yet do to a visit they do to all of its numbers, so that m numbers are worth less, and a candidate
+//! may shine in a few visits alone. If each visit had a sign by chance, its share would have, with b_u its scores of one visit and
+//! B those of all (units × k),
+//!
+//! ```text
+//! E SS = Σ_u ‖b_u‖²,   Var SS = 2 (‖BᵀB‖² − Σ_u ‖b_u‖⁴)
+//! ```
+//!
+//! (of k directions in white noise k and 2k deviations squared). How surprising the share is *among visits* is told from the beta law with
+//! these moments; how surprising it is among numbers, from LR.
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
 use crate::product::{cross, orthonormal};
 use crate::scene::Scene;
-use crate::surprise::surprise;
+use crate::share::Share;
+use crate::surprise::Surprise;
 use crate::tables::Tables;
 use crate::whitener::Whitener;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
@@ -37,6 +49,8 @@ pub(crate) struct Projection {
     pub units: usize,
     /// Q_1 ∘ r̃ summed over each unit, units × r.
     pub q_by_unit: DMatrix<f64>,
+    /// ‖P S r̃‖² as it is to be expected with random signs S of the units.
+    flipped: f64,
     pub tables: Tables,
 }
 
@@ -68,8 +82,10 @@ pub(crate) struct Score {
     pub freedom: usize,
     /// −m ln(1 − SS/RSS).
     pub gain: f64,
+    /// Of the share that it takes by chance.
+    pub law: Share,
     /// How surprising that is.
-    pub surprise: f64,
+    pub surprise: Surprise,
     /// Share of the candidate that the present model does not absorb, ‖X̃‖²/‖X‖².
     pub share: f64,
     /// Scores of the units along the orthonormal basis, units × freedom.
@@ -102,7 +118,8 @@ impl Projection {
         let units = scene.visits.div_ceil(merge);
         let q_by_unit = by_unit(&top, &residual, &unit, units);
         let tables = Tables::new(scene, &whitener, (&top, &residual), &unit);
-        Projection { whitener, q: top, y, residual, rss, unit, units, q_by_unit, tables }
+        let flipped = flipped(&residual, &q_by_unit);
+        Projection { whitener, q: top, y, residual, rss, unit, units, q_by_unit, flipped, tables }
     }
 
     /// With further raw columns (m × k) in the present model; none when nothing of them is left.
@@ -112,12 +129,14 @@ impl Projection {
         let r = self.q.ncols();
         let mut q = self.q.clone().resize_horizontally(r + new.ncols(), 0.0);
         q.columns_mut(r, new.ncols()).copy_from(&new);
+        let q_by_unit = by_unit(&q, &residual, &self.unit, self.units);
         Some(Projection {
             whitener: self.whitener.clone(),
             rss: self.rss - explained.norm_squared(),
             unit: self.unit.clone(),
             units: self.units,
-            q_by_unit: by_unit(&q, &residual, &self.unit, self.units),
+            flipped: flipped(&residual, &q_by_unit),
+            q_by_unit,
             tables: self.tables.with(&new, &residual),
             q,
             y: self.y.clone(),
@@ -194,6 +213,17 @@ impl Projection {
         -(self.len() as f64) * (1.0 - (squares / rss).min(1.0 - 1e-12)).ln()
     }
 
+    /// The law of the share that a candidate with these scores by unit (units × freedom) takes by chance.
+    pub fn law<S: Storage<f64, Dyn, Dyn>>(&self, by_unit: &Matrix<f64, Dyn, Dyn, S>) -> Share {
+        let of_units = by_unit
+            .row_iter()
+            .map(|b| b.norm_squared())
+            .fold((0.0, 0.0), |(sum, squares), b| (sum + b, squares + b * b));
+        let (mean, fourth) = of_units;
+        let variance = 2.0 * (cross(by_unit, by_unit).norm_squared() - fourth);
+        Share::new(mean / self.flipped, variance / self.flipped.powi(2), self.len())
+    }
+
     /// How a candidate does; none when nothing of it is left, or the data lacks what it reads.
     pub fn judge(&self, scene: &Scene<'_>, candidate: &Candidate) -> Option<Score> {
         self.score(&self.sums(scene, candidate).ok()?)
@@ -243,15 +273,22 @@ impl Projection {
         let by_unit = by_unit * &basis;
         let freedom = basis.ncols();
         let squares: f64 = by_unit.column_iter().map(|column| column.sum().powi(2)).sum();
-        let gain = self.gain(squares, self.rss);
+        let law = self.law(&by_unit);
         Some(Score {
             freedom,
-            gain,
-            surprise: surprise(gain, freedom),
+            gain: self.gain(squares, self.rss),
+            law,
+            surprise: Surprise::of(self.gain(squares, self.rss), freedom, law.surprise(squares / self.rss)),
             share: left.trace() / total,
             by_unit: by_unit.map(|v| v as f32),
         })
     }
+}
+
+/// ‖r̃‖² less what is to be expected of ‖Q_1ᵀ S r̃‖².
+fn flipped(residual: &DVector<f64>, q_by_unit: &DMatrix<f64>) -> f64 {
+    let whole = residual.norm_squared();
+    (whole - q_by_unit.norm_squared()).max(1e-3 * whole)
 }
 
 /// Σ over each unit's numbers of column × r̃.

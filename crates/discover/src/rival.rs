@@ -12,6 +12,7 @@ use crate::likelihood::{Likelihood, WIDE};
 use crate::scene::Scene;
 use crate::screen::{Screen, price};
 use crate::shape::{climbed, found_periods, seen_as, shapes};
+use crate::surprise::Surprise;
 use crate::{DiscoverError, Family};
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
@@ -27,8 +28,9 @@ pub(crate) struct Rival {
     pub columns: DMatrix<f64>,
     /// Directions that the data can judge.
     pub freedom: usize,
-    /// The screen's gain of this shape.
+    /// The screen's gain of this shape, and how surprising it is.
     pub gain: f64,
+    pub surprise: Surprise,
     pub score: f64,
     /// What of the score is neither likelihood nor coefficients.
     pub odds: f64,
@@ -64,9 +66,20 @@ pub(crate) fn rival(
     let law = likelihood.law(0..columns.ncols());
     let (odds, preference) = (odds(scene, screen, &candidate), preference(screen, &candidate));
     let total = likelihood.deviance + cost(&candidate, &law, score.freedom, scene) + odds;
-    let (freedom, gain) = (score.freedom, score.gain);
+    let (freedom, gain, surprise) = (score.freedom, score.gain, score.surprise);
     let width = law.width;
-    Ok(Some(Rival { candidate, columns, freedom, gain, score: total, odds, preference, width, likelihood }))
+    Ok(Some(Rival {
+        candidate,
+        columns,
+        freedom,
+        gain,
+        surprise,
+        score: total,
+        odds,
+        preference,
+        width,
+        likelihood,
+    }))
 }
 
 /// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none,

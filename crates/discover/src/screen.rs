@@ -8,7 +8,7 @@ use crate::periodogram::{self, Periodogram};
 use crate::projection::{Projection, Score};
 use crate::rival::by_evidence;
 use crate::scene::Scene;
-use crate::surprise::surprise;
+use crate::surprise::Surprise;
 use crate::{Family, Place};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -110,18 +110,18 @@ impl Screen {
         Screen { projection, candidates, periods, asked: BTreeMap::new() }
     }
 
-    /// The largest statistic over everything that was looked at.
-    pub fn largest(&self) -> f64 {
+    /// The largest statistics over everything that was looked at.
+    pub fn largest(&self) -> Surprise {
         let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprise);
         let waves = self.periods.iter().flat_map(|p| p.surprises.iter().copied());
-        single.chain(waves).fold(f64::NEG_INFINITY, f64::max)
+        single.chain(waves).fold(Surprise::NONE, Surprise::max)
     }
 
     /// What the largest statistic would be if nothing were missing.
     pub fn null(&self, flips: usize, seed: u64) -> NullDistribution {
         /// Columns in one product.
         const WIDTH: usize = 1024;
-        let mut joined: Vec<(DMatrix<f32>, Vec<usize>)> = Vec::new();
+        let mut joined: Vec<Block> = Vec::new();
         let scores: Vec<&Score> = self.candidates.iter().filter_map(|s| s.score.as_ref()).collect();
         let mut next = 0;
         while next < scores.len() {
@@ -136,19 +136,19 @@ impl Screen {
                 block.columns_mut(column, score.freedom).copy_from(&score.by_unit);
                 column += score.freedom;
             }
-            joined.push((block, scores[first..next].iter().map(|score| score.freedom).collect()));
+            let each = scores[first..next].iter().map(|score| (score.freedom, score.law)).collect();
+            joined.push(Block { by_unit: block, each });
         }
         for wave in &self.periods {
             let mut first = 0;
             while first < wave.periods.len() {
                 let count = (WIDTH / 2).min(wave.periods.len() - first);
-                joined.push((wave.by_unit.columns(2 * first, 2 * count).into_owned(), vec![2; count]));
+                let each = wave.laws[first..first + count].iter().map(|&law| (2, law)).collect();
+                joined.push(Block { by_unit: wave.by_unit.columns(2 * first, 2 * count).into_owned(), each });
                 first += count;
             }
         }
-        let blocks: Vec<Block<'_>> =
-            joined.iter().map(|(by_unit, freedoms)| Block { by_unit, freedoms: freedoms.clone() }).collect();
-        NullDistribution::new(&self.projection, &blocks, flips, seed)
+        NullDistribution::new(&self.projection, &joined, flips, seed)
     }
 
     /// Causes, best first: each by the variant whose gain best pays for its unknowns.
@@ -206,10 +206,5 @@ impl Screen {
             .take(LISTED)
             .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
             .collect()
-    }
-
-    /// The statistic of a gain.
-    pub fn statistic(gain: f64, freedom: usize) -> f64 {
-        surprise(gain, freedom)
     }
 }
