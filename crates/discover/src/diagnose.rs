@@ -332,7 +332,7 @@ fn winner(
 /// The candidate with what the contest found out about its change.
 pub(crate) fn adopted(rival: &Rival) -> Candidate {
     let mut candidate = rival.candidate.clone();
-    candidate.width = Some(2.0 * rival.width.max(1e-3));
+    candidate.width = Some(rival.within());
     if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
     }

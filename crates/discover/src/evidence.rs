@@ -89,8 +89,8 @@ pub(crate) fn collect(
     let random = Folds::new(scene.data, &Split::Random { folds: folds(scene, FOLDS), seed })?;
     let blocks = Folds::new(scene.data, &Split::TimeBlocks { folds: folds(scene, BLOCKS) })?;
     let gain = |folds: &Folds| -> Result<Gain, DiscoverError> {
-        let before = present.held_out(scene, folds)?;
-        let after = rival.likelihood.held_out(scene, folds)?;
+        let before = present.held_out(scene, folds, rival.within())?;
+        let after = rival.likelihood.held_out(scene, folds, rival.within())?;
         Ok(paired(scene, folds, rival, &before, &after))
     };
     let (stability, agreement) = halves(scene, rival, seed)?;

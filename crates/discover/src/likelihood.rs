@@ -128,10 +128,15 @@ impl Likelihood {
         })
     }
 
-    /// Residuals of every measured number by a fit that did not see its fold, m or rad.
-    pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds) -> Result<Vec<f64>, DiscoverError> {
+    /// Residuals of every measured number by a fit that did not see its fold, m or rad; γ is held within `width` expected sizes, as it will
+    /// be in the model: where a fold leaves a piece of a curve open, nothing is claimed there.
+    pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds, width: f64) -> Result<Vec<f64>, DiscoverError> {
         let (raw, white) = self.rows(scene);
         let n = raw.ncols() - 1;
+        let mut prior = self.prior.clone();
+        for at in n - self.extra.ncols()..n {
+            prior[(at, at)] = width.min(WIDE).powi(-2);
+        }
         let mut by_fold = vec![Vec::new(); folds.count];
         for (at, o) in scene.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
@@ -140,7 +145,7 @@ impl Likelihood {
         let mut residual = vec![f64::NAN; scene.len()];
         for members in &by_fold {
             let part = white.select_rows(members);
-            let (solution, _) = solved(&(&whole - cross(&part, &part)), &self.prior)?;
+            let (solution, _) = solved(&(&whole - cross(&part, &part)), &prior)?;
             for &at in members {
                 let row = raw.row(at);
                 let predicted: f64 = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).sum();

@@ -47,6 +47,12 @@ impl Rival {
         self.freedom + shapes(&self.candidate)
     }
 
+    /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes: twice that of the law from which they look
+    /// drawn.
+    pub fn within(&self) -> f64 {
+        2.0 * self.width.max(1e-3)
+    }
+
     /// By how much less likely it makes the data than another, whatever one would rather believe.
     fn behind(&self, other: &Rival) -> f64 {
         (self.score - self.preference) - (other.score - other.preference)
