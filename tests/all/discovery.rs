@@ -3,8 +3,9 @@
 use crate::plants::with_three_targets;
 use truepose_discover::{Diagnosis, DiscoverOptions, Family, Stop, diagnose};
 use truepose_errormodel::effects::{Geometric, JointCompliance, Where};
-use truepose_errormodel::{AnyEffect, Dataset};
-use truepose_kinematics::{Chain, FrameId, JointId, samples};
+use truepose_errormodel::{AnyEffect, CARRIED, Dataset};
+use truepose_kinematics::nalgebra::{self, Rotation3, Vector3};
+use truepose_kinematics::{Chain, FrameId, JointId, Load, PostureBuffer, samples};
 use truepose_simulate::description::{InstrumentSize, RepeatabilitySize, ShopDay};
 use truepose_simulate::{Campaign, ChannelPlan, Flaws, Plant, PlantOptions, flaws};
 use truepose_solvers::PivotedQr;
@@ -237,11 +238,83 @@ fn a_jump_is_a_jump_and_without_that_word_not_a_drift_without_a_doubt() {
     };
     let all = found(&chain, &declared, &data, 0);
     assert_eq!(all.findings[0].candidate.family, Family::Shift, "{:?}", words(&all));
-    // Told with certainty: no curve over time does as well.
+    // Told with certainty: no curve over time does as well, and visits next to it are no outliers.
     assert!(!nameless(&all), "{:?}", all.findings[0].alternatives);
+    assert_eq!(all.findings.len(), 1, "{:?}", words(&all));
+    // Between the rows on either side nobody knows when.
+    let jump = all.findings[0].candidate.effects()[0].parameters();
+    let gap: Vec<f64> = jump["gap"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    assert!(gap[0] < 1500.0 && 1500.0 <= gap[1] && gap[1] - gap[0] < 200.0, "{jump}");
+    assert!(data.time.iter().all(|t| *t <= gap[0] || gap[1] <= *t), "{jump}");
 
     let options = DiscoverOptions { without: vec![Family::Shift], ..DiscoverOptions::default() };
     let without = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     assert!(!without.findings.is_empty());
     assert!(nameless(&without), "{:?}: {:?}", words(&without), without.findings[0].alternatives);
+}
+
+#[test]
+fn what_shows_within_visits_is_told_while_whole_visits_are_off_for_other_reasons() {
+    let chain = with_three_targets(&samples::heavy());
+    let errors = Flaws {
+        coupling: vec![flaws::Dragging {
+            joint: "a6".into(),
+            driver: "a1".into(),
+            ratio_milli: 0.6,
+            eccentricity_mrad: 0.0,
+        }],
+        shift: vec![flaws::Shift { at: "base".into(), when_s: 2000.0, size_mm: 0.3, size_mrad: 0.3 }],
+        transmission: vec![flaws::Transmission {
+            joint: "a3".into(),
+            wheel: flaws::Wheel::Eccentric,
+            amplitude_mrad: 0.3,
+            cycles: Some(7.0),
+            phase_deg: None,
+        }],
+        ..constants()
+    };
+    let data = measured(&chain, errors, 110, &[], 12);
+    let told = found(&chain, &[Box::new(Geometric::default())], &data, 0);
+    let mut words = words(&told);
+    words.sort();
+    assert_eq!(words, ["coupling a6 by a1", "shift base", "transmission a3"]);
+}
+
+#[test]
+fn what_depends_on_a_joint_and_on_what_is_carried_has_no_name_but_a_place() {
+    let chain = with_three_targets(&samples::heavy());
+    let mut data = measured(&chain, constants(), 40, &[0.0, 60.0, 120.0], 13);
+    // The frame behind a4 turns about its z with a6 and with the mass: told to the data by geometry alone.
+    let frame = chain.frame_named("a4").unwrap();
+    let last = chain.coordinate(JointId(6)).unwrap();
+    for row in 0..data.len() {
+        let conditions = data.conditions(row);
+        let mass = match conditions.load {
+            Load::Payload(payload) => payload.mass,
+            _ => 0.0,
+        };
+        let mut buffer = PostureBuffer::new(&chain);
+        let place = *buffer.update(&chain, &conditions).frame(frame);
+        let axis = nalgebra::Unit::new_normalize(place.rotation * Vector3::z());
+        let turn = Rotation3::from_axis_angle(&axis, 4e-6 * mass * conditions.joints[last]);
+        let point = Vector3::from(data.position[row]) - place.translation;
+        data.position[row] = (turn * point + place.translation).into();
+    }
+    let joints = [2, 3, 5].map(JointId).to_vec();
+    let declared: [Box<dyn AnyEffect>; 2] = [
+        Box::new(Geometric::default()),
+        Box::new(JointCompliance { joints: Some(joints), ..JointCompliance::default() }),
+    ];
+    let told = found(&chain, &declared, &data, 0);
+    let first = &told.findings[0];
+    assert_eq!(first.candidate.family, Family::Unmodelled, "{:?}", words(&told));
+    let covariates = [&first.candidate.place.covariate, &first.candidate.place.covariate2];
+    let mut covariates: Vec<&str> = covariates.into_iter().flatten().map(String::as_str).collect();
+    covariates.sort_unstable();
+    assert_eq!(covariates, ["a6", CARRIED]);
+    let (before, after) = first.holdout;
+    assert!(after < 0.5 * before, "{before} {after}");
+    // Wherever the fit is used the mass comes from the load.
+    let predicted = truepose_identify::Residuals::of(&told.fit.fitted, &data).unwrap();
+    assert!(predicted.positions().rms < 1.2 * told.noise_floor);
 }

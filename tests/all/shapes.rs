@@ -126,12 +126,7 @@ fn at_the_optimum_no_neighbouring_period_fits_better() {
 fn the_instant_of_a_shift_is_found_between_two_visits() {
     let bump = flaws::Shift { at: "base".into(), when_s: 4321.0, size_mm: 0.25, size_mrad: 0.1 };
     let data = measure(&plant(|f| f.shift.push(bump), Shop::steady(20.0).unwrap()), 250, Vec::new());
-    let shift = Shift {
-        spot: Spot::Frame(FrameId::BASE),
-        components: None,
-        at: 600.0,
-        at_range: Some([300.0, 7000.0]),
-    };
+    let shift = Shift { at_range: Some([300.0, 7000.0]), ..Shift::of(Spot::Frame(FrameId::BASE), 600.0) };
     let found = identified(&data, Box::new(shift), Shapes::Profiled);
     let shape = only(&found);
     assert!(shape.interval[0] <= 4321.0 && 4321.0 <= shape.interval[1], "{shape:?}");

@@ -30,6 +30,8 @@ const CAUSES: usize = 10;
 const VARIANTS: usize = 3;
 /// Gears that may grow in one contest.
 const GEARS: usize = 2;
+/// What chance does once in a thousand times: −ln of it.
+const SURE: f64 = 7.0;
 /// Frequencies that one gear may have.
 const MOST_PERIODS: usize = 12;
 
@@ -190,14 +192,15 @@ fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) 
     }
     let joint = seen_as::<Transmission>(&**candidate.effects().first()?)?.joint;
     let grid = periodogram::grid(scene, joint);
-    let threshold = 2.0 * (grid.len().max(2) as f64).ln() + 2.0 * price(scene.len()) + TIE;
+    let questions = (grid.len().max(2) as f64).ln();
+    let threshold = 2.0 * questions + 2.0 * price(scene.len()) + TIE;
     let mut grown = candidate.clone();
     let mut projection = present.with(&grown.columns(scene).ok()?)?;
     let mut added = 0;
     while added < MOST_PERIODS {
         let wave = periodogram::scan(scene, &projection, joint, &grid)?;
-        let (period, gain) = wave.strongest()?;
-        if gain < threshold {
+        let (period, gain, surprise) = wave.strongest()?;
+        if gain < threshold || surprise < questions + SURE {
             break;
         }
         let one =

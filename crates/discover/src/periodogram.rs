@@ -138,14 +138,11 @@ impl Wave {
 }
 
 impl Periodogram {
-    /// The period that is most surprising among visits, with the χ²_2 that would be as surprising.
-    pub fn strongest(&self) -> Option<(f64, f64)> {
-        let pairs = self
-            .periods
-            .iter()
-            .copied()
-            .zip(self.surprises.iter().map(|surprise| 2.0 * surprise.among_visits));
-        pairs.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, gain)| gain.is_finite())
+    /// The period that is most surprising among visits: (period, gain, surprise).
+    pub fn strongest(&self) -> Option<(f64, f64, f64)> {
+        let surprise = |k: &usize| self.surprises[*k].among_visits;
+        let best = (0..self.periods.len()).max_by(|a, b| surprise(a).total_cmp(&surprise(b)))?;
+        Some((self.periods[best], self.gains[best], surprise(&best)))
     }
 
     /// Local maxima, best first: (period, gain).

@@ -41,6 +41,9 @@ pub enum Extra {
     Flank,
 }
 
+/// No turn errs by more, rad.
+const LARGEST: f64 = 2e-3;
+
 /// In turn; a third has nothing more.
 const TURN: [Extra; 10] = [
     Extra::None,
@@ -242,7 +245,8 @@ impl Draw<'_> {
         let (joint, load) = self.joint;
         let named = self.chain.joint(joint).name.clone();
         let slide = self.chain.joint(joint).kind == JointKind::Prismatic;
-        let size = if slide { self.size } else { self.size / self.reach };
+        // A joint that hardly moves the point would have to err by tenths of a radian to be seen: no machine does, and no linear model holds.
+        let size = if slide { self.size } else { (self.size / self.reach).min(LARGEST) };
         let milli = 1e3 * size;
         let (mrad, mm) = ((!slide).then_some(milli), slide.then_some(milli));
         let errors = &mut self.options.errors;
