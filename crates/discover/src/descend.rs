@@ -40,7 +40,7 @@ pub(crate) fn descended(
     }
     // Shapes that the data cannot tell from others stay.
     let Ok(values) = descend_shapes(fit, data, &free) else { return Ok(None) };
-    if free.iter().zip(&values).all(|((_, shape), value)| *value == shape.value) {
+    if free.iter().zip(&values).all(|((_, shape), value)| (value - shape.value).abs() <= 0.0) {
         return Ok(None);
     }
     let mut next = found.to_vec();

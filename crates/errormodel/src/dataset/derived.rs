@@ -76,7 +76,7 @@ impl Dataset {
     pub fn add_carried(&mut self) {
         if self.schema.channel(CARRIED).is_none()
             && let Some((made, column)) = self.made(CARRIED)
-            && column.iter().any(|mass| *mass != column[0])
+            && column.iter().any(|mass| (mass - column[0]).abs() > 0.0)
         {
             self.schema.channels.push(made);
             self.channels.push(column);
@@ -108,7 +108,7 @@ mod tests {
     fn the_mass_that_is_carried_is_a_channel() {
         let mass = |mass| Load::Payload(Payload { mass, com: [0.1; 3].into() });
         let mut data = carrying(vec![mass(5.0), Load::None, mass(2.5)]);
-        let derived = data.derived_for(&model()).unwrap();
+        let derived = data.derived_for(&model()).unwrap().into_owned();
         assert_eq!(derived.channels[derived.schema.channel(CARRIED).unwrap()], [5.0, 0.0, 2.5]);
         assert!(model().bind(&derived.schema).is_ok());
         data.add_carried();

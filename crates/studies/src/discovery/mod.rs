@@ -4,6 +4,7 @@
 //! | --- | --- | --- |
 //! | nulls | nothing hidden; distractors, correlated visits, a third with heavy tails | how often is something found? |
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
+//! | several | two or three causes in one | do they hide each other? |
 //! | without | the same, its family taken out of the library | is it called by a wrong name? |
 //!
 //! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
@@ -15,6 +16,7 @@ mod figures;
 mod plants;
 pub mod record;
 pub mod robots;
+mod several;
 pub mod summary;
 pub mod trial;
 
@@ -29,6 +31,8 @@ use truepose_report::{DiscoverySummary, Settings};
 
 /// Multiples of the detectable size.
 const MULTIPLES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+/// Robots with several causes for each of a cell.
+const SEVERAL: u64 = 6;
 /// At which a family is taken out.
 const WITHOUT: f64 = 4.0;
 
@@ -81,6 +85,12 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     figures::power(&folder.join("power.svg"), &ledger.records, &asked.multiples)?;
     figures::matrix(&folder.join("confusion.svg"), &ledger.records)?;
     figures::coverage(&folder.join("coverage.svg"), &ledger.records)?;
+
+    let mut ledger: Ledger<Record> = Ledger::open(&folder, "several", &commit)?;
+    if wanted("several") {
+        several::work(&mut ledger, SEVERAL * asked.robots)?;
+    }
+    text += &format!("\n{}", several::summary(&ledger.records)?);
 
     let mut ledger: Ledger<Record> = Ledger::open(&folder, "without", &commit)?;
     if wanted("without") {
@@ -173,9 +183,9 @@ impl Asked {
             }
         }
         if let Some(part) = &asked.part
-            && !["nulls", "power", "without"].contains(&part.as_str())
+            && !["nulls", "power", "several", "without"].contains(&part.as_str())
         {
-            return Err(format!("unknown part `{part}`; there are: nulls, power, without").into());
+            return Err(format!("unknown part `{part}`; there are: nulls, power, several, without").into());
         }
         Ok(asked)
     }

@@ -45,6 +45,21 @@ pub struct Made {
     pub lambda: f64,
 }
 
+/// Causes of which several may be hidden in one plant: all that the declared model is the same for.
+const TOGETHER: [Cause; 11] = [
+    Cause::LinkCompliance,
+    Cause::BaseCompliance,
+    Cause::LoadNonlinearity,
+    Cause::Eccentric,
+    Cause::Mesh,
+    Cause::BacklashApproach,
+    Cause::Coupling,
+    Cause::Guideway,
+    Cause::Thermal,
+    Cause::Drift,
+    Cause::Shift,
+];
+
 /// Everything of a plant but the size of what is hidden.
 struct Ground<'a> {
     robot: &'a Robot,
@@ -83,10 +98,47 @@ pub fn make(cause: Option<Cause>, multiple: f64, seed: u64) -> Result<Made, Box<
             }
         };
         if let Some((size, lambda)) = ground.size(cause, hidden.as_ref(), multiple)? {
-            return ground.measured(hidden, size, lambda);
+            let one: Vec<(&Hidden, f64)> = hidden.iter().map(|hidden| (hidden, size)).collect();
+            let plant = ground.plant(&one)?;
+            return ground.measured(plant, hidden, lambda);
         }
     }
     Err(format!("no place where {} can be that large", cause.map_or("", Cause::word)).into())
+}
+
+/// Draws a plant with two or three causes, each as large as it would be alone.
+pub fn several(multiple: f64, seed: u64) -> Result<(Made, Vec<(Cause, Hidden)>), Box<dyn Error>> {
+    let kinds = robots::all();
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(u64::MAX);
+    let robot = &kinds[seed as usize % kinds.len()];
+    let visits = *[90, 120, 160].choose(&mut rng).unwrap_or(&120);
+    let chain = (robot.chain)()?;
+    let campaign = robot.campaign(&chain, visits, seed)?;
+    let hours = campaign.duration_s() / 3600.0 + 0.02;
+    let ground = Ground { robot, chain, campaign, heavy: false, hours, seed };
+    let (loads, duration) = (ground.loads()?, ground.campaign.duration_s());
+    let wanted = rng.random_range(2..=3);
+    let mut found: Vec<(Cause, Hidden, f64)> = Vec::new();
+    for _ in 0..PLACES {
+        if found.len() == wanted {
+            break;
+        }
+        let cause = *TOGETHER.choose(&mut rng).unwrap_or(&Cause::Shift);
+        let known = found.iter().any(|(other, ..)| *other == cause);
+        let drawn = cause.draw(&ground.chain, robot.payloads, &loads, duration, &mut rng);
+        let Some(hidden) = drawn.filter(|_| !known) else { continue };
+        if let Some((size, _)) = ground.size(Some(cause), Some(&hidden), multiple)? {
+            found.push((cause, hidden, size));
+        }
+    }
+    if found.len() < wanted {
+        return Err("no places for several causes".into());
+    }
+    let all: Vec<(&Hidden, f64)> = found.iter().map(|(_, hidden, size)| (hidden, *size)).collect();
+    let plant = ground.plant(&all)?;
+    let made = ground.measured(plant, None, f64::NAN)?;
+    Ok((made, found.into_iter().map(|(cause, hidden, _)| (cause, hidden)).collect()))
 }
 
 impl Ground<'_> {
@@ -94,12 +146,16 @@ impl Ground<'_> {
         hidden.map(|hidden| hidden.undeclared.clone()).unwrap_or_default()
     }
 
-    fn plant(&self, hidden: Option<&Hidden>, size: f64) -> Result<Plant, Box<dyn Error>> {
-        let mut options = self.robot.options(&self.chain, &self.undeclared(hidden), self.heavy, self.hours);
-        let Some(hidden) = hidden else { return Ok(Plant::random(&self.chain, &options, self.seed)?) };
-        (hidden.install)(&mut options, size);
+    /// With everything that is hidden, each of its size.
+    fn plant(&self, hidden: &[(&Hidden, f64)]) -> Result<Plant, Box<dyn Error>> {
+        let undeclared = self.undeclared(hidden.first().map(|(hidden, _)| *hidden));
+        let mut options = self.robot.options(&self.chain, &undeclared, self.heavy, self.hours);
+        for (hidden, size) in hidden {
+            (hidden.install)(&mut options, *size);
+        }
         let plant = Plant::random(&self.chain, &options, self.seed)?;
-        let Some(joint) = hidden.wobbles else { return Ok(plant) };
+        let wandering = hidden.iter().find_map(|(hidden, size)| Some((hidden.wobbles?, *size)));
+        let Some((joint, size)) = wandering else { return Ok(plant) };
         let mut truth = plant.truth().clone();
         truth.joints[joint.index()].rail = Some(self.wobble(joint, 1e-4 * size)?);
         Ok(plant.with_truth(truth)?)
@@ -144,7 +200,8 @@ impl Ground<'_> {
 
     /// λ of a size.
     fn lambda(&self, hidden: Option<&Hidden>, size: f64) -> Result<f64, Box<dyn Error>> {
-        let real = self.plant(hidden, size)?;
+        let one: Vec<(&Hidden, f64)> = hidden.into_iter().map(|hidden| (hidden, size)).collect();
+        let real = self.plant(&one)?;
         let mut quiet = real.clone();
         quiet.instrument.sd = 0.0;
         quiet.instrument.transverse_per_metre = 0.0;
@@ -213,8 +270,7 @@ impl Ground<'_> {
         Err("no draw of the noise has an outlier in the training rows".into())
     }
 
-    fn measured(self, hidden: Option<Hidden>, size: f64, lambda: f64) -> Result<Made, Box<dyn Error>> {
-        let plant = self.plant(hidden.as_ref(), size)?;
+    fn measured(self, plant: Plant, hidden: Option<Hidden>, lambda: f64) -> Result<Made, Box<dyn Error>> {
         let seen = self.seen(&plant)?;
         let declared = self.undeclared(hidden.as_ref()).effects(&self.chain);
         Ok(Made {

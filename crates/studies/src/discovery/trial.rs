@@ -117,13 +117,7 @@ impl Task {
         record.found = findings.iter().any(hit);
         record.findings = findings.len();
         record.extras = findings.iter().filter(|finding| !hit(finding)).count();
-        let rows = &diagnosis.holdout_rows;
-        let square = |&row: &usize| {
-            (made.seen.data.measured_position(row) - made.seen.true_positions[row]).norm_squared()
-        };
-        let noise = (rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64).sqrt();
-        record.ratio = diagnosis.after.holdout.positions().rms / noise;
-        record.ratio_before = diagnosis.before.holdout.positions().rms / noise;
+        (record.ratio, record.ratio_before) = ratios(made, diagnosis);
         if let (Some(cause), Some(found)) = (self.cause, findings.iter().find(|finding| hit(finding))) {
             record.intervals = coverage::intervals(cause, made, found);
         }
@@ -133,13 +127,23 @@ impl Task {
     }
 }
 
+/// Held-out RMS over that of the true plant, after and before.
+pub(super) fn ratios(made: &Made, diagnosis: &Diagnosis) -> (f64, f64) {
+    let rows = &diagnosis.holdout_rows;
+    let square =
+        |&row: &usize| (made.seen.data.measured_position(row) - made.seen.true_positions[row]).norm_squared();
+    let noise = (rows.iter().map(square).sum::<f64>() / rows.len().max(1) as f64).sqrt();
+    let over = |errors: &truepose_discover::Errors| errors.holdout.positions().rms / noise;
+    (over(&diagnosis.after), over(&diagnosis.before))
+}
+
 /// Whether the family is a right word for a cause.
-fn is_named(cause: Cause, family: Family) -> bool {
+pub(super) fn is_named(cause: Cause, family: Family) -> bool {
     family == cause.family()
 }
 
 /// Whether a place agrees with the truth in everything that the truth says.
-fn is_there(truth: &Place, place: &Place) -> bool {
+pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
     let agrees = |truth: &Option<String>, place: &Option<String>| truth.is_none() || truth == place;
     let level = match (truth.level, place.level) {
         (Some(a), Some(b)) => (a - b).abs() < 1e-6,
@@ -164,7 +168,7 @@ fn processor_seconds() -> f64 {
 }
 
 /// Without what would break a row of CSV.
-fn plain(text: &str) -> String {
+pub(super) fn plain(text: &str) -> String {
     text.replace([',', '\n', '"'], " ")
 }
 

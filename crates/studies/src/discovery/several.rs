@@ -1,0 +1,109 @@
+//! Robots with two or three causes at once: do they hide each other?
+
+use super::plants::{HOLDOUT, several};
+use super::record::Record;
+use super::trial::{is_named, is_there, plain, ratios};
+use crate::ledger::Ledger;
+use crate::say;
+use std::error::Error;
+use std::fmt::Write;
+use std::time::Instant;
+use truepose_discover::{DiscoverOptions, Finding, diagnose};
+use truepose_solvers::PivotedQr;
+
+/// Each cause is this many times as large as it would have to be alone to be detected.
+pub const MULTIPLE: f64 = 8.0;
+/// What the lines say in place of a cause.
+const WORD: &str = "several";
+
+/// Runs what is not yet in the table.
+pub fn work(ledger: &mut Ledger<Record>, robots: u64) -> Result<(), Box<dyn Error>> {
+    for seed in 0..robots {
+        if !ledger.records.iter().any(|known| known.is(WORD, MULTIPLE, seed)) {
+            let record = run(seed);
+            say(&format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio));
+            ledger.add(record)?;
+        }
+    }
+    Ok(())
+}
+
+/// One robot: `found` when every cause was told with its name and place, `extras` those that are none of them.
+fn run(seed: u64) -> Record {
+    let blank =
+        Record { cause: WORD.into(), multiple: MULTIPLE, seed, first: "none".into(), ..Record::default() };
+    match judged(seed, blank.clone()) {
+        Ok(record) => record,
+        Err(error) => Record { first: "error".into(), story: plain(&error.to_string()), ..blank },
+    }
+}
+
+fn judged(seed: u64, mut record: Record) -> Result<Record, Box<dyn Error>> {
+    let (made, hidden) = several(MULTIPLE, seed)?;
+    let options = DiscoverOptions { holdout: HOLDOUT.0, seed: HOLDOUT.1, ..DiscoverOptions::default() };
+    let begun = Instant::now();
+    let data = &made.seen.data;
+    let told = diagnose(&made.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?;
+    record.seconds = begun.elapsed().as_secs_f64();
+    record.robot = made.robot.into();
+    record.visits = data.visit.iter().max().map_or(0, |last| last + 1);
+    let tells = |finding: &Finding, k: usize| {
+        let (cause, hidden) = &hidden[k];
+        is_named(*cause, finding.candidate.family) && is_there(&hidden.place, &finding.candidate.place)
+    };
+    let of_any = |finding: &&Finding| (0..hidden.len()).any(|k| tells(finding, k));
+    let named = (0..hidden.len()).filter(|&k| told.findings.iter().any(|finding| tells(finding, k))).count();
+    record.found = named == hidden.len();
+    record.findings = told.findings.len();
+    record.extras = told.findings.iter().filter(|finding| !of_any(finding)).count();
+    if let Some(first) = told.findings.first() {
+        record.first = first.candidate.family.word().into();
+        record.first_right = of_any(&first);
+        record.p_first = first.evidence.p_value;
+    }
+    (record.p_value, record.significant) = (told.unexplained.p_value, told.unexplained.significant);
+    (record.ratio, record.ratio_before) = ratios(&made, &told);
+    let truth: Vec<String> =
+        hidden.iter().map(|(cause, hidden)| format!("{} {}", cause.word(), hidden.place.words())).collect();
+    let words: Vec<String> = told.findings.iter().map(|finding| finding.candidate.words()).collect();
+    record.story =
+        plain(&format!("{named} of {} truth {}: {}", hidden.len(), truth.join("; "), words.join("; ")));
+    Ok(record)
+}
+
+/// What the lines come to.
+pub fn summary(records: &[Record]) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let ended: Vec<&Record> = records.iter().filter(|record| record.ended()).collect();
+    let count = |of: fn(&Record) -> bool| ended.iter().filter(|record| of(record)).count();
+    let counts = |record: &&&Record| -> Option<(usize, usize)> {
+        let (named, rest) = record.story.split_once(" of ")?;
+        Some((named.parse().ok()?, rest.split_whitespace().next()?.parse().ok()?))
+    };
+    let (named, hidden) =
+        ended.iter().filter_map(|r| counts(&r)).fold((0, 0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
+    let mut ratios: Vec<f64> = ended.iter().map(|record| record.ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    let quantile = |share: f64| ratios.get((share * (ratios.len().max(1) - 1) as f64) as usize).copied();
+    writeln!(
+        text,
+        "Two or three causes in one robot, each {MULTIPLE} times as large as is detectable alone"
+    )?;
+    writeln!(
+        text,
+        "{} robots: causes with the right name and place {named} of {hidden}, all of a robot's {}, first find right {}, nothing found {}",
+        ended.len(),
+        count(|record| record.found),
+        count(|record| record.first_right),
+        count(|record| record.findings == 0),
+    )?;
+    let extras: usize = ended.iter().map(|record| record.extras).sum();
+    writeln!(
+        text,
+        "further finds {extras}; held-out RMS over the true plant's: median {:.3}, of nine in ten {:.3}, worst {:.3}",
+        quantile(0.5).unwrap_or(f64::NAN),
+        quantile(0.9).unwrap_or(f64::NAN),
+        quantile(1.0).unwrap_or(f64::NAN),
+    )?;
+    Ok(text)
+}
