@@ -30,8 +30,6 @@ const CAUSES: usize = 10;
 const VARIANTS: usize = 3;
 /// Gears that may grow in one contest.
 const GEARS: usize = 2;
-/// What chance does once in a thousand times: −ln of it.
-const SURE: f64 = 7.0;
 /// Frequencies that one gear may have.
 const MOST_PERIODS: usize = 12;
 
@@ -200,7 +198,8 @@ fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) 
     while added < MOST_PERIODS {
         let wave = periodogram::scan(scene, &projection, joint, &grid)?;
         let (period, gain, surprise) = wave.strongest()?;
-        if gain < threshold || surprise < questions + SURE {
+        // What visits alone, of which some are off for other reasons, would show somewhere on the grid by chance is no period.
+        if gain < threshold || surprise < questions {
             break;
         }
         let one =
