@@ -106,8 +106,14 @@ pub fn make(cause: Option<Cause>, multiple: f64, seed: u64) -> Result<Made, Box<
     Err(format!("no place where {} can be that large", cause.map_or("", Cause::word)).into())
 }
 
+/// A plant with several causes, measured; of the plant itself none is noted as hidden.
+pub struct Several {
+    pub made: Made,
+    pub causes: Vec<(Cause, Hidden)>,
+}
+
 /// Draws a plant with two or three causes, each as large as it would be alone.
-pub fn several(multiple: f64, seed: u64) -> Result<(Made, Vec<(Cause, Hidden)>), Box<dyn Error>> {
+pub fn several(multiple: f64, seed: u64) -> Result<Several, Box<dyn Error>> {
     let kinds = robots::all();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::MAX);
@@ -138,7 +144,7 @@ pub fn several(multiple: f64, seed: u64) -> Result<(Made, Vec<(Cause, Hidden)>),
     let all: Vec<(&Hidden, f64)> = found.iter().map(|(_, hidden, size)| (hidden, *size)).collect();
     let plant = ground.plant(&all)?;
     let made = ground.measured(plant, None, f64::NAN)?;
-    Ok((made, found.into_iter().map(|(cause, hidden, _)| (cause, hidden)).collect()))
+    Ok(Several { made, causes: found.into_iter().map(|(cause, hidden, _)| (cause, hidden)).collect() })
 }
 
 impl Ground<'_> {

@@ -1,6 +1,6 @@
 //! Robots with two or three causes at once: do they hide each other?
 
-use super::plants::{HOLDOUT, several};
+use super::plants::{HOLDOUT, Several, several};
 use super::record::Record;
 use super::trial::{is_named, is_there, plain, ratios};
 use crate::ledger::Ledger;
@@ -39,7 +39,7 @@ fn run(seed: u64) -> Record {
 }
 
 fn judged(seed: u64, mut record: Record) -> Result<Record, Box<dyn Error>> {
-    let (made, hidden) = several(MULTIPLE, seed)?;
+    let Several { made, causes: hidden } = several(MULTIPLE, seed)?;
     let options = DiscoverOptions { holdout: HOLDOUT.0, seed: HOLDOUT.1, ..DiscoverOptions::default() };
     let begun = Instant::now();
     let data = &made.seen.data;
