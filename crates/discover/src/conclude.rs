@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::trace::trace;
 use crate::trial::Trial;
-use crate::working::with_loads;
+use crate::working::{with_loads, without};
 use crate::{Family, Place, contest::TIE, derived, payload};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -142,16 +142,6 @@ pub(crate) fn conclude(
         untestable,
         holdout_rows: whole.holdout_rows,
     })
-}
-
-/// The data without what was measured in these rows.
-fn without(data: &Dataset, rows: &[usize]) -> Dataset {
-    let mut data = data.clone();
-    for &row in rows {
-        data.position[row] = [f64::NAN; 3];
-        data.orientation[row] = None;
-    }
-    data
 }
 
 /// Loads, domain and channels as they are declared at run time: as they were declared here.

@@ -116,12 +116,7 @@ impl Ground<'_> {
 
     /// The data with loads as they were found and without these rows.
     pub fn prepared(&self, found: &[Candidate], out: &[usize]) -> Dataset {
-        let mut data = with_loads(self.data, found);
-        for &row in out {
-            data.position[row] = [f64::NAN; 3];
-            data.orientation[row] = None;
-        }
-        data
+        without(&with_loads(self.data, found), out)
     }
 }
 
@@ -129,6 +124,16 @@ impl Ground<'_> {
 fn differing(a: &[usize], b: &[usize]) -> usize {
     let only = |a: &[usize], b: &[usize]| a.iter().filter(|&row| b.binary_search(row).is_err()).count();
     only(a, b) + only(b, a)
+}
+
+/// The data without what was measured in these rows.
+pub(crate) fn without(data: &Dataset, rows: &[usize]) -> Dataset {
+    let mut data = data.clone();
+    for &row in rows {
+        data.position[row] = [f64::NAN; 3];
+        data.orientation[row] = None;
+    }
+    data
 }
 
 /// The data with loads as they were found.
