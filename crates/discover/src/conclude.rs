@@ -2,26 +2,25 @@
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
-use crate::descend::{between_rows, descended, gaps, shapes};
-use crate::diagnose::{Accepted, LastWord, Search};
 use crate::diagnosis::{
     Alternative, Diagnosis, Errors, Finding, Parameter, RivalFit, Stop, Unexplained, Untestable,
 };
 use crate::evidence::{Evidence, Gain};
-use crate::outliers::{Outliers, outliers};
+use crate::fallback::Withdrawn;
+use crate::final_fit::{Final, Plain, enlarged, training};
+use crate::floor::{NoiseFloor, Verdict};
+use crate::outliers::Outliers;
 use crate::scene::Scene;
 use crate::screen::Screen;
+use crate::search::{Accepted, LastWord, Search};
 use crate::trace::trace;
 use crate::trial::Trial;
-use crate::working::{with_loads, without};
+use crate::working::with_loads;
 use crate::{Family, Place, contest::TIE, derived, payload};
 use rayon::prelude::*;
 use std::ops::Range;
-use truepose_errormodel::{Dataset, Domain, LoadCorrection, Shape};
-use truepose_identify::{
-    Fit, FitOptions, FittedShape, NoiseSource, Placement, Residuals, fit_again, judge_shapes, repeats,
-    student_quantile,
-};
+use truepose_errormodel::{Dataset, Domain, LoadCorrection};
+use truepose_identify::{Fit, FittedShape, Placement, Residuals, repeats, student_quantile};
 
 /// The data as a whole, and what was known before the loop.
 pub(crate) struct Whole<'a> {
@@ -35,8 +34,9 @@ pub(crate) struct Whole<'a> {
 pub(crate) fn conclude(
     search: Search<'_>,
     whole: Whole<'_>,
-    stopped: Stop,
-    (p_value, detectable_gain): LastWord,
+    (stopped, (p_value, detectable_gain)): (Stop, LastWord),
+    withdrawn: Option<Withdrawn>,
+    plain: &Plain<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = whole.data.select(&whole.holdout_rows);
     let wanted = search.options.rival_fits;
@@ -45,9 +45,12 @@ pub(crate) fn conclude(
     untestable
         .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
-    let declared = ground.fitted(&[], &ground.prepared(&[], &now.outliers.suspects))?;
-    let before = errors(&declared, ground.data, &held)?;
-    let after = errors(&now.fit, &with_loads(ground.data, &found), &with_loads(&held, &found))?;
+    let declared = match found.is_empty() {
+        true => now.fit.clone(),
+        false => ground.fitted(&[], &ground.prepared(&[], &now.outliers.suspects))?,
+    };
+    let mut before = errors(&declared, ground.data, &held)?;
+    let mut after = errors(&now.fit, &with_loads(ground.data, &found), &with_loads(&held, &found))?;
 
     let all = with_loads(whole.data, &found);
     let judged = Scene::new(&now.fit, &all)?;
@@ -57,33 +60,12 @@ pub(crate) fn conclude(
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
     let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
 
-    // The structure is frozen; coefficients and shapes come from all rows but the outliers.
-    let frozen = FitOptions { noise: NoiseSource::Fixed(now.fit.noise), ..ground.fit.clone() };
-    let outside = |fit: &Fit| -> Result<Outliers, DiscoverError> {
-        let judged = Scene::new(fit, &all)?;
-        let residual = &judged.y - &judged.base * judged.coefficients();
-        Ok(outliers(&judged, residual.as_slice(), now.fit.noise))
+    let Final { fit, found, data, outside } = match (plain.thorough, found.is_empty()) {
+        (true, true) => plain.fit(&ground, &now, &all)?,
+        (true, false) => enlarged(&ground, &now, &found, &all)?,
+        (false, _) => training(&now, &found, &all)?,
     };
-    let mut first = outside(&now.fit)?;
-    // Between the rows on either side of a jump the training rows cannot say who is out.
-    let jumps: Vec<[f64; 2]> = between_rows(&found, &now.data).iter().flat_map(gaps).collect();
-    let unsure = |row: usize| jumps.iter().any(|[before, after]| (*before..*after).contains(&all.time[row]));
-    first.suspects.retain(|&row| !unsure(row));
-    let data = without(&all, &first.suspects);
-    let fit = fit_again(&now.fit, &data, ground.solver, &frozen)?;
-    let moved = descended(&ground, &found, &fit, &data)?;
-    let found = between_rows(moved.as_deref().unwrap_or(&found), &data);
-    let shapes = shapes(&ground, &found, &data);
-    let fit = if shapes.is_empty() { fit } else { ground.fitted_by(&found, &data, &frozen)? };
-    let outside = outside(&fit)?;
-    let data = without(&all, &outside.suspects);
-    let fit = if outside.suspects == first.suspects {
-        fit
-    } else {
-        fit_again(&fit, &data, ground.solver, &frozen)?
-    };
-    let mut fit = with_shapes(fit, &data, &shapes);
-
+    let mut fit = fit;
     at_run_time(&mut fit, &found, whole.data);
 
     let mut findings = Vec::new();
@@ -100,13 +82,23 @@ pub(crate) fn conclude(
             evidence: accepted.evidence.clone(),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
-            alternatives: alternatives(&trial, k, &accepted.rivals)?,
-            trace: trace(&fit, &data, &found[k], effects.start)?,
+            alternatives: match plain.thorough {
+                true => alternatives(&trial, k, &accepted.rivals)?,
+                false => Vec::new(),
+            },
+            trace: match plain.thorough {
+                true => trace(&fit, &data, &found[k], effects.start)?,
+                false => None,
+            },
         });
     }
     let rivals =
         if wanted { rival_fits(&trial, &accepted, &outside.suspects, whole.data)? } else { Vec::new() };
-    let noise_floor = now.fit.noise.floor(typical_sd(whole.data));
+    let within = |part: &[usize]| -> Vec<usize> {
+        (0..part.len()).filter(|&k| outside.certain.contains(&part[k])).collect()
+    };
+    before.outliers = [within(&whole.train_rows), within(&whole.holdout_rows)];
+    after.outliers.clone_from(&before.outliers);
     if !outside.certain.is_empty() {
         let judged = Residuals::of(&fit.fitted, whole.data)?;
         let (out, good): (Vec<usize>, Vec<usize>) =
@@ -116,25 +108,31 @@ pub(crate) fn conclude(
         let held = after.holdout.positions().rms;
         findings.push(outlier_finding(&outside, out.len(), rms, (held, held)));
     }
-    let variance = |errors: &Errors| errors.train.positions().rms.powi(2);
-    let floor = noise_floor * noise_floor;
-    let significant = stopped != Stop::NothingLeft;
-    let share = if significant && variance(&before) > 0.0 {
-        ((variance(&after) - floor) / variance(&before)).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    let stopped = if withdrawn.is_some() { Stop::Withdrawn } else { stopped };
+    let repeats_after = repeats(&now.fit, &now.data);
+    let noise_floor = NoiseFloor::of(repeats_after.as_ref(), whole.data);
+    let verdict = noise_floor.verdict(stopped, repeats_after.as_ref(), &after);
+    let train = |errors: &Errors| errors.spreads_without_outliers().0.rms;
+    let beyond = noise_floor.beyond(train(&before), train(&after));
     Ok(Diagnosis {
         placement: whole.placement.clone(),
         findings,
         refused,
         rivals,
         repeats_before: repeats(&declared, ground.data),
-        repeats_after: repeats(&now.fit, &now.data),
+        repeats_after,
         before,
         after,
+        withdrawn,
         noise_floor,
-        unexplained: Unexplained { significant, share_of_variance: share, p_value, detectable_gain },
+        verdict,
+        unexplained: Unexplained {
+            significant: verdict == Verdict::Unexplained,
+            rms: beyond.map(|(rms, _)| rms),
+            share_of_variance: beyond.map(|(_, share)| share),
+            p_value,
+            detectable_gain,
+        },
         stopped,
         fit,
         declared,
@@ -161,13 +159,8 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
 }
 
 pub(crate) fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Errors, DiscoverError> {
-    Ok(Errors { train: Residuals::of(&fit.fitted, train)?, holdout: Residuals::of(&fit.fitted, held)? })
-}
-
-pub(crate) fn typical_sd(data: &Dataset) -> f64 {
-    let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
-    stated.sort_by(f64::total_cmp);
-    stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
+    let (train, holdout) = (Residuals::of(&fit.fitted, train)?, Residuals::of(&fit.fitted, held)?);
+    Ok(Errors { train, holdout, outliers: Default::default() })
 }
 
 /// Coefficients of a find with their intervals.
@@ -194,12 +187,6 @@ pub(crate) fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) ->
         list.push(Parameter { name: "mass".into(), value: mass, unit: "kg".into(), ci95 });
     }
     list
-}
-
-/// The fit with the intervals of what was found of the finds' shapes, and with what those add to the covariance.
-fn with_shapes(fit: Fit, data: &Dataset, shapes: &[(usize, Shape)]) -> Fit {
-    // Where columns beside the effect depend on each other nothing can be said: then the intervals are those of a known shape.
-    if shapes.is_empty() { fit } else { judge_shapes(&fit, data, shapes).unwrap_or(fit) }
 }
 
 /// What is known of the shape of a find.
@@ -306,7 +293,9 @@ pub(crate) fn untestable(scene: &Scene<'_>, screen: &Screen) -> Vec<Untestable> 
         let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
         let share = screened.score.as_ref().map_or(0.0, |score| score.share);
         // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
-        let rms = (scene.noise.floor(f64::NAN).powi(2) * POWER / scene.len() as f64 / share.max(1e-9)).sqrt();
+        let rms =
+            (scene.noise.floor(scene.typical_sd()).powi(2) * POWER / scene.len() as f64 / share.max(1e-9))
+                .sqrt();
         let detectable = screened.acts.then_some(rms);
         match list.iter_mut().find(|u| u.family == family && u.place == place) {
             Some(known) if known.share < share => (known.share, known.detectable) = (share, detectable),

@@ -1,6 +1,8 @@
 //! What a discovery found: the ledger.
 
 use crate::evidence::{Doubt, Evidence};
+use crate::fallback::Withdrawn;
+use crate::floor::{NoiseFloor, Verdict};
 use crate::{Candidate, Family, Place, Trace};
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
@@ -23,8 +25,12 @@ pub struct Diagnosis {
     pub before: Errors,
     /// With everything that was found.
     pub after: Errors,
-    /// Expected 3-D RMS of one new row if the model were perfect, m.
-    pub noise_floor: f64,
+    /// Findings that were withdrawn, since the declared model predicts unseen data better.
+    pub withdrawn: Option<Withdrawn>,
+    /// Expected 3-D RMS of one new row if the model were perfect, and where that is known from.
+    pub noise_floor: NoiseFloor,
+    /// Whether the model is enough.
+    pub verdict: Verdict,
     /// Pure error of repeated visits, judged with the declared model.
     pub repeats_before: Option<Repeats>,
     /// Judged with everything that was found.
@@ -44,18 +50,29 @@ pub struct Diagnosis {
 }
 
 /// Errors on the training part and on the rows that took part in nothing.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Errors {
     /// Training rows.
     pub train: Residuals,
     /// Held-out rows.
     pub holdout: Residuals,
+    /// Rows, counted within each of the two parts, that are reported as outliers.
+    pub outliers: [Vec<usize>; 2],
 }
 
 impl Errors {
     /// Statistics of both parts, m.
     pub fn spreads(&self) -> (Spread, Spread) {
         (self.train.positions(), self.holdout.positions())
+    }
+
+    /// Statistics of both parts without the rows that are reported as outliers, m.
+    pub fn spreads_without_outliers(&self) -> (Spread, Spread) {
+        let of = |part: &Residuals, out: &[usize]| {
+            let rows: Vec<usize> = (0..part.position.len()).filter(|row| !out.contains(row)).collect();
+            part.positions_of(&rows)
+        };
+        (of(&self.train, &self.outliers[0]), of(&self.holdout, &self.outliers[1]))
     }
 
     /// 3-D RMS of both parts, m.
@@ -159,8 +176,10 @@ pub struct Untestable {
 pub struct Unexplained {
     /// Whether it is more than noise.
     pub significant: bool,
-    /// Its share of the variance that the declared model left.
-    pub share_of_variance: f64,
+    /// 3-D RMS of what lies beyond the repeatability limit, m; none where no estimate of that is known.
+    pub rms: Option<f64>,
+    /// Its share of the variance that the declared model left, with its sign; none where no estimate of the limit is known.
+    pub share_of_variance: Option<f64>,
     /// The smallest family-wise p of the last screen.
     pub p_value: f64,
     /// The best candidate's gain in −2 ln L that would have been seen at the level that was asked for.
@@ -170,6 +189,7 @@ pub struct Unexplained {
 /// Why the loop stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Stop {
     /// Nothing is left that chance would not do as well.
     NothingLeft,
@@ -177,6 +197,10 @@ pub enum Stop {
     NothingConvincing,
     /// As many effects as were allowed.
     Limit,
+    /// The search came back to findings that it had had before, again and again: something is left, and what it is stays undecided.
+    Circling,
+    /// What was found did not hold on data that the search had not seen: the declared model stands.
+    Withdrawn,
     /// The caller ended it: there may be more, and nothing was judged at the end.
     Interrupted,
 }

@@ -63,6 +63,7 @@ pub struct Gain {
 /// Why a winner is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Doubt {
     /// Chance does as well.
     Chance,
@@ -72,6 +73,18 @@ pub enum Doubt {
     TooSmall,
     /// It is not in every half of the data.
     Unstable,
+    /// The model has it already.
+    NothingNew,
+    /// The fit with it does not converge.
+    NotConverged,
+    /// The fit with it leaves a larger training error.
+    WorseFit,
+    /// Refitted, the model with it predicts poses that it has not seen no better than the model without.
+    WorseUnseen,
+    /// In the refitted model its coefficients are not significant.
+    NotSignificant,
+    /// In the refitted model its sign or size is one that no mechanism has.
+    NotPhysical,
 }
 
 const FOLDS: usize = 10;

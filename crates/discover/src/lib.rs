@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod admissible;
 mod candidate;
 mod conclude;
 mod contest;
@@ -9,10 +10,14 @@ mod diagnose;
 mod diagnosis;
 mod error;
 mod evidence;
+mod fallback;
 mod family;
+mod final_fit;
 mod flips;
+mod floor;
 mod functions;
 mod gross;
+mod installation;
 mod law;
 mod library;
 mod likelihood;
@@ -30,10 +35,12 @@ mod polish;
 mod product;
 mod projection;
 mod reconsider;
+mod refits;
 mod rival;
 mod sample;
 mod scene;
 mod screen;
+mod search;
 mod shape;
 mod share;
 mod so_far;
@@ -52,7 +59,9 @@ pub use diagnosis::{
 };
 pub use error::DiscoverError;
 pub use evidence::{Doubt, Evidence, Gain};
+pub use fallback::{Check, Withdrawn};
 pub use family::Family;
+pub use floor::{FloorSource, NoiseFloor, Verdict};
 pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
 pub use place::Place;

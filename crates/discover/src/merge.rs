@@ -10,12 +10,12 @@
 
 use crate::candidate::Candidate;
 use crate::contest::{TIE, contest};
-use crate::diagnose::{Accepted, Search, adopted, parametric};
 use crate::evidence::collect;
 use crate::likelihood::Likelihood;
 use crate::rival::{cost, losers, odds};
 use crate::scene::Scene;
 use crate::screen::Screen;
+use crate::search::{Accepted, Search, adopted, parametric};
 use crate::{DiscoverError, Family};
 use nalgebra::DMatrix;
 use std::ops::Range;
@@ -67,9 +67,8 @@ fn one_for_both(search: &Search<'_>, pair: [usize; 2]) -> Result<Option<Accepted
     if best.score > score + TIE {
         return Ok(None);
     }
-    let p_value = both[0].evidence.p_value.min(both[1].evidence.p_value);
-    let evidence =
-        collect(&scene, &contest.present, best, (p_value, parametric(&screen, best)), options.seed)?;
+    let p = (search.own_p(&scene, &others, best), parametric(&screen, best));
+    let evidence = collect(&scene, &contest.present, best, p, options.seed)?;
     let rivals = losers(&contest.rivals, best);
     Ok(Some(Accepted { candidate: adopted(best), evidence, rivals, shortlist }))
 }

@@ -5,7 +5,9 @@
 //! finds on the others.
 
 use crate::diagnose::on_split;
+use crate::fallback::Checks;
 use crate::{Diagnosis, DiscoverError, DiscoverOptions, Progress, derived};
+use rayon::prelude::*;
 use truepose_errormodel::{AnyEffect, Dataset};
 use truepose_identify::{Folds, Residuals, Split, Spread};
 use truepose_kinematics::Chain;
@@ -38,16 +40,17 @@ pub fn nested(
     options.validate()?;
     let data = &derived::with_derived(data);
     let folds = Folds::new(data, split)?;
-    let mut runs = Vec::new();
-    let (mut before, mut after) = (Vec::new(), Vec::new());
-    for fold in 0..folds.count {
-        let rows = (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);
-        let run = on_split(chain, declared, (data, rows), solver, options, &|step| progress(fold, step))?;
-        let distances =
-            |r: &Residuals| (0..r.position.len()).filter_map(|k| r.distance(k)).collect::<Vec<_>>();
-        before.extend(distances(&run.before.holdout));
-        after.extend(distances(&run.after.holdout));
-        runs.push(run);
-    }
+    // Side by side: each run is a function of its fold alone.
+    let runs: Vec<Diagnosis> = (0..folds.count)
+        .into_par_iter()
+        .map(|fold| {
+            let rows = (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);
+            let step = |step| progress(fold, step);
+            on_split(chain, declared, (data, rows), solver, options, Checks::UNSEEN, &step)
+        })
+        .collect::<Result<_, _>>()?;
+    let distances = |r: &Residuals| (0..r.position.len()).filter_map(|k| r.distance(k)).collect::<Vec<_>>();
+    let before: Vec<f64> = runs.iter().flat_map(|run| distances(&run.before.holdout)).collect();
+    let after: Vec<f64> = runs.iter().flat_map(|run| distances(&run.after.holdout)).collect();
     Ok(Nested { before: Spread::of(before.into_iter()), after: Spread::of(after.into_iter()), runs })
 }

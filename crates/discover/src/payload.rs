@@ -5,10 +5,10 @@
 
 use crate::DiscoverError;
 use crate::candidate::{Candidate, Change};
-use crate::diagnose::adopted;
 use crate::likelihood::Likelihood;
 use crate::rival::Rival;
 use crate::scene::Scene;
+use crate::search::adopted;
 use crate::working::{Ground, Working};
 use nalgebra::DMatrix;
 use rayon::prelude::*;

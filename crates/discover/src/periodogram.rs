@@ -30,10 +30,10 @@ const CYCLES_PER_TRAVEL: f64 = 400.0;
 /// Frequencies handled at once.
 const BATCH: usize = 64;
 
-/// The longest period that an error of a drive may have, rad or m: a turn and a little, or the visited travel. What is slower
-/// along a slide is its straightness or its scale.
+/// The longest period that an error of a drive may have and that is found rather than known, rad or m: the visited travel, and at most a turn
+/// and a little. Of what is slower not even one cycle was seen: it is a curve, and no drive's period.
 pub(crate) fn longest(turns: bool, travel: f64) -> f64 {
-    if turns { TAU / 0.9 } else { travel }
+    if turns { travel.min(TAU / 0.9) } else { travel }
 }
 
 /// Whether the joint's motion is an angle.
@@ -51,7 +51,8 @@ pub(crate) fn grid(scene: &Scene<'_>, joint: JointId) -> Vec<f64> {
     let (first, last) = if turns { (2.5, CYCLES_PER_TURN) } else { (2.0, CYCLES_PER_TRAVEL) };
     let unit = if turns { TAU } else { range };
     let step = 0.25 * unit / range;
-    let count = ((last - first) / step).floor() as usize + 1;
+    let first = f64::max(first, unit / range);
+    let count = (((last - first) / step).floor().max(-1.0) + 1.0) as usize;
     (0..count).map(|k| unit / (first + k as f64 * step)).collect()
 }
 

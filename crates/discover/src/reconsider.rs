@@ -5,11 +5,11 @@
 
 use crate::candidate::Candidate;
 use crate::contest::{Contest, TIE, contest};
-use crate::diagnose::{Accepted, Search, adopted, parametric};
 use crate::evidence::{Evidence, collect};
 use crate::rival::{Rival, losers, rival};
-use crate::scene::Scene;
+use crate::scene::{Scene, typical_sd};
 use crate::screen::Screen;
+use crate::search::{Accepted, Search, adopted, parametric};
 use crate::{DiscoverError, Family};
 use truepose_errormodel::Visits;
 
@@ -41,7 +41,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
         search.accepted[at].rivals = rivals;
         if let Some(evidence) = evidence {
             // Another cause has to answer the same questions as whoever comes in from outside.
-            let floor = winner.likelihood.noise.floor(f64::NAN);
+            let floor = winner.likelihood.noise.floor(typical_sd(&search.now.data));
             if evidence.doubt(search.options.alpha, floor, next.family.belongs_to_time()).is_some() {
                 at += 1;
                 continue;
@@ -69,7 +69,7 @@ struct Defence {
 
 /// Holds the contest for the place of a find.
 fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Defence, DiscoverError> {
-    let Accepted { candidate, shortlist, evidence, .. } = &search.accepted[at];
+    let Accepted { candidate, shortlist, .. } = &search.accepted[at];
     let held = |scene: &Scene<'_>| {
         let screen = Screen::again(scene, &search.options.without, (shortlist, others), &search.asked);
         // The periods of a gear were found while less was known: it may look for them again.
@@ -86,7 +86,8 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Defen
         let winner = winner(&contest, candidate);
         let another = winner.map(|k| &contest.rivals[k]).filter(|r| !r.candidate.same_cause(candidate));
         let asked = |best: &Rival| {
-            let p = (evidence.p_value, parametric(&screen, best));
+            // Another cause answers for itself, against the whole search.
+            let p = (search.own_p(scene, others, best), parametric(&screen, best));
             collect(scene, &contest.present, best, p, search.options.seed)
         };
         let evidence = another.map(asked).transpose()?;

@@ -16,6 +16,16 @@ pub(crate) fn sample(data: &Dataset, seed: u64) -> Cow<'_, Dataset> {
     if data.len() <= ROWS + ROWS / 4 {
         return Cow::Borrowed(data);
     }
+    let taken = sampled(data, seed);
+    let rows: Vec<usize> = (0..data.len()).filter(|&row| taken[row]).collect();
+    Cow::Owned(data.select(&rows))
+}
+
+/// Which rows are in the sample.
+pub(crate) fn sampled(data: &Dataset, seed: u64) -> Vec<bool> {
+    if data.len() <= ROWS + ROWS / 4 {
+        return vec![true; data.len()];
+    }
     let visits = Visits::of(data);
     let mut order: Vec<usize> = (0..visits.len()).collect();
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ 0x5a3f_1e77));
@@ -28,6 +38,5 @@ pub(crate) fn sample(data: &Dataset, seed: u64) -> Cow<'_, Dataset> {
         taken[visit] = true;
         rows += visits.rows[visit].len();
     }
-    let rows: Vec<usize> = (0..data.len()).filter(|&row| taken[data.visit[row]]).collect();
-    Cow::Owned(data.select(&rows))
+    (0..data.len()).map(|row| taken[data.visit[row]]).collect()
 }

@@ -21,7 +21,7 @@ use truepose_errormodel::{
     AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, Rest, Visits,
 };
 use truepose_identify::{Fit, NoiseModel};
-use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, rotation_log};
+use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, Site, rotation_log};
 
 /// One measured number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,6 +167,11 @@ impl<'a> Scene<'a> {
         self.observations.len()
     }
 
+    /// What the instrument states of a position's component in the median, m; NaN where it states nothing.
+    pub fn typical_sd(&self) -> f64 {
+        typical_sd(self.data)
+    }
+
     /// The robot.
     pub fn chain(&self) -> &Chain {
         self.fit.fitted.chain()
@@ -203,6 +208,12 @@ impl<'a> Scene<'a> {
         let nothing = DMatrix::zeros(self.len(), 0);
         self.noise = Likelihood::new(&self, &nothing, &Visits::of(self.data))?.noise;
         Ok(Some(self))
+    }
+
+    /// Whether the present model has a constant error at this site, kept or reduced into others.
+    pub fn has_constant(&self, site: Site) -> bool {
+        let columns = self.fit.fitted.model().columns().iter().enumerate();
+        columns.filter(|(k, _)| !self.muted.contains(k)).any(|(_, column)| column.site == Some(site))
     }
 
     /// The present model's coefficients, those of the columns of `base`.
@@ -298,6 +309,13 @@ impl<'a> Scene<'a> {
     pub fn joint_at(&self, station: usize, joint: JointId) -> Option<f64> {
         Some(self.stations[station].conditions.joints[self.chain().coordinate(joint)?])
     }
+}
+
+/// What the instrument states of a position's component in the median, m; NaN where it states nothing.
+pub(crate) fn typical_sd(data: &Dataset) -> f64 {
+    let mut stated: Vec<f64> = data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
+    stated.sort_by(f64::total_cmp);
+    stated.get(stated.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// (unknown, site, error of the site per expected size of the unknown).

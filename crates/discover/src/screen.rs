@@ -13,6 +13,7 @@ use crate::{Family, Place};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
+use truepose_errormodel::AnyEffect;
 
 /// A candidate and its score; none where the data cannot judge it.
 pub(crate) struct Screened {
@@ -55,11 +56,22 @@ fn is_corrected(candidate: &Candidate, found: &[Candidate]) -> bool {
     })
 }
 
+/// Whether a candidate consists of constant errors that the model has already. It would only have a wider prior: a model that lacks nothing
+/// would be told to measure its targets again.
+fn is_declared(candidate: &Candidate, scene: &Scene<'_>) -> bool {
+    let known = |effect: &dyn AnyEffect| {
+        let columns = effect.columns(scene.chain());
+        columns.iter().all(|column| column.site.is_some_and(|site| scene.has_constant(site)))
+    };
+    let effects = candidate.effects();
+    !effects.is_empty() && effects.iter().all(|effect| known(&**effect))
+}
+
 impl Screen {
     /// Of everything but some families; `found` is in the data and the model already.
     pub fn new(scene: &Scene<'_>, without: &[Family], found: &[Candidate]) -> Self {
         let mut all = library::candidates(scene.chain(), scene.data, without);
-        all.retain(|candidate| !is_corrected(candidate, found));
+        all.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, scene));
         let mut screen = Screen::of(scene, all, without);
         let judged = screen.candidates.iter().filter(|s| s.score.is_some());
         judged.for_each(|s| *screen.asked.entry(s.candidate.family).or_default() += 1);
@@ -77,7 +89,7 @@ impl Screen {
     ) -> Self {
         let mut candidates = library::named(scene.chain(), scene.data, without);
         candidates.extend(shortlist.iter().cloned());
-        candidates.retain(|candidate| !is_corrected(candidate, found));
+        candidates.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, scene));
         Screen { asked: asked.clone(), ..Screen::of(scene, candidates, without) }
     }
 
@@ -185,6 +197,12 @@ impl Screen {
         }
         causes.sort_by(|a, b| worth(&b.variants[0]).total_cmp(&worth(&a.variants[0])));
         causes
+    }
+
+    /// How many tests were made: candidates that the data can judge, and periods.
+    pub fn tests(&self) -> usize {
+        let judged = self.candidates.iter().filter(|s| s.score.is_some()).count();
+        judged + self.periods.iter().map(|wave| wave.periods.len()).sum::<usize>()
     }
 
     /// How many separate questions were asked of a family.

@@ -5,10 +5,11 @@
 
 use crate::DiscoverError;
 use crate::candidate::Change;
-use crate::conclude::{Whole, at_run_time, errors, parameters, typical_sd};
-use crate::diagnose::{LastWord, Search};
+use crate::conclude::{Whole, at_run_time, errors, parameters};
 use crate::diagnosis::{Diagnosis, Errors, Finding, Stop, Unexplained};
+use crate::floor::{NoiseFloor, Verdict};
 use crate::payload;
+use crate::search::{LastWord, Search};
 use crate::working::{Working, with_loads};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, repeats};
@@ -47,7 +48,7 @@ impl SoFar {
         self.steps.push(after.rms());
         let mut fit = now.fit.clone();
         at_run_time(&mut fit, &now.found, whole.data);
-        let finding = |(k, accepted): (usize, &crate::diagnose::Accepted)| Finding {
+        let finding = |(k, accepted): (usize, &crate::search::Accepted)| Finding {
             candidate: accepted.candidate.clone(),
             evidence: accepted.evidence.clone(),
             train: (self.steps[k].0, self.steps[k + 1].0),
@@ -62,23 +63,25 @@ impl SoFar {
             trace: None,
         };
         let findings = accepted.iter().enumerate().map(finding).collect();
-        let noise_floor = fit.noise.floor(typical_sd(whole.data));
-        let variance = |errors: &Errors| errors.train.positions().rms.powi(2);
-        let left = variance(&after) - noise_floor * noise_floor;
-        let share = (left / variance(&self.before).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let repeats_after = repeats(&now.fit, &now.data);
+        let noise_floor = NoiseFloor::of(repeats_after.as_ref(), whole.data);
+        let beyond = noise_floor.beyond(self.before.rms().0, after.rms().0);
         Ok(Diagnosis {
             placement: whole.placement.clone(),
             findings,
             rivals: Vec::new(),
             refused: search.refused.clone(),
             repeats_before: repeats(&self.declared, ground.data),
-            repeats_after: repeats(&now.fit, &now.data),
+            repeats_after,
+            withdrawn: None,
+            verdict: Verdict::Undecided,
             before: self.before.clone(),
             after,
             noise_floor,
             unexplained: Unexplained {
                 significant: true,
-                share_of_variance: share,
+                rms: beyond.map(|(rms, _)| rms),
+                share_of_variance: beyond.map(|(_, share)| share),
                 p_value,
                 detectable_gain,
             },

@@ -1,54 +1,40 @@
-//! An effect with a prior of its own: as wide as its coefficients turned out to be.
+//! Effects with a prior that the data has set: as wide as their coefficients turned out to be.
 //!
-//! The prior of the declared model says how far declared errors lie from their expected sizes; what is found may be larger or
-//! smaller. Its columns' expected sizes are stretched so that the prior's standard deviation is `width` of the original ones:
-//! many weakly determined coefficients (a spline) are held together, a single clear one is left alone.
+//! The expected sizes of an effect's columns are stretched so that the prior's standard deviation is that of a fit, or of a contest. Of the
+//! declared effects each column gets the width of its kind (its family, in its unit) from the fit of the declared model: how far declared
+//! errors lie from what was expected of them is not for the findings to say. Of a finding all columns get one width: many weakly
+//! determined coefficients (a spline) are held together, a single clear one is left alone.
 
-use crate::law::Law;
-use crate::likelihood::WIDE;
-use nalgebra::{DMatrix, DVector};
+use truepose_errormodel::lanes::{LaneEmission, LanePosture};
 use truepose_errormodel::{AnyEffect, Column, Emission, ModelError, Shape, Signal};
 use truepose_identify::Fit;
-use truepose_kinematics::{Chain, Posture};
+use truepose_kinematics::{Chain, JointId, Posture};
 
-/// The declared effects, those that lie far beyond their expected sizes with wider ones. One κ for all is that of the majority: a drive
-/// softer than all others would be held stiff, and found again as something new. None when all are within them.
-pub(crate) fn relaxed(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Option<Vec<Box<dyn AnyEffect>>> {
-    /// Times κ that an effect has to lie beyond.
-    const FAR: f64 = 3.0;
-    let (model, kept) = (fit.fitted.model(), &fit.reduction.kept);
-    let sizes: Vec<f64> = kept.iter().map(|&column| model.columns()[column].scale).collect();
-    let scaled = DMatrix::from_fn(kept.len(), kept.len(), |i, j| fit.factor.r[(i, j)] * sizes[j]);
-    let open = DMatrix::identity(kept.len(), kept.len()) / (WIDE * WIDE);
-    let covariance = (scaled.tr_mul(&scaled) + open).cholesky()?.inverse();
-    let values: DVector<f64> = &covariance * scaled.tr_mul(&fit.factor.z.column(0));
-    let stretch = |effect: usize| -> Option<f64> {
-        let own: Vec<usize> = (0..kept.len()).filter(|&k| model.effect_of(kept[k]) == effect).collect();
-        if own.is_empty() {
-            return None;
-        }
-        let values = DVector::from_iterator(own.len(), own.iter().map(|&k| values[k]));
-        let law = Law::of(&values, &covariance.select_rows(&own).select_columns(&own));
-        (law.width > FAR * fit.prior.kappa).then_some(2.0 * law.width / fit.prior.kappa)
+/// The declared effects with the widths that the fit of the declared model gave to their columns, on top of its κ.
+pub(crate) fn as_fitted(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Vec<Box<dyn AnyEffect>> {
+    let model = fit.fitted.model();
+    let widths = fit.prior.widths_of_columns(model);
+    let wide = |(k, effect): (usize, &Box<dyn AnyEffect>)| -> Box<dyn AnyEffect> {
+        let stretches = widths[model.columns_of(k)].to_vec();
+        Box::new(Wide { effect: effect.clone(), stretches: Stretches::Each(stretches) })
     };
-    let stretches: Vec<Option<f64>> = (0..declared.len()).map(stretch).collect();
-    if stretches.iter().all(Option::is_none) {
-        return None;
-    }
-    let mut relaxed = declared.to_vec();
-    for (effect, stretch) in relaxed.iter_mut().zip(stretches) {
-        if let Some(stretch) = stretch {
-            *effect = Box::new(Wide { effect: effect.clone(), stretch });
-        }
-    }
-    Some(relaxed)
+    declared.iter().enumerate().map(wide).collect()
+}
+
+/// How the expected sizes of columns are stretched.
+#[derive(Debug, Clone)]
+pub(crate) enum Stretches {
+    /// All alike.
+    All(f64),
+    /// Column by column.
+    Each(Vec<f64>),
 }
 
 /// An effect whose expected sizes are stretched.
 #[derive(Debug, Clone)]
 pub(crate) struct Wide {
     pub effect: Box<dyn AnyEffect>,
-    pub stretch: f64,
+    pub stretches: Stretches,
 }
 
 impl AnyEffect for Wide {
@@ -57,11 +43,20 @@ impl AnyEffect for Wide {
     }
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = self.effect.columns(chain);
-        columns.iter_mut().for_each(|column| column.scale *= self.stretch);
+        match &self.stretches {
+            Stretches::All(stretch) => columns.iter_mut().for_each(|column| column.scale *= stretch),
+            Stretches::Each(each) => columns.iter_mut().zip(each).for_each(|(column, s)| column.scale *= s),
+        }
         columns
     }
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         self.effect.eval(at, out);
+    }
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        self.effect.eval_lanes(at, out)
+    }
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        self.effect.springs(chain)
     }
     fn needs(&self) -> Vec<Signal> {
         self.effect.needs()
@@ -76,12 +71,35 @@ impl AnyEffect for Wide {
         self.effect.shape()
     }
     fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect> {
-        Box::new(Wide { effect: self.effect.with_shape(values), stretch: self.stretch })
+        Box::new(Wide { effect: self.effect.with_shape(values), stretches: self.stretches.clone() })
     }
     fn parameters(&self) -> serde_json::Value {
         self.effect.parameters()
     }
     fn boxed(&self) -> Box<dyn AnyEffect> {
         Box::new(self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_errormodel::effects::JointCompliance;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn a_wide_effect_differs_in_its_expected_sizes_alone() {
+        let chain = samples::ur10();
+        let plain: Box<dyn AnyEffect> = Box::new(JointCompliance::default());
+        let count = plain.columns(&chain).len();
+        let each: Vec<f64> = (1..=count).map(|k| k as f64).collect();
+        let wide = Wide { effect: plain.clone(), stretches: Stretches::Each(each.clone()) };
+        // In a file it is the same effect, and batches of rows take the same path.
+        assert_eq!((wide.kind(), wide.parameters()), (plain.kind(), plain.parameters()));
+        assert_eq!(wide.springs(&chain), plain.springs(&chain));
+        for ((wide, plain), stretch) in wide.columns(&chain).iter().zip(plain.columns(&chain)).zip(each) {
+            assert!((wide.scale - stretch * plain.scale).abs() < 1e-12 * plain.scale);
+            assert_eq!((&wide.name, wide.bounds), (&plain.name, plain.bounds));
+        }
     }
 }

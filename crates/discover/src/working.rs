@@ -4,7 +4,7 @@ use crate::candidate::{Candidate, Change};
 use crate::likelihood::Likelihood;
 use crate::outliers::{Outliers, outliers};
 use crate::scene::Scene;
-use crate::wide::Wide;
+use crate::wide::{Stretches, Wide};
 use crate::{DiscoverError, payload};
 use nalgebra::DMatrix;
 use std::borrow::Cow;
@@ -17,6 +17,7 @@ use truepose_solvers::Solver;
 /// What does not change while the loop runs.
 pub(crate) struct Ground<'a> {
     pub chain: &'a Chain,
+    /// The declared effects, as wide as the fit of the declared model found them.
     pub declared: &'a [Box<dyn AnyEffect>],
     pub data: &'a Dataset,
     pub solver: &'a dyn Solver,
@@ -105,7 +106,9 @@ impl Ground<'_> {
         for candidate in found {
             for effect in candidate.effects() {
                 effects.push(match candidate.width {
-                    Some(width) => Box::new(Wide { effect: effect.clone(), stretch: width / kappa }),
+                    Some(width) => {
+                        Box::new(Wide { effect: effect.clone(), stretches: Stretches::All(width / kappa) })
+                    }
                     None => effect.clone(),
                 });
             }

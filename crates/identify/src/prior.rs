@@ -116,6 +116,12 @@ impl Prior {
         if strength == PriorStrength::Kinds { self.kappa.max(LOOSE) } else { self.kappa }
     }
 
+    /// How many times wider than its expected size, on top of κ, each column of the model is held: the width w of its kind.
+    pub fn widths_of_columns(&self, model: &ErrorModel) -> Vec<f64> {
+        let width = |kind: usize| self.widths.get(kind).copied().unwrap_or(1.0);
+        kinds(model).0.into_iter().map(width).collect()
+    }
+
     /// W for κ = 1, whatever κ is: what "an expected size" means for each direction.
     pub fn unit_rows(&self) -> &DMatrix<f64> {
         &self.unit

@@ -4,7 +4,10 @@ mod text;
 
 use crate::{PositionSpread, SpecificationSummary};
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Stop};
+use truepose_discover::{
+    Alternative, Check, Diagnosis, Errors, Evidence, Finding, FloorSource, Nested, Parameter, Place, Stop,
+    Verdict,
+};
 use truepose_errormodel::{Dataset, Visits};
 
 /// The ledger of a discovery: `discovery.json`.
@@ -18,8 +21,12 @@ pub struct DiscoverySummary {
     pub visits: usize,
     /// Rows (1-based) that were drawn out first and took part in nothing.
     pub holdout_rows: Vec<usize>,
-    /// Expected 3-D RMS of one new row if the model were perfect, mm.
-    pub noise_floor_mm: f64,
+    /// Expected 3-D RMS of one new row if the model were perfect, mm; none when nothing tells it.
+    pub noise_floor_mm: Option<f64>,
+    /// The same with its source and interval.
+    pub noise_floor: NoiseFloorSummary,
+    /// Whether the model is enough.
+    pub verdict: Verdict,
     /// With the declared model.
     pub before: BothParts,
     /// With everything that was found.
@@ -34,6 +41,13 @@ pub struct DiscoverySummary {
     pub lack_of_fit: LackOfFitSummary,
     /// What is left.
     pub unexplained: UnexplainedSummary,
+    /// Findings that were withdrawn, since the declared model predicts unseen data better.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub withdrawn: Option<WithdrawnSummary>,
+    /// Training poses and identifiable parameters of the declared model, where the former are fewer than three times the latter: too few to
+    /// search with confidence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub too_few_poses: Option<TooFewPoses>,
     /// Why the loop stopped.
     pub stopped: Stop,
     /// The loop itself, judged on every row by a run that did not see it.
@@ -87,6 +101,77 @@ pub struct BothParts {
     pub train: PositionSpread,
     /// Held-out rows.
     pub holdout: PositionSpread,
+    /// Training rows without those that are reported as outliers, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub train_without_outliers: Option<PositionSpread>,
+    /// Held-out rows without those that are reported as outliers, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holdout_without_outliers: Option<PositionSpread>,
+}
+
+impl BothParts {
+    /// Held-out rows that are judged: without those that are reported as outliers.
+    pub fn judged(&self) -> PositionSpread {
+        self.holdout_without_outliers.unwrap_or(self.holdout)
+    }
+
+    /// Training rows that are judged.
+    pub fn judged_train(&self) -> PositionSpread {
+        self.train_without_outliers.unwrap_or(self.train)
+    }
+}
+
+/// The repeatability limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NoiseFloorSummary {
+    /// Expected 3-D RMS of one new row if the model were perfect, mm; none when nothing tells it.
+    pub rms_mm: Option<f64>,
+    /// Where it comes from.
+    pub source: FloorSource,
+    /// Its 95 % interval, mm; none of a bound.
+    pub ci95_mm: Option<[f64; 2]>,
+}
+
+/// Findings that did not hold.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WithdrawnSummary {
+    /// Where they failed.
+    pub check: Check,
+    /// 3-D RMS of the declared model there, mm.
+    pub declared_rms_mm: f64,
+    /// The same with the findings, mm.
+    pub enlarged_rms_mm: f64,
+    /// The findings, in words.
+    pub findings: Vec<String>,
+}
+
+/// A campaign that is small for its model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TooFewPoses {
+    /// Poses of the data.
+    pub poses: usize,
+    /// Identifiable parameters of the declared model.
+    pub parameters: usize,
+}
+
+impl TooFewPoses {
+    /// Poses for each parameter below which a search is not to be relied upon.
+    const FOR_EACH: usize = 3;
+
+    fn of(found: &Diagnosis) -> Option<Self> {
+        let (poses, parameters) = (Visits::of(&found.data).len(), found.declared.reduction.rank());
+        (poses < Self::FOR_EACH * parameters).then_some(TooFewPoses { poses, parameters })
+    }
+
+    /// In a sentence.
+    pub fn words(&self) -> String {
+        format!(
+            "{} poses are few for {} identifiable parameters: a search for further effects is reliable from about {} poses on.",
+            self.poses,
+            self.parameters,
+            Self::FOR_EACH * self.parameters
+        )
+    }
 }
 
 /// One effect.
@@ -214,8 +299,11 @@ pub enum Reference {
 pub struct UnexplainedSummary {
     /// Whether it is more than noise.
     pub significant: bool,
-    /// Its share of the variance that the declared model left.
-    pub share_of_variance: f64,
+    /// 3-D RMS beyond the repeatability limit, mm; none where no estimate of that is known.
+    #[serde(default)]
+    pub rms_mm: Option<f64>,
+    /// Its share of the variance that the declared model left, with its sign; none where no estimate of the limit is known.
+    pub share_of_variance: Option<f64>,
     /// Smallest family-wise p of the last screen.
     pub p_value: f64,
 }
@@ -245,7 +333,13 @@ impl DiscoverySummary {
             rows: found.data.len(),
             visits: Visits::of(&found.data).len(),
             holdout_rows: found.holdout_rows.iter().map(|row| row + 1).collect(),
-            noise_floor_mm: found.noise_floor * 1e3,
+            noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
+            noise_floor: NoiseFloorSummary {
+                rms_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
+                source: found.noise_floor.source,
+                ci95_mm: found.noise_floor.ci95.map(|ends| ends.map(|end| 1e3 * end)),
+            },
+            verdict: found.verdict,
             before: (&found.before).into(),
             after: (&found.after).into(),
             effects: found.findings.iter().map(FindingSummary::new).collect(),
@@ -279,9 +373,17 @@ impl DiscoverySummary {
             },
             unexplained: UnexplainedSummary {
                 significant: found.unexplained.significant,
+                rms_mm: found.unexplained.rms.map(|rms| 1e3 * rms),
                 share_of_variance: found.unexplained.share_of_variance,
                 p_value: found.unexplained.p_value,
             },
+            withdrawn: found.withdrawn.as_ref().map(|w| WithdrawnSummary {
+                check: w.check,
+                declared_rms_mm: 1e3 * w.declared,
+                enlarged_rms_mm: 1e3 * w.enlarged,
+                findings: w.findings.iter().map(|(candidate, _)| candidate.words()).collect(),
+            }),
+            too_few_poses: TooFewPoses::of(found),
             stopped: found.stopped,
             nested: None,
             incomplete: None,
@@ -303,7 +405,14 @@ impl DiscoverySummary {
 impl From<&Errors> for BothParts {
     fn from(errors: &Errors) -> Self {
         let (train, holdout) = errors.spreads();
-        BothParts { train: train.into(), holdout: holdout.into() }
+        let (good_train, good_holdout) = errors.spreads_without_outliers();
+        let [out_train, out_holdout] = &errors.outliers;
+        BothParts {
+            train: train.into(),
+            holdout: holdout.into(),
+            train_without_outliers: (!out_train.is_empty()).then(|| good_train.into()),
+            holdout_without_outliers: (!out_holdout.is_empty()).then(|| good_holdout.into()),
+        }
     }
 }
 

@@ -67,11 +67,13 @@ fn page_ledger_and_terminal_have_the_same_numbers() {
         assert!(page.contains(&format!("<b>{}</b>", number(pointer))), "{pointer}");
         assert!(terminal.contains(&number(pointer)), "{pointer}");
     }
-    let floor = number("/noise_floor_mm");
-    assert!(
-        page.contains(&format!("would leave {floor} mm"))
-            && terminal.contains(&format!("noise floor {floor} mm"))
-    );
+    // The terminal and the page form the same sentence of it.
+    let limit = match ledger.pointer("/noise_floor/source").and_then(Value::as_str) {
+        Some("repeats") => format!("Repeatability limit: {} mm", number("/noise_floor/rms_mm")),
+        Some("stated") => format!("Repeatability limit: at least {} mm", number("/noise_floor/rms_mm")),
+        _ => "Repeatability limit: unknown".to_owned(),
+    };
+    assert!(page.contains(&limit) && terminal.contains(&limit), "{limit}\n{terminal}");
     let inside = format!("{} of", ledger.pointer("/specification/inside").unwrap());
     assert!(page.contains(&inside) && terminal.contains(&inside));
     let effects = ledger["effects"].as_array().unwrap();

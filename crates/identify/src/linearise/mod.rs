@@ -12,9 +12,11 @@
 //! decided which columns it keeps asks for those alone.
 
 mod blocks;
+mod stations;
 
 pub(crate) use blocks::dense;
 pub use blocks::{Batch, Blocks, batches, gram, left_out, left_over, triangular, triangular_of};
+pub(crate) use stations::Stations;
 
 use crate::{IdentifyError, NoiseModel, Residuals, noise::whiten};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -35,6 +37,8 @@ pub struct Lineariser<'a> {
     robot: Option<(BoundModel<'a>, &'a [f64])>,
     conditions: Conditions,
     rest: Rest,
+    /// Where the robot came to rest in every row, when that was found before.
+    stations: Option<&'a Stations>,
     /// The row whose conditions the robot at rest has.
     settled: Option<usize>,
     /// What these effects say at a robot that another model describes.
@@ -77,6 +81,7 @@ impl<'a> Lineariser<'a> {
             noise,
             coefficients,
             robot: None,
+            stations: None,
             conditions: Conditions::default(),
             rest: Rest::new(model),
             settled: None,
@@ -107,6 +112,12 @@ impl<'a> Lineariser<'a> {
     pub fn beside(self, model: &'a ErrorModel, coefficients: &'a [f64]) -> Result<Self, IdentifyError> {
         let robot = Some((model.bind(&self.data.schema)?, coefficients));
         Ok(Lineariser { robot, rest: Rest::new(model), ..self })
+    }
+
+    /// Takes the columns where a robot came to rest before, row by row; residuals are zero.
+    #[must_use]
+    pub(crate) fn at_stations(self, stations: &'a Stations) -> Self {
+        Lineariser { stations: Some(stations), ..self }
     }
 
     /// Numbers in a row: one for each column, and the residual.
@@ -143,9 +154,6 @@ impl<'a> Lineariser<'a> {
         }
         let chain = self.bound.model().chain();
         self.settle(row);
-        let emission = if self.robot.is_some() { &self.beside } else { self.rest.emission() };
-        let (real, errors) = (self.rest.real(), self.rest.errors());
-
         let width = self.dot.len();
         let start = self.block.len();
         self.block.resize(start + count * width, 0.0);
@@ -159,6 +167,28 @@ impl<'a> Lineariser<'a> {
             }
         }
 
+        let add = |block: &mut [f64], emission: &Emission, sites: &[[Vector3<f64>; 2]]| {
+            for entry in emission.entries() {
+                let Some(column) = self.places[entry.column] else { continue };
+                let [p, r] = &sites[chain.site_index(entry.site)];
+                for k in 0..3 {
+                    if place[k] != usize::MAX {
+                        block[place[k] + column as usize] += entry.value * p[k];
+                    }
+                }
+                if seen.orientation {
+                    for k in 0..3 {
+                        block[place[k + 3] + column as usize] += entry.value * r[k];
+                    }
+                }
+            }
+        };
+        if let Some(stations) = self.stations {
+            add(&mut self.block, &self.beside, stations.sites(row));
+            return;
+        }
+        let emission = if self.robot.is_some() { &self.beside } else { self.rest.emission() };
+        let (real, errors) = (self.rest.real(), self.rest.errors());
         let target = self.data.target[row];
         let jacobian = ErrorJacobian::new(chain, real, errors, target);
         if width > 1 {
@@ -166,20 +196,7 @@ impl<'a> Lineariser<'a> {
                 let at = chain.site_at(index);
                 *site = [jacobian.position(at), jacobian.rotation(at)];
             }
-            for entry in emission.entries() {
-                let Some(column) = self.places[entry.column] else { continue };
-                let [p, r] = &self.sites[chain.site_index(entry.site)];
-                for k in 0..3 {
-                    if place[k] != usize::MAX {
-                        self.block[place[k] + column as usize] += entry.value * p[k];
-                    }
-                }
-                if seen.orientation {
-                    for k in 0..3 {
-                        self.block[place[k + 3] + column as usize] += entry.value * r[k];
-                    }
-                }
-            }
+            add(&mut self.block, emission, &self.sites);
         }
         let difference = self.data.measured_position(row) - jacobian.point();
         for k in 0..3 {
@@ -205,6 +222,10 @@ impl<'a> Lineariser<'a> {
             return;
         }
         self.data.conditions_into(row, &mut self.conditions);
+        if let Some(stations) = self.stations {
+            stations.rest(row).emit(&self.bound, &self.conditions, &mut self.beside);
+            return;
+        }
         match &self.robot {
             Some((robot, coefficients)) => {
                 self.rest.settle(robot, &self.conditions, coefficients);

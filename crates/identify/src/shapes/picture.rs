@@ -1,8 +1,9 @@
 //! The linear picture in which shape parameters are looked for: everything but the columns of their effects projected out.
 
-use crate::linearise::Lineariser;
+use crate::linearise::{Lineariser, Stations};
 use crate::{Fit, FitOptions, IdentifyError, NoiseModel, NoiseSource};
 use nalgebra::{DMatrix, DVector};
+use std::sync::OnceLock;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape, Signal, Visits};
 use truepose_solvers::accumulator::Triangular;
 
@@ -56,6 +57,8 @@ pub(super) struct Picture<'a> {
     weights: Option<Vec<Vec<f64>>>,
     /// Visits that are looked at.
     used: Vec<usize>,
+    /// Where it stands in the visits that are looked at, once that was asked for.
+    stations: OnceLock<Stations>,
     /// Basis of all other columns, with their rows of the prior below.
     q: DMatrix<f64>,
     /// Their triangle: the columns are `q` times it.
@@ -111,6 +114,7 @@ impl<'a> Picture<'a> {
             used: (0..visits.len()).step_by(step).collect(),
             at: (rest.clone(), base.map_or_else(Vec::new, |fit| fit.fitted.coefficients().to_vec())),
             weights: base.and_then(|fit| weights(fit, data, &visits)),
+            stations: OnceLock::new(),
             q: DMatrix::zeros(0, 0),
             triangle: DMatrix::zeros(0, 0),
             target: DVector::zeros(0),
@@ -153,6 +157,7 @@ impl<'a> Picture<'a> {
             used: (0..visits.len()).step_by(visits.len().div_ceil(most).max(1)).collect(),
             at: (model.clone(), at.to_vec()),
             weights: weights(fit, data, &visits),
+            stations: OnceLock::new(),
             q: DMatrix::zeros(0, 0),
             triangle: DMatrix::zeros(0, 0),
             target: DVector::zeros(0),
@@ -247,13 +252,27 @@ impl<'a> Picture<'a> {
             std::borrow::Cow::Borrowed(_) => derived,
         };
         let zero = vec![0.0; model.columns().len()];
-        let mut lineariser =
-            Lineariser::new(&model, &derived, self.noise, &zero)?.beside(&self.at.0, &self.at.1)?;
+        let lineariser = Lineariser::new(&model, &derived, self.noise, &zero)?;
+        // Effects that read the data's channels may be asked about others than those of the picture: then nothing is known beforehand.
+        let mut lineariser = match std::ptr::eq(data, self.data) {
+            true => lineariser.at_stations(self.stations(&derived)?),
+            false => lineariser.beside(&self.at.0, &self.at.1)?,
+        };
         let whole = self.rows(&mut lineariser).select_columns(&self.kept[effect]);
         let (rows, prior) = (whole.nrows(), &self.prior[effect]);
         let mut columns = whole.resize_vertically(rows + prior.nrows(), 0.0);
         columns.rows_mut(rows, prior.nrows()).copy_from(prior);
         Ok(columns)
+    }
+
+    /// Where the robot stands in the visits that are looked at; `data` has the channels that its model reads.
+    fn stations(&self, data: &Dataset) -> Result<&Stations, IdentifyError> {
+        if let Some(known) = self.stations.get() {
+            return Ok(known);
+        }
+        let rows = self.used.iter().flat_map(|&visit| self.visits.rows[visit].iter().copied());
+        let stations = Stations::new(&self.at.0, data, &self.at.1, rows)?;
+        Ok(self.stations.get_or_init(|| stations))
     }
 
     /// Of an effect that follows a channel late: the channel, the lag, and how much the rows change with a unit of what the effect sees; the

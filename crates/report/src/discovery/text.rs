@@ -1,20 +1,34 @@
 //! A discovery as a story for a terminal: before, each effect, after.
 
-use super::{DiscoverySummary, FindingSummary, Reference};
-use crate::{count, significant};
+use super::{
+    DiscoverySummary, FindingSummary, NestedSummary, NoiseFloorSummary, Reference, WithdrawnSummary,
+};
+use crate::{PositionSpread, count, significant};
 use std::fmt;
-use truepose_discover::{Doubt, Family, Finding, Stop};
+use truepose_discover::{Check, Doubt, Family, Finding, FloorSource, Stop, Verdict};
 
 /// Width of the longest bar of the waterfall.
 const BAR: f64 = 34.0;
 
 impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {}, {}", self.robot, count(self.rows, "row"), count(self.visits, "visit"))?;
+        writeln!(
+            f,
+            "{}: {}, {}",
+            self.robot,
+            count(self.rows, "row"),
+            count(self.visits, "pose measurement")
+        )?;
         writeln!(f, "\n{}", self.question())?;
-        writeln!(f, "\nRMS of the 3-D position error on {} that took part in nothing, mm\n", {
-            count(self.before.holdout.count, "row")
-        })?;
+        if let Some(few) = &self.too_few_poses {
+            writeln!(f, "{}", few.words())?;
+        }
+        let judged = self.before.judged();
+        writeln!(
+            f,
+            "\nRMS of the 3-D position error on the held-out test set ({}), mm\n",
+            count(judged.count, "row")
+        )?;
         self.waterfall(f)?;
         for (number, effect) in (1..).zip(&self.effects) {
             writeln!(f, "\n{number}. {}", effect.words())?;
@@ -22,13 +36,7 @@ impl fmt::Display for DiscoverySummary {
         }
         writeln!(f, "\n{}", self.ending())?;
         if let Some(nested) = &self.nested {
-            writeln!(
-                f,
-                "The whole loop inside each fold ({}): {} → {} mm RMS on rows that no choice has seen.",
-                nested.folds,
-                significant(nested.before.rms_mm, 3),
-                significant(nested.after.rms_mm, 3)
-            )?;
+            writeln!(f, "{}", nested.words())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
                 let words = if found.is_empty() { "nothing".into() } else { found.join(", ") };
                 writeln!(f, "  fold {number}, {} mm: {words}", significant(after.rms_mm, 3))?;
@@ -53,33 +61,52 @@ impl fmt::Display for DiscoverySummary {
     }
 }
 
+impl NestedSummary {
+    /// Before and after in whole runs with a fold left out, and what that means.
+    pub(crate) fn words(&self) -> String {
+        let (before, after) = (self.before.rms_mm, self.after.rms_mm);
+        let worse = if after > before {
+            " The declared model alone predicts better: do not rely on what was found."
+        } else {
+            ""
+        };
+        format!(
+            "The whole loop inside each fold ({}): {} → {} mm RMS on rows that no choice has seen.{worse}",
+            self.folds,
+            significant(before, 3),
+            significant(after, 3)
+        )
+    }
+}
+
 impl DiscoverySummary {
-    /// Is anything left after the declared model?
+    /// What the declared model leaves, and against what that is held.
     pub(crate) fn question(&self) -> String {
+        let left = significant(self.before.judged_train().rms_mm, 3);
         match (self.lack_of_fit.against, self.lack_of_fit.before, self.lack_of_fit.pure_error_mm) {
             (Reference::Repeats, Some(p), Some(pure)) => format!(
-                "The declared model leaves {} mm; a repeated visit scatters by {} mm (lack of fit p = {}).",
-                significant(self.before.train.rms_mm, 3),
+                "Residual of the declared model: {left} mm RMS. Repeatability (pure error): {} mm (lack of fit p = {}).",
                 significant(pure, 3),
                 significant(p, 2)
             ),
             _ => format!(
-                "The declared model leaves {} mm. No configuration was visited twice: what is noise is told by flipping signs \
-                 of whole visits.",
-                significant(self.before.train.rms_mm, 3)
+                "Residual of the declared model: {left} mm RMS. No repeated poses: significance comes from a resampling test (sign \
+                 flips of whole poses)."
             ),
         }
     }
 
     fn waterfall(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut lines = vec![("declared model".to_owned(), self.before.holdout.rms_mm)];
-        lines.extend(
-            self.effects
-                .iter()
-                .filter(|e| e.family != Family::Outlier.word())
-                .map(|e| (format!("+ {}", e.words()), e.holdout_rms_mm.after)),
-        );
-        lines.push(("noise floor".to_owned(), self.noise_floor_mm));
+        let mut lines = vec![("declared model".to_owned(), self.before.judged().rms_mm)];
+        let found: Vec<_> = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).collect();
+        for (k, effect) in found.iter().enumerate() {
+            let last = k + 1 == found.len();
+            let after = if last { self.after.judged().rms_mm } else { effect.holdout_rms_mm.after };
+            lines.push((format!("+ {}", effect.words()), after));
+        }
+        if let Some(floor) = self.noise_floor_mm {
+            lines.push((self.noise_floor.name().to_owned(), floor));
+        }
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let most = lines.iter().map(|(_, v)| *v).fold(f64::MIN_POSITIVE, f64::max);
         for (name, value) in &lines {
@@ -97,32 +124,116 @@ impl DiscoverySummary {
     }
 
     fn ending(&self) -> String {
-        let result = format!(
-            "{} → {} mm on held-out visits; noise floor {} mm.",
-            significant(self.before.holdout.rms_mm, 3),
-            significant(self.after.holdout.rms_mm, 3),
-            significant(self.noise_floor_mm, 3)
-        );
-        let verdict = self.specification.map_or_else(String::new, |s| format!("\n{}", s.words()));
-        format!("{result}{verdict}\n{}", self.why())
+        let specification = self.specification.map_or_else(String::new, |s| format!("\n{}", s.words()));
+        format!("{}{specification}\n{}", self.result(), self.why())
     }
 
-    /// Why the loop stopped.
+    /// Before and after on the held-out test set, with the repeatability limit.
+    pub(crate) fn result(&self) -> String {
+        let pair = |before: PositionSpread, after: PositionSpread| {
+            format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3))
+        };
+        let all = pair(self.before.holdout, self.after.holdout);
+        let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
+            (Some(before), Some(after)) => format!(
+                "{} on the held-out test set without {}, {all} with {}",
+                pair(before, after),
+                count(self.after.holdout.count - after.count, "row that is reported as an outlier"),
+                if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
+            ),
+            _ => format!("{all} on the held-out test set"),
+        };
+        format!("{figures}. {}", self.noise_floor.words())
+    }
+
+    /// Why the loop stopped, and what that means.
     pub(crate) fn why(&self) -> String {
-        let found = self.effects.len();
+        let p = format!("(p = {})", significant(self.unexplained.p_value, 2));
+        let found = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).count();
         let why = match self.stopped {
             Stop::NothingLeft if found == 0 => {
-                "Nothing was found: what the declared model leaves is what chance leaves".to_owned()
+                format!("No effect beyond the declared model is significant {p}.")
             }
-            Stop::NothingLeft => "Nothing more is left that chance would not do as well".to_owned(),
-            Stop::NothingConvincing => format!(
-                "Something is left ({} % of the variance), but nothing that passed all tests",
-                significant(100.0 * self.unexplained.share_of_variance, 2)
+            Stop::NothingLeft => format!("No further effect is significant {p}."),
+            Stop::NothingConvincing => {
+                format!("Something is left {p}, but no candidate passed all tests.")
+            }
+            Stop::Circling => format!(
+                "Something is left {p}, and the search came back to the same candidates: which of them it is stays undecided."
             ),
-            Stop::Interrupted => "The run was ended before its end; something may be left".to_owned(),
-            Stop::Limit => "As many effects as were allowed; something may be left".to_owned(),
+            Stop::Withdrawn => self.withdrawn.as_ref().map_or_else(String::new, WithdrawnSummary::words),
+            Stop::Interrupted => "The run was ended before its end; something may be left.".into(),
+            Stop::Limit => format!("As many effects as were allowed were added {p}; something may be left."),
+            _ => String::new(),
         };
-        format!("{why} (p = {}).", significant(self.unexplained.p_value, 2))
+        let verdict = match (self.verdict, self.unexplained.rms_mm) {
+            (Verdict::Adequate, _) => "The model is adequate: what is left is not significant against repeatability.".into(),
+            (Verdict::Unexplained, Some(left)) if left > 0.0 => format!(
+                "{} mm of {} mm are not explained by any effect of the model.",
+                significant(left, 2),
+                significant(self.after.judged_train().rms_mm, 3)
+            ),
+            (Verdict::Unexplained, _) => match self.lack_of_fit.after {
+                Some(p) if self.stopped == Stop::NothingLeft => {
+                    format!("The lack of fit against repeated poses is significant (p = {}): something is left.", significant(p, 2))
+                }
+                _ => "What is left is more than noise.".into(),
+            },
+            (Verdict::Undecided, _) if self.noise_floor.source == FloorSource::Unknown => {
+                "Whether anything is left cannot be decided without repeated poses: measure ten or more of them twice.".into()
+            }
+            _ => "Whether anything is left is not decided.".to_owned(),
+        };
+        format!("{why} {verdict}").trim().to_owned()
+    }
+}
+
+impl NoiseFloorSummary {
+    fn name(&self) -> &'static str {
+        match self.source {
+            FloorSource::Stated => "instrument",
+            _ => "repeatability",
+        }
+    }
+
+    /// The limit with its source, in a sentence.
+    pub(crate) fn words(&self) -> String {
+        let Some(rms) = self.rms_mm else {
+            return "Repeatability limit: unknown (no repeated poses, no stated accuracy).".into();
+        };
+        let rms = significant(rms, 3);
+        match (self.source, self.ci95_mm) {
+            (FloorSource::Repeats, Some([lower, upper])) => format!(
+                "Repeatability limit: {rms} mm ({} to {} mm; from repeats).",
+                significant(lower, 2),
+                significant(upper, 2)
+            ),
+            (FloorSource::Stated, _) => {
+                format!(
+                    "Repeatability limit: at least {rms} mm (stated accuracy of the instrument; no repeated poses)."
+                )
+            }
+            _ => format!("Repeatability limit: {rms} mm (from repeats)."),
+        }
+    }
+}
+
+impl WithdrawnSummary {
+    /// What was withdrawn, where it failed, and what stands.
+    pub(crate) fn words(&self) -> String {
+        let rows = match self.check {
+            Check::Refits => "in cross-validation by refits",
+            Check::UnsearchedRows => "on training rows outside of the sample that was searched",
+            Check::NestedFolds => "in nested cross-validation of the whole search",
+            Check::TestSet => "on the held-out test set",
+        };
+        format!(
+            "Withdrawn: {}. With {}, the model predicts unseen data worse than the declared model ({} → {} mm {rows}). The declared model stands.",
+            self.findings.join(", "),
+            if self.findings.len() == 1 { "it" } else { "them" },
+            significant(self.declared_rms_mm, 3),
+            significant(self.enlarged_rms_mm, 3),
+        )
     }
 }
 
@@ -142,7 +253,7 @@ impl FindingSummary {
         }
         writeln!(
             f,
-            "   p = {}, there in {} % of half samples, cross-validated {} → {} mm",
+            "   p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
             significant(self.p_value, 2),
             significant(100.0 * self.stability, 3),
             significant(self.cross_validated_rms_mm.before, 3),
@@ -150,7 +261,7 @@ impl FindingSummary {
         )?;
         for other in self.alternatives.iter().take(2) {
             let words = format!("{} {}", other.family, other.place.words());
-            let told = if other.equivalent { "this data cannot tell it from" } else { "rival:" };
+            let told = if other.equivalent { "not distinguishable from" } else { "competing hypothesis:" };
             writeln!(
                 f,
                 "   {told} {} ({} mm held out)",
@@ -162,13 +273,20 @@ impl FindingSummary {
     }
 }
 
-/// Why a candidate was not believed.
+/// Why a candidate was refused.
 pub(super) fn doubt_words(doubt: Doubt) -> &'static str {
     match doubt {
-        Doubt::Chance => "chance would do as well",
-        Doubt::NotPredictive => "it does not predict configurations that it has not seen",
-        Doubt::TooSmall => "its gain is too small to matter",
-        Doubt::Unstable => "it is not there in every half of the data",
+        Doubt::Chance => "not significant",
+        Doubt::NotPredictive => "no better on configurations that it has not seen (cross-validation)",
+        Doubt::TooSmall => "gain too small to matter",
+        Doubt::Unstable => "not selected in every half of the data",
+        Doubt::NothingNew => "the model has it already",
+        Doubt::NotConverged => "the fit with it does not converge",
+        Doubt::WorseFit => "the fit with it leaves a larger training error",
+        Doubt::WorseUnseen => "refitted with it, the model predicts unseen poses no better",
+        Doubt::NotSignificant => "its coefficients are not significant in the refitted model",
+        Doubt::NotPhysical => "its sign or size is one that no mechanism has",
+        _ => "refused",
     }
 }
 
@@ -211,7 +329,7 @@ pub(super) fn meaning(finding: &Finding) -> String {
             )
         }
         Family::Payload => format!(
-            "The payload declared as {} kg is another one: weigh it.",
+            "The payload declared as {} kg does not fit. Check the declared mass.",
             place.level.unwrap_or_default()
         ),
         Family::LinkCompliance => format!(

@@ -26,23 +26,23 @@ pub fn discovery_report(
     page.section("Verdict");
     verdict(&mut page, summary);
     let rows = rows(found, data, labels);
-    page.section("Errors in space");
+    page.section("Position errors");
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
     page.joint_space(&rows, TITLES);
     if !summary.effects.is_empty() {
-        page.section("What each effect took away");
+        page.section("Error budget");
         steps(&mut page, summary);
         page.section("Each effect");
     }
     for (number, effect) in (1..).zip(&summary.effects) {
-        finding(&mut page, number, effect, found, summary.after.holdout.rms_mm);
+        finding(&mut page, number, effect, found, summary.after.judged().rms_mm);
     }
     page.section("Residuals");
     page.by_axis(&rows, TITLES);
     page.title("Against what the robot did");
     page.against_inputs(&rows, TITLES);
-    page.title("Against the normal law");
-    page.quantiles(&rows, summary.noise_floor_mm / 3f64.sqrt());
+    page.title("Against the normal distribution");
+    page.quantiles(&rows, found.fit.noise.floor(f64::NAN) / 3f64.sqrt());
     page.title("Worst visits");
     page.worst(&rows, 8);
     page.section("What the data determines");
@@ -70,38 +70,31 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
 }
 
 fn verdict(page: &mut Page, summary: &DiscoverySummary) {
-    let (before, after) = (summary.before.holdout, summary.after.holdout);
+    let (before, after) = (summary.before.judged(), summary.after.judged());
     let mm = |v: f64| significant(v, 3);
-    let rows = count(after.count, "held-out row");
-    let floor = format!("a perfect model would leave {} mm", mm(summary.noise_floor_mm));
     let named: Vec<String> = summary.effects.iter().map(FindingSummary::words).collect();
-    let sentence = if named.is_empty() {
-        let answer = match summary.stopped {
-            Stop::NothingLeft => "The declared model is enough: nothing was found that it lacks",
-            _ => "Nothing was found that can be added to the declared model with confidence",
-        };
-        format!("{answer}. On {rows} the position error is {} mm (3-D RMS); {floor}.", mm(after.rms_mm))
-    } else {
-        format!(
-            "The declared model lacks {}: {}. With {}, the position error on {rows} goes from {} to {} mm (3-D RMS); {floor}.",
-            if named.len() == 1 { "one effect".into() } else { count(named.len(), "effect") },
-            named.join(", "),
-            if named.len() == 1 { "it" } else { "them" },
-            mm(before.rms_mm),
-            mm(after.rms_mm)
-        )
+    let answer = match (named.len(), summary.stopped) {
+        (0, Stop::NothingLeft) => "No effect beyond the declared model was found.".to_owned(),
+        (0, Stop::Withdrawn) => {
+            "The declared model stands: what was found did not hold on unseen data.".to_owned()
+        }
+        (0, _) => "Nothing was found that can be added to the declared model with confidence.".to_owned(),
+        (1, _) => format!("The declared model lacks one effect: {}.", named.join(", ")),
+        (count, _) => format!("The declared model lacks {count} effects: {}.", named.join(", ")),
     };
+    let sentence = format!("{answer} Position error (3-D RMS): {}", summary.result());
     page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&sentence)));
     page.raw("<div class=\"numbers4\">");
     let tail = [
         (mm(after.p95_mm), "mm: 95 % of held-out rows are below"),
         (mm(after.max_mm), "mm largest, held out"),
     ];
+    let limit = match summary.noise_floor_mm {
+        Some(limit) => (mm(limit), "mm repeatability limit"),
+        None => ("unknown".into(), "repeatability limit: no repeated poses"),
+    };
     let head = if named.is_empty() {
-        [
-            (mm(after.rms_mm), "mm RMS, held out"),
-            (mm(summary.noise_floor_mm), "mm RMS that noise alone leaves"),
-        ]
+        [(mm(after.rms_mm), "mm RMS, held out"), limit]
     } else {
         [(mm(before.rms_mm), "mm RMS before, held out"), (mm(after.rms_mm), "mm RMS after, held out")]
     };
@@ -110,11 +103,18 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     }
     page.raw("</div>");
     page.note(
-        "Held-out rows were drawn before anything was fitted, and took part in no fit and in no choice.",
+        "The held-out test set was drawn before anything was fitted. It took part in no fit, and in one choice: findings that predict it worse \
+         than the declared model does are withdrawn.",
     );
     specification(page, summary.specification.as_ref());
     page.text(&summary.question());
     page.text(&summary.why());
+    if let Some(few) = &summary.too_few_poses {
+        page.text(&few.words());
+    }
+    if let Some(nested) = &summary.nested {
+        page.text(&nested.words());
+    }
 }
 
 /// Against the specification, with its mark.
@@ -152,16 +152,12 @@ fn steps(page: &mut Page, summary: &DiscoverySummary) {
         "bar-after",
         mm(summary.after.holdout.rms_mm),
     ));
-    let floor = format!("noise floor {}", mm(summary.noise_floor_mm));
-    let svg = waterfall(
-        "What each effect took away from the held-out error",
-        &list,
-        Some((summary.noise_floor_mm, floor)),
-    );
+    let floor = summary.noise_floor_mm.map(|limit| (limit, format!("repeatability limit {}", mm(limit))));
+    let svg = waterfall("Error budget of the held-out test set", &list, floor);
     page.figure(
         "waterfall",
         &svg,
-        "RMS of the 3-D position error on held-out rows, in the order in which effects were added. Dashed: what noise alone leaves.",
+        "RMS of the 3-D position error on held-out rows, in the order in which effects were added. Dashed: repeatability limit, where one is known.",
     );
 }
 
