@@ -1,4 +1,4 @@
-//! Kinds of robots: dimensions of real machines of the kind, each length within a fifth of it, three ways of describing them.
+//! Kinds of robots: dimensions of real machines, 0.8 to 1.25 times, each length within a tenth, in three ways of describing them.
 
 use super::draw::Draw;
 use std::error::Error;

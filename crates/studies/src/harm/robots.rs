@@ -307,3 +307,47 @@ fn seen(data: &Dataset, spoil: Spoil, draw: &mut Draw) -> Dataset {
         .collect();
     data.select(&rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_a_robot() {
+        for number in [0, 5, 12, 31] {
+            let (a, b) = (Robot::of(number).expect("a robot"), Robot::of(number).expect("a robot"));
+            // NaN is not itself: what was not measured is left out.
+            assert_eq!((&a.data.joints, &a.data.target), (&b.data.joints, &b.data.target));
+            assert_eq!(a.truth.position, b.truth.position);
+            let finite = |data: &Dataset| data.position.iter().flatten().all(|v| v.is_finite());
+            assert!(finite(&a.data) && finite(&a.truth));
+            assert_ne!(a.truth.position, Robot::of(number + 2).expect("a robot").truth.position);
+        }
+    }
+
+    #[test]
+    fn truth_is_where_the_plant_ends_when_it_is_sent_there() {
+        for number in 0..14 {
+            let robot = Robot::of(number).expect("a robot");
+            let asked = robot.asked();
+            assert_eq!(asked.len(), FRESH);
+            let commands = asked.iter().map(|&row| robot.truth.conditions(row).joints).collect();
+            let ends = robot.ends(commands).expect("positions");
+            for (&row, end) in asked.iter().zip(&ends) {
+                assert!((robot.truth.measured_position(row) - end).norm() < 1e-12, "{number}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_kind_is_there_in_either_half() {
+        for half in [false, true] {
+            let numbers = (0..220).filter(|&n| locked(n) == half);
+            let robots: Vec<Robot> = numbers.map(|n| Robot::of(n).expect("a robot")).collect();
+            assert!(MAKES.iter().all(|make| robots.iter().any(|robot| robot.make == *make)));
+            assert!(HIDDEN.iter().all(|hidden| robots.iter().any(|robot| robot.hidden == *hidden)));
+            assert!(SPOILS.iter().all(|spoil| robots.iter().any(|robot| robot.spoil == *spoil)));
+            assert!(STYLES.iter().all(|style| robots.iter().any(|robot| robot.style == *style)));
+        }
+    }
+}

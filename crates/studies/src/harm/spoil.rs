@@ -137,3 +137,48 @@ fn swapped(data: &mut Dataset, visits: &[Vec<usize>], draw: &mut Draw) {
         (data.target[a], data.target[b]) = (labels[1], labels[0]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::draw::Stream;
+    use super::super::robots::Robot;
+    use super::*;
+
+    /// A record with three targets a pose.
+    fn record() -> Dataset {
+        let of_three = |number: &u64| {
+            let robot = Robot::of(*number).expect("a robot");
+            robot.spoil == Spoil::Nothing && Visits::of(&robot.data).rows.iter().all(|rows| rows.len() >= 2)
+        };
+        let number = (0..200).find(of_three).expect("one of them");
+        Robot::of(number).expect("a robot").data
+    }
+
+    #[test]
+    fn each_kind_spoils_what_it_says() {
+        let clean = record();
+        let spoiled = |spoil: Spoil| spoil.spoiled(&clean, &mut Draw::of(2, Stream::Spoil));
+        let moved =
+            |data: &Dataset| (0..data.len()).filter(|&row| data.position[row] != clean.position[row]).count();
+        assert!((1..=3).contains(&moved(&spoiled(Spoil::WrongRows))));
+        assert!((1..=3).contains(&moved(&spoiled(Spoil::Zeros))));
+        assert!(moved(&spoiled(Spoil::PoseOff)) >= 2);
+        assert_eq!(moved(&spoiled(Spoil::Nothing)), 0);
+        let labels = spoiled(Spoil::Swapped).target;
+        let changed = labels.iter().zip(&clean.target).filter(|(a, b)| a != b).count();
+        assert!((4..=10).contains(&changed) && changed % 2 == 0, "{changed}");
+        let few = spoiled(Spoil::FewRows);
+        let last = few.target.iter().flatten().map(|t| t.0).max();
+        let rows = few.target.iter().filter(|t| t.map(|t| t.0) == last).count();
+        assert!((2..=3).contains(&rows));
+    }
+
+    #[test]
+    fn flicker_is_what_an_encoder_shows() {
+        let clean = record();
+        let data = Spoil::Flicker.spoiled(&clean, &mut Draw::of(2, Stream::Spoil));
+        let off = data.joints[0].iter().zip(&clean.joints[0]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Five deviations of a ten-thousandth of a degree.
+        assert!(off > 1e-8 && off < 5e-4f64.to_radians(), "{off}");
+    }
+}

@@ -125,3 +125,58 @@ impl Unnamed {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::draw::Stream;
+    use super::*;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn nothing_is_nothing() {
+        let chain = samples::heavy();
+        let commanded = vec![vec![0.1; 6], vec![0.4; 6]];
+        assert_eq!(Unnamed::of(&chain).performed(&commanded, None), commanded);
+    }
+
+    #[test]
+    fn friction_remembers_more_than_the_last_move() {
+        let chain = samples::heavy();
+        let friction = Unnamed::of(&chain).with_hysteresis(0.3);
+        let way = |first: f64| -> Vec<Vec<f64>> { [0.0, first, 0.2, 0.21].map(|q| vec![q; 6]).into() };
+        let [far, near] = [1.5, 0.15].map(|first| friction.performed(&way(first), None)[3][0] - 0.21);
+        // The same last move to the same place: from below by 0.01 rad. The long element (0.7 rad) was turned by 1.3 rad before.
+        assert!((far - near).abs() > 5e-5 && far.abs() < 3.01e-4 && near.abs() < 3.01e-4, "{far} {near}");
+    }
+
+    #[test]
+    fn nonsense_is_smooth_and_has_its_size() {
+        let chain = samples::heavy();
+        let mut draw = Draw::of(5, Stream::Unnamed);
+        let field = Unnamed::of(&chain).with_nonsense(0.2, &mut draw);
+        let off = |q: &[f64]| field.performed(&[q.to_vec()], None)[0][1] - q[1];
+        let mut square = 0.0;
+        for _ in 0..500 {
+            let q: Vec<f64> = (0..6).map(|_| draw.between(-2.0, 2.0)).collect();
+            let mut beside = q.clone();
+            beside[3] += 0.01;
+            square += off(&q).powi(2) / 500.0;
+            assert!((off(&q) - off(&beside)).abs() < 2e-5);
+        }
+        // Five waves of normal size: the root mean square of one joint is drawn as well.
+        assert!((5e-5..8e-4).contains(&square.sqrt()), "{}", square.sqrt());
+    }
+
+    #[test]
+    fn the_instrument_wanders_with_a_memory() {
+        let wandering = Unnamed::default().with_wander(1e-4, 20.0);
+        let mut data = Dataset { position: vec![[0.0; 3]; 20_000], ..Dataset::default() };
+        wandering.wander(&mut data, &mut Draw::of(1, Stream::Scatter));
+        let x = |k: usize| data.position[k][0];
+        let square: f64 = (0..19_980).map(|k| x(k) * x(k)).sum();
+        let later: f64 = (0..19_980).map(|k| x(k) * x(k + 20)).sum();
+        // 20 000 rows hold some 500 independent ones: 5 % of the size, 0.06 of the correlation e⁻¹ = 0.368.
+        assert!(((square / 19_980.0).sqrt() / 1e-4 - 1.0).abs() < 0.15, "{square}");
+        assert!((later / square - 0.368).abs() < 0.15, "{}", later / square);
+    }
+}

@@ -6,7 +6,7 @@
 //! | constants | `identify` with the default model (`geometric`), pivoted QR; `predict` of its fit is the same |
 //! | tukey, huber, ridge | `identify --solver …` |
 //! | discover | `discover`; `predict` of its fit is the same |
-//! | export | geometry of the fit of `discover` as a controller takes it; base, tool and targets fitted as for the nominal robot |
+//! | export | geometry of the fit of `discover` as a controller takes it; base, tool and targets fitted to the rows before they were spoiled |
 //! | written | the same as it is in the file |
 
 use super::record::{Figure, Record};
@@ -98,7 +98,9 @@ pub fn run(robot: &Robot, asked: Asked) -> Record {
         if let Some(found) = attempt(&mut record, "export", || bare(&chain)) {
             note(&mut record, robot, Figure::Written, &found);
         }
-        if let Some(found) = attempt(&mut record, "export", || installation(&chain, &robot.data, &options)) {
+        // What is spoiled in the record would say nothing about the geometry.
+        let data = robot.clean.as_ref().unwrap_or(&robot.data);
+        if let Some(found) = attempt(&mut record, "export", || installation(&chain, data, &options)) {
             note(&mut record, robot, Figure::Export, &found);
         }
     }

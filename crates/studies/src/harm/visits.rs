@@ -120,3 +120,46 @@ impl Region {
         self.box_of.iter().map(|&(middle, half)| middle + half * draw.between(-1.0, 1.0)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::draw::Stream;
+    use super::*;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn what_is_fresh_lies_where_was_measured() {
+        let chain = samples::heavy();
+        for style in STYLES {
+            let mut draw = Draw::of(3, Stream::Visits);
+            let region = Region::of(style, &chain, &mut draw);
+            let measured = region.measured(200, &mut draw);
+            assert_eq!(measured.len(), 200);
+            let far = region.far(&mut draw);
+            for joint in 0..6 {
+                let values = || measured.iter().map(|q| q[joint]);
+                let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
+                // Two hundred even draws leave a hundredth of their range at either end more often than not.
+                let margin = 0.05 * (high - low);
+                for q in region.fresh(50, &mut draw) {
+                    assert!(
+                        (low - margin..=high + margin).contains(&q[joint]),
+                        "{style:?} {low} {high} {q:?}"
+                    );
+                }
+                assert!(chain.movable().len() == 6 && (-2.0..=2.0).contains(&far[joint]));
+            }
+        }
+    }
+
+    #[test]
+    fn a_sweep_moves_one_joint_and_a_grid_keeps_its_order() {
+        let chain = samples::heavy();
+        let mut draw = Draw::of(4, Stream::Visits);
+        let swept = Region::of(Style::Swept, &chain, &mut draw).measured(60, &mut draw);
+        let moves = |pair: &[Vec<f64>]| (0..6).filter(|&j| (pair[1][j] - pair[0][j]).abs() > 1e-12).count();
+        assert!(swept.windows(2).all(|pair| moves(pair) <= 2));
+        let grid = Region::of(Style::Grid, &chain, &mut draw).measured(60, &mut draw);
+        assert!(grid.windows(2).all(|pair| pair[0] <= pair[1]));
+    }
+}
