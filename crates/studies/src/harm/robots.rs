@@ -268,6 +268,9 @@ fn options(make: Make, draw: &mut Draw) -> PlantOptions {
     }
 }
 
+/// Rows as they were written down, and the true position of each row's target, m.
+type Observed = (Dataset, Vec<Vector3<f64>>);
+
 /// A campaign as it was commanded and measured, with the true positions beside it.
 fn observed(
     plant: &Plant,
@@ -275,7 +278,7 @@ fn observed(
     campaign: &Campaign,
     scatter: Option<&mut Draw>,
     seed: u64,
-) -> Result<(Dataset, Vec<Vector3<f64>>), Box<dyn Error>> {
+) -> Result<Observed, Box<dyn Error>> {
     let commanded: Vec<Vec<f64>> = campaign.visits.iter().map(|visit| visit.joints.clone()).collect();
     let mut performed = campaign.clone();
     for (visit, joints) in performed.visits.iter_mut().zip(unnamed.performed(&commanded, scatter)) {

@@ -158,8 +158,9 @@ mod tests {
     fn each_kind_spoils_what_it_says() {
         let clean = record();
         let spoiled = |spoil: Spoil| spoil.spoiled(&clean, &mut Draw::of(2, Stream::Spoil));
-        let moved =
-            |data: &Dataset| (0..data.len()).filter(|&row| data.position[row] != clean.position[row]).count();
+        let moved = |data: &Dataset| {
+            (0..data.len()).filter(|&row| data.measured_position(row) != clean.measured_position(row)).count()
+        };
         assert!((1..=3).contains(&moved(&spoiled(Spoil::WrongRows))));
         assert!((1..=3).contains(&moved(&spoiled(Spoil::Zeros))));
         assert!(moved(&spoiled(Spoil::PoseOff)) >= 2);
