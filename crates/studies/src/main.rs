@@ -3,6 +3,7 @@
 mod clock;
 mod discovery;
 mod drive;
+mod harm;
 mod ledger;
 mod orders;
 mod pps;
@@ -32,12 +33,13 @@ fn main() -> ExitCode {
     let done = match name.as_str() {
         "discovery" => discovery::run(&rest),
         "drive" => drive::run(&rest),
+        "harm" => harm::run(&rest),
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
         "reliability" => reliability::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!(
-            "unknown study `{name}`; there are: discovery, drive, orders, pps, reliability, solvers"
+            "unknown study `{name}`; there are: discovery, drive, harm, orders, pps, reliability, solvers"
         )
         .into()),
     };

@@ -158,7 +158,7 @@ pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
 }
 
 /// What this process has taken of the processors, s; NaN where the system does not say it as Linux does.
-fn processor_seconds() -> f64 {
+pub fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = text.rsplit(')').next().unwrap_or_default();
     // Hundredths, in user and in system mode.

@@ -1,0 +1,223 @@
+//! What each verb makes of a robot, held against the truth where nobody measured.
+//!
+//! | figure | of |
+//! | --- | --- |
+//! | nominal | the robot as described, base, tool and targets fitted to the rows that were measured |
+//! | constants | `identify` with the default model (`geometric`), pivoted QR; `predict` of its fit is the same |
+//! | tukey, huber, ridge | `identify --solver …` |
+//! | discover | `discover`; `predict` of its fit is the same |
+//! | export | geometry of the fit of `discover` as a controller takes it; base, tool and targets fitted to the rows before they were spoiled |
+//! | written | the same as it is in the file |
+
+use super::record::{Figure, Record};
+use super::robots::Robot;
+use crate::discovery::trial::processor_seconds;
+use std::error::Error;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+use truepose_compensate::{ExportOptions, corrected_chain};
+use truepose_discover::{Diagnosis, DiscoverOptions, diagnose, nested};
+use truepose_errormodel::effects::{AllTargets, Geometric, Where};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel};
+use truepose_identify::{FitOptions, IdentificationOptions, Residuals, Split, fit, identify, place};
+use truepose_kinematics::nalgebra::DMatrix;
+use truepose_kinematics::{Chain, FrameId};
+use truepose_solvers::{PivotedQr, SolverSpec};
+
+/// Folds of `discover --nested`.
+const FOLDS: usize = 5;
+
+/// Which verbs are asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    pub solvers: bool,
+    pub discover: bool,
+    pub export: bool,
+    pub compensate: bool,
+}
+
+/// Fits of one robot, as far as there are any.
+pub struct Fits {
+    pub nominal: Option<FittedModel>,
+    pub constants: Option<FittedModel>,
+    pub discover: Option<FittedModel>,
+}
+
+/// The verbs' default model.
+pub fn declared() -> Vec<Box<dyn AnyEffect>> {
+    vec![Box::new(Geometric::default())]
+}
+
+/// All verbs that were asked for.
+pub fn run(robot: &Robot, asked: Asked) -> Record {
+    let mut record = blank(robot);
+    let mut fits = Fits { nominal: None, constants: None, discover: None };
+    let options = FitOptions::default();
+    if let Some(found) =
+        attempt(&mut record, "installation", || installation(&robot.described, &robot.data, &options))
+    {
+        note(&mut record, robot, Figure::Nominal, &found);
+        fits.nominal = Some(found);
+    }
+    let begun = Instant::now();
+    if let Some(found) = attempt(&mut record, "identify", || identified(robot, &robot.data, "qr")) {
+        note(&mut record, robot, Figure::Constants, &found);
+        fits.constants = Some(found);
+    }
+    record.set(Figure::SecondsIdentify, begun.elapsed().as_secs_f64());
+    if let Some(clean) = &robot.clean
+        && let Some(found) = attempt(&mut record, "clean", || identified(robot, clean, "qr"))
+    {
+        note(&mut record, robot, Figure::Clean, &found);
+    }
+    if asked.solvers {
+        for (solver, figure) in
+            [("tukey(qr)", Figure::Tukey), ("huber(qr)", Figure::Huber), ("ridge(map)", Figure::Ridge)]
+        {
+            if let Some(found) = attempt(&mut record, solver, || identified(robot, &robot.data, solver)) {
+                note(&mut record, robot, figure, &found);
+            }
+        }
+    }
+    if asked.discover {
+        let (begun, spent) = (Instant::now(), processor_seconds());
+        let found = attempt(&mut record, "discover", || discovered(robot));
+        record.set(Figure::SecondsDiscover, begun.elapsed().as_secs_f64());
+        record.set(Figure::Processors, processor_seconds() - spent);
+        if let Some(found) = found {
+            let words: Vec<String> = found.findings.iter().map(|finding| finding.candidate.words()).collect();
+            record.finds = words.join("; ");
+            note(&mut record, robot, Figure::Discover, &found.fit.fitted);
+            fits.discover = Some(found.fit.fitted);
+        }
+    }
+    if asked.export
+        && let Some(fitted) = fits.discover.as_ref().or(fits.constants.as_ref())
+        && let Some(chain) = attempt(&mut record, "export", || exported(fitted))
+    {
+        if let Some(found) = attempt(&mut record, "export", || bare(&chain)) {
+            note(&mut record, robot, Figure::Written, &found);
+        }
+        // What is spoiled in the record would say nothing about the geometry.
+        let data = robot.clean.as_ref().unwrap_or(&robot.data);
+        if let Some(found) = attempt(&mut record, "export", || installation(&chain, data, &options)) {
+            note(&mut record, robot, Figure::Export, &found);
+        }
+    }
+    if asked.compensate {
+        super::driven::drive(robot, &fits, &mut record);
+    }
+    record
+}
+
+/// The whole loop inside of each fold, against the declared model in the same folds.
+pub fn run_nested(robot: &Robot) -> Record {
+    let mut record = blank(robot);
+    let (begun, spent) = (Instant::now(), processor_seconds());
+    let judged = attempt(&mut record, "nested", || {
+        let (split, solver) = (Split::Random { folds: FOLDS, seed: 0 }, PivotedQr::default());
+        let options = DiscoverOptions::default();
+        Ok(nested(&robot.described, &declared(), &robot.data, &split, &solver, &options, &|_, _| ())?)
+    });
+    record.set(Figure::SecondsNested, begun.elapsed().as_secs_f64());
+    record.set(Figure::Processors, processor_seconds() - spent);
+    if let Some(judged) = judged {
+        record.set(Figure::NestedBefore, 1e3 * judged.before.rms);
+        record.set(Figure::NestedAfter, 1e3 * judged.after.rms);
+        let words = |run: &Diagnosis| {
+            let finds: Vec<String> = run.findings.iter().map(|finding| finding.candidate.words()).collect();
+            finds.join("; ")
+        };
+        record.finds = judged.runs.iter().map(words).collect::<Vec<_>>().join(" | ");
+    }
+    record
+}
+
+fn blank(robot: &Robot) -> Record {
+    let unknown = [
+        ("base", !robot.described.base().known),
+        ("tool", !robot.described.tool().known),
+        ("targets", robot.described.targets().iter().any(|target| !target.known)),
+        ("turns", robot.data.orientation.iter().any(Option::is_some)),
+    ];
+    let given: Vec<&str> = unknown.iter().filter(|(_, so)| *so).map(|(word, _)| *word).collect();
+    Record {
+        number: robot.number,
+        seed: super::robots::seed(robot.number),
+        make: robot.make.word().into(),
+        hidden: robot.hidden.word().into(),
+        style: robot.style.word().into(),
+        spoil: robot.spoil.word().into(),
+        poses: robot.poses,
+        rows: robot.data.len(),
+        targets: robot.described.targets().len(),
+        given: given.join("+"),
+        noise_mm: 1e3 * robot.noise,
+        figures: [f64::NAN; super::record::FIGURES.len()],
+        finds: String::new(),
+        refused: Vec::new(),
+    }
+}
+
+/// What a verb answers; a refusal and a panic are noted.
+pub fn attempt<T>(
+    record: &mut Record,
+    verb: &str,
+    work: impl FnOnce() -> Result<T, Box<dyn Error>>,
+) -> Option<T> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(answer)) => Some(answer),
+        Ok(Err(error)) => {
+            record.refuse(verb, &error.to_string());
+            None
+        }
+        Err(_) => {
+            record.refuse(verb, "panic");
+            None
+        }
+    }
+}
+
+/// RMS distance between where the model says that the targets are and where they are, mm.
+fn note(record: &mut Record, robot: &Robot, figure: Figure, fitted: &FittedModel) {
+    let verb = format!("predict for {figure:?}");
+    let residuals = attempt(record, &verb, || Ok(Residuals::of(fitted, &robot.truth)?));
+    if let Some(residuals) = residuals {
+        record.set(figure, 1e3 * residuals.positions().rms);
+    }
+}
+
+/// Base, tool and targets fitted, and nothing of the arm: the stage `frames_only` of an identification.
+fn installation(chain: &Chain, data: &Dataset, options: &FitOptions) -> Result<FittedModel, Box<dyn Error>> {
+    let placed = place(chain, data)?.chain;
+    let mut frames = vec![Where::Frame(FrameId::BASE), Where::Frame(placed.tool_frame())];
+    if !placed.targets().is_empty() {
+        frames.push(Where::Targets(AllTargets::All));
+    }
+    let errors = Geometric { frames: Some(frames), components: None };
+    let model = ErrorModel::new(placed, vec![Box::new(errors)])?;
+    Ok(fit(&model, data, &PivotedQr::default(), options)?.fitted)
+}
+
+fn identified(robot: &Robot, data: &Dataset, solver: &str) -> Result<FittedModel, Box<dyn Error>> {
+    let solver = solver.parse::<SolverSpec>()?.build();
+    let options = IdentificationOptions::default();
+    let found = identify(&robot.described, &declared(), data, &*solver, &options, &|_| ())?;
+    Ok(found.fit.fitted)
+}
+
+fn discovered(robot: &Robot) -> Result<Diagnosis, Box<dyn Error>> {
+    let (solver, options) = (PivotedQr::default(), DiscoverOptions::default());
+    Ok(diagnose(&robot.described, &declared(), &robot.data, &solver, &options, &|_| ())?)
+}
+
+/// A robot without any error.
+fn bare(chain: &Chain) -> Result<FittedModel, Box<dyn Error>> {
+    let model = ErrorModel::new(chain.clone(), Vec::new())?;
+    Ok(FittedModel::new(model, Vec::new(), DMatrix::zeros(0, 0))?)
+}
+
+/// The geometry that `export` writes, as a robot: the one place where this study uses it.
+fn exported(fitted: &FittedModel) -> Result<Chain, Box<dyn Error>> {
+    Ok(corrected_chain(fitted, &ExportOptions::default())?.value)
+}
