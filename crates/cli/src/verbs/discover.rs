@@ -66,6 +66,10 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     drop(bar);
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(folds) = args.nested {
+        // Should a limit end the validation, the finished run is shown and written as it is.
+        let whole = (args.json, summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
+        let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
+        watch::keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
             return Err(Failure::Input("--nested: a single configuration cannot be divided".into()));
         };
@@ -150,6 +154,37 @@ impl Origin {
     }
 }
 
+/// What is shown and written of a finished run: as JSON or in words, its summary, the file of the fit and the file of the ledger.
+type Finished = (bool, DiscoverySummary, Option<PathBuf>, Option<PathBuf>);
+
+/// Shows and writes a finished run whose validation was ended; each file whole or not at all. Says which were written.
+fn without_validation(
+    (json, mut summary, out, ledger): Finished,
+    mut fitted: FittedModel,
+    origin: &Origin,
+    why: &str,
+) -> Vec<PathBuf> {
+    summary.incomplete = Some(format!("{why}: the nested validation was not finished"));
+    if !json {
+        terminal::print(&summary.to_string());
+    }
+    let mut written = Vec::new();
+    if let Some(out) = out {
+        origin.write(&mut fitted, true);
+        if write_fit(&out, &fitted).is_ok() {
+            written.push(out);
+        }
+    }
+    written.extend(ledger.filter(|ledger| write_ledger(ledger, &summary)));
+    written
+}
+
+/// Whether the ledger could be written.
+fn write_ledger(ledger: &Path, summary: &DiscoverySummary) -> bool {
+    serde_json::to_string_pretty(summary)
+        .is_ok_and(|text| write_whole(ledger, (text + "\n").as_bytes()).is_ok())
+}
+
 /// Writes what was found before the run ended, marked as incomplete; each file whole or not at all. Says which were written.
 fn incomplete(
     mut found: Diagnosis,
@@ -169,12 +204,7 @@ fn incomplete(
             written.push(out);
         }
     }
-    if let Some(ledger) = ledger
-        && let Ok(text) = serde_json::to_string_pretty(&summary)
-        && write_whole(&ledger, (text + "\n").as_bytes()).is_ok()
-    {
-        written.push(ledger);
-    }
+    written.extend(ledger.filter(|ledger| write_ledger(ledger, &summary)));
     written
 }
 
@@ -185,6 +215,7 @@ fn word(step: &Progress) -> String {
         Progress::Screening(found) => format!("screening again, {found} found"),
         Progress::Found(words) => format!("found {words}; fitting"),
         Progress::SoFar(_) => "keeping what was found".into(),
+        Progress::Checking => "checking on data that the search has not seen".into(),
         Progress::Reconsidering => "looking at earlier finds again".into(),
         Progress::Judging => "judging on the rows that were held out".into(),
     }
