@@ -17,7 +17,7 @@ mod rest;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, Schema, Seen, Visits, approach_from_order, configurations, is_derived,
+    CARRIED, Channel, Dataset, Dwell, DwellTolerance, Schema, Seen, Visits, approach_from_order, configurations, is_derived,
     late_channel, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, Search, Shape, Signal, UNBOUNDED};
