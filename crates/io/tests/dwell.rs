@@ -66,7 +66,8 @@ fn blocks_of_any_size_have_the_groups_of_the_whole_file() {
     // A slow sweep, dwells with flicker, a row far off in a dwell, and joints that are equal to the bit.
     let mut text = table(30);
     for step in 0..60 {
-        text += &format!("{:.9},0.2,0.1,0.3,1,{:.6},0\n", 1.0 + 2.4e-6 * f64::from(step), 2e-6 * f64::from(step));
+        text +=
+            &format!("{:.9},0.2,0.1,0.3,1,{:.6},0\n", 1.0 + 2.4e-6 * f64::from(step), 2e-6 * f64::from(step));
     }
     text += "1.2,0.2,0.1,0.3,1,0,0\n1.2,0.2,0.1,0.3,1,0.5,0\n1.2,0.2,0.1,0.3,1,0,0\n1.2,0.2,0.1,0.3,1,0,0\n";
     let (_folder, path) = written(&text);
@@ -124,8 +125,10 @@ fn a_target_that_was_lost_was_not_measured() {
     let words: Vec<String> = warnings.iter().map(|w| w.message.clone()).collect();
     assert_eq!(
         words,
-        ["x, y and z are all 0 and in line 4: taken as not measured, as an instrument writes that has lost its target; leave the \
-          cells empty"]
+        [
+            "x, y and z are all 0 and in line 4: taken as not measured, as an instrument writes that has lost its target; leave the \
+          cells empty"
+        ]
     );
     assert_eq!(warnings[0].line, Some(3));
     let mut reader = MeasurementsReader::open(&path, &chain, &MeasurementsOptions::default()).unwrap();

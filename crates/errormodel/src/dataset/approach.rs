@@ -44,18 +44,18 @@ mod tests {
     use super::*;
 
     fn approach(joint: &[f64]) -> Vec<f64> {
-        let data = Dataset {
-            joints: vec![joint.to_vec()],
-            visit: (0..joint.len()).collect(),
-            ..Dataset::default()
-        };
+        let data =
+            Dataset { joints: vec![joint.to_vec()], visit: (0..joint.len()).collect(), ..Dataset::default() };
         approach_from_order(&data).remove(0)
     }
 
     #[test]
     fn flicker_is_no_move_and_a_slow_sweep_is_one() {
         let flicker = 2e-6;
-        assert_eq!(approach(&[0.0, 0.3, 0.3 - flicker, 0.3 + flicker, 0.3 - flicker]), [0.0, 1.0, 1.0, 1.0, 1.0]);
+        assert_eq!(
+            approach(&[0.0, 0.3, 0.3 - flicker, 0.3 + flicker, 0.3 - flicker]),
+            [0.0, 1.0, 1.0, 1.0, 1.0]
+        );
         assert_eq!(approach(&[0.3, 0.3 - flicker, 0.3]), [0.0; 3]);
         let sweep: Vec<f64> = (0..20).map(|k| 1.0 - 3e-6 * f64::from(k)).collect();
         let found = approach(&sweep);

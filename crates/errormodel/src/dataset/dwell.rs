@@ -117,8 +117,7 @@ impl Dataset {
             square.reduce(|a, b| a + b).map(f64::sqrt)
         };
         let same = |earlier: usize| self.target[earlier] == self.target[row];
-        let Some((earlier, gap)) =
-            (first..row).filter(|&r| same(r)).find_map(|r| gap(r).map(|gap| (r, gap)))
+        let Some((earlier, gap)) = (first..row).filter(|&r| same(r)).find_map(|r| gap(r).map(|gap| (r, gap)))
         else {
             return false;
         };

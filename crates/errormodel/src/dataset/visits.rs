@@ -57,7 +57,8 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
     let visits = Visits::of(data);
     // The joints as one number, in which what is within all tolerances differs by less than the width of a cell: of all others, hardly any
     // are in the same cell or in one beside it.
-    let weight: Vec<f64> = (0..data.joints.len()).map(|k| 0.5 + (0.618_033_988_749_895 * k as f64).fract()).collect();
+    let weight: Vec<f64> =
+        (0..data.joints.len()).map(|k| 0.5 + (0.618_033_988_749_895 * k as f64).fract()).collect();
     let width: f64 = weight.iter().sum::<f64>() * (1.0 + 1e-9) + 1e-3;
     let cell = |row: usize| {
         let joints = data.joints.iter().zip(&weight).enumerate();
@@ -77,7 +78,9 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
                 .filter_map(|beside| cells.get(&own.saturating_add(beside)))
                 .flatten()
                 .copied()
-                .filter(|&c| same_load(&data.load[first[c]], &data.load[row]) && data.same_joints(first[c], row))
+                .filter(|&c| {
+                    same_load(&data.load[first[c]], &data.load[row]) && data.same_joints(first[c], row)
+                })
                 .min();
             known.unwrap_or_else(|| {
                 cells.entry(own).or_default().push(first.len());

@@ -64,7 +64,8 @@ pub(super) fn look(
         header.warn(warnings, None, message);
     }
     if needs.measured {
-        let empty = (0..data.len()).filter(|&row| data.seen(row).count() == 0 && !reader.rows.lost.has(data.line[row]));
+        let empty = (0..data.len())
+            .filter(|&row| data.seen(row).count() == 0 && !reader.rows.lost.has(data.line[row]));
         let mut empty = empty.peekable();
         if let Some(&first) = empty.peek() {
             let count = empty.count();

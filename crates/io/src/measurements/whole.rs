@@ -7,9 +7,7 @@ use super::suspicious;
 use super::visits::{check_standstills, grouping};
 use crate::{IoError, Warning};
 use std::path::Path;
-use truepose_errormodel::{
-    Dataset, DwellTolerance, approach_from_order, configurations, visits_from_rows,
-};
+use truepose_errormodel::{Dataset, DwellTolerance, approach_from_order, configurations, visits_from_rows};
 use truepose_kinematics::Chain;
 
 /// Reads a file of measurements.
