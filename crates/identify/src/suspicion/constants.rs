@@ -16,7 +16,7 @@
 //!
 //! A fit by least squares spreads one wrong row over the others and several hide each other (masking). The first fit minimises distances, not
 //! squares, so that no row counts for more than its direction; the second gives rows far outside no weight at all.
-//! Sources: Huber and Ronchetti, *Robust Statistics*, 2nd ed. (2009), ch. 7; Rousseeuw and Leroy (1987), for masking.
+//! Source: Huber and Ronchetti (2009), ch. 7; docs/references.md.
 
 use crate::linearise::Lineariser;
 use crate::{NoiseModel, place};

@@ -8,9 +8,9 @@
 //! p = g^{−α k},      g = x_k / x_{k+1},      1/α = mean ln(x_i / x_{k+1+m})  of the m next
 //! ```
 //!
-//! α is taken one standard error (α/√m) on the heavy side; k counts visits, since rows of one visit may share what sets them apart.
-//! Sources: Hill, *A simple general approach to inference about the tail of a distribution* (1975); the law of the ratios is Rényi's
-//! representation of order statistics.
+//! α is taken one standard error (α/√m) on the heavy side. k counts visits, since rows of one visit may share what sets them apart, and only those
+//! that are less than twice as far as x_k: what lies far beyond is outside by itself.
+//! Source: Hill (1975), docs/references.md; the law of the ratios is Rényi's representation of order statistics.
 
 use super::constants::{Constants, Judged};
 use super::{Cause, Suspicion};
@@ -23,7 +23,7 @@ use truepose_kinematics::{Chain, TargetId};
 const CHANCE: f64 = 0.02;
 /// No row is outside that is nearer than so many deviations, or not so many times as far as the farthest of the others.
 const DEVIATIONS: f64 = 5.0;
-const GAP: f64 = 1.5;
+const GAP: f64 = 2.0;
 /// Share of the others, and least number of them, that show how their tail falls.
 const TAIL: f64 = 0.1;
 const TAIL_ROWS: usize = 5;
@@ -111,7 +111,10 @@ fn parted(data: &Dataset, mut judged: Vec<Judged>, least: f64) -> (Vec<Judged>, 
     let beyond = judged.iter().take(most).take_while(far).count();
     let outside = |&k: &usize| {
         let gap = (judged[k - 1].square / judged[k].square.max(f64::MIN_POSITIVE)).sqrt();
-        let mut visits: Vec<usize> = judged[..k].iter().map(|j| data.visit[j.row]).collect();
+        // Those far beyond are outside by themselves, and say nothing about the nearer ones.
+        let near = |j: &&Judged| j.square < GAP * GAP * judged[k - 1].square;
+        let near = judged[..k].iter().filter(near).chain([&judged[k - 1]]);
+        let mut visits: Vec<usize> = near.map(|j| data.visit[j.row]).collect();
         visits.sort_unstable();
         visits.dedup();
         gap > GAP && -(gap.ln() * index(&judged[k..]) * visits.len() as f64) < CHANCE.ln()
