@@ -1,5 +1,11 @@
 //! Rows of one dwell, whose joint values flicker, are one pose measurement: read whole and in blocks.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and what is exact is tested as such"
+)]
+
 use truepose_errormodel::{Dataset, DwellTolerance, configurations};
 use truepose_io::{MeasurementsOptions, MeasurementsReader, read_measurements};
 use truepose_kinematics::samples;

@@ -59,6 +59,7 @@ mod tests {
         assert_eq!(approach(&[0.3, 0.3 - flicker, 0.3]), [0.0; 3]);
         let sweep: Vec<f64> = (0..20).map(|k| 1.0 - 3e-6 * f64::from(k)).collect();
         let found = approach(&sweep);
-        assert!(found[..4].iter().all(|&a| a == 0.0) && found[4..].iter().all(|&a| a == -1.0), "{found:?}");
+        assert_eq!(found[..4], [0.0; 4]);
+        assert_eq!(found[4..], [-1.0; 16]);
     }
 }
