@@ -22,3 +22,4 @@ mod reduction;
 mod shapes;
 mod shared_data;
 mod solvers_agree;
+mod suspicions;

@@ -17,8 +17,8 @@ mod rest;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, Schema, Seen, Visits, approach_from_order, configurations, is_derived,
-    late_channel, visits_from_rows,
+    CARRIED, Channel, Dataset, Dwell, DwellTolerance, Schema, Seen, Visits, approach_from_order,
+    configurations, is_derived, late_channel, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, Search, Shape, Signal, UNBOUNDED};
 pub use emission::{Emission, Entry};

@@ -158,7 +158,7 @@ impl<'m> BoundModel<'m> {
     /// True when Φ is the same in both rows: joints, load and every signal that an effect reads, to the last bit.
     pub fn same_conditions(&self, data: &Dataset, a: usize, b: usize) -> bool {
         let alike = |column: &[f64]| column[a].to_bits() == column[b].to_bits();
-        data.same_configuration(a, b)
+        data.same_inputs(a, b)
             && self.slots.iter().all(|slot| match *slot {
                 Slot::Time => alike(&data.time),
                 Slot::Approach(k) => alike(&data.approach[k]),

@@ -16,12 +16,18 @@
 //!
 //! Each left side falls and has one root, found by bisection. They are the equations of restricted maximum likelihood where deviations within
 //! a visit are alike (Searle, Casella and McCulloch 1992, ch. 6). Where visits share nothing, ρ = 0, or have one row each, τ is that of
-//! both together.
+//! both together; so it is where fewer than six degrees of freedom are within visits. No τ is below what the digits of the file
+//! allow (resolution.rs).
 
+use crate::resolution::least_sd;
 use crate::{Freedom, NoiseModel, Residuals};
 use truepose_errormodel::{Dataset, Visits};
 
-/// Noise that explains these residuals.
+/// Degrees of freedom within visits below which nothing is estimated from them: two differences in space. One pair of rows that happen to be
+/// alike says nothing about an instrument; the variances are pooled then.
+const LEAST_WITHIN: f64 = 6.0;
+
+/// Noise that explains these residuals; no deviation is below what the digits of the data allow (resolution.rs).
 pub fn estimate_noise(
     data: &Dataset,
     visits: &Visits,
@@ -42,7 +48,7 @@ pub fn estimate_noise(
         }
     }
     let (mut position_sd, mut visit_sd) = (0.0, 0.0);
-    if freedom.within > 0.0 {
+    if freedom.within >= LEAST_WITHIN {
         let largest = largest(axes.iter().flatten(), freedom.within);
         position_sd = bisect(largest, |tau| {
             axes.iter().filter(|m| m.len() > 1).map(|m| parted(m, tau).0).sum::<f64>() - freedom.within
@@ -52,6 +58,7 @@ pub fn estimate_noise(
     if visit_sd <= 0.0 {
         position_sd = excess(&axes.concat(), freedom.positions());
     }
+    position_sd = position_sd.max(least_sd(data, visit_sd));
     let turns: Vec<(f64, f64)> = residuals
         .orientation
         .iter()
@@ -167,5 +174,36 @@ mod tests {
         let tau = (4e-5f64.powi(2) - 3e-5f64.powi(2)).sqrt();
         assert!((noise.position_sd / tau - 1.0).abs() < 0.04, "{noise:?}");
         assert!((noise.visit_sd / 5e-5 - 1.0).abs() < 0.03, "{noise:?}");
+    }
+
+    /// Visits of single rows with deviation 5e-5, and so many pairs of rows that are the same to the bit.
+    fn with_copies(pairs: usize) -> (Dataset, NoiseModel) {
+        let (mut data, mut residuals) = (Dataset::default(), Residuals::default());
+        let mut put = |data: &mut Dataset, visit: usize| {
+            let value = |axis: usize| ((visit * 3 + axis) as f64 * 0.618_034).fract() - 0.5;
+            let r = Vector3::new(value(0), value(1), value(2)) * 5e-5 * 12f64.sqrt();
+            data.visit.push(visit);
+            data.position_sd.push([f64::NAN; 3]);
+            data.orientation_sd.push([f64::NAN; 3]);
+            data.orientation.push(None);
+            data.position.push([0, 1, 2].map(|k| ((0.7 + 0.01 * visit as f64 + r[k]) * 1e6).round() * 1e-6));
+            residuals.position.push(r);
+            residuals.orientation.push(None);
+        };
+        for visit in 0..60 {
+            (0..if visit < pairs { 2 } else { 1 }).for_each(|_| put(&mut data, visit));
+        }
+        let visits = Visits::of(&data);
+        let noise = estimate_noise(&data, &visits, &residuals, &Freedom::all(&data, &visits));
+        (data, noise)
+    }
+
+    #[test]
+    fn rows_that_are_alike_do_not_make_an_instrument_without_noise() {
+        let (_, one) = with_copies(1);
+        assert!((one.position_sd / 5e-5 - 1.0).abs() < 0.1 && one.visit_sd <= 0.0, "{one:?}");
+        let (_, many) = with_copies(20);
+        assert!((many.position_sd / (1e-6 / 12f64.sqrt()) - 1.0).abs() < 1e-9, "{many:?}");
+        assert!((many.visit_sd / 5e-5 - 1.0).abs() < 0.1, "{many:?}");
     }
 }

@@ -4,7 +4,7 @@ use crate::measurements::{Needs, read_table};
 use crate::table::TableWriter;
 use crate::{CsvInfo, IoError, Quantity, Unit, Warning};
 use std::path::Path;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, DwellTolerance};
 use truepose_kinematics::{Chain, JointKind};
 
 /// Desired poses, with the conditions under which they are wanted.
@@ -59,7 +59,7 @@ pub struct CommandRow {
 /// When the file cannot be read, lacks a position, or at the first cell that is wrong.
 pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: false, measured: false, position: true };
-    let table = read_table(path.as_ref(), chain, needs)?;
+    let table = read_table(path.as_ref(), chain, needs, DwellTolerance::default())?;
     let joint_units = match &table.header.slots.joints {
         Some(slots) => slots.iter().map(|&k| table.header.columns[k].conversion).collect(),
         None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),

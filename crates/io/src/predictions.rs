@@ -119,7 +119,7 @@ mod tests {
         )
         .unwrap();
         let chain = samples::scara();
-        let options = MeasurementsOptions { measured_required: false };
+        let options = MeasurementsOptions { measured_required: false, ..MeasurementsOptions::default() };
         let (data, info, _) = read_measurements(&source, &chain, &options).unwrap();
         let predicted: Vec<Pose> = (0..2).map(|row| chain.forward(&data.conditions(row).joints)).collect();
         write_predictions(&out, &chain, &data, &info, &predicted).unwrap();

@@ -4,8 +4,8 @@ use crate::{count, significant};
 use truepose_identify::{Cause, Suspicion};
 use truepose_kinematics::{Chain, JointKind};
 
-/// What was probably done to a table, what says so, and what to do.
-pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
+/// What was probably done to a table, what says so, and what to do. `lines` are the file's line of each row, where there is a file.
+pub fn suspicion_words(chain: &Chain, found: &Suspicion, lines: &[u64]) -> String {
     let mm = |v: f64| format!("{} mm", significant(v * 1e3, 3));
     let axis = |k: usize| ["x", "y", "z"].get(k).copied().unwrap_or("?");
     let joint = |k: usize| chain.movable().get(k).map_or("?", |&j| chain.joint(j).name.as_str());
@@ -64,13 +64,21 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
         Cause::SwappedTargets { a, b } => {
             (format!("targets {} and {} look swapped", target(a), target(b)), "swapping them")
         }
-        Cause::StrayRows { rows } => {
-            let named: Vec<String> = rows.iter().take(5).map(|row| (row + 1).to_string()).collect();
-            let more = if rows.len() > 5 { ", …" } else { "" };
+        Cause::SwappedLabels { a, b, rows } => {
             return format!(
-                "{} {}{more} {} far from where the others say, up to {}, against {} of theirs: look at {}, or take `--solver tukey(qr)`",
-                if rows.len() == 1 { "row" } else { "rows" },
-                named.join(", "),
+                "targets {} and {} look swapped in {}, up to {} off: with the names exchanged they lie where the others say ({} RMS); correct the \
+                 names",
+                target(a),
+                target(b),
+                named(&rows, lines),
+                mm(found.before),
+                mm(found.after)
+            );
+        }
+        Cause::StrayRows { rows } => {
+            return format!(
+                "{} {} far from where the others say, up to {}, against {} RMS of theirs: look at {}, or take `--solver tukey(qr)`",
+                named(&rows, lines),
                 if rows.len() == 1 { "lies" } else { "lie" },
                 mm(found.before),
                 mm(found.after),
@@ -87,6 +95,21 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion) -> String {
         }
     };
     format!("{what}: registration leaves {}, after {undone} {}", mm(found.before), mm(found.after))
+}
+
+/// Rows by their numbers, with their lines in the file.
+fn named(rows: &[usize], lines: &[u64]) -> String {
+    const NAMED: usize = 10;
+    let one = |row: &usize| match lines.get(*row) {
+        Some(line) => format!("{} (line {line})", row + 1),
+        None => (row + 1).to_string(),
+    };
+    let listed: Vec<String> = rows.iter().take(NAMED).map(one).collect();
+    let more = match rows.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    format!("{} {}{more}", if rows.len() == 1 { "row" } else { "rows" }, listed.join(", "))
 }
 
 /// What a factor that puts positions right says about their unit.
@@ -109,7 +132,8 @@ mod tests {
     #[test]
     fn causes_in_words() {
         let chain = samples::ur10();
-        let words = |cause: Cause| suspicion_words(&chain, &Suspicion { cause, before: 0.812, after: 4e-4 });
+        let words =
+            |cause: Cause| suspicion_words(&chain, &Suspicion { cause, before: 0.812, after: 4e-4 }, &[]);
         assert_eq!(
             words(Cause::SwappedAxes { a: 0, b: 1 }),
             "x and y look swapped: registration leaves 812 mm, after swapping them 0.400 mm"
@@ -132,6 +156,7 @@ mod tests {
             suspicion_words(
                 &c,
                 &Suspicion { cause: Cause::MirroredAxis { axis: 2 }, before: 0.8, after: 0.0 },
+                &[],
             )
         });
         assert!(lost.is_ok_and(|w| w.starts_with("the measurement frame looks left-handed")));

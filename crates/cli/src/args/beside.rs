@@ -1,7 +1,7 @@
 //! Verbs beside the work: looking at files, making them up, repeating a run.
 
-use super::Robot;
 use super::values::parse_whole;
+use super::{Grouped, Robot};
 use std::path::PathBuf;
 
 /// `truepose check`
@@ -15,6 +15,8 @@ pub struct Check {
     /// Declared model (TOML)
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    #[command(flatten)]
+    pub grouped: Grouped,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,

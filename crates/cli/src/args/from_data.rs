@@ -1,7 +1,7 @@
 //! Verbs that learn from measurements.
 
-use super::Robot;
 use super::values::{parse_count, parse_length, parse_prior, parse_whole};
+use super::{Grouped, Robot};
 use std::path::PathBuf;
 use truepose_identify::FitOptions;
 use truepose_solvers::SolverSpec;
@@ -17,6 +17,8 @@ pub struct Measured {
     /// Declared model (TOML) [default: constant errors of every frame and target]
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
+    #[command(flatten)]
+    pub grouped: Grouped,
 }
 
 /// `truepose identify`

@@ -1,5 +1,6 @@
 //! Verbs that use what was learned.
 
+use super::Grouped;
 use super::values::{parse_position, parse_three, parse_whole};
 use std::path::PathBuf;
 
@@ -15,6 +16,8 @@ pub struct Plan {
     /// Joints, loads and channels (CSV) where accuracy matters [default: spread over the joints' ranges]
     #[arg(long, value_name = "FILE")]
     pub at: Option<PathBuf>,
+    #[command(flatten)]
+    pub grouped: Grouped,
     /// Where to write the plan (CSV, in the columns of measurements)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -47,6 +50,8 @@ pub struct Predict {
     /// Joints, loads and channels (CSV); measured columns may be empty or absent
     #[arg(long, value_name = "FILE")]
     pub data: PathBuf,
+    #[command(flatten)]
+    pub grouped: Grouped,
     /// Where to write the predictions
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

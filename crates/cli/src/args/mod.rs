@@ -3,11 +3,13 @@
 mod beside;
 mod from_data;
 mod from_fit;
+mod grouped;
 mod values;
 
 pub use beside::{Check, Effects, Simulate, Verify};
 pub use from_data::{Compare, Discover, Identify, Measured, SplitKind};
 pub use from_fit::{Compensate, Export, ExportFormat, Map, Plan, Predict};
+pub use grouped::Grouped;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;

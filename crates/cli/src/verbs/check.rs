@@ -5,7 +5,7 @@ use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_errormodel::{EffectRegistry, ErrorModel};
-use truepose_io::{CsvInfo, MeasurementsOptions, read_measurements, read_model};
+use truepose_io::{CsvInfo, Grouping, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointKind};
 use truepose_report::Alignment::{Left, Right};
 use truepose_report::{count, significant, table};
@@ -22,7 +22,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     };
     let data = match &args.data {
         Some(path) => {
-            let options = MeasurementsOptions { measured_required: false };
+            let options = args.grouped.conditions();
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
             terminal::warn(suspected(&chain, &data, path).as_slice());
@@ -134,12 +134,43 @@ fn data_text(info: &CsvInfo) -> String {
         count(info.visits, "visit"),
         count(info.configurations, "configuration")
     );
+    if let Some(grouping) = &info.grouping {
+        text += &grouping_text(grouping);
+    }
     text += &table(
         &["column", "unit", "filled", "smallest", "largest", "meaning"],
         &[Left, Left, Right, Right, Right, Left],
         &rows,
     );
     text
+}
+
+/// What was taken for one dwell, and for one configuration, and with which tolerance.
+fn grouping_text(of: &Grouping) -> String {
+    let angle = |v: f64| format!("{}°", significant(v.to_degrees(), 2));
+    let um = |v: f64| format!("{} µm", significant(v * 1e6, 2));
+    let tolerance = format!("{} or {}", angle(of.angle), um(of.length));
+    let mut text = if of.numbered {
+        format!(" visits are those of the file; joints within {tolerance} are one configuration")
+    } else {
+        format!(" no column `visit`: consecutive rows with joints within {tolerance} are one visit")
+    };
+    if of.flickering > 0 {
+        let mut most = Vec::new();
+        if of.flicker_angle > 0.0 {
+            most.push(angle(of.flicker_angle));
+        }
+        if of.flicker_length > 0.0 {
+            most.push(um(of.flicker_length));
+        }
+        text +=
+            &format!("; joints flicker by up to {} in {}", most.join(" and "), count(of.flickering, "row"));
+    }
+    if of.parted > 0 {
+        let parted = count(of.parted, "visit");
+        text += &format!("; measured positions alone part {parted} from the one before");
+    }
+    text + " (--dwell-tolerance)\n"
 }
 
 fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> serde_json::Value {
@@ -161,6 +192,9 @@ fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> se
     serde_json::json!({
         "robot": {"name": chain.name(), "joints": joints, "targets": chain.targets(), "base": chain.base(), "tool": chain.tool()},
         "model": unknowns,
-        "data": data.map(|i| serde_json::json!({"rows": i.rows, "visits": i.visits, "configurations": i.configurations, "columns": columns})),
+        "data": data.map(|i| serde_json::json!({"rows": i.rows, "visits": i.visits, "configurations": i.configurations,
+            "grouping": i.grouping.map(|g| serde_json::json!({"numbered": g.numbered, "tolerance_rad": g.angle, "tolerance_m": g.length,
+                "flickering_rows": g.flickering, "flicker_rad": g.flicker_angle, "flicker_m": g.flicker_length, "parted": g.parted})),
+            "columns": columns})),
     })
 }

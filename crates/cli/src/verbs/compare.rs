@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare, place};
-use truepose_io::{MeasurementsOptions, read_measurements};
+use truepose_io::read_measurements;
 use truepose_report::{ComparisonSummary, comparison_report};
 
 /// Runs the verb.
@@ -18,7 +18,7 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
     let (mut data, _, warnings) =
-        read_measurements(&args.measured.data, &chain, &MeasurementsOptions::default())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     if args.positions_only {

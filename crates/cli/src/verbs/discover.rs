@@ -12,9 +12,7 @@ use std::path::{Path, PathBuf};
 use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, RivalFit, diagnose, nested};
 use truepose_errormodel::{FittedModel, ModelError};
 use truepose_identify::IdentifyError;
-use truepose_io::{
-    MeasurementsOptions, check_writable, make_folder, read_measurements, write_fit, write_whole,
-};
+use truepose_io::{check_writable, make_folder, read_measurements, write_fit, write_whole};
 use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
 
 /// Runs the verb.
@@ -30,7 +28,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let declared = declared(&args.measured, &chain)?;
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &MeasurementsOptions::default())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     if args.positions_only {

@@ -16,6 +16,19 @@ pub fn apart(verb: &Verb) -> Result<(), Failure> {
             return refused(option, "`-` is not read as standard input; name a file, or /dev/stdin".into());
         }
     }
+    for &(folder, path) in written.iter().filter(|(option, _)| FOLDERS.contains(option)) {
+        for (other, file) in read.iter().chain(written.iter().filter(|(option, _)| !FOLDERS.contains(option)))
+        {
+            if may_be_written(folder, path, file) {
+                let words = format!(
+                    "a file in `{}` may get the name of `{}`, which {other} names; name another folder",
+                    path.display(),
+                    file.display()
+                );
+                return refused(folder, words);
+            }
+        }
+    }
     let mut whole: Vec<(&str, PathBuf)> = Vec::new();
     for &(option, file) in &written {
         if file == Path::new("-") {
@@ -26,7 +39,8 @@ pub fn apart(verb: &Verb) -> Result<(), Failure> {
         }
         kept(option, file, &read)?;
         for (other, theirs) in &whole {
-            if same_file(file, theirs) {
+            let folders = FOLDERS.contains(&option) && FOLDERS.contains(other);
+            if same_file(file, theirs) && !folders {
                 let words = format!("`{}` is written by {other} as well; name another file", file.display());
                 return refused(option, words);
             }
@@ -54,6 +68,30 @@ pub fn kept(option: &str, file: &Path, read: &[Named<'_>]) -> Result<(), Failure
         }
         None => Ok(()),
     }
+}
+
+/// Options that name a folder into which files are written.
+const FOLDERS: [&str; 2] = ["--report", "--rivals"];
+
+/// Whether a run may write this file into a folder, besides those of [`PAGE`]: figures of a report (`NAME.svg`) and rivals (`NUMBER-NAME.json`),
+/// whose names only the result has.
+fn may_be_written(option: &str, folder: &Path, file: &Path) -> bool {
+    let target = file.canonicalize().unwrap_or_else(|_| file.into());
+    [file, &target].into_iter().any(|file| {
+        let Some(name) = file.file_name().map(|name| name.to_string_lossy().to_lowercase()) else {
+            return false;
+        };
+        let above = file.parent().filter(|above| !above.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let named = match option {
+            "--report" => name.ends_with(".svg"),
+            _ => {
+                let number = name.split('-').next().unwrap_or("");
+                let numbered = !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+                numbered && number.len() < name.len() && name.ends_with(".json")
+            }
+        };
+        named && same_file(above, folder)
+    })
 }
 
 /// Files of a report, whichever verb writes it.
@@ -86,9 +124,14 @@ fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         Verb::Identify(of) => {
             (measured(&of.measured), list(&[("--report", of.report.as_ref()), ("--out", of.out.as_ref())]))
         }
-        Verb::Discover(of) => {
-            (measured(&of.measured), list(&[("--report", of.report.as_ref()), ("--out", of.out.as_ref())]))
-        }
+        Verb::Discover(of) => (
+            measured(&of.measured),
+            list(&[
+                ("--report", of.report.as_ref()),
+                ("--rivals", of.rivals.as_ref()),
+                ("--out", of.out.as_ref()),
+            ]),
+        ),
         Verb::Compare(of) => (measured(&of.measured), list(&[("--report", of.report.as_ref())])),
         Verb::Plan(of) => (
             list(&[("--fit", Some(&of.fit)), ("--rival", of.rival.as_ref()), ("--at", of.at.as_ref())]),

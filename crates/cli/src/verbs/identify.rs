@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use truepose_errormodel::{Dataset, ModelError, Visits, configurations};
 use truepose_identify::{IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
-use truepose_io::{MeasurementsOptions, check_writable, read_measurements, write_fit};
+use truepose_io::{check_writable, read_measurements, write_fit};
 use truepose_report::{IdentificationSummary, identification_report, millimetres};
 
 /// Runs the verb.
@@ -23,7 +23,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         return super::stream::identify(args, &chain, &effects);
     }
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &MeasurementsOptions::default())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
     terminal::warn(&warnings);
     if args.positions_only {
         data.orientation.fill(None);

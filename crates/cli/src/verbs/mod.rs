@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, ModelError};
-use truepose_identify::suspicion;
+use truepose_identify::suspicions;
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
 use truepose_report::suspicion_words;
@@ -36,10 +36,10 @@ fn robot(args: &Robot) -> Result<Chain, Failure> {
     Ok(chain)
 }
 
-/// What looks like a mistake in a table as a whole, in words that begin with its file.
-fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Option<String> {
-    let found = suspicion(chain, data)?;
-    Some(format!("{}: {}", file.display(), suspicion_words(chain, &found)))
+/// What looks like a mistake in a table, in words that begin with its file.
+fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Vec<String> {
+    let words = |found| format!("{}: {}", file.display(), suspicion_words(chain, &found, &data.line));
+    suspicions(chain, data).into_iter().map(words).collect()
 }
 
 /// The declared target of this name.
@@ -56,7 +56,7 @@ fn target(chain: &Chain, name: Option<&str>) -> Result<Option<TargetId>, Failure
 
 /// Files that a run on measurements read.
 fn read_files(measured: &Measured) -> Vec<&Path> {
-    let Measured { robot, data, model } = measured;
+    let Measured { robot, data, model, .. } = measured;
     [Some(&robot.robot), Some(data), model.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect()
 }
 

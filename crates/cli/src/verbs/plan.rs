@@ -6,9 +6,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use truepose_errormodel::EffectRegistry;
 use truepose_identify::{PlanOptions, plan};
-use truepose_io::{
-    MeasurementsOptions, PlannedVisit, check_writable, read_fit, read_measurements, write_plan,
-};
+use truepose_io::{PlannedVisit, check_writable, read_fit, read_measurements, write_plan};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload};
 use truepose_report::PlanSummary;
@@ -21,7 +19,7 @@ pub fn run(args: &Plan) -> Result<(), Failure> {
     let rival = args.rival.as_ref().map(|file| read_fit(file, &registry)).transpose()?;
     let goals = match &args.at {
         Some(file) => {
-            let options = MeasurementsOptions { measured_required: false };
+            let options = args.grouped.conditions();
             let (data, _, warnings) = read_measurements(file, fitted.chain(), &options)?;
             terminal::warn(&warnings);
             Some(data.derived_for(fitted.model())?.into_owned())

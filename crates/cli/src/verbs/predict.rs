@@ -26,7 +26,7 @@ const EXACT: usize = 1 << 20;
 pub fn run(args: &Predict) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
-    let options = MeasurementsOptions { measured_required: false };
+    let options = args.grouped.conditions();
     if let Some(said) = by_blocks(args, &fitted, &options) {
         return said.print(args);
     }

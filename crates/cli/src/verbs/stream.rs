@@ -25,7 +25,13 @@ pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) 
         ));
     }
     let solver = args.solver.build();
-    let mut file = Table { path: &args.measured.data, chain, positions_only: args.positions_only, passes: 0 };
+    let mut file = Table {
+        path: &args.measured.data,
+        chain,
+        reading: args.measured.grouped.measured(),
+        positions_only: args.positions_only,
+        passes: 0,
+    };
     let mut found =
         identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| match error {
             Wrong::Reading(error) => error.into(),
@@ -51,6 +57,7 @@ pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) 
 struct Table<'a> {
     path: &'a Path,
     chain: &'a Chain,
+    reading: MeasurementsOptions,
     positions_only: bool,
     passes: usize,
 }
@@ -77,8 +84,7 @@ impl Source for Table<'_> {
     type Error = Wrong;
 
     fn sample(&mut self, rows: usize) -> Result<Dataset, Wrong> {
-        let options = MeasurementsOptions::default();
-        let mut sample = sample_measurements(self.path, self.chain, &options, rows)?;
+        let mut sample = sample_measurements(self.path, self.chain, &self.reading, rows)?;
         if self.positions_only {
             sample.orientation.fill(None);
         }
@@ -86,7 +92,7 @@ impl Source for Table<'_> {
     }
 
     fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Wrong> {
-        let mut reader = MeasurementsReader::open(self.path, self.chain, &MeasurementsOptions::default())?;
+        let mut reader = MeasurementsReader::open(self.path, self.chain, &self.reading)?;
         self.passes += 1;
         let progress = Progress::bytes(reader.progress().1);
         progress.say(if self.passes == 1 { "fitting" } else { "judging" });

@@ -97,6 +97,7 @@ fn redirected(arguments: &[String], own: &Path) -> Result<Vec<String>, Failure> 
     let Some(verb) = arguments.iter().find(|a| repeatable.contains(&a.as_str())).cloned() else {
         return Err(Failure::Input(format!("only {} can be repeated", repeatable.join(", "))));
     };
+    let rivals = || ["--rivals".to_owned(), own.join("rivals").to_string_lossy().into_owned()];
     let mut kept = Vec::new();
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
@@ -104,6 +105,11 @@ fn redirected(arguments: &[String], own: &Path) -> Result<Vec<String>, Failure> 
             "--report" | "--out" => {
                 rest.next();
             }
+            "--rivals" => {
+                rest.next();
+                kept.extend(rivals());
+            }
+            a if a.starts_with("--rivals=") => kept.extend(rivals()),
             a if a.starts_with("--report=") || a.starts_with("--out=") => {}
             _ => kept.push(argument.clone()),
         }
@@ -165,6 +171,11 @@ mod tests {
         let words = ["discover", "--out", "fit.json", "--report=r", "--seed", "3"].map(String::from);
         let now = redirected(&words, Path::new("own")).unwrap();
         assert_eq!(now, ["discover", "--seed", "3", "--report", "own"]);
+        for words in [&["discover", "--rivals", "mine"][..], &["discover", "--rivals=mine"]] {
+            let words: Vec<String> = words.iter().map(ToString::to_string).collect();
+            let now = redirected(&words, Path::new("own")).unwrap();
+            assert_eq!(now, ["discover", "--rivals", "own/rivals", "--report", "own"]);
+        }
         assert!(redirected(&["simulate".into()], Path::new("own")).is_err());
     }
 }

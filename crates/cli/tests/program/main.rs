@@ -8,6 +8,7 @@
 
 mod bad_input;
 mod determinism;
+mod dwell;
 mod example;
 mod export;
 mod folder;

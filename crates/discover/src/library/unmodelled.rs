@@ -26,7 +26,7 @@ fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
         }
     }
     for (k, channel) in setting.data.schema.channels.iter().enumerate() {
-        if let (Some(range), false) = (setting.channel_range(k), channel.name.contains('~')) {
+        if let (Some(range), false) = (setting.channel_range(k), setting.data.late(&channel.name).is_some()) {
             let input = Input::Channel(channel.name.clone());
             list.push(Covariate { name: channel.name.clone(), input, range, fine: false, side: false });
         }

@@ -5,12 +5,14 @@
 
 mod approach;
 mod derived;
+mod dwell;
 mod late;
 mod schema;
 mod visits;
 
 pub use approach::approach_from_order;
 pub use derived::{CARRIED, is_derived};
+pub use dwell::{Dwell, DwellTolerance};
 pub use late::late_channel;
 pub use schema::{Channel, Schema};
 pub use visits::{Visits, configurations, visits_from_rows};
@@ -47,6 +49,8 @@ pub struct Dataset {
     pub approach: Vec<Vec<f64>>,
     /// One column for each channel of the schema.
     pub channels: Vec<Vec<f64>>,
+    /// What tells dwells and configurations apart.
+    pub dwell: Dwell,
     /// The line of the file on which each row stood, for messages; empty when the data came from no file.
     pub line: Vec<u64>,
 }
@@ -130,12 +134,6 @@ impl Dataset {
         conditions
     }
 
-    /// True when both rows have the same joint values and the same load, to the last bit.
-    pub fn same_configuration(&self, a: usize, b: usize) -> bool {
-        self.joints.iter().all(|column| column[a].to_bits() == column[b].to_bits())
-            && self.load[a] == self.load[b]
-    }
-
     /// The rows with these indices, in that order; visits are numbered anew.
     pub fn select(&self, rows: &[usize]) -> Dataset {
         fn pick<T: Clone>(column: &[T], rows: &[usize]) -> Vec<T> {
@@ -155,6 +153,7 @@ impl Dataset {
             time: pick(&self.time, rows),
             approach: columns(&self.approach),
             channels: columns(&self.channels),
+            dwell: self.dwell.clone(),
             line: if self.line.is_empty() { Vec::new() } else { pick(&self.line, rows) },
         }
     }

@@ -4,6 +4,7 @@
 //! other. Splits and folds never cut the former and never part the latter.
 
 use super::Dataset;
+use super::dwell::same_load;
 use std::collections::HashMap;
 
 /// The rows of each visit, in order of first appearance.
@@ -35,44 +36,57 @@ impl Visits {
     }
 }
 
-/// Visits of rows without a visit number: consecutive rows with equal joints and load are one visit.
+/// Visits of rows without a visit number: consecutive rows of one dwell ([`Dataset::continues_dwell`]) are one visit.
 pub fn visits_from_rows(data: &Dataset) -> Vec<usize> {
     let rows = data.load.len();
     let mut visit = Vec::with_capacity(rows);
+    let (mut number, mut first) = (0, 0);
     for row in 0..rows {
-        let next = match visit.last() {
-            None => 0,
-            Some(&last) if data.same_configuration(row - 1, row) => last,
-            Some(&last) => last + 1,
-        };
-        visit.push(next);
+        if row > 0 && !data.continues_dwell(first, row) {
+            number += 1;
+            first = row;
+        }
+        visit.push(number);
     }
     visit
 }
 
-/// The configuration of each visit: visits with equal joints and equal load share a number.
-/// Numbers are 0… in order of first appearance.
+/// The configuration of each visit: visits with the same joints, to the tolerance of [`Dataset::dwell`], and the same load share a number.
+/// Each is matched with the first visit of a configuration; numbers are 0… in order of first appearance.
 pub fn configurations(data: &Dataset) -> Vec<usize> {
     let visits = Visits::of(data);
-    let mut seen: HashMap<Vec<u64>, usize> = HashMap::new();
+    // The joints as one number, in which what is within all tolerances differs by less than the width of a cell: of all others, hardly any
+    // are in the same cell or in one beside it.
+    let weight: Vec<f64> =
+        (0..data.joints.len()).map(|k| 0.5 + (0.618_033_988_749_895 * k as f64).fract()).collect();
+    let width: f64 = weight.iter().sum::<f64>() * (1.0 + 1e-9) + 1e-3;
+    let cell = |row: usize| {
+        let joints = data.joints.iter().zip(&weight).enumerate();
+        let place: f64 = joints.map(|(k, (q, w))| w * q[row] / data.dwell.tolerance(k).max(1e-12)).sum();
+        (place / width).floor() as i64
+    };
+    let mut cells: HashMap<i64, Vec<usize>> = HashMap::new();
+    // First row of each configuration.
+    let mut first: Vec<usize> = Vec::new();
     visits
         .rows
         .iter()
         .map(|rows| {
             let row = rows[0];
-            let mut key: Vec<u64> = data.joints.iter().map(|column| column[row].to_bits()).collect();
-            match data.load[row] {
-                truepose_kinematics::Load::None => key.push(0),
-                truepose_kinematics::Load::Payload(p) => {
-                    key.push(1);
-                    key.push(p.mass.to_bits());
-                    key.extend(p.com.iter().map(|v| v.to_bits()));
-                }
-                // A measured wrench is never the same twice: the joints alone tell repeats.
-                truepose_kinematics::Load::Wrench(_) => key.push(2),
-            }
-            let next = seen.len();
-            *seen.entry(key).or_insert(next)
+            let own = cell(row);
+            let known = (-1..=1)
+                .filter_map(|beside| cells.get(&own.saturating_add(beside)))
+                .flatten()
+                .copied()
+                .filter(|&c| {
+                    same_load(&data.load[first[c]], &data.load[row]) && data.same_joints(first[c], row)
+                })
+                .min();
+            known.unwrap_or_else(|| {
+                cells.entry(own).or_default().push(first.len());
+                first.push(row);
+                first.len() - 1
+            })
         })
         .collect()
 }
@@ -87,4 +101,84 @@ pub(super) fn renumbered(labels: &[usize]) -> Vec<usize> {
             *seen.entry(label).or_insert(next)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Dwell, DwellTolerance};
+    use truepose_kinematics::{Load, samples};
+
+    /// Rows of two joints, without a position.
+    fn rows(joints: &[[f64; 2]]) -> Dataset {
+        let n = joints.len();
+        let mut data = Dataset {
+            joints: (0..2).map(|k| joints.iter().map(|q| q[k]).collect()).collect(),
+            position: vec![[f64::NAN; 3]; n],
+            position_sd: vec![[f64::NAN; 3]; n],
+            target: vec![None; n],
+            load: vec![Load::None; n],
+            ..Dataset::default()
+        };
+        data.visit = visits_from_rows(&data);
+        data
+    }
+
+    #[test]
+    fn a_slow_sweep_is_not_one_pose() {
+        // Steps of a third of the tolerance: every fourth row begins a visit, and no visit is wider than the tolerance.
+        let sweep: Vec<[f64; 2]> = (0..40).map(|k| [0.4 + 3.3e-6 * f64::from(k), 1.0]).collect();
+        let data = rows(&sweep);
+        assert_eq!(data.visit[..9], [0, 0, 0, 0, 1, 1, 1, 1, 2]);
+        let configuration = configurations(&data);
+        assert_eq!(configuration, (0..10).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn configurations_are_matched_across_flicker_wherever_they_lie() {
+        // Each configuration comes again with flicker, around every possible border of a cell.
+        let place = |k: usize| [0.1 * k as f64 - 2.0 + 1.3e-6 * k as f64, 1.0 - 1e-3 * k as f64];
+        let flicker = |k: usize, p: [f64; 2]| {
+            let off = 4e-6 * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+            [p[0] + off, p[1] - off]
+        };
+        let mut all: Vec<[f64; 2]> = (0..500).map(place).collect();
+        all.extend((0..500).map(|k| flicker(k, place(k))));
+        let found = configurations(&rows(&all));
+        assert_eq!(found[500..], found[..500]);
+        assert_eq!(found.iter().max(), Some(&499));
+        // Without a tolerance they are a thousand, and equal bits still are one.
+        let mut exact = rows(&all);
+        exact.dwell.joints = vec![0.0; 2];
+        assert_eq!(configurations(&exact).iter().max(), Some(&999));
+        let again: Vec<[f64; 2]> = (0..500).chain(0..500).map(place).collect();
+        let mut again = rows(&again);
+        again.dwell.joints = vec![0.0; 2];
+        assert_eq!(configurations(&again).iter().max(), Some(&499));
+    }
+
+    #[test]
+    fn positions_part_rows_of_equal_joints() {
+        let mut data = rows(&[[0.2, 0.3]; 5]);
+        let chain = samples::scara();
+        data.dwell = Dwell::of(&chain, DwellTolerance::default());
+        data.dwell.joints.truncate(2);
+        let length = chain.characteristic_length();
+        data.position = vec![[1.0, 0.0, 0.0]; 5];
+        data.position[3][1] = 5e-4 * length;
+        // Half of what the coarsest instrument scatters by: noise, for all that is known.
+        assert_eq!(visits_from_rows(&data), [0; 5]);
+        data.position[3][1] = 5e-3 * length;
+        assert_eq!(visits_from_rows(&data), [0, 0, 0, 1, 2]);
+        // An instrument that states what it scatters by is believed.
+        data.position[3][1] = 5e-4 * length;
+        data.position_sd = vec![[5e-6 * length; 3]; 5];
+        assert_eq!(visits_from_rows(&data), [0, 0, 0, 1, 2]);
+        // They are repeats of each other all the same: nothing parts them in folds.
+        data.visit = visits_from_rows(&data);
+        assert_eq!(configurations(&data), [0; 3]);
+        // Another target stands elsewhere.
+        data.target[3] = Some(truepose_kinematics::TargetId(0));
+        assert_eq!(visits_from_rows(&data), [0; 5]);
+    }
 }

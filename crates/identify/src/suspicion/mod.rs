@@ -2,9 +2,12 @@
 //!
 //! A calibration moves a robot's prediction by millimetres. Where the robot as described misses the measured positions by
 //! a good part of its own size, however its base is placed, and one of the mistakes that people make, undone, brings that
-//! down to a fifth or less, that mistake is the likely cause. Nothing is changed: it is said.
+//! down to a fifth or less, that mistake is the likely cause. Where the table as a whole is right, single rows are judged by a robust fit of
+//! constant errors. Nothing is changed: it is said.
 
+mod constants;
 mod hypotheses;
+mod outlying;
 mod registration;
 
 use nalgebra::Vector3;
@@ -79,6 +82,15 @@ pub enum Cause {
         /// The other.
         b: usize,
     },
+    /// Two targets' names are swapped in some rows.
+    SwappedLabels {
+        /// One.
+        a: usize,
+        /// The other.
+        b: usize,
+        /// Numbers of these rows (0-based), in order.
+        rows: Vec<usize>,
+    },
     /// Some rows lie far from where all the others say.
     StrayRows {
         /// Numbers of these rows (0-based), the farthest first.
@@ -93,9 +105,9 @@ pub enum Cause {
 pub struct Suspicion {
     /// What was probably done.
     pub cause: Cause,
-    /// 3-D RMS that the registration leaves with the table as it is, m.
+    /// 3-D RMS that the registration leaves with the table as it is, m; of single rows, how far the farthest is from where the others say.
     pub before: f64,
-    /// With the mistake undone, m.
+    /// With the mistake undone, m; of single rows, the RMS of the others.
     pub after: f64,
 }
 
@@ -115,8 +127,32 @@ const ELSEWHERE: f64 = 0.1;
 /// A row that is farther off than this many times what nine tenths of the rows are is a stray one.
 const STRAY: f64 = 12.0;
 
-/// The likeliest mistake of a table, if there is any: about a thousandth of a second where nothing is wrong.
+/// The likeliest mistake of a table, if there is any: the first of [`suspicions`].
 pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
+    suspicions(chain, data).into_iter().next()
+}
+
+/// What looks wrong with a table: one mistake about all of it; or the rows that lie far from where the others say, those first that do so because
+/// the names of two targets are swapped in them.
+pub fn suspicions(chain: &Chain, data: &Dataset) -> Vec<Suspicion> {
+    let Some(whole) = of_the_whole(chain, data) else { return Vec::new() };
+    match whole {
+        Some(found) => match &found.cause {
+            Cause::StrayRows { rows } => outlying::outlying(chain, data, rows)
+                .filter(|more| !more.is_empty())
+                .unwrap_or_else(|| vec![found.clone()]),
+            Cause::BaseElsewhere => {
+                let rows = outlying::outlying(chain, data, &[]).unwrap_or_default();
+                std::iter::once(found).chain(rows).collect()
+            }
+            _ => vec![found],
+        },
+        None => outlying::outlying(chain, data, &[]).unwrap_or_default(),
+    }
+}
+
+/// What is wrong with all of a table, or rows that are grossly so; none where too little was measured to say.
+fn of_the_whole(chain: &Chain, data: &Dataset) -> Option<Option<Suspicion>> {
     if data.validate(chain).is_err()
         || configurations(data).iter().max().is_none_or(|last| last + 1 < CONFIGURATIONS)
     {
@@ -133,13 +169,15 @@ pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
     }
     if free < NEGLIGIBLE * length {
         // The shape is right: only the place of the base can be wrong, or a few rows.
-        return fixed
-            .filter(|fixed| *fixed > ELSEWHERE * length && sampled.placeable())
-            .map(|before| Suspicion { cause: Cause::BaseElsewhere, before, after: free })
-            .or_else(|| stray(&sampled, length));
+        return Some(
+            fixed
+                .filter(|fixed| *fixed > ELSEWHERE * length && sampled.placeable())
+                .map(|before| Suspicion { cause: Cause::BaseElsewhere, before, after: free })
+                .or_else(|| stray(&sampled, length)),
+        );
     }
     if let Some(found) = stray(&sampled, length) {
-        return Some(found);
+        return Some(Some(found));
     }
     let mut best: Option<(f64, f64, Cause)> = None;
     for cause in hypotheses::causes(chain) {
@@ -161,7 +199,7 @@ pub fn suspicion(chain: &Chain, data: &Dataset) -> Option<Suspicion> {
             best = Some((after, told, cause));
         }
     }
-    best.map(|(after, _, cause)| Suspicion { cause, before: free, after })
+    Some(best.map(|(after, _, cause)| Suspicion { cause, before: free, after }))
 }
 
 /// Rows far from where the others say, of those that are looked at.

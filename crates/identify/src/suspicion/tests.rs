@@ -118,3 +118,42 @@ fn a_handful_of_rows_says_nothing() {
     data.position.iter_mut().for_each(|p| p.swap(0, 1));
     assert_eq!(suspicion(&chain, &data), None);
 }
+
+#[test]
+fn an_outlier_of_millimetres_is_named_and_so_are_several_that_hide_each_other() {
+    // Rows are off by up to 2.5 mm and more before the calibration, and by half a millimetre after it.
+    let (chain, good) = measured(&samples::ur10(), 21);
+    let off = |data: &mut Dataset, row: usize, mm: f64| data.position[row][row % 3] += 1e-3 * mm;
+    let mut one = good.clone();
+    off(&mut one, 30, 12.0);
+    let told = suspicions(&chain, &one);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(told[0].cause, Cause::StrayRows { rows: vec![30] });
+    assert!((told[0].before - 12e-3).abs() < 2e-3 && told[0].after < 2e-3, "{told:?}");
+    let mut several = good;
+    let rows = [4, 17, 23, 36, 44, 51, 63, 70];
+    rows.iter().for_each(|&row| off(&mut several, row, 12.0 + row as f64));
+    let told = suspicions(&chain, &several);
+    assert_eq!(told.len(), 1, "{told:?}");
+    let Cause::StrayRows { rows: named } = &told[0].cause else { panic!("{told:?}") };
+    let mut named = named.clone();
+    named.sort_unstable();
+    assert_eq!(named, rows);
+}
+
+#[test]
+fn names_that_were_swapped_in_some_rows_are_told_whether_or_not_targets_are_known() {
+    for known in [true, false] {
+        let (chain, mut data) = measured(&samples::ur10(), 33);
+        let targets = chain.targets().iter().map(|t| Target { known, ..t.clone() }).collect();
+        let chain = chain.with_targets(targets).unwrap();
+        for row in [7, 18, 40, 61] {
+            data.target[row] = data.target[row].map(|t| TargetId(1 - t.0));
+        }
+        data.position[50][2] -= 0.02;
+        let told = suspicions(&chain, &data);
+        let causes: Vec<Cause> = told.iter().map(|t| t.cause.clone()).collect();
+        let swapped = Cause::SwappedLabels { a: 0, b: 1, rows: vec![7, 18, 40, 61] };
+        assert_eq!(causes, [swapped, Cause::StrayRows { rows: vec![50] }], "known {known}: {told:?}");
+    }
+}

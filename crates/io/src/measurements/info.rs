@@ -15,8 +15,34 @@ pub struct CsvInfo {
     pub visits: usize,
     /// How many different pairs of joint values and load.
     pub configurations: usize,
+    /// How rows and visits were matched, where the file was read whole.
+    pub grouping: Option<Grouping>,
     /// The file's own number of each visit; empty when the file numbers none.
     pub visit_labels: Vec<i64>,
+}
+
+/// How rows were grouped into pose measurements (visits), and visits into configurations.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Grouping {
+    /// Tolerance of turning joints, rad.
+    pub angle: f64,
+    /// Tolerance of slides, m.
+    pub length: f64,
+    /// Whether the file numbers its visits; otherwise consecutive rows of one dwell are one visit.
+    pub numbered: bool,
+    /// Rows and visits whose joint values are not those of the first of their configuration to the last digit.
+    pub flickering: usize,
+    /// By how much they differ at most: turning joints, rad.
+    pub flicker_angle: f64,
+    /// And slides, m.
+    pub flicker_length: f64,
+    /// Visits that go on with the configuration of the visit before, although nothing but a measured position parts the two.
+    pub parted: usize,
+    /// Neighbouring rows that differ by more than the tolerance and less than ten of it, and by how much at most (rad or m): of a robot at rest
+    /// they may be flicker as well.
+    pub near: usize,
+    /// See `near`.
+    pub near_most: f64,
 }
 
 /// One column of a table.

@@ -11,6 +11,7 @@ mod copies;
 pub(crate) mod header;
 mod info;
 mod lines;
+mod lost;
 mod mixed;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -25,7 +26,7 @@ mod visits;
 mod whole;
 
 pub(crate) use header::Needs;
-pub use info::{ColumnInfo, CsvInfo};
+pub use info::{ColumnInfo, CsvInfo, Grouping};
 pub use reader::{MeasurementsOptions, MeasurementsReader};
 pub use sample::sample_measurements;
 pub use whole::read_measurements;

@@ -8,19 +8,21 @@ use super::source::Source;
 use super::visits::{VisitNumbers, check_standstills};
 use crate::{IoError, Warning};
 use std::path::Path;
-use truepose_errormodel::{Dataset, Schema};
+use truepose_errormodel::{Dataset, Dwell, DwellTolerance, Schema};
 use truepose_kinematics::Chain;
 
-/// What a file of measurements has to have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What a file of measurements has to have, and how its rows are grouped.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasurementsOptions {
     /// Whether something has to be measured; a prediction needs the conditions only.
     pub measured_required: bool,
+    /// Joint values within this tolerance are those of one dwell, and of one configuration.
+    pub dwell: DwellTolerance,
 }
 
 impl Default for MeasurementsOptions {
     fn default() -> Self {
-        MeasurementsOptions { measured_required: true }
+        MeasurementsOptions { measured_required: true, dwell: DwellTolerance::default() }
     }
 }
 
@@ -30,6 +32,7 @@ pub struct MeasurementsReader {
     pub(super) source: Source,
     pub(super) rows: RowReader,
     schema: Schema,
+    pub(super) dwell: Dwell,
     joints: usize,
     pub(super) visits: VisitNumbers,
     labels: Vec<i64>,
@@ -54,10 +57,15 @@ impl MeasurementsReader {
         options: &MeasurementsOptions,
     ) -> Result<Self, IoError> {
         let needs = Needs { joints: true, measured: options.measured_required, position: false };
-        MeasurementsReader::open_for(path.as_ref(), chain, needs)
+        MeasurementsReader::open_for(path.as_ref(), chain, needs, options.dwell)
     }
 
-    pub(crate) fn open_for(path: &Path, chain: &Chain, needs: Needs) -> Result<Self, IoError> {
+    pub(crate) fn open_for(
+        path: &Path,
+        chain: &Chain,
+        needs: Needs,
+        dwell: DwellTolerance,
+    ) -> Result<Self, IoError> {
         let mut source = Source::open(path)?;
         let mut warnings = Vec::new();
         let header = match source.header()? {
@@ -74,6 +82,7 @@ impl MeasurementsReader {
             source,
             rows: RowReader::new(header, chain, needs.position),
             schema,
+            dwell: Dwell::of(chain, dwell),
             joints: chain.movable().len(),
             visits: VisitNumbers::default(),
             labels: Vec::new(),
@@ -125,7 +134,7 @@ impl MeasurementsReader {
         self.clear(block);
         let mut labels = std::mem::take(&mut self.labels);
         labels.clear();
-        let mut visit = 0;
+        let (mut visit, mut first) = (0, 0);
         loop {
             if !self.pending && !self.next_row()? {
                 break;
@@ -138,14 +147,16 @@ impl MeasurementsReader {
             if row > 0 {
                 let same = match label {
                     Some(_) => label == labels.last().copied(),
-                    None => block.same_configuration(row - 1, row),
+                    None => block.continues_dwell(first, row),
                 };
                 if !same && row >= rows {
                     self.take_back(block);
                     self.pending = true;
                     break;
                 }
-                visit += usize::from(!same);
+                if !same {
+                    (visit, first) = (visit + 1, row);
+                }
                 block.visit[row] = visit;
             }
             if let Some(label) = label
@@ -184,6 +195,7 @@ impl MeasurementsReader {
             rows: self.count,
             visits: visit_labels.len(),
             configurations: 0,
+            grouping: None,
             visit_labels,
         }
     }
@@ -243,6 +255,7 @@ impl MeasurementsReader {
 
     fn clear(&self, data: &mut Dataset) {
         data.schema.clone_from(&self.schema);
+        data.dwell.clone_from(&self.dwell);
         let columns = |table: &mut Vec<Vec<f64>>, count: usize| {
             table.resize_with(count, Vec::new);
             table.iter_mut().for_each(Vec::clear);

@@ -4,6 +4,7 @@ use super::cells::{cell, number, plain_number, shown};
 use super::columns::{Cells, Column, joint_names};
 use super::header::Header;
 use super::info::Seen;
+use super::lost::Lost;
 use super::plausible::Plausible;
 use crate::IoError;
 use crate::nearest::{listed, meant};
@@ -37,15 +38,19 @@ pub(crate) struct RowReader {
     pub seen: Vec<Seen>,
     /// Of each joint, the first line beyond its limits and how many lines are.
     pub beyond: Vec<Option<(u64, usize)>>,
+    /// Rows in which an instrument says that it measured nothing.
+    pub lost: Lost,
 }
 
 /// What a row says, apart from what is still in its cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Row {
     pub line: u64,
+    /// The instrument had lost its target.
+    pub lost: bool,
     pub visit: Option<i64>,
     pub time: f64,
-    target: Option<TargetId>,
+    pub(super) target: Option<TargetId>,
     pub orientation: Option<[f64; 4]>,
     pub load: Load,
 }
@@ -62,6 +67,7 @@ impl RowReader {
             row: Row::default(),
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
+            lost: Lost::new(chain),
             header,
         }
     }
@@ -188,7 +194,7 @@ impl RowReader {
         for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
             column.push(self.numbers[k]);
         }
-        into.position.push(three(slots.position));
+        into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });
         into.position_sd.push(three(slots.position_sd));
         into.orientation_sd.push(three(slots.orientation_sd));
         into.orientation.push(self.row.orientation);

@@ -3,6 +3,7 @@
 use super::columns::Cells;
 use super::copies::copies;
 use super::header::Needs;
+use super::info::CsvInfo;
 use super::plausible::rounded;
 use super::reader::MeasurementsReader;
 use crate::{Quantity, Unit, Warning};
@@ -16,7 +17,7 @@ pub(super) fn look(
     reader: &MeasurementsReader,
     chain: &Chain,
     data: &Dataset,
-    needs: Needs,
+    (needs, info): (Needs, &CsvInfo),
     warnings: &mut Vec<Warning>,
 ) {
     let header = &reader.rows.header;
@@ -49,8 +50,22 @@ pub(super) fn look(
             warnings.push(at(data.line[row], None, message));
         }
     }
+    if let Some(grouping) = &info.grouping
+        && !grouping.numbered
+        && needs.joints
+        && 10 * grouping.near >= data.len()
+    {
+        let message = format!(
+            "no column `visit`, and {} neighbouring rows differ by {} rad or m at most: if the robot stood still there, they are one pose \
+             measurement; number the visits, or widen `--dwell-tolerance`",
+            grouping.near,
+            rounded(grouping.near_most)
+        );
+        header.warn(warnings, None, message);
+    }
     if needs.measured {
-        let empty = (0..data.len()).filter(|&row| data.seen(row).count() == 0);
+        let empty = (0..data.len())
+            .filter(|&row| data.seen(row).count() == 0 && !reader.rows.lost.has(data.line[row]));
         let mut empty = empty.peekable();
         if let Some(&first) = empty.peek() {
             let count = empty.count();
@@ -79,6 +94,9 @@ pub(super) fn look_at_columns(reader: &MeasurementsReader, chain: &Chain, warnin
     if let Some((line, count)) = reader.backwards {
         let message = format!("time goes backwards here{}; it counts as the order all the same", more(count));
         warnings.push(at(line, header.slots.time, message));
+    }
+    if let (Some(slots), Some((line, message))) = (header.slots.position, reader.rows.lost.words()) {
+        warnings.push(at(line, Some(slots[0]), message));
     }
     if let Some(slots) = &header.slots.joints {
         for (joint, &k) in slots.iter().enumerate() {

@@ -35,6 +35,15 @@ impl RowReader {
         if let Some(k) = self.header.slots.time {
             self.row.time = self.numbers[k];
         }
+        if !self.position_needed
+            && let Some(slots) = self.header.slots.position
+            && slots.iter().all(|&k| self.numbers[k].abs() < f64::MIN_POSITIVE)
+            && self.lost.is(&self.header, &self.numbers, self.row.target)
+        {
+            self.row.lost = true;
+            self.lost.add(line);
+            return self.loaded();
+        }
         if let Some(slots) = self.header.slots.quaternion {
             self.row.orientation = self.quaternion(slots)?;
         }
@@ -48,6 +57,10 @@ impl RowReader {
                 return Err(self.header.cell_error(line, k, message));
             }
         }
+        self.loaded()
+    }
+
+    fn loaded(&mut self) -> Result<(), IoError> {
         self.row.load = self.load()?;
         Ok(())
     }

@@ -1,14 +1,13 @@
 //! Visits: any integers of the file as numbers 0… in order of first appearance.
 
 use super::header::Header;
-use super::mixed::{AlreadyMixed, Mixed};
+use super::info::Grouping;
 use crate::IoError;
-use std::collections::{BTreeMap, HashSet};
-use std::hash::BuildHasherDefault;
-use truepose_errormodel::Dataset;
-use truepose_kinematics::Load;
+use std::collections::BTreeMap;
+use truepose_errormodel::{Dataset, DwellTolerance};
+use truepose_kinematics::{Chain, JointKind, Load};
 
-/// Joints of one standstill agree to this, rad or m: encoders flicker, robots that moved differ by more.
+/// Joints of one visit that the file numbers agree to this, rad or m: encoders flicker, robots that moved differ by more.
 const STANDSTILL: f64 = 1e-4;
 
 /// Numbers of visits, stored as runs of consecutive labels, so that an ordinary file of any length needs one.
@@ -86,7 +85,7 @@ fn check_same(data: &Dataset, a: usize, b: usize, label: i64, header: &Header) -
         )
     };
     for (k, column) in data.joints.iter().enumerate() {
-        if (column[a] - column[b]).abs() > STANDSTILL {
+        if (column[a] - column[b]).abs() > STANDSTILL.max(data.dwell.tolerance(k)) {
             let slot = header.slots.joints.as_ref().map_or(0, |slots| slots[k]);
             return Err(header.cell_error(data.line[b], slot, told("another joint value".into())));
         }
@@ -103,32 +102,59 @@ fn check_same(data: &Dataset, a: usize, b: usize, label: i64, header: &Header) -
     Ok(())
 }
 
-/// How many different pairs of joints and load the visits have; a measured wrench does not count as a load,
-/// since it is never the same twice.
-pub(crate) fn count_configurations(data: &Dataset) -> usize {
-    let mut last = usize::MAX;
-    let mut seen = HashSet::with_hasher(BuildHasherDefault::<AlreadyMixed>::default());
+/// How the rows of a whole file were grouped, given the configuration of each visit.
+pub(crate) fn grouping(
+    data: &Dataset,
+    chain: &Chain,
+    configuration: &[usize],
+    tolerance: DwellTolerance,
+    numbered: bool,
+) -> Grouping {
+    let mut found =
+        Grouping { angle: tolerance.angle, length: tolerance.length, numbered, ..Grouping::default() };
+    let slides: Vec<bool> =
+        chain.movable().iter().map(|&joint| chain.joint(joint).kind == JointKind::Prismatic).collect();
+    let mut first = vec![usize::MAX; configuration.iter().max().map_or(0, |last| last + 1)];
+    let mut begun = 0;
     for row in 0..data.len() {
-        if data.visit[row] == last {
+        let (visit, of) = (data.visit[row], configuration[data.visit[row]]);
+        let beside = row.checked_sub(1).filter(|&before| data.visit[before] != visit);
+        if let Some(before) = beside {
+            found.parted += usize::from(!numbered && data.same_configuration(begun, row));
+            begun = row;
+            let apart = data.joints.iter().enumerate().map(|(k, q)| {
+                let by = (q[row] - q[before]).abs();
+                (by, by <= data.dwell.tolerance(k), by <= NEAR * data.dwell.tolerance(k))
+            });
+            let (mut most, mut near, mut same) = (0.0, true, true);
+            for (by, within, almost) in apart {
+                most = f64::max(most, by);
+                near &= almost;
+                same &= within;
+            }
+            if near && !same && data.load[before] == data.load[row] {
+                found.near += 1;
+                found.near_most = found.near_most.max(most);
+            }
+        }
+        if first[of] == usize::MAX {
+            first[of] = row;
             continue;
         }
-        last = data.visit[row];
-        let mut key = Mixed::default();
-        for column in &data.joints {
-            key.add(column[row]);
+        let mut flickers = false;
+        for (q, &slide) in data.joints.iter().zip(&slides) {
+            let by = (q[row] - q[first[of]]).abs();
+            flickers |= by > 0.0;
+            let most = if slide { &mut found.flicker_length } else { &mut found.flicker_angle };
+            *most = most.max(by);
         }
-        match &data.load[row] {
-            Load::None => key.add(0.0),
-            Load::Payload(payload) => {
-                key.add(payload.mass);
-                payload.com.iter().for_each(|&v| key.add(v));
-            }
-            Load::Wrench(_) => key.add(1.0),
-        }
-        seen.insert(key);
+        found.flickering += usize::from(flickers);
     }
-    seen.len()
+    found
 }
+
+/// Neighbours that differ by less than so many tolerances are suspicious.
+const NEAR: f64 = 10.0;
 
 #[cfg(test)]
 mod tests {

@@ -4,10 +4,10 @@ use super::header::{Header, Needs};
 use super::info::CsvInfo;
 use super::reader::{MeasurementsOptions, MeasurementsReader};
 use super::suspicious;
-use super::visits::{check_standstills, count_configurations};
+use super::visits::{check_standstills, grouping};
 use crate::{IoError, Warning};
 use std::path::Path;
-use truepose_errormodel::{Dataset, approach_from_order, visits_from_rows};
+use truepose_errormodel::{Dataset, DwellTolerance, approach_from_order, configurations, visits_from_rows};
 use truepose_kinematics::Chain;
 
 /// Reads a file of measurements.
@@ -22,7 +22,7 @@ pub fn read_measurements(
     options: &MeasurementsOptions,
 ) -> Result<(Dataset, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: true, measured: options.measured_required, position: false };
-    let mut table = read_table(path.as_ref(), chain, needs)?;
+    let mut table = read_table(path.as_ref(), chain, needs, options.dwell)?;
     let data = &mut table.data;
     if !data.schema.approach {
         let derived = approach_from_order(data);
@@ -46,11 +46,17 @@ pub(crate) struct Table {
     pub warnings: Vec<Warning>,
 }
 
-pub(crate) fn read_table(path: &Path, chain: &Chain, needs: Needs) -> Result<Table, IoError> {
-    let mut reader = MeasurementsReader::open_for(path, chain, needs)?;
+pub(crate) fn read_table(
+    path: &Path,
+    chain: &Chain,
+    needs: Needs,
+    dwell: DwellTolerance,
+) -> Result<Table, IoError> {
+    let mut reader = MeasurementsReader::open_for(path, chain, needs, dwell)?;
     let mut data = reader.read_all()?;
     let mut info = reader.info();
-    if reader.rows.header.slots.visit.is_some() {
+    let numbered = reader.rows.header.slots.visit.is_some();
+    if numbered {
         if needs.joints {
             check_standstills(&data, &info.visit_labels, &reader.rows.header)?;
         }
@@ -58,9 +64,11 @@ pub(crate) fn read_table(path: &Path, chain: &Chain, needs: Needs) -> Result<Tab
         data.visit = visits_from_rows(&data);
         info.visits = data.visit.last().map_or(0, |last| last + 1);
     }
-    info.configurations = count_configurations(&data);
+    let configuration = configurations(&data);
+    info.configurations = configuration.iter().max().map_or(0, |last| last + 1);
+    info.grouping = Some(grouping(&data, chain, &configuration, dwell, numbered));
     let mut warnings = std::mem::take(&mut reader.warnings);
-    suspicious::look(&reader, chain, &data, needs, &mut warnings);
+    suspicious::look(&reader, chain, &data, (needs, &info), &mut warnings);
     Ok(Table { data, header: reader.rows.header, info, warnings })
 }
 
@@ -335,7 +343,7 @@ mod tests {
     #[test]
     fn a_prediction_needs_no_measured_columns() {
         let text = "d1[mm],d2[mm],d3[mm],theta[deg],roll[deg],pitch[deg]\r\n1,2,3,4,1,2\r\n";
-        let options = MeasurementsOptions { measured_required: false };
+        let options = MeasurementsOptions { measured_required: false, ..MeasurementsOptions::default() };
         let with_mark = [b"\xef\xbb\xbf", text.as_bytes()].concat();
         let (data, _, warnings) = read_for(&samples::pps(), &with_mark, &options).unwrap();
         assert_eq!((data.len(), warnings.len()), (1, 0));

@@ -1,0 +1,138 @@
+//! Which rows one dwell of the robot measured, and which pose measurements are of one configuration.
+//!
+//! Encoders flicker: the joint values of one dwell, and of two visits to one commanded configuration, differ in their last digits. Rows and
+//! configurations are matched within a tolerance, always against the *first* of their group, so that a slow sweep of small steps does not
+//! become one pose.
+//!
+//! | symbol | here | unit |
+//! | --- | --- | --- |
+//! | δ | tolerance of a joint's value, [`DwellTolerance`] | rad, m |
+//! | L | characteristic length of the robot | m |
+//! | ℓ | how far the position of one target may be from its first one in the dwell | m |
+//!
+//! ```text
+//! same configuration     |q_k − q_k,first| ≤ δ  of every joint, and the same load
+//! same dwell             besides      |p − p_first| ≤ ℓ     of the same target
+//! ```
+//!
+//! δ = 1e-5 (2 seconds of arc) moves a point at a lever of one metre by 10 µm: below the repeatability of any arm of that reach (ISO 9283; 20 to
+//! 100 µm), and below the uncertainty of a laser tracker (15 µm + 6 µm/m), and yet several times the 1e-4° by which joints at rest flicker.
+//! ℓ is ten standard deviations as the instrument states them, but no less than 1e-4 L and no more than 1e-3 L, which is what the
+//! coarsest instrument that arms are calibrated with scatters by; on top of it comes what δ moves.
+
+use super::Dataset;
+use truepose_kinematics::{Chain, JointKind, Load};
+
+/// How far the joint values of one configuration may differ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DwellTolerance {
+    /// Of turning joints, rad.
+    pub angle: f64,
+    /// Of slides, m.
+    pub length: f64,
+}
+
+impl Default for DwellTolerance {
+    /// 1e-5 rad and 10 µm.
+    fn default() -> Self {
+        DwellTolerance { angle: DEFAULT, length: DEFAULT }
+    }
+}
+
+/// Rad, and m.
+const DEFAULT: f64 = 1e-5;
+
+/// What tells the dwells and configurations of a data set apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dwell {
+    /// δ of each movable joint, rad or m; 1e-5 of the joints that it has no number for.
+    pub joints: Vec<f64>,
+    /// Least and largest ℓ, m.
+    pub position: [f64; 2],
+}
+
+impl Default for Dwell {
+    /// The default tolerance, and positions that part nothing.
+    fn default() -> Self {
+        Dwell { joints: Vec::new(), position: [f64::INFINITY; 2] }
+    }
+}
+
+impl Dwell {
+    /// Of a robot.
+    pub fn of(chain: &Chain, tolerance: DwellTolerance) -> Self {
+        let length = chain.characteristic_length();
+        let slides = |k: usize| chain.joint(chain.movable()[k]).kind == JointKind::Prismatic;
+        let joints: Vec<f64> = (0..chain.movable().len())
+            .map(|k| if slides(k) { tolerance.length } else { tolerance.angle })
+            .collect();
+        let moved: f64 =
+            joints.iter().enumerate().map(|(k, delta)| if slides(k) { *delta } else { delta * length }).sum();
+        Dwell { joints, position: [1e-4, 1e-3].map(|share| share * length + moved) }
+    }
+
+    /// δ of a movable joint, rad or m.
+    pub fn tolerance(&self, joint: usize) -> f64 {
+        self.joints.get(joint).copied().unwrap_or(DEFAULT)
+    }
+}
+
+impl Dataset {
+    /// True when both rows have the same joint values, to the tolerance of [`Dataset::dwell`], and the same load.
+    pub fn same_configuration(&self, a: usize, b: usize) -> bool {
+        self.same_joints(a, b) && self.load[a] == self.load[b]
+    }
+
+    /// True when both rows have the same joint values, to the tolerance of [`Dataset::dwell`].
+    pub(super) fn same_joints(&self, a: usize, b: usize) -> bool {
+        self.joints
+            .iter()
+            .enumerate()
+            .all(|(k, column)| (column[a] - column[b]).abs() <= self.dwell.tolerance(k))
+    }
+
+    /// True when both rows have the same joint values and the same load to the last bit.
+    pub(crate) fn same_inputs(&self, a: usize, b: usize) -> bool {
+        self.joints.iter().all(|column| column[a].to_bits() == column[b].to_bits())
+            && self.load[a] == self.load[b]
+    }
+
+    /// True when a row goes on with the dwell that began at row `first`, all rows from there on being of that dwell: the same
+    /// configuration, and no target far from where it was first measured in that dwell.
+    pub fn continues_dwell(&self, first: usize, row: usize) -> bool {
+        self.same_configuration(first, row) && !self.moved(first, row)
+    }
+
+    /// True when the measured position of a row says that the robot has moved since row `first`.
+    fn moved(&self, first: usize, row: usize) -> bool {
+        let [least, most] = self.dwell.position;
+        if !most.is_finite() {
+            return false;
+        }
+        let gap = |earlier: usize| {
+            let square = (0..3)
+                .map(|k| self.position[row][k] - self.position[earlier][k])
+                .filter(|d| !d.is_nan())
+                .map(|d| d * d);
+            square.reduce(|a, b| a + b).map(f64::sqrt)
+        };
+        let same = |earlier: usize| self.target[earlier] == self.target[row];
+        let Some((earlier, gap)) = (first..row).filter(|&r| same(r)).find_map(|r| gap(r).map(|gap| (r, gap)))
+        else {
+            return false;
+        };
+        let stated = [earlier, row]
+            .iter()
+            .flat_map(|&r| self.position_sd[r])
+            .filter(|sd| !sd.is_nan())
+            .fold(f64::NAN, f64::max);
+        let limit = if stated.is_nan() { most } else { (10.0 * stated).clamp(least, most) };
+        gap > limit
+    }
+}
+
+/// Whether visits with these loads are repeats of each other where the joints are the same. A measured wrench is never the same twice: the
+/// joints alone decide.
+pub(super) fn same_load(a: &Load, b: &Load) -> bool {
+    matches!((a, b), (Load::Wrench(_), Load::Wrench(_))) || a == b
+}
