@@ -23,3 +23,4 @@ mod shapes;
 mod shared_data;
 mod solvers_agree;
 mod suspicions;
+mod unseen;

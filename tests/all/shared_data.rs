@@ -2,6 +2,7 @@
 //! names, or `shared` beside the workspace. Figures are RMS of the 3-D position error in mm, held out.
 
 use std::path::{Path, PathBuf};
+use truepose_discover::{DiscoverOptions, nested};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
 use truepose_identify::{Identification, IdentificationOptions, Residuals, Split, identify};
@@ -145,4 +146,22 @@ fn null_heavy_elastic() {
 #[test]
 fn null_pps_paper() {
     predicts_like_the_oracle("null_pps_paper-7");
+}
+
+#[test]
+fn no_nested_discovery_on_measured_robots_is_worse_than_the_declared_model() {
+    let Some(shared) = shared() else { return };
+    for name in ["irb120-wu", "hl6-qkm"] {
+        let folder = shared.join("data").join(name);
+        let chain = robot(&folder);
+        let data = table(&folder.join("measurements.csv"), &chain);
+        let split = Split::Random { folds: 5, seed: 0 };
+        let options = DiscoverOptions::default();
+        let solver = "qr".parse::<SolverSpec>().unwrap().build();
+        let judged =
+            nested(&chain, &constant_errors(), &data, &split, &*solver, &options, &|_, _| ()).unwrap();
+        let (before, after) = (judged.before.rms * 1e3, judged.after.rms * 1e3);
+        println!("{name}: {before:.4} → {after:.4} mm");
+        assert!(after <= 1.02 * before, "{name}: {before} → {after} mm");
+    }
 }

@@ -50,6 +50,11 @@ impl Candidate {
         self.depends(|covariate| covariate == TIME)
     }
 
+    /// Whether it follows the time, under a name or without.
+    pub(crate) fn belongs_to_time(&self) -> bool {
+        self.family.belongs_to_time() || self.follows_the_time()
+    }
+
     /// Whether it is one that follows a joint's load.
     pub(crate) fn follows_a_load(&self) -> bool {
         self.depends(|covariate| covariate.starts_with(LOADED))

@@ -74,7 +74,7 @@ impl Family {
         }
     }
 
-    /// Whether the effect belongs to a stretch of time, so that contiguous blocks cannot predict each other.
+    /// Whether the effect follows the time or a temperature.
     pub fn belongs_to_time(self) -> bool {
         matches!(self, Family::Shift | Family::Drift | Family::Thermal)
     }

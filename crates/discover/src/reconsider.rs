@@ -42,7 +42,7 @@ pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, 
         if let Some(evidence) = evidence {
             // Another cause has to answer the same questions as whoever comes in from outside.
             let floor = winner.likelihood.noise.floor(typical_sd(&search.now.data));
-            if evidence.doubt(search.options.alpha, floor, next.family.belongs_to_time()).is_some() {
+            if evidence.doubt(search.options.alpha, floor, next.belongs_to_time()).is_some() {
                 at += 1;
                 continue;
             }

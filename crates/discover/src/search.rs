@@ -444,7 +444,7 @@ fn winner(
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
             } else {
-                evidence.doubt(options.alpha, floor, best.candidate.family.belongs_to_time())
+                evidence.doubt(options.alpha, floor, best.candidate.belongs_to_time())
             };
             let Some(doubt) = doubt else {
                 return Ok(Some(Accepted {
