@@ -17,7 +17,7 @@ use crate::working::{with_loads, without};
 use crate::{Family, Place, contest::TIE, derived, payload};
 use rayon::prelude::*;
 use std::ops::Range;
-use truepose_errormodel::{Dataset, Domain, LoadCorrection, Shape};
+use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample, Shape};
 use truepose_identify::{
     Fit, FitOptions, FittedShape, NoiseSource, Placement, Residuals, fit_again, judge_shapes, repeats,
     student_quantile,
@@ -157,6 +157,8 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
         .collect();
     let own = derived::own_channels(data);
     fit.fitted.domain = Domain::of(&own);
+    // The rows keep the derived channels that the model reads: a sample has no history to make them of.
+    fit.fitted.domain.sample = Sample::of(data).for_model(fit.fitted.model());
     fit.fitted.channels.clone_from(&own.schema.channels);
 }
 
