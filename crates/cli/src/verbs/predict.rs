@@ -165,9 +165,13 @@ impl Said {
         }
         // An orientation that the fit could not know is not compared.
         let known = beyond::oriented(fitted);
-        let orientation = if known.is_ok() { self.orientation } else { Spread::default() };
-        if let Err(words) = &known {
-            terminal::log(&format!("warning: {words}; the cells of the orientation are empty"));
+        let orientation = if known == Ok(None) { self.orientation } else { Spread::default() };
+        match &known {
+            Err(words) => terminal::log(&format!("warning: {words}; the cells of the orientation are empty")),
+            Ok(Some(words)) if self.orientation.count > 0 => {
+                terminal::log(&format!("warning: orientations are not compared: {words}"));
+            }
+            _ => {}
         }
         let (position, orientation): (PositionSpread, RotationSpread) =
             (self.position.into(), orientation.into());
@@ -191,9 +195,6 @@ impl Said {
                 "against the measured orientations: RMS {} mrad\n",
                 significant(orientation.rms_mrad, 4)
             ));
-            if let Ok(Some(words)) = &known {
-                terminal::print(&format!("  {words}\n"));
-            }
         }
         Ok(())
     }

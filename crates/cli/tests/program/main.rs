@@ -11,6 +11,7 @@ mod determinism;
 mod example;
 mod export;
 mod folder;
+mod harm;
 mod limits;
 mod output;
 mod page;
