@@ -183,6 +183,9 @@ impl FittedModel {
         if target.is_some_and(|t| chain.targets().get(t.0).is_some_and(|target| !target.known)) {
             return TargetKnown::Undetermined;
         }
+        if target.is_none() && self.fixed_by_points() {
+            return TargetKnown::Measured;
+        }
         // Declared on the tool: known where the tool is.
         let anchored = chain.tool().known || self.anchors().next().is_some();
         match self.orientation_known() {
@@ -200,15 +203,22 @@ impl FittedModel {
         {
             return TargetKnown::Measured;
         }
+        if self.chain().tool().known || self.fixed_by_points() {
+            TargetKnown::Declared
+        } else {
+            TargetKnown::Undetermined
+        }
+    }
+
+    /// Whether measured points of the tool fix its frame: three that do not lie on a line (to a sine of 1e-3).
+    fn fixed_by_points(&self) -> bool {
         let points: Vec<Vector3<f64>> = self.anchors().collect();
-        // Three that do not lie on a line: the sine at the first one.
-        let spread = points.iter().enumerate().any(|(k, a)| {
+        points.iter().enumerate().any(|(k, a)| {
             points[k + 1..].iter().any(|b| {
-                let (first, a, b) = (points[0], a - points[0], b - points[0]);
-                first.iter().all(|v| v.is_finite()) && a.cross(&b).norm() > 1e-3 * a.norm() * b.norm()
+                let (a, b) = (a - points[0], b - points[0]);
+                a.cross(&b).norm() > 1e-3 * a.norm() * b.norm()
             })
-        });
-        if self.chain().tool().known || spread { TargetKnown::Declared } else { TargetKnown::Undetermined }
+        })
     }
 
     /// Points that are declared on the tool and were measured, m, in the tool's axes.
