@@ -210,6 +210,7 @@ mod tests {
             payload: Some(Interval { lower: 0.0, upper: 5.0 }),
             time: Some(Interval { lower: 10.0, upper: 20.0 }),
             channels: vec![Interval { lower: 18.0, upper: 22.0 }, Interval { lower: 0.0, upper: 1.0 }],
+            ..Domain::default()
         };
         let load = Load::Payload(Payload { mass: 7.5, com: Vector3::zeros() });
         let mut conditions = Conditions::at(&chain, &[0.0; 4]).with_load(load);

@@ -1,5 +1,6 @@
 //! What can be wrong before the first command.
 
+use crate::export::Accuracy;
 use thiserror::Error;
 use truepose_errormodel::ModelError;
 use truepose_kinematics::ChainError;
@@ -81,6 +82,18 @@ pub enum CompensateError {
         value_m: f64,
         /// The robot's characteristic length, m.
         size_m: f64,
+    },
+    /// An export with which the robot would be less accurate than without.
+    #[error(
+        "the file would be worse than the nominal robot: RMS {:.4} mm against {:.4} mm with the best base and tool for each, {:.4} mm \
+         against {:.4} mm as written; keep the nominal geometry, and see what the fit says of its own accuracy",
+        1e3 * export.aligned, 1e3 * nominal.aligned, 1e3 * export.as_written, 1e3 * nominal.as_written
+    )]
+    WorseThanNominal {
+        /// The robot as it was described.
+        nominal: Accuracy,
+        /// The export.
+        export: Accuracy,
     },
     /// Corrected geometry that describes no robot.
     #[error("the corrected geometry is no robot: {0}")]

@@ -19,7 +19,7 @@ use crate::working::with_loads;
 use crate::{Family, Place, contest::TIE, derived, payload};
 use rayon::prelude::*;
 use std::ops::Range;
-use truepose_errormodel::{Dataset, Domain, LoadCorrection};
+use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
 use truepose_identify::{Fit, FittedShape, Placement, Residuals, repeats, student_quantile};
 
 /// The data as a whole, and what was known before the loop.
@@ -155,6 +155,8 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
         .collect();
     let own = derived::own_channels(data);
     fit.fitted.domain = Domain::of(&own);
+    // The rows keep the derived channels that the model reads: a sample has no history to make them of.
+    fit.fitted.domain.sample = Sample::of(data).for_model(fit.fitted.model());
     fit.fitted.channels.clone_from(&own.schema.channels);
 }
 

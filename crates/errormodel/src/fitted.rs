@@ -1,11 +1,15 @@
 //! A fitted model: evaluated without the data, the solver or the reduction that made it.
 
+mod coverage;
 mod domain;
+mod sample;
 
+pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
+pub use sample::Sample;
 
 use crate::{BoundModel, Channel, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Rest, Schema};
-use nalgebra::{DMatrix, Matrix6};
+use nalgebra::{DMatrix, Matrix3, Matrix6};
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
 
 /// An error model with coefficients, how well they are known, and where they were seen.
@@ -201,6 +205,21 @@ impl Predictor<'_> {
         let rows = self.sensitivity(conditions, target);
         let spread = &rows * &self.fitted.covariance * rows.transpose();
         Matrix6::from_iterator(spread.iter().copied())
+    }
+
+    /// [`Predictor::predict`], and the covariance of its position (m²) that comes from the coefficients alone.
+    pub fn with_covariance(
+        &mut self,
+        conditions: &Conditions,
+        target: Option<TargetId>,
+    ) -> (Pose, Matrix3<f64>) {
+        let rows = self.sensitivity(conditions, target);
+        let real = self.rest.real();
+        let pose =
+            Pose::new(real.tool().rotation, real.point(self.fitted.chain(), self.rest.errors(), target));
+        let rows = rows.rows(0, 3);
+        let spread = rows * &self.fitted.covariance * rows.transpose();
+        (pose, Matrix3::from_iterator(spread.iter().copied()))
     }
 
     /// The generalized errors under these conditions.

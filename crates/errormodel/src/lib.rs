@@ -23,7 +23,10 @@ pub use dataset::{
 pub use effect::{AnyEffect, Column, Effect, Search, Shape, Signal, UNBOUNDED};
 pub use emission::{Emission, Entry};
 pub use error::ModelError;
-pub use fitted::{Domain, FittedModel, Interval, LoadCorrection, Noise, Predictor};
+pub use fitted::{
+    Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Noise, Predictor, Sample,
+    TargetKnown,
+};
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;
 pub use limited::Limited;

@@ -11,7 +11,7 @@ use truepose_kinematics::Chain;
 pub struct MapRow {
     /// Where the point is to be, m, measurement frame.
     pub position: [f64; 3],
-    /// Movable joints, rad or m.
+    /// Movable joints, rad or m; written where the place can be reached.
     pub joints: Vec<f64>,
     /// Whether it can be reached.
     pub status: CommandStatus,
@@ -21,6 +21,8 @@ pub struct MapRow {
     pub after_95: f64,
     /// Whether the model was asked beyond what it was fitted on.
     pub extrapolates: bool,
+    /// What lies beyond that, in words.
+    pub beyond: String,
 }
 
 /// Writes a map, in m and rad.
@@ -33,17 +35,19 @@ pub fn write_map(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Resu
         let joint = chain.joint(joint);
         format!("{}[{}]", joint.name, si_unit(joint.kind).word)
     }));
-    header.extend(["status", "before[m]", "after_95[m]", "extrapolates"].map(String::from));
+    header.extend(["status", "before[m]", "after_95[m]", "extrapolates", "beyond"].map(String::from));
     let mut table = TableWriter::create(path.as_ref(), &header)?;
     for row in rows {
         row.position.iter().for_each(|&value| table.number(value));
         for k in 0..chain.movable().len() {
-            table.number(row.joints.get(k).copied().unwrap_or(f64::NAN));
+            let reached = row.status == CommandStatus::Ok;
+            table.number(row.joints.get(k).copied().filter(|_| reached).unwrap_or(f64::NAN));
         }
         table.text(row.status.word());
         table.number(row.before);
         table.number(row.after_95);
         table.integer(row.extrapolates.into());
+        table.text(&row.beyond);
         table.end_row()?;
     }
     table.finish()
@@ -65,18 +69,26 @@ mod tests {
             before: 1e-3,
             after_95: 5e-5,
             extrapolates: true,
+            beyond: "r1; leverage".into(),
         };
         let nan = f64::NAN;
-        let far = MapRow { status: CommandStatus::Unreachable, before: nan, after_95: nan, ..row.clone() };
+        let far = MapRow {
+            status: CommandStatus::Unreachable,
+            before: nan,
+            after_95: nan,
+            extrapolates: false,
+            beyond: String::new(),
+            ..row.clone()
+        };
         write_map(&path, &samples::scara(), &[row, far]).unwrap();
         let names: Vec<String> =
             samples::scara().joints().iter().map(|j| format!("{}[{}]", j.name, j.unit())).collect();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             format!(
-                "x[m],y[m],z[m],{},status,before[m],after_95[m],extrapolates\n\
-                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,ok,0.001,5e-5,1\n\
-                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,unreachable,,,1\n",
+                "x[m],y[m],z[m],{},status,before[m],after_95[m],extrapolates,beyond\n\
+                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,ok,0.001,5e-5,1,r1; leverage\n\
+                 1.0,2.0,3.0,,,,,unreachable,,,0,\n",
                 names.join(",")
             )
         );

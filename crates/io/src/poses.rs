@@ -47,10 +47,16 @@ impl CommandStatus {
 /// The command for one desired pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandRow {
-    /// Values of the movable joints, rad or m; NaN makes an empty cell.
+    /// Values of the movable joints, rad or m; written where the status is `ok`. NaN makes an empty cell.
     pub joints: Vec<f64>,
     /// What became of the pose.
     pub status: CommandStatus,
+    /// With 95 % the robot ends no farther from the pose, m; NaN makes an empty cell.
+    pub within_95: f64,
+    /// Whether the command is corrected; else it is that of the nominal robot.
+    pub corrected: bool,
+    /// What of the command lies beyond the data of the fit, in words; empty: nothing.
+    pub beyond: String,
 }
 
 /// Reads desired poses.
@@ -89,13 +95,22 @@ pub fn write_commands(
         .zip(&poses.joint_units)
         .map(|(&joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word))
         .collect();
-    header.push("status".into());
+    header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
     let mut table = TableWriter::create(path, &header)?;
     for command in commands {
         for (k, unit) in poses.joint_units.iter().enumerate() {
-            table.number(command.joints.get(k).map_or(f64::NAN, |&value| unit.from_si(value)));
+            let written = command.joints.get(k).filter(|_| command.status == CommandStatus::Ok);
+            table.number(written.map_or(f64::NAN, |&value| unit.from_si(value)));
         }
         table.text(command.status.word());
+        if command.status == CommandStatus::Ok {
+            table.number(command.within_95);
+            table.text(if command.corrected { "model" } else { "nominal" });
+            table.integer((!command.beyond.is_empty()).into());
+            table.text(&command.beyond);
+        } else {
+            (0..4).for_each(|_| table.text(""));
+        }
         table.end_row()?;
     }
     table.finish()
@@ -173,14 +188,24 @@ mod tests {
             CommandRow {
                 joints: vec![0.25, 0.5, 1.0, std::f64::consts::PI, 0.0, 0.0],
                 status: CommandStatus::Ok,
+                within_95: 1e-4,
+                corrected: true,
+                beyond: "d1".into(),
             },
-            CommandRow { joints: vec![], status: CommandStatus::NotConverged },
+            // The nearest that was found is no command.
+            CommandRow {
+                joints: vec![0.5; 6],
+                status: CommandStatus::Unreachable,
+                within_95: 1.0,
+                corrected: true,
+                beyond: "d1".into(),
+            },
         ];
         write_commands(&path, &samples::pps(), &poses, &commands).unwrap();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
-            "d1[mm],d2[mm],d3[mm],theta[deg],roll[deg],pitch[deg],status\n\
-             250.0,500.0,1000.0,180.0,0.0,0.0,ok\n,,,,,,not_converged\n"
+            "d1[mm],d2[mm],d3[mm],theta[deg],roll[deg],pitch[deg],status,within_95[m],correction,extrapolates,beyond\n\
+             250.0,500.0,1000.0,180.0,0.0,0.0,ok,0.0001,model,1,d1\n,,,,,,unreachable,,,,\n"
         );
         assert!(write_commands(&path, &samples::pps(), &poses, &commands[..1]).is_err());
     }

@@ -7,9 +7,22 @@ use std::path::Path;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Pose};
 
+/// A predicted row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Position of the row's target, m, and orientation of the tool, in the measurement frame.
+    pub pose: Pose,
+    /// Whether the orientation is known; else its cells are empty.
+    pub oriented: bool,
+    /// With 95 % a new measurement lies no farther from the position, m.
+    pub within_95: f64,
+    /// Whether the row lies beyond the data of the fit.
+    pub extrapolates: bool,
+}
+
 /// Predicted rows, block after block, in the order of the data. The file appears with [`PredictionsWriter::finish`].
 ///
-/// Besides `x[m],y[m],z[m]` and `qw,qx,qy,qz` each row repeats its visit (by the file's own number), its joints in rad and m, and its
+/// Besides `x[m],y[m],z[m]`, `qw,qx,qy,qz`, `within_95[m]` and `extrapolates` each row repeats its visit (by the file's own number), its joints in rad and m, and its
 /// target, where the data has them.
 #[derive(Debug)]
 pub struct PredictionsWriter<'a> {
@@ -41,19 +54,19 @@ impl<'a> PredictionsWriter<'a> {
         if targets {
             header.push("target".into());
         }
-        header.extend(["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"].map(String::from));
+        let said = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz", "within_95[m]", "extrapolates"];
+        header.extend(said.map(String::from));
         let table = TableWriter::create(path.as_ref(), &header)?;
         Ok(PredictionsWriter { chain, visits, targets, table })
     }
 
-    /// One row for each row of the data: position of its target (m) and orientation of the tool, in the measurement frame. `labels` are the
-    /// file's numbers of the data's visits.
+    /// One row for each row of the data. `labels` are the file's numbers of the data's visits.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&mut self, data: &Dataset, labels: &[i64], predicted: &[Pose]) -> Result<(), IoError> {
+    pub fn write(&mut self, data: &Dataset, labels: &[i64], predicted: &[Prediction]) -> Result<(), IoError> {
         let table = &mut self.table;
-        for (row, pose) in predicted.iter().enumerate() {
+        for (row, prediction) in predicted.iter().enumerate() {
             if self.visits {
                 table.integer(labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
             }
@@ -63,8 +76,11 @@ impl<'a> PredictionsWriter<'a> {
             if self.targets {
                 table.text(data.target[row].map_or("", |target| &self.chain.targets()[target.0].name));
             }
-            pose.translation.iter().for_each(|&v| table.number(v));
-            pose.quaternion().iter().for_each(|&v| table.number(v));
+            prediction.pose.translation.iter().for_each(|&v| table.number(v));
+            let turned = if prediction.oriented { prediction.pose.quaternion() } else { [f64::NAN; 4] };
+            turned.iter().for_each(|&v| table.number(v));
+            table.number(prediction.within_95);
+            table.integer(prediction.extrapolates.into());
             table.end_row()?;
         }
         Ok(())
@@ -89,7 +105,7 @@ pub fn write_predictions(
     chain: &Chain,
     data: &Dataset,
     info: &CsvInfo,
-    predicted: &[Pose],
+    predicted: &[Prediction],
 ) -> Result<(), IoError> {
     let path = path.as_ref();
     if predicted.len() != data.len() {
@@ -121,16 +137,27 @@ mod tests {
         let chain = samples::scara();
         let options = MeasurementsOptions { measured_required: false, ..MeasurementsOptions::default() };
         let (data, info, _) = read_measurements(&source, &chain, &options).unwrap();
-        let predicted: Vec<Pose> = (0..2).map(|row| chain.forward(&data.conditions(row).joints)).collect();
+        let predicted: Vec<Prediction> = (0..2)
+            .map(|row| Prediction {
+                pose: chain.forward(&data.conditions(row).joints),
+                oriented: row == 0,
+                within_95: 1e-4,
+                extrapolates: row == 1,
+            })
+            .collect();
         write_predictions(&out, &chain, &data, &info, &predicted).unwrap();
         let (again, info, warnings) =
             read_measurements(&out, &chain, &MeasurementsOptions::default()).unwrap();
         assert_eq!((info.visit_labels, warnings), (vec![7, -2], vec![]));
         assert_eq!(again.joints, data.joints);
-        for (row, pose) in predicted.iter().enumerate() {
+        assert_eq!(again.measured_rotation(1), None);
+        assert_eq!(again.channels, [[1e-4, 1e-4], [0.0, 1.0]]);
+        for (row, Prediction { pose, oriented, .. }) in predicted.iter().enumerate() {
             assert_eq!(again.position[row], [pose.translation.x, pose.translation.y, pose.translation.z]);
-            let same = again.measured_rotation(row).unwrap() - pose.rotation;
-            assert!(same.amax() < 1e-15);
+            if *oriented {
+                let same = again.measured_rotation(row).unwrap() - pose.rotation;
+                assert!(same.amax() < 1e-15);
+            }
         }
         assert!(write_predictions(&out, &chain, &data, &CsvInfo::default(), &[]).is_err());
     }

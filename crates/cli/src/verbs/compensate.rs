@@ -1,18 +1,20 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
 use super::reporting::Folder;
-use super::{about, print_json, status};
+use super::{about, beyond, print_json, status};
 use crate::args::Compensate;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
 use rayon::prelude::*;
 use truepose_compensate::{
-    Command, CompensateError, Compensator, CompensatorOptions, Status, Target, Wanted, predicted_error,
+    Command, CompensateError, Compensator, CompensatorOptions, Status, Target, Wanted, correction_helps,
+    radius_95,
 };
-use truepose_errormodel::{EffectRegistry, FittedModel};
+use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
 use truepose_kinematics::Conditions;
+use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
 /// Poses that one thread takes at a time.
@@ -27,14 +29,31 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let (poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
     terminal::warn(&warnings);
-    let commands = commands(args, &fitted, &poses)?;
-    let rows: Vec<CommandRow> =
-        commands.iter().map(|c| CommandRow { joints: c.joints.to_vec(), status: status(c.status) }).collect();
+    known(args, &fitted, &poses)?;
+    let mut commands = commands(args, &fitted, &poses)?;
+    let channels =
+        poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?.schema.channels.clone();
+    let worth = judged(&fitted, &poses, &mut commands)?;
+    let rows: Vec<CommandRow> = commands
+        .iter()
+        .zip(&worth)
+        .map(|(command, worth)| CommandRow {
+            joints: command.joints.to_vec(),
+            status: status(command.status),
+            within_95: worth.within_95,
+            corrected: worth.corrected,
+            beyond: beyond::words(&worth.beyond, fitted.chain(), &channels),
+        })
+        .collect();
     write_commands(&args.out, fitted.chain(), &poses, &rows)?;
 
     let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
     let words = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
-    let beyond = commands.iter().filter(|c| c.status == Status::Ok && c.extrapolation.any()).count();
+    let mut tally = beyond::Tally::default();
+    let ok = commands.iter().zip(&worth).filter(|(command, _)| command.status == Status::Ok);
+    ok.clone().for_each(|(_, worth)| tally.add(&worth.beyond));
+    tally.warn("command", fitted.chain(), &channels);
+    let nominal = ok.filter(|(_, worth)| !worth.corrected).count();
     if let Some(folder) = &folder {
         let view = CommandsView {
             robot: fitted.chain().name().into(),
@@ -43,16 +62,16 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
                 .map(|s| (s.word().into(), of(*s)))
                 .filter(|s: &(String, usize)| s.1 > 0)
                 .collect(),
-            extrapolating: beyond,
-            commands: views(&fitted, &poses, &commands)?,
+            extrapolating: tally.beyond(),
+            commands: views(&poses, &commands, &worth),
         };
         folder.write(&view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
     }
     if args.json {
         let counts: serde_json::Map<_, _> = words.iter().map(|s| (s.word().into(), of(*s).into())).collect();
-        return print_json(
-            &serde_json::json!({"poses": rows.len(), "status": counts, "extrapolating": beyond}),
-        );
+        return print_json(&serde_json::json!({
+            "poses": rows.len(), "status": counts, "extrapolating": tally.beyond(), "nominal": nominal,
+        }));
     }
     let parts: Vec<String> =
         words.iter().filter(|s| of(**s) > 0).map(|s| format!("{} {}", of(*s), s.word())).collect();
@@ -66,42 +85,120 @@ pub fn run(args: &Compensate) -> Result<(), Failure> {
         commands.iter().filter(|c| c.status != Status::Ok).map(|c| c.position_error).fold(0.0, f64::max);
     if worst > 0.0 {
         terminal::print(&format!(
-            "the nearest that was found for the others is up to {} off\n",
+            "the nearest that was found for the others is up to {} off, and is not written\n",
             millimetres(worst)
         ));
     }
-    if beyond > 0 {
+    if nominal > 0 {
         terminal::print(&format!(
-            "{} outside the range that the model was fitted on: it extrapolates there\n",
-            count(beyond, "command")
+            "{} where the correction is less than its own uncertainty: the nominal robot's command is written\n",
+            count(nominal, "pose")
         ));
     }
     Ok(())
 }
 
-/// What the page and its JSON have of every command.
-fn views(fitted: &FittedModel, poses: &Poses, commands: &[Command]) -> Result<Vec<CommandView>, Failure> {
-    let inputs = poses.rows.derived_for(fitted.model())?;
-    let mut predictor = fitted.bind(&inputs.schema)?;
-    let mut conditions = Conditions::default();
-    let one = |(row, command): (usize, &Command)| {
-        inputs.conditions_into(row, &mut conditions);
-        conditions.joints.clear();
-        conditions.joints.extend_from_slice(&command.joints);
-        let target = poses.rows.target[row];
-        let wanted = poses.rows.measured_position(row);
-        let nominal = predictor.nominal(&conditions, target).translation;
-        CommandView {
-            row: row + 1,
-            status: command.status.word().into(),
-            at_mm: (wanted * 1e3).into(),
-            left_mm: command.position_error * 1e3,
-            correction_mm: (nominal - wanted).norm() * 1e3,
-            within_95_mm: predicted_error(fitted, &mut predictor, &conditions, target).measured_95 * 1e3,
-            extrapolates: command.extrapolation.any(),
-        }
+/// Refuses poses of which the fit cannot know the target or the orientation, and warns of what was only declared.
+fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), Failure> {
+    let refused = |row: usize, words: String| {
+        let line = poses.rows.line.get(row).map_or(String::new(), |line| format!("line {line}: "));
+        Failure::Input(format!("{}: {line}{words}", args.poses.display()))
     };
-    Ok(commands.iter().enumerate().map(one).collect())
+    let mut done = Vec::new();
+    for (row, &target) in poses.rows.target.iter().enumerate() {
+        if !done.contains(&target) {
+            done.push(target);
+            let warning = beyond::seen(fitted, target).map_err(|words| refused(row, words))?;
+            terminal::warn(warning.as_slice());
+        }
+    }
+    if let Some(row) = poses.rows.orientation.iter().position(Option::is_some) {
+        let warning = beyond::oriented(fitted).map_err(|words| refused(row, words))?;
+        terminal::warn(warning.as_slice());
+    }
+    if fitted.domain.joints.is_empty() {
+        terminal::log(
+            "warning: the fit does not record what it was fitted on: extrapolation is not detected",
+        );
+    }
+    Ok(())
+}
+
+/// What a command is worth.
+struct Worth {
+    /// With 95 % the point ends no farther from where it is wanted, m.
+    within_95: f64,
+    /// How far the nominal robot would end from there, m.
+    correction: f64,
+    /// Whether the command is the model's; else it is the nominal robot's.
+    corrected: bool,
+    beyond: Vec<(Beyond, f64)>,
+}
+
+/// Holds every command against the data of the fit and the nominal command, which takes its place where it is expected to be nearer.
+fn judged(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Result<Vec<Worth>, Failure> {
+    let inputs = poses.rows.derived_for(fitted.model())?;
+    let coverage = Coverage::new(fitted, &inputs.schema)?;
+    let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
+    let ideal = FittedModel::new(nothing, Vec::new(), DMatrix::zeros(0, 0))?;
+    let nominal = Compensator::bind(&ideal, &inputs.schema, CompensatorOptions::default())?;
+    let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
+    let parts: Vec<Vec<Worth>> = commands
+        .par_chunks_mut(CHUNK)
+        .enumerate()
+        .map(|(part, commands)| {
+            let (mut coverage, mut nominal) = (coverage.clone(), nominal.clone());
+            let mut conditions = Conditions::default();
+            let one = |(k, command): (usize, &mut Command)| {
+                let row = part * CHUNK + k;
+                inputs.conditions_into(row, &mut conditions);
+                conditions.joints.clear();
+                conditions.joints.extend_from_slice(&command.joints);
+                let target = poses.rows.target[row];
+                let at = coverage.judge(&conditions, target);
+                let meant = coverage.nominal(&conditions, target).translation;
+                let displacement = at.pose.translation - meant;
+                let mut worth = Worth {
+                    within_95: radius_95(&(at.covariance + noise)),
+                    correction: (meant - poses.rows.measured_position(row)).norm(),
+                    corrected: true,
+                    beyond: at.beyond,
+                };
+                if command.status == Status::Ok && !correction_helps(&displacement, &at.covariance) {
+                    let asked = wanted(poses, &conditions, row).target;
+                    let other = nominal.command(&asked, &conditions, Some(&command.joints));
+                    if other.status == Status::Ok {
+                        command.joints = other.joints;
+                        // Off by what is not corrected, at the most.
+                        worth.within_95 += displacement.norm();
+                        worth.corrected = false;
+                        conditions.joints.clear();
+                        conditions.joints.extend_from_slice(&other.joints);
+                        worth.beyond = coverage.judge(&conditions, target).beyond;
+                        let there = coverage.judge(&conditions, target).pose.translation;
+                        command.position_error = (there - asked.position).norm();
+                    }
+                }
+                worth
+            };
+            commands.iter_mut().enumerate().map(one).collect()
+        })
+        .collect();
+    Ok(parts.into_iter().flatten().collect())
+}
+
+/// What the page and its JSON have of every command.
+fn views(poses: &Poses, commands: &[Command], worth: &[Worth]) -> Vec<CommandView> {
+    let one = |(row, (command, worth)): (usize, (&Command, &Worth))| CommandView {
+        row: row + 1,
+        status: command.status.word().into(),
+        at_mm: (poses.rows.measured_position(row) * 1e3).into(),
+        left_mm: command.position_error * 1e3,
+        correction_mm: worth.correction * 1e3,
+        within_95_mm: worth.within_95 * 1e3,
+        extrapolates: !worth.beyond.is_empty(),
+    };
+    commands.iter().zip(worth).enumerate().map(one).collect()
 }
 
 /// What is asked of one row.

@@ -5,18 +5,20 @@ use crate::args::{Export, ExportFormat};
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{
-    AxisConvention, AxisTableOptions, ErrorLeft, ExportOptions, Exported, JointOrigins, axis_table,
-    error_tables, joint_origins,
+    Accuracy, AxisConvention, AxisTableOptions, Comparison, ErrorLeft, ExportOptions, Exported, JointOrigins,
+    axis_table, error_tables, joint_origins,
 };
-use truepose_errormodel::{EffectRegistry, FittedModel};
+use truepose_errormodel::{EffectRegistry, FittedModel, TargetKnown};
 use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
 use truepose_kinematics::Pose;
+use truepose_kinematics::nalgebra::Vector3;
 
 /// A file's text, and what it says of itself.
 struct Written {
     text: String,
     left_out: Vec<&'static str>,
     error_left: ErrorLeft,
+    comparison: Comparison,
     statement: Vec<String>,
 }
 
@@ -27,7 +29,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
     }
     check_writable(&args.out)?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
-    let target = target(fitted.chain(), args.target.as_deref())?;
+    let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let written = match args.format {
         ExportFormat::Urdf => urdf(args, &fitted, &options)?,
@@ -35,7 +37,8 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         ExportFormat::Mdh => axes(args, &fitted, &options, AxisConvention::Mdh)?,
         ExportFormat::Ros => {
             let origins = joint_origins(&fitted, &options)?;
-            let notes = notes(&fitted, &origins);
+            let mut notes = notes(&fitted, &origins);
+            notes.extend(targets(&fitted, &origins.value.targets));
             written(origins.value.to_ros_yaml(&notes), origins, notes)
         }
         ExportFormat::Iso230 => {
@@ -46,9 +49,15 @@ pub fn run(args: &Export) -> Result<(), Failure> {
     };
     write_whole(&args.out, written.text.as_bytes())?;
     if args.json {
+        let Comparison { nominal, export, model, rows, drawn_from, measured } = written.comparison;
+        let rms = |a: Accuracy| serde_json::json!({"aligned_mm": 1e3 * a.aligned, "as_written_mm": 1e3 * a.as_written});
         return print_json(&serde_json::json!({
             "left_out": written.left_out,
             "error_left": {"rms_mm": 1e3 * written.error_left.rms, "max_mm": 1e3 * written.error_left.max},
+            "rms": {
+                "nominal": rms(nominal), "export": rms(export), "model": rms(model),
+                "rows": rows, "drawn_from": drawn_from, "measured": measured,
+            },
         }));
     }
     terminal::print(&format!("written to {}\n", args.out.display()));
@@ -59,7 +68,8 @@ pub fn run(args: &Export) -> Result<(), Failure> {
 }
 
 fn written<T>(text: String, exported: Exported<T>, statement: Vec<String>) -> Written {
-    Written { text, left_out: exported.left_out, error_left: exported.error_left, statement }
+    let Exported { left_out, error_left, comparison, .. } = exported;
+    Written { text, left_out, error_left, comparison, statement }
 }
 
 /// What the file says at its front, and the terminal after the first line.
@@ -70,7 +80,27 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
         fitted.chain().name()
     )];
     notes.extend(exported.statement());
+    match fitted.orientation_known() {
+        TargetKnown::Measured => {}
+        TargetKnown::Declared => {
+            notes.push("no orientation was measured: how the tool is turned is not verified".into());
+        }
+        TargetKnown::Undetermined => notes.push(
+            "no orientation was measured, and how the tool is turned was unknown: the tool's rotation is not determined".into(),
+        ),
+    }
     notes
+}
+
+/// Where targets sit on the tool, of which the robot's description does not say so: the formats have no place for them.
+fn targets(fitted: &FittedModel, found: &[Vector3<f64>]) -> Vec<String> {
+    let both = fitted.chain().targets().iter().zip(found);
+    both.filter(|(declared, found)| !declared.known || declared.position != **found)
+        .map(|(declared, found)| {
+            let [x, y, z]: [f64; 3] = (*found).into();
+            format!("target `{}` sits on the tool at xyz {x:?} {y:?} {z:?} m", declared.name)
+        })
+        .collect()
 }
 
 fn axes(
@@ -81,14 +111,16 @@ fn axes(
 ) -> Result<Written, Failure> {
     let allow = AxisTableOptions { hayati: !args.no_hayati, ..AxisTableOptions::default() };
     let table = axis_table(fitted, options, &allow)?;
-    let notes = notes(fitted, &table);
+    let mut notes = notes(fitted, &table);
+    notes.extend(targets(fitted, &table.value.targets));
     Ok(written(table.value.to_csv(convention, fitted.chain(), &notes), table, notes))
 }
 
 fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
     let origins = joint_origins(fitted, options)?;
     let mut notes = notes(fitted, &origins);
-    let JointOrigins { base, joints, tool } = &origins.value;
+    notes.extend(targets(fitted, &origins.value.targets));
+    let JointOrigins { base, joints, tool, .. } = &origins.value;
     if *base != Pose::IDENTITY {
         notes.push(format!("the base link stands in the measurement frame at {}", place(base)));
     }

@@ -1,11 +1,11 @@
 //! `truepose map`: accuracy over the workspace, before and after compensation.
 
-use super::{print_json, status, target};
+use super::{beyond, print_json, status, target};
 use crate::args::Map;
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{AccuracyMap, MapGrid, MapOptions, Status, accuracy_map, middle_conditions};
-use truepose_errormodel::EffectRegistry;
+use truepose_errormodel::{EffectRegistry, FittedModel};
 use truepose_io::{MapRow, check_writable, read_fit, write_map};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload, Pose};
@@ -33,7 +33,16 @@ pub fn run(args: &Map) -> Result<(), Failure> {
         },
         _ => MapGrid::Joints { points },
     };
-    let options = MapOptions { grid, conditions, target: target(chain, args.target.as_deref())? };
+    if args.rpy.is_some() {
+        terminal::warn(
+            beyond::oriented(&fitted).map_err(|words| Failure::Input(format!("--rpy: {words}")))?.as_slice(),
+        );
+    }
+    let options = MapOptions { grid, conditions, target: target(&fitted, args.target.as_deref())? };
+    let seen = beyond::seen(&fitted, options.target);
+    terminal::warn(
+        seen.map_err(|words| Failure::Input(format!("{}: {words}", args.fit.display())))?.as_slice(),
+    );
     crate::watch::doing("mapping");
     let map = accuracy_map(&fitted, &options)?;
     let rows: Vec<MapRow> = map
@@ -45,24 +54,37 @@ pub fn run(args: &Map) -> Result<(), Failure> {
             status: status(node.status),
             before: node.before,
             after_95: node.after_95,
-            extrapolates: node.extrapolates,
+            extrapolates: node.extrapolates(),
+            beyond: beyond::words(&node.beyond, chain, &fitted.channels),
         })
         .collect();
     write_map(&args.out, chain, &rows)?;
-    say(args, &map)
+    say(args, &fitted, &map)
 }
 
-fn say(args: &Map, map: &AccuracyMap) -> Result<(), Failure> {
-    let beyond = map.nodes.iter().filter(|node| node.extrapolates && node.status == Status::Ok).count();
-    if args.json {
-        return print_json(&serde_json::json!({
+fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failure> {
+    let mut tally = beyond::Tally::default();
+    let reached = map.nodes.iter().filter(|node| node.status == Status::Ok);
+    reached.clone().for_each(|node| tally.add(&node.beyond));
+    tally.warn("place", fitted.chain(), &fitted.channels);
+    let helpless = reached.filter(|node| !node.helps).count();
+    let within = map.within();
+    let figures = |map: &AccuracyMap| {
+        serde_json::json!({
             "places": map.nodes.len(),
-            "reachable": map.reachable(),
-            "extrapolating": beyond,
             "before": {"rms_mm": 1e3 * map.before_rms(), "max_mm": 1e3 * map.before_max()},
             "after_95": {"rms_mm": 1e3 * map.after_95_rms(), "max_mm": 1e3 * map.after_95_max()},
-        }));
+        })
+    };
+    if args.json {
+        let mut said = figures(map);
+        said["reachable"] = map.reachable().into();
+        said["extrapolating"] = tally.beyond().into();
+        said["not_helped"] = helpless.into();
+        said["within"] = figures(&within);
+        return print_json(&said);
     }
+    let reached = (map.reachable() * map.nodes.len() as f64).round().max(1.0);
     terminal::print(&format!(
         "{}, {:.0} % of them within reach; written to {}\n",
         count(map.nodes.len(), "place"),
@@ -71,17 +93,30 @@ fn say(args: &Map, map: &AccuracyMap) -> Result<(), Failure> {
     ));
     if map.reachable() > 0.0 {
         terminal::print(&format!(
-            "before compensation: RMS {}, max {}\nafter it, the 95 % band of a place: RMS {}, largest {}\n",
+            "{} of those within reach ({:.0} %) within the data of the fit\n",
+            within.nodes.len(),
+            100.0 * within.nodes.len() as f64 / reached
+        ));
+    }
+    let print = |map: &AccuracyMap, where_: &str| {
+        terminal::print(&format!(
+            "{where_}before compensation: RMS {}, max {}\n{where_}after it, the 95 % band of a place: RMS {}, largest {}\n",
             millimetres(map.before_rms()),
             millimetres(map.before_max()),
             millimetres(map.after_95_rms()),
             millimetres(map.after_95_max()),
         ));
+    };
+    if !within.nodes.is_empty() {
+        print(&within, "");
     }
-    if beyond > 0 {
+    if tally.beyond() > 0 {
+        print(map, "with the extrapolated places, not verified by any data, ");
+    }
+    if helpless > 0 {
         terminal::print(&format!(
-            "{} outside the range that the model was fitted on: it extrapolates there\n",
-            count(beyond, "place")
+            "{} where the correction is less than its own uncertainty: the nominal command is as good there\n",
+            count(helpless, "place")
         ));
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! The verbs: each is parse, one library call, print.
 
+mod beyond;
 pub mod check;
 pub mod compare;
 pub mod compensate;
@@ -22,7 +23,7 @@ use crate::terminal;
 use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, ModelError};
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, FittedModel, ModelError};
 use truepose_identify::suspicions;
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
@@ -42,16 +43,19 @@ fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Vec<String> {
     suspicions(chain, data).into_iter().map(words).collect()
 }
 
-/// The declared target of this name.
-fn target(chain: &Chain, name: Option<&str>) -> Result<Option<TargetId>, Failure> {
+/// The declared target of this name, if the fit knows where it is.
+fn target(fitted: &FittedModel, name: Option<&str>) -> Result<Option<TargetId>, Failure> {
     let Some(name) = name else { return Ok(None) };
-    chain.target_named(name).map(Some).ok_or_else(|| {
+    let chain = fitted.chain();
+    let target = chain.target_named(name).ok_or_else(|| {
         let known: Vec<&str> = chain.targets().iter().map(|target| target.name.as_str()).collect();
         Failure::Input(format!(
             "--target: the robot has no target `{name}` (its targets: {})",
             known.join(", ")
         ))
-    })
+    })?;
+    beyond::seen(fitted, Some(target)).map_err(|words| Failure::Input(format!("--target: {words}")))?;
+    Ok(Some(target))
 }
 
 /// Files that a run on measurements read.

@@ -1,18 +1,21 @@
 //! `truepose predict`: where the real robot is, from a fit.
 
-use super::{about, print_json};
+use super::{about, beyond, print_json};
 use crate::args::Predict;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use rayon::prelude::*;
 use std::borrow::Cow;
-use truepose_errormodel::{Dataset, EffectRegistry, FittedModel, ModelError};
-use truepose_identify::{Residuals, Tally};
+use truepose_compensate::radius_95;
+use truepose_errormodel::{Coverage, Dataset, EffectRegistry, FittedModel};
+use truepose_identify::{Residuals, Spread, Tally};
 use truepose_io::{
-    MeasurementsOptions, MeasurementsReader, PredictionsWriter, check_writable, read_fit, read_measurements,
-    write_predictions,
+    MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, check_writable, read_fit,
+    read_measurements, write_predictions,
 };
-use truepose_kinematics::{Conditions, Pose};
+use truepose_kinematics::nalgebra::Matrix3;
+use truepose_kinematics::{Chain, Conditions};
 use truepose_report::{PositionSpread, RotationSpread, count, significant};
 
 /// Files from this size on, bytes, are read block by block where the model allows it.
@@ -21,6 +24,8 @@ const LARGE: u64 = 32 << 20;
 const BLOCK: usize = 16384;
 /// Up to so many rows quantiles are exact.
 const EXACT: usize = 1 << 20;
+/// Rows that one thread takes at a time.
+const CHUNK: usize = 256;
 
 /// Runs the verb.
 pub fn run(args: &Predict) -> Result<(), Failure> {
@@ -28,31 +33,80 @@ pub fn run(args: &Predict) -> Result<(), Failure> {
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let options = args.grouped.conditions();
     if let Some(said) = by_blocks(args, &fitted, &options) {
-        return said.print(args);
+        return said;
     }
     let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
     terminal::warn(&warnings);
-    let predicted = predict(&fitted, &data).map_err(about(&args.data))?;
+    let warnings = targets_seen(&fitted, &data)
+        .map_err(|words| Failure::Input(format!("{}: {words}", args.data.display())))?;
+    terminal::warn(&warnings);
+    let inputs = data.derived_for(fitted.model()).map_err(about(&args.data))?;
+    let coverage = Coverage::new(&fitted, &inputs.schema).map_err(about(&args.data))?;
+    let (predicted, beyond) = predict(&fitted, &coverage, &inputs);
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     let residuals = Residuals::of(&fitted, &data)?;
-    let (position, orientation) = (residuals.positions().into(), residuals.orientations().into());
-    Said { rows: data.len(), position, orientation }.print(args)
+    let (position, orientation) = (residuals.positions(), residuals.orientations());
+    Said { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &inputs)
 }
 
-fn predict(fitted: &FittedModel, data: &Dataset) -> Result<Vec<Pose>, ModelError> {
-    let inputs = data.derived_for(fitted.model())?;
-    let mut predictor = fitted.bind(&inputs.schema)?;
-    let mut conditions = Conditions::default();
-    let one = |row| {
-        inputs.conditions_into(row, &mut conditions);
-        predictor.predict(&conditions, data.target[row])
-    };
-    Ok((0..data.len()).map(one).collect())
+/// Warnings about targets that the fit never saw.
+///
+/// # Errors
+/// When the place of one is not known; names its first line.
+fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, String> {
+    let mut warnings = Vec::new();
+    let mut done = Vec::new();
+    for (row, &target) in data.target.iter().enumerate().filter(|_| !fitted.domain.targets.is_empty()) {
+        if !done.contains(&target) {
+            done.push(target);
+            let line = data.line.get(row).map_or(String::new(), |line| format!("line {line}: "));
+            warnings.extend(beyond::seen(fitted, target).map_err(|words| format!("{line}{words}"))?);
+        }
+    }
+    Ok(warnings)
+}
+
+/// Every row, in order, and what of it lies beyond the data of the fit.
+fn predict(
+    fitted: &FittedModel,
+    coverage: &Coverage<'_>,
+    inputs: &Dataset,
+) -> (Vec<Prediction>, beyond::Tally) {
+    let oriented = beyond::oriented(fitted).is_ok();
+    let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
+    let rows: Vec<usize> = (0..inputs.len()).collect();
+    let parts: Vec<(Vec<Prediction>, beyond::Tally)> = rows
+        .par_chunks(CHUNK)
+        .map(|rows| {
+            let mut coverage = coverage.clone();
+            let mut conditions = Conditions::default();
+            let mut tally = beyond::Tally::default();
+            let one = |&row: &usize| {
+                inputs.conditions_into(row, &mut conditions);
+                let judged = coverage.judge(&conditions, inputs.target[row]);
+                tally.add(&judged.beyond);
+                let within_95 = radius_95(&(judged.covariance + noise));
+                Prediction { pose: judged.pose, oriented, within_95, extrapolates: !judged.beyond.is_empty() }
+            };
+            let predicted = rows.iter().map(one).collect();
+            (predicted, tally)
+        })
+        .collect();
+    let (mut all, mut tally) = (Vec::with_capacity(rows.len()), beyond::Tally::default());
+    for (predicted, some) in parts {
+        all.extend(predicted);
+        tally.join(&some);
+    }
+    (all, tally)
 }
 
 /// A large file, a block at a time, in memory that does not grow with it. None where the file is small, has to be seen whole (a channel that
 /// lags, directions of approach from the order of its visits, visits in several places), or is wrong: then it is read whole.
-fn by_blocks(args: &Predict, fitted: &FittedModel, options: &MeasurementsOptions) -> Option<Said> {
+fn by_blocks(
+    args: &Predict,
+    fitted: &FittedModel,
+    options: &MeasurementsOptions,
+) -> Option<Result<(), Failure>> {
     let chain = fitted.chain();
     let mut reader = MeasurementsReader::open(&args.data, chain, options).ok()?;
     let size = reader.progress().1;
@@ -61,14 +115,23 @@ fn by_blocks(args: &Predict, fitted: &FittedModel, options: &MeasurementsOptions
     if size < LARGE || !known || matches!(empty.derived_for(fitted.model()), Err(_) | Ok(Cow::Owned(_))) {
         return None;
     }
+    let coverage = Coverage::new(fitted, reader.schema()).ok()?;
     let progress = Progress::bytes(size);
     progress.say("predicting");
     let (visits, targets) = reader.names();
     let mut file = PredictionsWriter::create(&args.out, chain, visits, targets).ok()?;
     let (mut position, mut orientation) = (Tally::keeping(EXACT), Tally::keeping(EXACT));
     let (mut block, mut rows) = (Dataset::default(), 0);
+    let (mut beyond, mut warnings) = (beyond::Tally::default(), Vec::new());
     while reader.read_block(BLOCK, &mut block).ok()? > 0 {
-        file.write(&block, reader.block_labels(), &predict(fitted, &block).ok()?).ok()?;
+        for warning in targets_seen(fitted, &block).ok()? {
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
+        let (predicted, some) = predict(fitted, &coverage, &block);
+        beyond.join(&some);
+        file.write(&block, reader.block_labels(), &predicted).ok()?;
         let residuals = Residuals::of(fitted, &block).ok()?;
         position.add((0..block.len()).filter_map(|row| residuals.distance(row)));
         orientation.add(residuals.orientation.iter().flatten().map(|turn| turn.norm()));
@@ -77,22 +140,44 @@ fn by_blocks(args: &Predict, fitted: &FittedModel, options: &MeasurementsOptions
     }
     file.finish().ok()?;
     terminal::warn(&reader.warnings(chain));
-    Some(Said { rows, position: position.spread().into(), orientation: orientation.spread().into() })
+    terminal::warn(&warnings);
+    let said = Said { rows, position: position.spread(), orientation: orientation.spread(), beyond };
+    Some(said.print(args, fitted, &empty))
 }
 
 /// What is said of predictions.
 struct Said {
     rows: usize,
-    position: PositionSpread,
-    orientation: RotationSpread,
+    position: Spread,
+    orientation: Spread,
+    beyond: beyond::Tally,
 }
 
 impl Said {
-    fn print(&self, args: &Predict) -> Result<(), Failure> {
-        let Said { rows, position, orientation } = self;
+    fn print(&self, args: &Predict, fitted: &FittedModel, inputs: &Dataset) -> Result<(), Failure> {
+        let Said { rows, beyond, .. } = self;
+        let chain: &Chain = fitted.chain();
+        beyond.warn("row", chain, &inputs.schema.channels);
+        if fitted.domain.joints.is_empty() {
+            terminal::log(
+                "warning: the fit does not record what it was fitted on: extrapolation is not detected",
+            );
+        }
+        // An orientation that the fit could not know is not compared.
+        let known = beyond::oriented(fitted);
+        let orientation = if known == Ok(None) { self.orientation } else { Spread::default() };
+        match &known {
+            Err(words) => terminal::log(&format!("warning: {words}; the cells of the orientation are empty")),
+            Ok(Some(words)) if self.orientation.count > 0 => {
+                terminal::log(&format!("warning: orientations are not compared: {words}"));
+            }
+            _ => {}
+        }
+        let (position, orientation): (PositionSpread, RotationSpread) =
+            (self.position.into(), orientation.into());
         if args.json {
             return print_json(&serde_json::json!({
-                "rows": rows, "position": position, "orientation": orientation,
+                "rows": rows, "position": position, "orientation": orientation, "extrapolating": beyond.beyond(),
             }));
         }
         terminal::print(&format!("{} predicted, written to {}\n", count(*rows, "row"), args.out.display()));

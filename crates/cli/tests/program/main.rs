@@ -12,6 +12,7 @@ mod dwell;
 mod example;
 mod export;
 mod folder;
+mod harm;
 mod limits;
 mod output;
 mod page;

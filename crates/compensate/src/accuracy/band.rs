@@ -56,6 +56,17 @@ pub fn predicted_error(
     }
 }
 
+/// Whether a correction is expected to bring the robot nearer to its target than the nominal command.
+///
+/// ```text
+/// E |nominal error|² = |d|² ≈ |d̂|² − tr C          E |corrected error|² = tr C          nearer when |d̂|² > 2 tr C
+/// ```
+///
+/// `displacement` d̂ is the predicted real minus nominal position, m, and `covariance` C what the coefficients leave open of it, m².
+pub fn correction_helps(displacement: &Vector3<f64>, covariance: &Matrix3<f64>) -> bool {
+    displacement.norm_squared() >= 2.0 * covariance.trace()
+}
+
 /// The radius within which a normal vector of this covariance lies with 95 %.
 pub fn radius_95(covariance: &Matrix3<f64>) -> f64 {
     // Σλ and Σλ² without the eigenvalues: the traces of C and of C².

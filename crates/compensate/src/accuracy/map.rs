@@ -8,11 +8,11 @@
 //! On a grid of positions q_nominal is the nominal inverse kinematics; on a grid of joints x is where the nominal
 //! robot is, and the band is taken there.
 
-use super::band::predicted_error;
-use crate::command::{Extrapolation, Status, Target, Values};
+use super::band::{correction_helps, radius_95};
+use crate::command::{Status, Target, Values};
 use crate::{CompensateError, Compensator, CompensatorOptions};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use truepose_errormodel::{ErrorModel, FittedModel, Schema};
+use truepose_errormodel::{Beyond, Coverage, ErrorModel, FittedModel, Schema};
 use truepose_kinematics::{Conditions, TargetId};
 
 /// Where the map has its nodes.
@@ -84,7 +84,7 @@ impl MapOptions {
 }
 
 /// One node.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MapNode {
     /// Where the point is to be, m, measurement frame.
     pub position: Vector3<f64>,
@@ -96,8 +96,17 @@ pub struct MapNode {
     pub before: f64,
     /// With 95 % the compensated robot misses by no more, m.
     pub after_95: f64,
+    /// What of the place lies beyond the data of the fit, and by how much.
+    pub beyond: Vec<(Beyond, f64)>,
+    /// Whether the correction is expected to bring the robot nearer than the nominal command ([`correction_helps`]).
+    pub helps: bool,
+}
+
+impl MapNode {
     /// Whether the model was asked beyond what it was fitted on.
-    pub extrapolates: bool,
+    pub fn extrapolates(&self) -> bool {
+        !self.beyond.is_empty()
+    }
 }
 
 /// The map.
@@ -136,6 +145,11 @@ impl AccuracyMap {
         self.reached().count() as f64 / f64::max(self.nodes.len() as f64, 1.0)
     }
 
+    /// The places that can be reached and lie within the data of the fit.
+    pub fn within(&self) -> AccuracyMap {
+        AccuracyMap { nodes: self.reached().filter(|node| !node.extrapolates()).cloned().collect() }
+    }
+
     fn reached(&self) -> impl Iterator<Item = &MapNode> {
         self.nodes.iter().filter(|node| node.status == Status::Ok)
     }
@@ -154,7 +168,8 @@ pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<Accura
         return Err(CompensateError::Conditions { what, have: chain.targets().len(), need: 1 });
     }
     let (schema, mut conditions) = everything(fitted, &options.conditions)?;
-    let mut predictor = fitted.bind(&schema)?;
+    let mut coverage = Coverage::new(fitted, &schema)?;
+    let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
     let mut nodes = Vec::new();
     match &options.grid {
         MapGrid::Joints { points } => {
@@ -173,15 +188,17 @@ pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<Accura
                     conditions.joints[k] = lower + (upper - lower) * share(rest % points, *points);
                     rest /= points;
                 }
-                let found = predicted_error(fitted, &mut predictor, &conditions, options.target);
-                let beyond = Extrapolation::of(&fitted.domain, &conditions.joints, &conditions, &[], false);
+                let found = coverage.judge(&conditions, options.target);
+                let nominal = coverage.nominal(&conditions, options.target).translation;
+                let displacement = found.pose.translation - nominal;
                 nodes.push(MapNode {
-                    position: predictor.nominal(&conditions, options.target).translation,
+                    position: nominal,
                     joints: Values::of(&conditions.joints),
                     status: Status::Ok,
-                    before: found.displacement.norm(),
-                    after_95: found.measured_95,
-                    extrapolates: beyond.any(),
+                    before: displacement.norm(),
+                    after_95: radius_95(&(found.covariance + noise)),
+                    beyond: found.beyond,
+                    helps: correction_helps(&displacement, &found.covariance),
                 });
             }
         }
@@ -206,15 +223,19 @@ pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<Accura
                     status: command.status,
                     before: f64::NAN,
                     after_95: f64::NAN,
-                    extrapolates: command.extrapolation.any(),
+                    beyond: Vec::new(),
+                    helps: true,
                 };
                 if command.status == Status::Ok {
                     conditions.joints.copy_from_slice(&first.joints);
-                    node.before =
-                        (predictor.predict(&conditions, options.target).translation - position).norm();
+                    let missed = coverage.judge(&conditions, options.target).pose.translation - position;
                     conditions.joints.copy_from_slice(&command.joints);
-                    let found = predicted_error(fitted, &mut predictor, &conditions, options.target);
-                    node.after_95 = found.measured_95;
+                    let found = coverage.judge(&conditions, options.target);
+                    let nominal = coverage.nominal(&conditions, options.target).translation;
+                    node.before = missed.norm();
+                    node.after_95 = radius_95(&(found.covariance + noise));
+                    node.helps = correction_helps(&(found.pose.translation - nominal), &found.covariance);
+                    node.beyond = found.beyond;
                     seed = Some(command.joints);
                 }
                 nodes.push(node);

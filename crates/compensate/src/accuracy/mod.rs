@@ -3,6 +3,6 @@
 mod band;
 mod map;
 
-pub use band::{PredictedError, predicted_error, radius_95};
+pub use band::{PredictedError, correction_helps, predicted_error, radius_95};
 pub(crate) use map::everything;
 pub use map::{AccuracyMap, MapGrid, MapNode, MapOptions, accuracy_map};

@@ -13,7 +13,10 @@
 //! Joints that were described by origin and axis keep their axis and the frame behind them, as a URDF has them; joints
 //! of a DH or MDH row become origin and axis z.
 
-use super::left::{ExportOptions, Exported, error_left, not_constant};
+use super::comparison::of_chain;
+use super::left::{ExportOptions, Exported, judged, not_constant};
+use super::project::project;
+use super::reference::Reference;
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::{Emission, FittedModel, GeneralizedErrors, error_matrix};
@@ -22,23 +25,24 @@ use truepose_kinematics::{
     TargetId,
 };
 
-/// The nominal robot with corrected joint origins, base, tool and targets. Names, limits, masses and gravity stay.
+/// The nominal robot with corrected joint origins, base, tool and targets: the constant errors that come nearest to the whole model at
+/// the configurations of the fit. Names, limits, masses and gravity stay.
 ///
 /// # Errors
-/// When the conditions do not fit the model.
+/// When the conditions do not fit the model, or the corrected robot would be worse than the nominal one.
 pub fn corrected_chain(
     fitted: &FittedModel,
     options: &ExportOptions,
 ) -> Result<Exported<Chain>, CompensateError> {
-    let chain = with_errors(fitted.chain(), &constant_errors(fitted)?)?;
-    let error_left = error_left(fitted, options, |joints| point(&chain, joints, options.target))?;
-    Ok(Exported { value: chain, left_out: not_constant(fitted), error_left })
-}
-
-pub(super) fn point(chain: &Chain, joints: &[f64], target: Option<TargetId>) -> Vector3<f64> {
-    let tool = chain.forward(joints);
-    let at = target.and_then(|t| chain.targets().get(t.0));
-    at.map_or(tool.translation, |target| tool.apply(&target.position))
+    let reference = Reference::of(fitted, options)?;
+    let left_out = not_constant(fitted);
+    let mut constants = constant_errors(fitted)?;
+    if !left_out.is_empty() {
+        constants = project(fitted.chain(), &reference, &constants, None)?.constants;
+    }
+    let chain = with_errors(fitted.chain(), &constants)?;
+    let (error_left, comparison) = judged(fitted, &reference, |row| of_chain(&chain, row))?;
+    Ok(Exported { value: chain, left_out, error_left, comparison })
 }
 
 /// The sum of all effects that are constant generalized errors and nothing else.

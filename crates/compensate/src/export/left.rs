@@ -1,24 +1,25 @@
 //! What an export cannot carry, and the error that is left without it.
 //!
-//! The error left is the distance between the fitted model and the export at configurations spread over the joints'
-//! ranges (those of the fit's domain where it has one), under the caller's conditions or over all that the fit has seen.
+//! The error left is the distance between the fitted model and the export at the configurations of the fit, or where it holds none at
+//! configurations spread over the joints' ranges, under the caller's conditions or over all that the fit has seen.
 
+use super::comparison::{Comparison, compared};
+use super::reference::{Reference, Row};
 use crate::CompensateError;
-use crate::accuracy::everything;
 use nalgebra::Vector3;
 use truepose_errormodel::{Domain, FittedModel, Interval};
-use truepose_kinematics::{Chain, Conditions, Load, Payload, TargetId};
+use truepose_kinematics::{Chain, Conditions, Pose, TargetId};
 
 /// Under which conditions, and where, an export is held against the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOptions {
-    /// Load, time, approach and channels (in the order of the fit's); joints are not read. None spreads them over the
-    /// fit's domain, payloads at the tool's origin, every joint arriving from either side; tables then hold for its middle,
-    /// without a load.
+    /// Load, time, approach and channels (in the order of the fit's); joints are not read. None takes those of the fit's rows;
+    /// where it holds none they are spread over its domain, payloads at the tool's origin, every joint arriving from either
+    /// side. Tables then hold for the middle of the domain, without a load.
     pub conditions: Option<Conditions>,
-    /// Which point; none is the tool's origin.
+    /// Which point; none is that of each row of the fit, else the tool's origin.
     pub target: Option<TargetId>,
-    /// How many configurations.
+    /// How many configurations, where the fit holds none.
     pub samples: usize,
 }
 
@@ -46,6 +47,8 @@ pub struct Exported<T> {
     pub left_out: Vec<&'static str>,
     /// The error left without them.
     pub error_left: ErrorLeft,
+    /// What it is worth beside the nominal robot and the model.
+    pub comparison: Comparison,
 }
 
 impl<T> Exported<T> {
@@ -54,7 +57,10 @@ impl<T> Exported<T> {
         let lacks = if self.left_out.is_empty() {
             "carries every effect of the fit".into()
         } else {
-            format!("cannot carry: {}", self.left_out.join(", "))
+            format!(
+                "cannot carry: {}; the geometry is the least-squares projection of the full model",
+                self.left_out.join(", ")
+            )
         };
         let ErrorLeft { rms, max } = self.error_left;
         let left = format!(
@@ -62,7 +68,9 @@ impl<T> Exported<T> {
             in_millimetres(rms),
             in_millimetres(max)
         );
-        vec![lacks, left]
+        let mut lines = vec![lacks, left];
+        lines.extend(self.comparison.statement());
+        lines
     }
 }
 
@@ -70,36 +78,29 @@ fn in_millimetres(metres: f64) -> String {
     if metres < 1e-9 { "below 1 nm".into() } else { format!("{:.6} mm", 1e3 * metres) }
 }
 
-/// Compares a prediction of the target's position with the model's.
-pub(super) fn error_left(
+/// Holds an export against the model and the nominal robot; `exported` is its tool at a row, and the row's target on it.
+///
+/// # Errors
+/// [`CompensateError::WorseThanNominal`].
+pub(super) fn judged(
     fitted: &FittedModel,
-    options: &ExportOptions,
-    mut exported: impl FnMut(&[f64]) -> Vector3<f64>,
-) -> Result<ErrorLeft, CompensateError> {
-    if options.samples == 0 || options.samples > 1_000_000 {
-        let value = options.samples as f64;
-        return Err(CompensateError::Option { option: "samples", value, need: "1 to 1 000 000" });
+    reference: &Reference,
+    mut exported: impl FnMut(&Row) -> (Pose, Vector3<f64>),
+) -> Result<(ErrorLeft, Comparison), CompensateError> {
+    let comparison = compared(fitted.chain(), reference, &mut exported);
+    if comparison.worse() {
+        let Comparison { nominal, export, .. } = comparison;
+        return Err(CompensateError::WorseThanNominal { nominal, export });
     }
-    let (schema, mut conditions) = everything(fitted, &table_conditions(fitted, options))?;
-    let mut predictor = fitted.bind(&schema)?;
-    let ranges = ranges(fitted);
-    let n = ranges.len();
     let (mut sum, mut max) = (0.0, 0.0);
-    for i in 0..options.samples {
-        // A Kronecker sequence: multiples of the square roots of primes, modulo one.
-        let share = |k: usize| (0.5 + (i + 1) as f64 * ROOTS[k % ROOTS.len()].sqrt()).fract();
-        for (k, &(lower, upper)) in ranges.iter().enumerate() {
-            conditions.joints[k] = lower + (upper - lower) * share(k);
-        }
-        if options.conditions.is_none() {
-            spread(&fitted.domain, i, &mut conditions, |k| share(n + k));
-        }
-        let real = predictor.predict(&conditions, options.target).translation;
-        let off = (real - exported(&conditions.joints)).norm();
+    for row in &reference.rows {
+        let (tool, point) = exported(row);
+        let off = (row.point - tool.apply(&point)).norm();
         sum += off * off;
         max = f64::max(max, off);
     }
-    Ok(ErrorLeft { rms: (sum / options.samples as f64).sqrt(), max })
+    let rms = (sum / reference.rows.len().max(1) as f64).sqrt();
+    Ok((ErrorLeft { rms, max }, comparison))
 }
 
 /// The caller's conditions, else the middle of the fit's domain.
@@ -115,31 +116,14 @@ pub fn middle_conditions(fitted: &FittedModel) -> Conditions {
     conditions
 }
 
-/// Everything but the joints somewhere in the domain: sides and loads by number, the rest by share.
-fn spread(domain: &Domain, i: usize, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
-    for (k, side) in conditions.approach.iter_mut().enumerate() {
-        // Bits of a hashed number: any combination of sides.
-        let bits = (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        *side = if bits >> (63 - k % 64) & 1 == 1 { 1.0 } else { -1.0 };
-    }
-    if let Some(range) = &domain.payload {
-        let mass = range.lower + (range.upper - range.lower) * share(0);
-        conditions.load = Load::Payload(Payload { mass, com: Vector3::zeros() });
-    }
-    within(domain, conditions, |k| share(1 + k));
-}
-
 /// Time and channels at a share of their ranges.
-fn within(domain: &Domain, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
+pub(super) fn within(domain: &Domain, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
     let at = |range: &Interval, k: usize| range.lower + (range.upper - range.lower) * share(k);
     conditions.time = domain.time.as_ref().map_or(0.0, |range| at(range, 0));
     for (k, (value, range)) in conditions.channels.iter_mut().zip(&domain.channels).enumerate() {
         *value = at(range, k + 1);
     }
 }
-
-const ROOTS: [f64; 16] =
-    [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0];
 
 /// The range of every joint: the fit's domain, else the limits, else a turn and a metre.
 pub(super) fn ranges(fitted: &FittedModel) -> Vec<(f64, f64)> {

@@ -18,7 +18,7 @@ use super::left::{ExportOptions, Exported};
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::FittedModel;
-use truepose_kinematics::{Chain, Joint, Link, Placed, Placement, Pose};
+use truepose_kinematics::{Chain, Joint, Link, Placed, Placement, Pose, Target};
 
 /// A joint's origin, and its axis there.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,10 +42,12 @@ pub struct JointOrigins {
     pub joints: Vec<JointOrigin>,
     /// Last joint's frame to the tool.
     pub tool: Pose,
+    /// The targets, m, in the tool's axes.
+    pub targets: Vec<Vector3<f64>>,
 }
 
 impl JointOrigins {
-    /// The robot of these origins, with names, limits, gravity and targets of the one given.
+    /// The robot of these origins, with names, limits and gravity of the one given.
     ///
     /// # Errors
     /// When the given robot has other joints.
@@ -59,8 +61,14 @@ impl JointOrigins {
             .with_base(Placed { pose: self.base, known: true })?
             .with_tool(Placed { pose: self.tool, known: true })?
             .with_gravity(*like.gravity())?
-            .with_targets(like.targets().to_vec())?)
+            .with_targets(placed(like, &self.targets))?)
     }
+}
+
+/// The targets of a robot at these places, m.
+pub(super) fn placed(like: &Chain, targets: &[Vector3<f64>]) -> Vec<Target> {
+    let both = like.targets().iter().zip(targets);
+    both.map(|(target, &position)| Target { position, ..target.clone() }).collect()
 }
 
 /// The fitted geometry as origins of the joints.
@@ -71,7 +79,7 @@ pub fn joint_origins(
     fitted: &FittedModel,
     options: &ExportOptions,
 ) -> Result<Exported<JointOrigins>, CompensateError> {
-    let Exported { value: chain, left_out, error_left } = corrected_chain(fitted, options)?;
+    let Exported { value: chain, left_out, error_left, comparison } = corrected_chain(fitted, options)?;
     let declared = fitted.chain().base();
     let (base, mut before) = if declared.known {
         (declared.pose, declared.pose.inverse() * chain.base().pose)
@@ -92,5 +100,7 @@ pub fn joint_origins(
         joints.push(JointOrigin { name: joint.name.clone(), pose: before * pose, axis, link: joint.link });
         before = Pose::IDENTITY;
     }
-    Ok(Exported { value: JointOrigins { base, joints, tool: chain.tool().pose }, left_out, error_left })
+    let targets = chain.targets().iter().map(|target| target.position).collect();
+    let value = JointOrigins { base, joints, tool: chain.tool().pose, targets };
+    Ok(Exported { value, left_out, error_left, comparison })
 }

@@ -14,8 +14,11 @@
 //! Between axes that are parallel to within an angle φ, the common normal lies anywhere: d grows as 1/φ. There Hayati's
 //! parameter stands in for d, or the table is refused. Source: Hayati and Mirmirani 1985; Denavit and Hartenberg 1955.
 
-use super::geometry::{corrected_chain, point, split};
-use super::left::{ExportOptions, Exported, error_left};
+use super::comparison::of_chain;
+use super::geometry::{corrected_chain, split};
+use super::left::{ExportOptions, Exported, judged};
+use super::origins::placed;
+use super::reference::Reference;
 use crate::CompensateError;
 use nalgebra::{Rotation3, Unit, Vector3};
 use truepose_errormodel::FittedModel;
@@ -80,6 +83,8 @@ pub struct AxisTable {
     pub rows: Vec<AxisRow>,
     /// Last axis to the tool.
     pub tool: Pose,
+    /// The targets, m, in the tool's axes.
+    pub targets: Vec<Vector3<f64>>,
 }
 
 /// What a table may contain.
@@ -100,7 +105,7 @@ impl Default for AxisTableOptions {
 }
 
 impl AxisTable {
-    /// The same robot as a chain of origins and axes, with names, limits and targets of the one given.
+    /// The same robot as a chain of origins and axes, with names and limits of the one given.
     ///
     /// # Errors
     /// When the given robot has other joints.
@@ -119,7 +124,7 @@ impl AxisTable {
         Ok(Chain::new(like.name(), joints)?
             .with_base(Placed { pose: self.base, known: true })?
             .with_tool(Placed { pose: before * self.tool, known: true })?
-            .with_targets(like.targets().to_vec())?)
+            .with_targets(placed(like, &self.targets))?)
     }
 }
 
@@ -137,8 +142,9 @@ pub fn axis_table(
     let chain = &exported.value;
     let table = table_of(chain, allow)?;
     let read_back = table.to_chain(chain)?;
-    let error_left = error_left(fitted, options, |joints| point(&read_back, joints, options.target))?;
-    Ok(Exported { value: table, left_out: exported.left_out, error_left })
+    let reference = Reference::of(fitted, options)?;
+    let (error_left, comparison) = judged(fitted, &reference, |row| of_chain(&read_back, row))?;
+    Ok(Exported { value: table, left_out: exported.left_out, error_left, comparison })
 }
 
 fn table_of(chain: &Chain, allow: &AxisTableOptions) -> Result<AxisTable, CompensateError> {
@@ -173,7 +179,8 @@ fn table_of(chain: &Chain, allow: &AxisTableOptions) -> Result<AxisTable, Compen
         };
         rows.push(AxisRow { joint, link });
     }
-    Ok(AxisTable { base, rows, tool: here.inverse() * end })
+    let targets = chain.targets().iter().map(|target| target.position).collect();
+    Ok(AxisTable { base, rows, tool: here.inverse() * end, targets })
 }
 
 /// The link that leads from z to the z axis of `next`.

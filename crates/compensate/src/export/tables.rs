@@ -13,9 +13,15 @@
 //! ISO 230-1 has six errors an axis (EXX, EYX, …, ECX for X), all of its own carriage; here a joint has a column for
 //! every component that moves with it, wherever it sits. What two joints do together is not in the sum: the error left
 //! says how much that is. Between the entries one interpolates linearly.
+//!
+//! The constants, and one factor for each joint's table, are then those that come nearest to the whole model at the configurations of
+//! the fit: with all factors zero these are the constants alone, so that tables are never worse there.
 
-use super::geometry::{point, with_errors};
-use super::left::{ExportOptions, Exported, error_left, ranges, table_conditions};
+use super::comparison::of_chain;
+use super::geometry::with_errors;
+use super::left::{ExportOptions, Exported, judged, ranges, table_conditions};
+use super::project::project;
+use super::reference::Reference;
 use crate::CompensateError;
 use crate::accuracy::everything;
 use truepose_errormodel::{FittedModel, GeneralizedErrors};
@@ -52,16 +58,28 @@ impl ErrorTables {
         for &(site, value) in &self.constant {
             errors.add(site, value);
         }
-        for table in &self.tables {
+        for (table, more) in self.tables.iter().zip(self.by_joint(chain, joints)) {
+            table.sites.iter().for_each(|&site| errors.add(site, more.get(site)));
+        }
+        errors
+    }
+
+    /// The change that each table has at these joints.
+    pub(super) fn by_joint(&self, chain: &Chain, joints: &[f64]) -> Vec<GeneralizedErrors> {
+        let one = |table: &ErrorTable| {
+            let mut errors = GeneralizedErrors::zero(chain);
             let q = chain.coordinate(table.joint).and_then(|k| joints.get(k)).copied().unwrap_or(0.0);
             let above = table.at.partition_point(|&v| v <= q).clamp(1, table.at.len().max(2) - 1);
-            let (Some(&low), Some(&high)) = (table.at.get(above - 1), table.at.get(above)) else { continue };
-            let share = ((q - low) / (high - low)).clamp(0.0, 1.0);
+            let (Some(&low), Some(&high)) = (table.at.get(above - 1), table.at.get(above)) else {
+                return errors;
+            };
+            let share = if high > low { ((q - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
             for (&site, column) in table.sites.iter().zip(&table.columns) {
                 errors.add(site, column[above - 1] + share * (column[above] - column[above - 1]));
             }
-        }
-        errors
+            errors
+        };
+        self.tables.iter().map(one).collect()
     }
 }
 
@@ -114,24 +132,35 @@ pub fn error_tables(
             tables.push(ErrorTable { joint, at, sites, columns });
         }
     }
-    let value = ErrorTables { reference, constant, tables };
+    let mut value = ErrorTables { reference, constant, tables };
+    let rows = Reference::of(fitted, options)?;
+    let projected = project(chain, &rows, &still, Some(&value))?;
+    value.constant = all
+        .iter()
+        .map(|&site| (site, projected.constants.get(site)))
+        .filter(|(_, value)| *value != 0.0)
+        .collect();
+    for (table, gain) in value.tables.iter_mut().zip(&projected.gains) {
+        table.columns.iter_mut().flatten().for_each(|v| *v *= gain);
+    }
     let mut broken = None;
-    let left =
-        error_left(fitted, options, |joints| match with_errors(chain, &value.errors(chain, joints)) {
-            Ok(real) => point(&real, joints, options.target),
+    let found =
+        judged(fitted, &rows, |row| match with_errors(chain, &value.errors(chain, &row.conditions.joints)) {
+            Ok(real) => of_chain(&real, row),
             Err(error) => {
                 broken = Some(error);
-                nalgebra::Vector3::zeros()
+                (truepose_kinematics::Pose::IDENTITY, nalgebra::Vector3::zeros())
             }
-        })?;
+        });
     if let Some(error) = broken {
         return Err(error);
     }
+    let (error_left, comparison) = found?;
     let mut left_out: Vec<&'static str> = Vec::new();
     for effect in fitted.model().effects() {
         if !effect.needs().is_empty() && !left_out.contains(&effect.kind()) {
             left_out.push(effect.kind());
         }
     }
-    Ok(Exported { value, left_out, error_left: left })
+    Ok(Exported { value, left_out, error_left, comparison })
 }

@@ -1,8 +1,9 @@
 //! The inputs on which a model was fitted: beyond them it extrapolates.
 
+use super::Sample;
 use crate::Dataset;
 use serde::{Deserialize, Serialize};
-use truepose_kinematics::{Conditions, Load};
+use truepose_kinematics::{Conditions, Load, TargetId};
 
 /// A closed range.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -30,8 +31,8 @@ impl Interval {
     }
 }
 
-/// Ranges of joints, payload, time and channels in the data of a fit.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+/// Ranges of joints, payload, time and channels in the data of a fit, the targets measured, and a sample of its rows.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Domain {
     /// One a movable joint, rad or m.
     pub joints: Vec<Interval>,
@@ -41,6 +42,10 @@ pub struct Domain {
     pub time: Option<Interval>,
     /// One a channel.
     pub channels: Vec<Interval>,
+    /// The targets of which a position was measured, ascending; none is the tool's origin. Empty: not recorded.
+    pub targets: Vec<Option<TargetId>>,
+    /// Rows of the data; empty: not recorded.
+    pub sample: Sample,
 }
 
 impl Domain {
@@ -58,6 +63,13 @@ impl Domain {
             payload: Interval::of(masses),
             time: if data.schema.time { Interval::of(data.time.iter().copied()) } else { None },
             channels: ranges(&data.channels),
+            targets: sorted(
+                (0..data.len())
+                    .filter(|&row| data.seen(row).position.contains(&true))
+                    .map(|row| data.target[row])
+                    .collect(),
+            ),
+            sample: Sample::of(data),
         }
     }
 
@@ -79,12 +91,22 @@ impl Domain {
         all(&mut self.channels, &other.channels);
         self.payload = both(self.payload, other.payload);
         self.time = both(self.time, other.time);
+        self.targets.extend_from_slice(&other.targets);
+        self.targets = sorted(std::mem::take(&mut self.targets));
+        self.sample.widen(&other.sample);
     }
 
     /// True when every joint lies within the range that was seen.
     pub fn contains_joints(&self, conditions: &Conditions) -> bool {
         self.joints.iter().zip(&conditions.joints).all(|(range, &q)| range.beyond(q) <= 0.0)
     }
+}
+
+/// Each target once, in order.
+fn sorted(mut targets: Vec<Option<TargetId>>) -> Vec<Option<TargetId>> {
+    targets.sort_unstable_by_key(|target| target.map_or(0, |t| t.0 + 1));
+    targets.dedup();
+    targets
 }
 
 #[cfg(test)]

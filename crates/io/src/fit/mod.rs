@@ -5,6 +5,7 @@
 
 mod read;
 mod robot_v1;
+mod sample_v1;
 mod schema_v1;
 mod write;
 

@@ -83,9 +83,9 @@ mod tests {
     use crate::write_fit;
     use proptest::prelude::*;
     use truepose_errormodel::effects::{Geometric, JointCompliance};
-    use truepose_errormodel::{Channel, Domain, ErrorModel, Interval, Noise};
-    use truepose_kinematics::nalgebra::DMatrix;
-    use truepose_kinematics::{Chain, samples};
+    use truepose_errormodel::{Channel, Dataset, Domain, ErrorModel, Interval, Noise, Sample};
+    use truepose_kinematics::nalgebra::{DMatrix, Vector3};
+    use truepose_kinematics::{Chain, Load, Payload, Wrench, samples};
 
     fn fit(chain: Chain, numbers: &mut dyn FnMut() -> f64) -> FittedModel {
         let model = ErrorModel::new(
@@ -105,9 +105,34 @@ mod tests {
             payload: Some(Interval { lower: 0.0, upper: 70.0 }),
             time: None,
             channels: vec![],
+            targets: vec![None],
+            sample: Sample::of(&rows(fit.chain(), numbers)),
         };
         fit.provenance.insert("data".into(), "train.csv".into());
         fit
+    }
+
+    /// Three rows, the second without a height and the third with an orientation alone.
+    fn rows(chain: &Chain, numbers: &mut dyn FnMut() -> f64) -> Dataset {
+        let n = chain.movable().len();
+        let mut columns = |count: usize| (0..count).map(|_| (0..3).map(|_| numbers()).collect()).collect();
+        Dataset {
+            joints: columns(n),
+            approach: columns(n),
+            position: vec![[1.0, 2.0, 3.0], [0.1, 0.2, f64::NAN], [f64::NAN; 3]],
+            orientation: vec![None, None, Some([1.0, 0.0, 0.0, 0.0])],
+            position_sd: vec![[f64::NAN; 3]; 3],
+            orientation_sd: vec![[f64::NAN; 3]; 3],
+            target: vec![None; 3],
+            visit: vec![0, 1, 2],
+            load: vec![
+                Load::None,
+                Load::Payload(Payload { mass: 2.5, com: Vector3::new(0.1, 0.0, 0.3) }),
+                Load::Wrench(Wrench { force: Vector3::x(), moment: Vector3::z() }),
+            ],
+            time: vec![0.0; 3],
+            ..Dataset::default()
+        }
     }
 
     fn read(text: &[u8]) -> Result<FittedModel, String> {

@@ -1,13 +1,14 @@
 //! The fit file, format 1, as it stands in JSON. What stands here does not change; a new format is a new file.
 
 use super::robot_v1::RobotV1;
+use super::sample_v1::{self, RowV1, SampleOfV1};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use truepose_errormodel::{
     Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, Noise,
 };
-use truepose_kinematics::Chain;
 use truepose_kinematics::nalgebra::DMatrix;
+use truepose_kinematics::{Chain, TargetId};
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct FitV1 {
@@ -26,6 +27,12 @@ pub(super) struct FitV1 {
     pub loads: Vec<LoadCorrection>,
     #[serde(default)]
     pub provenance: Map<String, Value>,
+    /// What the rows of `sample` have in common.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample_of: Option<SampleOfV1>,
+    /// Rows of the data of the fit.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sample: Vec<RowV1>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -57,6 +64,9 @@ pub(super) struct DomainV1 {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     time: Option<[f64; 2]>,
     channels: Vec<[f64; 2]>,
+    /// Targets that were measured; `null` is the tool's origin.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    targets: Vec<Option<usize>>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -69,6 +79,7 @@ impl From<&FittedModel> for FitV1 {
     fn from(fit: &FittedModel) -> Self {
         let model = fit.model();
         let covariance = fit.covariance();
+        let (sample_of, sample) = sample_v1::written(&fit.domain.sample);
         FitV1 {
             format: super::FIT_FORMAT,
             program: super::PROGRAM.into(),
@@ -103,10 +114,13 @@ impl From<&FittedModel> for FitV1 {
                 payload: fit.domain.payload.as_ref().map(ends),
                 time: fit.domain.time.as_ref().map(ends),
                 channels: fit.domain.channels.iter().map(ends).collect(),
+                targets: fit.domain.targets.iter().map(|target| target.map(|t| t.0)).collect(),
             },
             noise: NoiseV1 { position_sd: fit.noise.position_sd, orientation_sd: fit.noise.orientation_sd },
             loads: fit.loads.clone(),
             provenance: fit.provenance.clone(),
+            sample_of,
+            sample,
         }
     }
 }
@@ -149,6 +163,16 @@ impl FitV1 {
             return Err("a standard deviation of `noise` is below zero; the file is damaged".into());
         }
         let mut fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
+        let (joints, targets) = (fit.chain().movable().len(), fit.chain().targets().len());
+        if let Some(target) = self.domain.targets.iter().flatten().find(|&&target| target >= targets) {
+            return Err(format!(
+                "`domain` names target {target}, which the robot does not have; the file is damaged"
+            ));
+        }
+        let sample = match self.sample_of {
+            Some(of) => sample_v1::read(of, self.sample, joints, targets)?,
+            None => Default::default(),
+        };
         fit.channels = self
             .channels
             .into_iter()
@@ -163,6 +187,8 @@ impl FitV1 {
             payload: self.domain.payload.map(interval),
             time: self.domain.time.map(interval),
             channels: self.domain.channels.into_iter().map(interval).collect(),
+            targets: self.domain.targets.into_iter().map(|target| target.map(TargetId)).collect(),
+            sample,
         };
         fit.noise = Noise { position_sd: self.noise.position_sd, orientation_sd: self.noise.orientation_sd };
         fit.loads = self.loads;

@@ -68,6 +68,13 @@ fn check_finite(fit: &FittedModel) -> Result<(), String> {
     if let Some(value) = others.find(|v| !v.is_finite()) {
         return Err(format!("the domain or the noise holds {value}; a fit file holds finite numbers only"));
     }
+    let rows = domain.sample.rows();
+    let columns = rows.joints.iter().chain(&rows.approach).chain(&rows.channels).flatten().chain(&rows.time);
+    let turned = rows.orientation.iter().flatten().flatten();
+    let measured = rows.position.iter().flatten().filter(|v| !v.is_nan());
+    if let Some(value) = columns.chain(turned).chain(measured).find(|v| !v.is_finite()) {
+        return Err(format!("the sample holds {value}; a fit file holds finite numbers only"));
+    }
     if let Some(load) = fit.loads.iter().find(|l| !(l.declared.is_finite() && l.carried.is_finite())) {
         return Err(format!("the payload {} kg is corrected to {} kg", load.declared, load.carried));
     }

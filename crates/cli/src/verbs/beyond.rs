@@ -1,0 +1,131 @@
+//! What is said of inputs that the fit never saw: joints and conditions beyond its data, targets, orientations.
+
+use crate::terminal;
+use std::collections::BTreeMap;
+use truepose_errormodel::{Beyond, Channel, FittedModel, TargetKnown};
+use truepose_kinematics::{Chain, TargetId};
+use truepose_report::{count, significant};
+
+/// How many rows lie beyond the data of a fit, input by input, and by how much.
+#[derive(Debug, Clone, Default)]
+pub struct Tally {
+    rows: usize,
+    beyond: usize,
+    inputs: BTreeMap<Beyond, (usize, f64)>,
+}
+
+impl Tally {
+    /// Takes in a row.
+    pub fn add(&mut self, beyond: &[(Beyond, f64)]) {
+        self.rows += 1;
+        self.beyond += usize::from(!beyond.is_empty());
+        for &(what, by) in beyond {
+            let (rows, most) = self.inputs.entry(what).or_insert((0, 0.0));
+            *rows += 1;
+            *most = most.max(by);
+        }
+    }
+
+    /// Takes in other rows.
+    pub fn join(&mut self, other: &Tally) {
+        self.rows += other.rows;
+        self.beyond += other.beyond;
+        for (&what, &(more, by)) in &other.inputs {
+            let (rows, most) = self.inputs.entry(what).or_insert((0, 0.0));
+            *rows += more;
+            *most = most.max(by);
+        }
+    }
+
+    /// Rows that lie beyond.
+    pub fn beyond(&self) -> usize {
+        self.beyond
+    }
+
+    /// Says it, in so many of these things (`row`, `command`, `place`).
+    pub fn warn(&self, thing: &str, chain: &Chain, channels: &[Channel]) {
+        if self.beyond == 0 {
+            return;
+        }
+        let one = |(&what, &(rows, by)): (&Beyond, &(usize, f64))| {
+            format!("{} in {rows} ({})", name(what, chain, channels), amount(what, by, chain, channels))
+        };
+        let list: Vec<String> = self.inputs.iter().map(one).collect();
+        terminal::log(&format!(
+            "warning: {} of {} beyond the data of the fit, where the model extrapolates: {}",
+            self.beyond,
+            count(self.rows, thing),
+            list.join(", ")
+        ));
+    }
+}
+
+/// The inputs of a row, as its cell has them.
+pub fn words(beyond: &[(Beyond, f64)], chain: &Chain, channels: &[Channel]) -> String {
+    let names: Vec<&str> = beyond.iter().map(|&(what, _)| name(what, chain, channels)).collect();
+    names.join("; ")
+}
+
+fn name<'a>(what: Beyond, chain: &'a Chain, channels: &'a [Channel]) -> &'a str {
+    match what {
+        Beyond::Joint(k) => &chain.joint(chain.movable()[k]).name,
+        Beyond::Payload => "payload",
+        Beyond::Time => "time",
+        Beyond::Channel(k) => channels.get(k).map_or("channel", |channel| &channel.name),
+        Beyond::Leverage => "leverage",
+    }
+}
+
+fn amount(what: Beyond, by: f64, chain: &Chain, channels: &[Channel]) -> String {
+    let (by, unit) = match what {
+        Beyond::Joint(k) if chain.joint(chain.movable()[k]).unit() == "m" => (1e3 * by, "mm"),
+        Beyond::Joint(_) => (by.to_degrees(), "deg"),
+        Beyond::Payload => (by, "kg"),
+        Beyond::Time => (by, "s"),
+        Beyond::Channel(k) => (by, channels.get(k).map_or("", |channel| channel.unit.as_str())),
+        Beyond::Leverage => {
+            return format!("standard deviation up to {} × the largest in the data", significant(by, 3));
+        }
+    };
+    format!("by up to {} {unit}", significant(by, 3))
+}
+
+/// Whether the fit knows where a target sits on the tool; a warning where it was declared and never measured.
+///
+/// # Errors
+/// When it was to be found from the data and was not in it.
+pub fn seen(fitted: &FittedModel, target: Option<TargetId>) -> Result<Option<String>, String> {
+    let chain = fitted.chain();
+    let what = match target {
+        Some(t) => format!("target `{}`", chain.targets()[t.0].name),
+        None => "the tool's origin".into(),
+    };
+    match fitted.target_known(target) {
+        TargetKnown::Measured => Ok(None),
+        TargetKnown::Declared => Ok(Some(format!(
+            "{what} was not measured in the data of the fit: its place on the tool is as declared, without a correction of its own"
+        ))),
+        TargetKnown::Undetermined => Err(format!(
+            "{what} was not measured in the data of the fit, and its place was to be found from it (`known = false`): \
+             it is not known. Measure it, fit again, or name a target that was measured"
+        )),
+    }
+}
+
+/// Whether the fit knows how the tool is turned; a warning where it was declared and never measured.
+///
+/// # Errors
+/// When it was to be found from positions that do not determine it.
+pub fn oriented(fitted: &FittedModel) -> Result<Option<String>, String> {
+    match fitted.orientation_known() {
+        TargetKnown::Measured => Ok(None),
+        TargetKnown::Declared => Ok(Some(
+            "the data of the fit has no orientations: how the tool is turned is as declared, and not verified".into(),
+        )),
+        TargetKnown::Undetermined => Err(
+            "the data of the fit has no orientations, and how the tool is turned was to be found from it (`known = false`): \
+             positions do not determine it. Fit with orientations, or declare the tool"
+                .into(),
+        ),
+    }
+}

@@ -1,0 +1,154 @@
+//! What comes out is never worse than what went in, and what nobody measured is said to be so.
+
+use crate::folder::{Folder, ROBOT};
+
+/// The small arm, whose first joint has moved little: over 20° the cosine of an eccentric wheel is a constant.
+fn narrow() -> Folder {
+    let folder = Folder::empty();
+    folder.write("robot.toml", &ROBOT.replace("[-170, 170]", "[-10, 10]"));
+    folder.write(
+        "plant.toml",
+        "robot = \"robot.toml\"\nseed = 5\n[errors.geometric]\nposition_mm = 0.4\nangle_mrad = 0.5\n\
+         [[errors.transmission]]\njoint = \"j1\"\namplitude_mrad = 3.0\nphase_deg = 60\n\
+         [instrument]\nsd_um = 20\n[campaign]\npostures = \"random\"\nvisits = 60\n",
+    );
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder
+}
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn an_export_is_as_good_as_constants_alone_and_better_than_nominal() {
+    let folder = narrow();
+    folder.write(
+        "model.toml",
+        "[[effects]]\nfamily = \"geometric\"\n[[effects]]\nfamily = \"transmission\"\njoint = \"j1\"\nharmonics = [1, 2]\n\
+         [[effects]]\nfamily = \"transmission\"\njoint = \"j2\"\n",
+    );
+    let identify = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out"];
+    folder.run(&[&identify[..], &["constants.json"]].concat()).ended(0);
+    folder.run(&[&identify[..], &["full.json", "--model", "model.toml"]].concat()).ended(0);
+    let rms = |fit: &str, format: &str| {
+        let export = ["export", "--fit", fit, "--format", format, "--out", "o", "--json"];
+        json(&folder.run(&export).ended(0).out)["rms"].clone()
+    };
+    let constants = rms("constants.json", "urdf");
+    for format in ["urdf", "dh", "mdh", "ros", "iso230"] {
+        let full = rms("full.json", format);
+        assert_eq!(
+            (&full["measured"], &full["rows"], &full["drawn_from"]),
+            (&true.into(), &120.into(), &120.into())
+        );
+        for figure in ["aligned_mm", "as_written_mm"] {
+            let of = |rms: &serde_json::Value, robot: &str| rms[robot][figure].as_f64().unwrap();
+            let (nominal, file, alone) =
+                (of(&full, "nominal"), of(&full, "export"), of(&constants, "export"));
+            assert!(file < 1.02 * alone && file < nominal, "{format} {figure}: {nominal} {alone} {file}");
+        }
+    }
+    let said = folder.run(&["export", "--fit", "full.json", "--format", "urdf", "--out", "o"]).ended(0).out;
+    assert!(
+        said.contains("base and tool best for each: nominal ") && said.contains(" → full model "),
+        "{said}"
+    );
+    assert!(folder.read("o").contains("as written: nominal "));
+}
+
+#[test]
+fn a_file_that_is_worse_than_nominal_is_refused() {
+    let folder = narrow();
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    // A coefficient that someone has spoiled by hand.
+    let fit = json(&folder.read("fit.json"));
+    let found =
+        fit["coefficients"].as_array().unwrap().iter().find(|c| c["value"] != 0.0 && c["unit"] == "rad");
+    let found = found.unwrap()["value"].to_string();
+    folder.write("fit.json", &folder.read("fit.json").replace(&found, "0.5"));
+    for format in ["urdf", "dh", "mdh", "ros", "iso230"] {
+        let refused = folder.run(&["export", "--fit", "fit.json", "--format", format, "--out", "o"]).ended(2);
+        assert!(
+            refused.log.contains("the file would be worse than the nominal robot: RMS "),
+            "{}",
+            refused.log
+        );
+        assert!(!folder.file("o").exists());
+    }
+}
+
+#[test]
+fn what_lies_beyond_the_data_is_said() {
+    let folder = narrow();
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    let head = folder.read("data.csv").lines().next().unwrap().to_string();
+    assert!(head.contains("j1[") && head.contains("target"), "{head}");
+    folder.write("far.csv", "j1[deg],j2[deg],d3[mm],target\n5,10,100,T1\n50,10,100,T1\n-30,10,100,T2\n");
+    let predict = ["predict", "--fit", "fit.json", "--data", "far.csv", "--out", "p.csv"];
+    let run = folder.run(&predict).ended(0);
+    assert!(
+        run.log.contains("warning: 2 of 3 rows beyond the data of the fit")
+            && run.log.contains("j1 in 2 (by up to 4"),
+        "{}",
+        run.log
+    );
+    let p = folder.read("p.csv");
+    let flags: Vec<&str> = p.lines().map(|line| line.rsplit(',').next().unwrap()).collect();
+    assert_eq!(flags, ["extrapolates", "0", "1", "1"]);
+    // A fit of before says that it cannot tell, and a map says how much of it is not covered.
+    let map = folder.run(&["map", "--fit", "fit.json", "--out", "m.csv", "--points", "4"]).ended(0);
+    assert!(map.out.contains("within the data of the fit"), "{}", map.out);
+    // Out of reach is no command.
+    folder.write("poses.csv", "x[m],y[m],z[m],target\n9,9,9,T1\n");
+    folder.run(&["compensate", "--fit", "fit.json", "--poses", "poses.csv", "--out", "q.csv"]).ended(0);
+    let q = folder.read("q.csv");
+    assert!(q.lines().nth(1).unwrap().starts_with(",,,limit,"), "{q}");
+}
+
+#[test]
+fn a_target_that_nobody_measured_is_refused_or_remarked_upon() {
+    let folder = narrow();
+    let data = folder.read("data.csv");
+    let seen: Vec<&str> = data.lines().filter(|line| !line.contains(",T2")).collect();
+    assert!(seen.len() < data.lines().count());
+    folder.write("seen.csv", &(seen.join("\n") + "\n"));
+    let identify = ["identify", "--robot", "robot.toml", "--data", "seen.csv", "--out", "fit.json"];
+    let predict = ["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"];
+    folder.run(&identify).ended(0);
+    let run = folder.run(&predict).ended(0);
+    assert!(run.log.contains("warning: target `T2` was not measured in the data of the fit"), "{}", run.log);
+    std::fs::remove_file(folder.file("p.csv")).unwrap();
+    let robot = folder.read("robot.toml");
+    folder.write("robot.toml", &robot.replace("xyz = [-20, 60, 0]", "known = false"));
+    folder.run(&identify).ended(0);
+    let run = folder.run(&predict).ended(2);
+    assert!(
+        run.log.contains("data.csv: line ") && run.log.contains("target `T2` was not measured"),
+        "{}",
+        run.log
+    );
+    assert!(!folder.file("p.csv").exists());
+    let map = folder.run(&["map", "--fit", "fit.json", "--target", "T2", "--out", "m.csv"]).ended(2);
+    assert!(map.log.contains("--target: target `T2`"), "{}", map.log);
+}
+
+#[test]
+fn orientations_are_not_compared_after_positions_alone() {
+    let folder = narrow();
+    let plant = folder.read("plant.toml");
+    folder.write("plant.toml", &plant.replace("sd_um = 20\n", "sd_um = 20\norientation_urad = 40\n"));
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    let identify = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"];
+    let predict = ["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"];
+    folder.run(&identify).ended(0);
+    assert!(folder.run(&predict).ended(0).out.contains("against the measured orientations: RMS "));
+    folder.run(&[&identify[..], &["--positions-only"]].concat()).ended(0);
+    let run = folder.run(&predict).ended(0);
+    assert!(
+        !run.out.contains("orientations") && run.log.contains("orientations are not compared"),
+        "{} {}",
+        run.out,
+        run.log
+    );
+}

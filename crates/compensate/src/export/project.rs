@@ -1,0 +1,195 @@
+//! The fitted model projected onto what a file carries: constant errors of every frame and target, and for tables one factor a joint.
+//!
+//! ```text
+//! min_x  m ln Σ_i |p_i − p(q_i; ε)|²  +  m ln Σ_i |φ_i − φ(q_i; ε)|²         the second where orientations were measured
+//! ε(q) = constants + Σ_j g_j t_j(q_j),      x = [constants, g]
+//! ```
+//!
+//! | symbol | here | shape | unit | |
+//! | --- | --- | --- | --- | --- |
+//! | p_i, φ_i | `Row::point`, `Row::tool` | 3 | m, rad | the fitted model at the configurations of the fit |
+//! | t_j | tables of joint j | sites | m, rad | none for files of constants alone |
+//! | x⁰ | start | | m, rad, 1 | constants of the fit itself, factors of one |
+//!
+//! Effects with a mean (a gear's cosine, a joint's compliance under its own weight) share it with the constants beside them: the constants
+//! alone, cut out, may be worse than nominal. The logarithms are least squares with both variances estimated. Levenberg and Marquardt's
+//! method with the exact error Jacobian, in expected sizes of the constants, so that directions which the configurations do not fix stay
+//! where the fit has them.
+
+use super::reference::{Reference, Row};
+use super::tables::ErrorTables;
+use crate::CompensateError;
+use nalgebra::{DMatrix, DVector, Vector3};
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{Effect, ErrorJacobian, GeneralizedErrors, RealPosture};
+use truepose_kinematics::{Chain, PostureBuffer, Site, rotation_log};
+
+/// A file carries the tool and not the targets: what moves all of them alike belongs to the tool.
+const OF_A_TARGET: f64 = 0.1;
+/// What is left below this, m and rad, is rounding to every instrument.
+const NEGLIGIBLE: f64 = 1e-6;
+const ROUNDS: usize = 300;
+/// The first step may go some ten expected sizes in a direction that one row fixes as well as all others do.
+const DAMPING: f64 = 1e-2;
+/// Smallest damping, of the largest diagonal: what double precision can solve.
+const LEAST_DAMPING: f64 = 1e-12;
+/// Steps that make the squares smaller by less than this share, three in a row, are the last ones.
+const FLAT: f64 = 1e-7;
+
+/// What a file carries.
+pub(super) struct Projected {
+    pub constants: GeneralizedErrors,
+    /// One a table.
+    pub gains: Vec<f64>,
+}
+
+/// Projects the model at these configurations, from these constants and tables on.
+pub(super) fn project(
+    chain: &Chain,
+    reference: &Reference,
+    start: &GeneralizedErrors,
+    tables: Option<&ErrorTables>,
+) -> Result<Projected, CompensateError> {
+    let sites: Vec<Site> = (0..chain.site_count()).map(|k| chain.site_at(k)).collect();
+    let gains = tables.map_or(0, |tables| tables.tables.len());
+
+    let scale = scales(chain, &sites, gains);
+    let mut x: Vec<f64> =
+        sites.iter().map(|&site| start.get(site)).chain(std::iter::repeat_n(1.0, gains)).collect();
+    let mut walker = Walker::new(chain, &sites, &scale, tables);
+    let mut sums = walker.sums(reference, &x);
+    let (mut damping, mut flat) = (DAMPING, 0);
+    for _ in 0..ROUNDS {
+        let Some(step) = sums.step(damping) else { break };
+        let next: Vec<f64> =
+            x.iter().zip(step.iter().zip(&scale)).map(|(x, (step, scale))| x + step * scale).collect();
+        let then = walker.sums(reference, &next);
+        let gain = sums.objective() - then.objective();
+        if gain > 0.0 {
+            damping /= 5.0;
+            (x, sums) = (next, then);
+        } else {
+            damping *= 10.0;
+        }
+        flat = if gain > FLAT { 0 } else { flat + 1 };
+        if flat == 3 {
+            break;
+        }
+    }
+    let constants = walker.errors_of(&x, &[]);
+    Ok(Projected { constants, gains: x[sites.len()..].to_vec() })
+}
+
+/// The normal equations at some unknowns, of positions and orientations.
+struct Sums {
+    gram: [DMatrix<f64>; 2],
+    pull: [DVector<f64>; 2],
+    /// Mean square of a component that is left; none where it does not count.
+    left: [Option<f64>; 2],
+}
+
+impl Sums {
+    fn objective(&self) -> f64 {
+        self.left.iter().flatten().map(|left| left.ln()).sum()
+    }
+
+    fn step(&self, damping: f64) -> Option<DVector<f64>> {
+        let size = self.pull[0].len();
+        let (mut a, mut b) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        for ((gram, pull), left) in self.gram.iter().zip(&self.pull).zip(self.left) {
+            if let Some(left) = left {
+                a += gram / left;
+                b += pull / left;
+            }
+        }
+        let least = LEAST_DAMPING * a.diagonal().amax();
+        (a + DMatrix::identity(size, size) * damping.max(least)).cholesky().map(|factor| factor.solve(&b))
+    }
+}
+
+/// How far each unknown is expected to move.
+fn scales(chain: &Chain, sites: &[Site], gains: usize) -> Vec<f64> {
+    let expected = Geometric::default().columns(chain);
+    let of = |site: &Site| {
+        let column = expected.iter().find(|column| column.site == Some(*site));
+        let share = if matches!(site, Site::Target(..)) { OF_A_TARGET } else { 1.0 };
+        share * column.map_or(1e-3, |column| column.scale)
+    };
+    sites.iter().map(of).chain(std::iter::repeat_n(1.0, gains)).collect()
+}
+
+/// Evaluates rows.
+struct Walker<'a> {
+    chain: &'a Chain,
+    sites: &'a [Site],
+    scale: &'a [f64],
+    tables: Option<&'a ErrorTables>,
+    buffer: PostureBuffer,
+    real: RealPosture,
+    /// Of one row, in the scale of the unknowns.
+    rows: [DMatrix<f64>; 2],
+}
+
+impl<'a> Walker<'a> {
+    fn new(chain: &'a Chain, sites: &'a [Site], scale: &'a [f64], tables: Option<&'a ErrorTables>) -> Self {
+        let rows = [DMatrix::zeros(3, scale.len()), DMatrix::zeros(3, scale.len())];
+        let (buffer, real) = (PostureBuffer::new(chain), RealPosture::new(chain));
+        Walker { chain, sites, scale, tables, buffer, real, rows }
+    }
+
+    fn sums(&mut self, reference: &Reference, x: &[f64]) -> Sums {
+        let size = x.len();
+        let mut gram = [DMatrix::zeros(size, size), DMatrix::zeros(size, size)];
+        let mut pull = [DVector::zeros(size), DVector::zeros(size)];
+        let mut squares = [0.0; 2];
+        for row in &reference.rows {
+            let gaps = self.gaps(row, x);
+            for k in 0..if reference.turned { 2 } else { 1 } {
+                gram[k].gemm_tr(1.0, &self.rows[k], &self.rows[k], 1.0);
+                pull[k].gemv_tr(1.0, &self.rows[k], &gaps[k], 1.0);
+                squares[k] += gaps[k].norm_squared();
+            }
+        }
+        let count = 3.0 * reference.rows.len().max(1) as f64;
+        let [position, turn] = squares.map(|s| (s / count).max(NEGLIGIBLE * NEGLIGIBLE));
+        Sums { gram, pull, left: [Some(position), reference.turned.then_some(turn)] }
+    }
+
+    /// Constants and tables at one configuration.
+    fn errors_of(&self, x: &[f64], by_joint: &[GeneralizedErrors]) -> GeneralizedErrors {
+        let mut errors = GeneralizedErrors::zero(self.chain);
+        for (k, &site) in self.sites.iter().enumerate() {
+            let gains = &x[self.sites.len()..];
+            let moved: f64 = by_joint.iter().zip(gains).map(|(table, gain)| gain * table.get(site)).sum();
+            errors.add(site, x[k] + moved);
+        }
+        errors
+    }
+
+    /// What is left of position (m) and orientation (rad), and in `rows` how it moves with each unknown.
+    fn gaps(&mut self, row: &Row, x: &[f64]) -> [DVector<f64>; 2] {
+        let joints = &row.conditions.joints;
+        let by_joint = self.tables.map(|tables| tables.by_joint(self.chain, joints)).unwrap_or_default();
+        let errors = self.errors_of(x, &by_joint);
+        let nominal = self.buffer.update(self.chain, &row.conditions);
+        self.real.update(&nominal, &errors);
+        let jacobian = ErrorJacobian::new(self.chain, &self.real, &errors, row.target);
+        let (rows, scale) = (&mut self.rows, self.scale);
+        rows.iter_mut().for_each(|rows| rows.fill(0.0));
+        let mut put = |k: usize, column: usize, value: Vector3<f64>| {
+            (0..3).for_each(|c| rows[k][(c, column)] += value[c] * scale[column]);
+        };
+        for (column, &site) in self.sites.iter().enumerate() {
+            let moves = [jacobian.position(site), jacobian.rotation(site)];
+            for (k, motion) in moves.into_iter().enumerate() {
+                put(k, column, motion);
+                for (table, errors) in by_joint.iter().enumerate() {
+                    put(k, self.sites.len() + table, motion * errors.get(site));
+                }
+            }
+        }
+        let turned = rotation_log(&(row.tool.rotation * self.real.tool().rotation.transpose()));
+        let left = [row.point - jacobian.point(), turned];
+        left.map(|v| DVector::from_column_slice(v.as_slice()))
+    }
+}
