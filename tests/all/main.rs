@@ -9,6 +9,7 @@
 mod beams;
 mod compensation;
 mod constraints;
+mod convergence;
 mod cross_validation;
 mod discovery;
 mod exact;

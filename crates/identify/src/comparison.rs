@@ -9,7 +9,9 @@
 //! The variance is corrected for the overlap of the training parts (Nadeau and Bengio 2003): without it, folds that share
 //! most of their data would make every difference significant.
 
-use crate::{CrossValidation, Fit, FitOptions, Folds, IdentifyError, Method, cross_validate, fit};
+use crate::{
+    CrossValidation, Fit, FitOptions, Folds, IdentifyError, Method, against_plain, cross_validate, fit,
+};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::time::Instant;
 use truepose_errormodel::{Dataset, ErrorModel};
@@ -35,6 +37,15 @@ pub struct Trial {
     pub seconds: f64,
     /// Against the first strategy that came to an end; none for that one itself.
     pub against_first: Option<Paired>,
+    /// Its held-out error, with rows that lie far off bounded, over that of the first strategy; 1 for that one itself.
+    pub ratio: f64,
+}
+
+impl Trial {
+    /// Whether it predicts worse than the first strategy by more than strategies differ.
+    pub fn is_worse(&self) -> bool {
+        self.ratio > against_plain::WORSE || !self.ratio.is_finite()
+    }
 }
 
 /// A paired test of held-out squared errors.
@@ -64,6 +75,12 @@ pub fn compare(
             Compared { name: name.clone(), outcome: trial(model, data, &**solver, options, folds) }
         })
         .collect();
+    let simplest = compared.iter().find_map(|c| c.outcome.as_ref().ok()).map(|t| t.held_out.clone());
+    if let Some(simplest) = &simplest {
+        for trial in compared.iter_mut().filter_map(|c| c.outcome.as_mut().ok()) {
+            trial.ratio = against_plain::ratio(simplest, &trial.held_out);
+        }
+    }
     let first = compared
         .iter()
         .position(|c| c.outcome.is_ok())
@@ -89,7 +106,7 @@ fn trial(
     let fit = fit(model, data, solver, options)?;
     let seconds = begun.elapsed().as_secs_f64();
     let held_out = cross_validate(&fit, data, folds, solver, Method::Auto)?;
-    Ok(Trial { fit, held_out, seconds, against_first: None })
+    Ok(Trial { fit, held_out, seconds, against_first: None, ratio: 1.0 })
 }
 
 /// Sum of squared errors and number of rows of each fold.

@@ -11,10 +11,13 @@
 //! to the last digit (the noise was looked at after the last step), r_F is taken after the step δ_0 that makes it vanish. Folds with more rows than
 //! unknowns are taken out of the triangular factor instead (the factors of all other folds are merged), which gives
 //! the same numbers. Folds without which the rest loses rank, and solvers that are not plain least squares, are
-//! fitted again.
+//! fitted again; so are folds whose coefficients lie so far off that the linear picture does not hold there: where it misses what
+//! the exact robot then leaves by a twentieth. Residuals are those of the exact robot in every case.
+//!
+//! A fit of a single linear step is judged by single linear steps, from where it began.
 
 use crate::{
-    Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, refit, triangular_of,
+    Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, fit_again, triangular_of,
 };
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
@@ -69,20 +72,30 @@ pub fn cross_validate(
     let longest: usize = members.iter().map(|visits_of| visits_of.len()).max().unwrap_or(0);
     let method = match method {
         _ if !plain => Method::Refit,
+        _ if !fit.refined => Method::Merge,
         Method::Auto if longest > 4 * fit.reduction.rank() || folds.count <= 20 => Method::Merge,
         Method::Auto => Method::Block,
         other => other,
     };
-    let work = Work { fit, data, visits: &visits, solver };
-    let steps: Vec<Step> = match method {
+    let at = match fit.refined {
+        true => fit.fitted.coefficients().to_vec(),
+        false => vec![0.0; fit.fitted.coefficients().len()],
+    };
+    let work = Work { fit, data, visits: &visits, solver, at };
+    let mut steps: Vec<Step> = match method {
         Method::Merge => work.merge(&members)?,
         Method::Refit => members.par_iter().map(|out| work.again(out)).collect::<Result<_, _>>()?,
         _ => members.par_iter().map(|out| work.block(out)).collect::<Result<_, _>>()?,
     };
     let parts: Vec<Vec<HeldOutRow>> = members
         .par_iter()
-        .zip(&steps)
-        .map(|(out, step)| work.held_out(out, &step.change))
+        .zip(&mut steps)
+        .map(|(out, step)| {
+            if fit.refined && !step.refitted && work.bends(out, &step.change)? {
+                *step = work.again(out)?;
+            }
+            work.held_out(out, &step.change)
+        })
         .collect::<Result<_, _>>()?;
     let mut residuals = Residuals {
         position: vec![Vector3::repeat(f64::NAN); data.len()],
@@ -123,6 +136,8 @@ struct Work<'a> {
     data: &'a Dataset,
     visits: &'a Visits,
     solver: &'a dyn Solver,
+    /// Where the linear picture was taken: at the solution, or where a single step began.
+    at: Vec<f64>,
 }
 
 impl Work<'_> {
@@ -131,7 +146,7 @@ impl Work<'_> {
         let parts: Vec<Triangular> = members
             .par_iter()
             .map(|of_fold| {
-                let (model, at) = (self.fit.fitted.model(), self.fit.fitted.coefficients());
+                let (model, at) = (self.fit.fitted.model(), &*self.at);
                 let (kept, of_fold) = (Some(&*self.fit.reduction.kept), of_fold.iter().copied());
                 triangular_of(model, self.data, self.visits, self.fit.noise, at, kept, of_fold)
             })
@@ -151,7 +166,12 @@ impl Work<'_> {
             before.merge(part)?;
             let factor = self.with_prior(&others.finish())?;
             match triangle_solve(&factor) {
-                Some(change) => steps.push(Step { change: self.expand(&change), refitted: false }),
+                Some(change) => {
+                    let mut change = self.expand(&change);
+                    let from = self.at.iter().zip(self.fit.fitted.coefficients());
+                    change.iter_mut().zip(from).for_each(|(change, (at, c))| *change += at - c);
+                    steps.push(Step { change, refitted: false });
+                }
                 None => steps.push(self.again(&members[fold])?),
             }
         }
@@ -160,7 +180,7 @@ impl Work<'_> {
 
     /// A factor over the kept columns with the rows of the prior, which belong to no fold.
     fn with_prior(&self, factor: &Factor) -> Result<Factor, IdentifyError> {
-        let at = self.fit.reduction.grouped(self.fit.fitted.coefficients());
+        let at = self.fit.reduction.grouped(&self.at);
         self.fit.prior.joined(factor, &at)
     }
 
@@ -204,18 +224,46 @@ impl Work<'_> {
         out.iter().for_each(|&visit| left_out[visit] = true);
         let rows: Vec<usize> = (0..self.data.len()).filter(|&row| !left_out[self.data.visit[row]]).collect();
         let rest = self.data.select(&rows);
-        let options = FitOptions { noise: NoiseSource::Fixed(self.fit.noise), ..FitOptions::default() };
-        let model = self.fit.fitted.model();
-        let other = refit(model, &rest, self.solver, &options, &self.fit.reduction, &self.fit.prior)?;
+        let options = FitOptions {
+            noise: NoiseSource::Fixed(self.fit.noise),
+            refine: self.fit.refined,
+            ..FitOptions::default()
+        };
+        let other = fit_again(self.fit, &rest, self.solver, &options)?;
         let change =
             other.fitted.coefficients().iter().zip(self.fit.fitted.coefficients()).map(|(a, b)| a - b);
         Ok(Step { change: change.collect(), refitted: true })
     }
 
-    /// Residuals of these visits when the coefficients change: r − A δ, in metres and radians.
+    /// Whether the linear picture at the solution misses what the exact robot leaves of these visits by a twentieth or more.
+    fn bends(&self, visits: &[usize], change: &[f64]) -> Result<bool, IdentifyError> {
+        const SHARE: f64 = 0.05;
+        let (to, mut linear) = (self.changed(change), self.lineariser()?);
+        let mut exact =
+            Lineariser::new(self.fit.fitted.model(), self.data, self.fit.noise, &to)?.of_columns(&[]);
+        let width = linear.width();
+        let (mut missed, mut left) = (0.0, 0.0);
+        for &visit in visits {
+            let rows = &self.visits.rows[visit];
+            let pictured = linear.visit(rows).rows.chunks_exact(width);
+            for (numbers, value) in pictured.zip(exact.visit(rows).rows) {
+                let moved: f64 = numbers[..width - 1].iter().zip(change).map(|(a, d)| a * d).sum();
+                missed += (numbers[width - 1] - moved - value).powi(2);
+                left += value * value;
+            }
+        }
+        Ok(missed > SHARE * SHARE * left)
+    }
+
+    fn changed(&self, change: &[f64]) -> Vec<f64> {
+        self.fit.fitted.coefficients().iter().zip(change).map(|(c, d)| c + d).collect()
+    }
+
+    /// Residuals of these visits when the coefficients change, at the exact robot, in metres and radians.
     fn held_out(&self, visits: &[usize], change: &[f64]) -> Result<Vec<HeldOutRow>, IdentifyError> {
-        let mut lineariser = self.lineariser()?;
-        let width = lineariser.width();
+        let to = self.changed(change);
+        let model = self.fit.fitted.model();
+        let mut lineariser = Lineariser::new(model, self.data, self.fit.noise, &to)?.of_columns(&[]);
         let mut residuals = Vec::new();
         for &visit in visits {
             let rows = &self.visits.rows[visit];
@@ -225,9 +273,7 @@ impl Work<'_> {
                 residuals.push((row, Vector3::repeat(f64::NAN), turned));
             }
             let block = lineariser.unweighted(rows);
-            for (numbers, &(row, component)) in block.rows.chunks_exact(width).zip(block.source) {
-                let moved: f64 = numbers[..width - 1].iter().zip(change).map(|(a, d)| a * d).sum();
-                let value = numbers[width - 1] - moved;
+            for (&value, &(row, component)) in block.rows.iter().zip(block.source) {
                 let Some(place) = rows.iter().position(|&r| r == row) else { continue };
                 let entry = &mut residuals[start + place];
                 match &mut entry.2 {

@@ -2,13 +2,14 @@
 
 use crate::{
     Advice, CrossValidation, Fit, FitOptions, Folds, IdentifyError, Method, Observability, Placement,
-    Repeats, Residuals, Split, cross_validate, excitation, fit, hold_out, observability, place, repeats,
+    Repeats, Residuals, Split, Warning, against_plain, cross_validate, excitation, fit, hold_out,
+    observability, place, repeats,
 };
 use nalgebra::DMatrix;
 use truepose_errormodel::effects::{Geometric, Where};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Visits};
 use truepose_kinematics::{Chain, FrameId};
-use truepose_solvers::Solver;
+use truepose_solvers::{PivotedQr, Solver};
 
 /// What to do besides fitting.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,7 +140,20 @@ pub fn identify(
         None => Ok(None),
     };
     let frames_only = Stage { held_out: validated(&frames_fit)?, train: frames_fit.residuals.clone() };
-    let declared = Stage { held_out: validated(&declared_fit)?, train: declared_fit.residuals.clone() };
+    let mut held_out = validated(&declared_fit)?;
+    let mut solver = solver;
+    let plain = PivotedQr::default();
+    if let Some((known, folds)) = held_out.as_ref().zip(folds.as_ref())
+        && against_plain::asked(solver, &options.fit)
+    {
+        let simplest = against_plain::fitted(&model, train, &options.fit, folds)?;
+        let ratio = against_plain::ratio(&simplest.1, known);
+        if let Some(refused) = against_plain::judged(&mut declared_fit, solver, ratio, simplest.0) {
+            declared_fit = refused;
+            (held_out, solver) = (Some(simplest.1), &plain);
+        }
+    }
+    let declared = Stage { held_out, train: declared_fit.residuals.clone() };
     let mut repeated: Vec<f64> = declared.held_out.iter().map(|cv| cv.residuals.positions().rms).collect();
     if let Some(Split::Random { folds, seed }) = options.split {
         for more in 1..options.repeats as u64 {
@@ -160,8 +174,13 @@ pub fn identify(
         let frozen =
             crate::FitOptions { noise: crate::NoiseSource::Fixed(declared_fit.noise), ..options.fit.clone() };
         let (shapes, scatter) = (std::mem::take(&mut declared_fit.shapes), declared_fit.scatter);
+        let told = std::mem::take(&mut declared_fit.warnings);
         declared_fit =
             crate::refit(&model, data, solver, &frozen, &declared_fit.reduction, &declared_fit.prior)?;
+        let told = told
+            .into_iter()
+            .filter(|w| matches!(w, Warning::FellBack { .. } | Warning::WorseThanPlain { .. }));
+        declared_fit.warnings.extend(told);
         (declared_fit.shapes, declared_fit.scatter) = (shapes, scatter);
     }
     Ok(Identification {

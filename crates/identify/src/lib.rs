@@ -1,8 +1,10 @@
 #![doc = include_str!("../README.md")]
 
+mod against_plain;
 mod comparison;
 mod cross_validation;
 mod error;
+mod evidence;
 mod excitation;
 mod fit;
 mod folds;
@@ -29,7 +31,7 @@ pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, excitation};
-pub use fit::{Fit, FitOptions, NoiseSource, Warning, fit, fit_again, refit, student_quantile};
+pub use fit::{Fit, FitOptions, NoiseSource, Refusal, Warning, fit, fit_again, refit, student_quantile};
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
 pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};

@@ -29,11 +29,11 @@
 //! about what is usual.
 
 use crate::IdentifyError;
-use crate::minimum::minimum;
+use crate::evidence::{Evidence, LEAST, MOST};
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::ErrorModel;
-use truepose_solvers::accumulator::{ColumnScale, Factor, Triangular};
+use truepose_solvers::accumulator::{Factor, Triangular};
 use truepose_solvers::kernels::{cholesky_lower, gram, solve_lower_many};
 
 /// How strongly coefficients are held to their expected sizes.
@@ -122,6 +122,11 @@ impl Prior {
         kinds(model).0.into_iter().map(width).collect()
     }
 
+    /// L = W₁⁻¹, r × r.
+    pub(crate) fn spread(&self) -> &DMatrix<f64> {
+        &self.spread
+    }
+
     /// W for κ = 1, whatever κ is: what "an expected size" means for each direction.
     pub fn unit_rows(&self) -> &DMatrix<f64> {
         &self.unit
@@ -164,29 +169,25 @@ impl Prior {
     /// # Errors
     /// When a factorisation fails.
     pub fn from_evidence(&self, factor: &Factor) -> Result<Self, IdentifyError> {
-        // R L: columns of data in prior units.
-        let mut inner = factor.clone();
-        inner.r = &factor.r * &self.spread;
-        let turned = inner.directions(ColumnScale::Unit)?;
-        let pairs: Vec<(f64, f64)> =
-            turned.values.iter().zip(&turned.projections).map(|(d, t)| (d * d, t * t)).collect();
-        let deviance = |log_kappa: f64| -> f64 {
-            let square = (2.0 * log_kappa).exp();
-            // Logarithms of products: of so many factors that none is beyond what a number can hold.
-            pairs
-                .chunks(8)
-                .map(|some| {
-                    let (mut product, mut sum) = (1.0, 0.0);
-                    for (d, t) in some {
-                        let variance = 1.0 + square * d;
-                        product *= variance;
-                        sum += t / variance;
-                    }
-                    if product.is_finite() { product.ln() + sum } else { exact(some, square) }
-                })
-                .sum()
-        };
-        Ok(Prior { kappa: minimum(LEAST.ln(), MOST.ln(), deviance).exp(), ..self.clone() })
+        let evidence = Evidence::new(factor, &self.spread)?;
+        Ok(Prior { kappa: evidence.kappa(), ..self.clone() })
+    }
+
+    /// κ and a factor on all standard deviations, by the marginal likelihood of a first linear picture; κ stays where it is not asked, and
+    /// the factor is 1 where no number of measurements is given. `factor` as in [`Prior::from_evidence`].
+    pub(crate) fn at_first_sight(
+        &self,
+        factor: &Factor,
+        numbers: Option<usize>,
+        ask: bool,
+    ) -> Result<(f64, f64), IdentifyError> {
+        let evidence = Evidence::new(factor, &self.spread)?;
+        Ok(match (numbers, ask) {
+            (None, true) => (evidence.kappa(), 1.0),
+            (None, false) => (self.kappa, 1.0),
+            (Some(numbers), true) => evidence.kappa_and_scale(factor.rss[0], numbers),
+            (Some(numbers), false) => (self.kappa, evidence.scale(self.kappa, factor.rss[0], numbers)),
+        })
     }
 }
 
@@ -287,15 +288,8 @@ fn kinds(model: &ErrorModel) -> (Vec<usize>, usize) {
 /// Columns, in sum, of which the data has to decide before their kind's width is looked at.
 const LEAST_DECIDED: f64 = 0.1;
 
-/// Minus twice the logarithm of some directions' evidence, factor by factor.
-fn exact(pairs: &[(f64, f64)], square: f64) -> f64 {
-    pairs.iter().map(|(d, t)| (1.0 + square * d).ln() + t / (1.0 + square * d)).sum()
-}
-
-/// κ before the data has been looked at, and the range in which it is looked for.
+/// κ before the data has been looked at.
 const START: f64 = 30.0;
-const LEAST: f64 = 0.1;
-const MOST: f64 = 1e4;
 
 #[cfg(test)]
 mod tests {

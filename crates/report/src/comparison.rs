@@ -1,10 +1,10 @@
 //! Solver strategies side by side.
 
 use crate::layout::Alignment::{Left, Right};
-use crate::{PositionSpread, significant, table};
+use crate::{PositionSpread, significant, table, warning_words};
 use serde::Serialize;
 use std::fmt;
-use truepose_identify::{Compared, Trial};
+use truepose_identify::{Compared, Trial, Warning};
 
 /// A row a strategy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -47,6 +47,10 @@ pub enum StrategyOutcome {
         converged: bool,
         /// Wall time of the fit, s.
         seconds: f64,
+        /// Held-out error with rows that lie far off bounded, over that of the first strategy.
+        ratio: f64,
+        /// What a user should know: not converged, refused, much worse than the first.
+        warnings: Vec<String>,
         /// Two-sided p-value of the paired difference to the first strategy; null for that one.
         p_value: Option<f64>,
     },
@@ -84,7 +88,46 @@ fn fitted(trial: &Trial) -> StrategyOutcome {
         rounds: fit.rounds,
         converged: fit.converged,
         seconds: trial.seconds,
+        ratio: trial.ratio,
+        warnings: warnings(trial),
         p_value: trial.against_first.map(|p| p.p_value),
+    }
+}
+
+/// What has to be said of a strategy wherever its figures stand.
+fn warnings(trial: &Trial) -> Vec<String> {
+    let told = |w: &&Warning| matches!(w, Warning::NotConverged { .. } | Warning::FellBack { .. });
+    let mut words: Vec<String> = trial.fit.warnings.iter().filter(told).map(warning_words).collect();
+    if trial.is_worse() {
+        words.push(format!(
+            "predicts what it did not see WORSE than the first strategy, by a factor of {} (errors beyond three medians bounded): do \
+             not take it for this data",
+            significant(trial.ratio, 3)
+        ));
+    }
+    words
+}
+
+impl StrategySummary {
+    /// Its name, with the word where its figures are of no use.
+    pub(crate) fn marked(&self) -> String {
+        match &self.outcome {
+            StrategyOutcome::Fitted { converged: false, .. } => format!("{}, NOT CONVERGED", self.solver),
+            _ => self.solver.clone(),
+        }
+    }
+}
+
+impl ComparisonSummary {
+    /// Each warning with the strategy that it is about.
+    pub fn warnings(&self) -> Vec<String> {
+        let of = |s: &StrategySummary| match &s.outcome {
+            StrategyOutcome::Fitted { warnings, .. } => {
+                warnings.iter().map(|words| format!("{}: {words}", s.solver)).collect()
+            }
+            StrategyOutcome::Failed { .. } => Vec::new(),
+        };
+        self.strategies.iter().flat_map(of).collect()
     }
 }
 
@@ -96,22 +139,15 @@ impl fmt::Display for ComparisonSummary {
             .iter()
             .map(|s| match &s.outcome {
                 StrategyOutcome::Fitted {
-                    train,
-                    held_out,
-                    rank,
-                    nonzero,
-                    rounds,
-                    converged,
-                    seconds,
-                    p_value,
+                    train, held_out, rank, nonzero, rounds, seconds, p_value, ..
                 } => vec![
-                    s.solver.clone(),
+                    s.marked(),
                     significant(train.rms_mm, 4),
                     significant(held_out.rms_mm, 4),
                     p_value.map_or_else(|| "–".into(), |p| significant(p, 2)),
                     rank.to_string(),
                     nonzero.to_string(),
-                    format!("{rounds}{}", if *converged { "" } else { " (still moving)" }),
+                    rounds.to_string(),
                     significant(seconds * 1e3, 3),
                 ],
                 StrategyOutcome::Failed { error } => vec![s.solver.clone(), format!("no answer: {error}")],
@@ -130,6 +166,7 @@ impl fmt::Display for ComparisonSummary {
             f,
             " held out: {}; p: paired difference of squared errors to the first line",
             self.held_out_by
-        )
+        )?;
+        self.warnings().iter().try_for_each(|words| writeln!(f, "warning: {words}"))
     }
 }

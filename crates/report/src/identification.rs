@@ -14,6 +14,10 @@ use truepose_identify::{Identification, Observability, Repeats, Residuals, Stage
 /// Everything that is shown of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IdentificationSummary {
+    /// Whether the rounds of the fit came to rest; where they did not, no other number here is final.
+    pub converged: bool,
+    /// Rounds of the fit.
+    pub rounds: usize,
     /// Name of the robot.
     pub robot: String,
     /// Rows of data.
@@ -69,10 +73,6 @@ pub struct IdentificationSummary {
     pub worst: Vec<(String, usize, f64)>,
     /// What a user should know.
     pub warnings: Vec<String>,
-    /// Rounds of the fit.
-    pub rounds: usize,
-    /// Whether they came to rest.
-    pub converged: bool,
     /// Poses that the judged fit did not see against a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
@@ -254,7 +254,8 @@ fn stages(found: &Identification) -> Vec<StageSummary> {
         stages.push(stage("as described", &plain, None));
     }
     stages.push(stage("base, tool, targets", &found.frames_only, found.locked.as_ref().map(|l| &l.0)));
-    stages.push(stage("declared model", &found.declared, found.locked.as_ref().map(|l| &l.1)));
+    let declared = if found.fit.converged { "declared model" } else { "declared model, NOT CONVERGED" };
+    stages.push(stage(declared, &found.declared, found.locked.as_ref().map(|l| &l.1)));
     stages
 }
 

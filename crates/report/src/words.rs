@@ -1,7 +1,7 @@
 //! Numbers and findings in words.
 
 use truepose_discover::Parameter;
-use truepose_identify::{Advice, Warning};
+use truepose_identify::{Advice, Refusal, Warning};
 use truepose_kinematics::Chain;
 
 /// A number with so many significant digits and no exponent where that can be read.
@@ -91,7 +91,11 @@ pub fn warning_words(warning: &Warning) -> String {
             count(*unknowns, "unknown")
         ),
         Warning::NotConverged { rounds } => {
-            format!("the fit still moved after {}; its residual is not the smallest possible", count(*rounds, "round"))
+            format!(
+                "NOT CONVERGED: the fit still moved after {}; no figure of it is final, and coefficients and intervals may be far off. \
+                 Measure more varied configurations, declare fewer effects, or raise --rounds",
+                count(*rounds, "round")
+            )
         }
         Warning::NoEffect { column } => format!(
             "`{column}` has no effect on anything in this data (no load declared, no link weights, or a signal that never \
@@ -110,6 +114,19 @@ pub fn warning_words(warning: &Warning) -> String {
         Warning::LeftOut { effect, column } => {
             format!("the solver left the effect `{effect}` out as a whole (`{column}` …)")
         }
+        Warning::FellBack { solver, why: Refusal::Objective } => format!(
+            "`{solver}` was refused: by a robust measure it leaves more of this data than plain least squares does; this is the fit of `qr`"
+        ),
+        Warning::FellBack { solver, why: Refusal::HeldOut(ratio) } => format!(
+            "`{solver}` was refused: it predicts configurations that it did not see worse than plain least squares, by a factor of {} \
+             (errors beyond three medians bounded); this is the fit of `qr`",
+            significant(*ratio, 3)
+        ),
+        Warning::WorseThanPlain { solver, ratio } => format!(
+            "`{solver}` predicts configurations that it did not see worse than plain least squares (`qr`), by a factor of {} (errors \
+             beyond three medians bounded)",
+            significant(*ratio, 3)
+        ),
         Warning::NoRedundancy => {
             "there are no more measured numbers than grouped errors: the residual says nothing about the accuracy".into()
         }

@@ -80,8 +80,7 @@ impl GroupedFolds {
 
     pub(crate) fn split(&self, problem: &LeastSquares<'_>) -> Result<Vec<Split>, SolveError> {
         let p = problem.columns();
-        let mut parts = Vec::new();
-        for rows in self.rows(problem)? {
+        let part_of = |rows: &mut dyn Iterator<Item = usize>| -> Result<Triangular, SolveError> {
             let mut part = Triangular::new(p, 1);
             let mut row = vec![0.0; p + 1];
             for i in rows {
@@ -90,11 +89,17 @@ impl GroupedFolds {
                 row[p] = root * problem.y[i];
                 part.update_rows(&row)?;
             }
-            parts.push(part);
+            Ok(part)
+        };
+        let mut parts = Vec::new();
+        for rows in self.rows(problem)? {
+            parts.push(part_of(&mut rows.into_iter())?);
         }
+        // A prior is known in every fold.
+        let prior = part_of(&mut (problem.measured_rows()..problem.rows()))?;
         let mut splits = Vec::new();
         for held in 0..parts.len() {
-            let mut train = Triangular::new(p, 1);
+            let mut train = prior.clone();
             for other in (0..parts.len()).filter(|f| *f != held) {
                 train.merge(&parts[other])?;
             }

@@ -30,6 +30,9 @@ pub struct LeastSquares<'a> {
     pub column_groups: Option<&'a [usize]>,
     /// Lower and upper bound of each unknown.
     pub bounds: Option<&'a Bounds>,
+    /// So many rows at the end were not measured: they are a prior. No robust solver lowers their weight or takes a scale from them, and
+    /// no fold holds them out.
+    pub prior_rows: usize,
 }
 
 /// Box constraints, ±∞ where there is none.
@@ -80,7 +83,16 @@ impl Bounds {
 impl<'a> LeastSquares<'a> {
     /// The plain problem: every weight 1, no bounds, columns scaled by their norms.
     pub fn new(a: &'a DMatrix<f64>, y: &'a DVector<f64>) -> Self {
-        Self { a, y, weights: None, row_groups: None, scale: None, column_groups: None, bounds: None }
+        Self {
+            a,
+            y,
+            weights: None,
+            row_groups: None,
+            scale: None,
+            column_groups: None,
+            bounds: None,
+            prior_rows: 0,
+        }
     }
 
     /// With one weight per row.
@@ -91,6 +103,11 @@ impl<'a> LeastSquares<'a> {
     /// With an id of its group for each row.
     pub fn with_row_groups(self, groups: &'a [usize]) -> Self {
         Self { row_groups: Some(groups), ..self }
+    }
+
+    /// With so many rows at the end that are a prior.
+    pub fn with_prior_rows(self, count: usize) -> Self {
+        Self { prior_rows: count, ..self }
     }
 
     /// With the expected size of each unknown.
@@ -183,12 +200,18 @@ impl<'a> LeastSquares<'a> {
         r
     }
 
-    /// Groups of rows as lists of row numbers, in the order in which their ids first appear; without
+    /// Number of rows that were measured.
+    pub fn measured_rows(&self) -> usize {
+        self.rows().saturating_sub(self.prior_rows)
+    }
+
+    /// Groups of measured rows as lists of row numbers, in the order in which their ids first appear; without
     /// `row_groups` every row is a group of its own.
     pub fn groups_of_rows(&self) -> Vec<Vec<usize>> {
+        let measured = self.measured_rows();
         match self.row_groups {
-            None => (0..self.rows()).map(|r| vec![r]).collect(),
-            Some(ids) => collect_groups(ids),
+            None => (0..measured).map(|r| vec![r]).collect(),
+            Some(ids) => collect_groups(&ids[..measured]),
         }
     }
 }

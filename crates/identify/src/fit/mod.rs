@@ -18,6 +18,7 @@
 //! the reduction at the nominal robot leaves out is looked at again at the solution, and taken in where the data determines
 //! it better than its expected size.
 
+mod believed;
 mod constraints;
 mod rounds;
 mod warnings;
@@ -25,12 +26,13 @@ mod warnings;
 use crate::reduction::{Reduction, grouped, reduce};
 use crate::shapes::{self, FittedShape, Shapes};
 use crate::{Freedom, IdentifyError, NoiseModel, Prior, PriorStrength, Residuals, Spread};
+use believed::without_doubted;
 use rounds::State;
 pub(crate) use rounds::from_factor;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits};
 use truepose_solvers::accumulator::Factor;
-use truepose_solvers::{RankRule, Solution, SolveError, Solver};
+use truepose_solvers::{Need, PivotedQr, RankRule, Solution, SolveError, Solver};
 
 /// How to fit.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,8 +44,8 @@ pub struct FitOptions {
     /// Look at the reduction again where the rounds end, and take in what the data determines there though not at the nominal robot;
     /// otherwise what is left out at the nominal robot is left out for good, as in the paper.
     pub second_look: bool,
-    /// Three rounds in turn that gain less than this share of the objective end the fit, however far they still go: the floor of a
-    /// flat valley.
+    /// Three rounds in turn that gain less than this of the objective, in units (1 is a standard deviation of one number), end the fit
+    /// where no unknown moves by a tenth of its standard deviation any more: the floor of a flat valley.
     pub flat: f64,
     /// How ranks are decided.
     pub rank: RankRule,
@@ -70,7 +72,7 @@ impl Default for FitOptions {
             refine: true,
             max_rounds: 500,
             second_look: true,
-            flat: 1e-6,
+            flat: 1e-3,
             rank: RankRule::Default,
             prior: PriorStrength::Kinds,
             noise: NoiseSource::Estimate,
@@ -122,8 +124,10 @@ pub struct Fit {
     pub prior: Prior,
     /// Rounds that were taken.
     pub rounds: usize,
-    /// Whether the last round moved nothing any more.
+    /// Whether the last round moved nothing any more; always of a single linear step, which is meant to be one.
     pub converged: bool,
+    /// Whether rounds went on at the exact robot; otherwise this is a single linear step.
+    pub refined: bool,
     /// Measured numbers m.
     pub observations: usize,
     /// Sum of whitened squares at the solution.
@@ -191,8 +195,31 @@ pub enum Warning {
         /// The name of its first column.
         column: String,
     },
+    /// What a robust solver found was worse than plain least squares, and was not taken: this is the plain fit.
+    FellBack {
+        /// The solver's name.
+        solver: String,
+        /// By what it was refused.
+        why: Refusal,
+    },
+    /// A strategy predicts configurations that it did not see worse than plain least squares does.
+    WorseThanPlain {
+        /// The solver's name.
+        solver: String,
+        /// Its bounded held-out error over that of plain least squares.
+        ratio: f64,
+    },
     /// As many unknowns as numbers: the residual says nothing about the accuracy.
     NoRedundancy,
+}
+
+/// By what a robust fit was refused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Refusal {
+    /// It leaves more than plain least squares, by a robust measure on the data of the fit.
+    Objective,
+    /// It predicts what it did not see worse, by so much: its bounded held-out error over that of plain least squares.
+    HeldOut(f64),
 }
 
 impl Fit {
@@ -263,10 +290,18 @@ pub(crate) fn fit_fixed(
     options: &FitOptions,
 ) -> Result<Fit, IdentifyError> {
     let visits = Visits::of(data);
-    let mut state = State::new(model, data, &visits, solver, options)?;
+    // Solvers whose objective only they know begin where plain squares end.
+    let plain = PivotedQr::default();
+    let follows = options.refine && !guarded(solver);
+    let first: &dyn Solver = if follows { &plain } else { solver };
+    let mut begin = options.clone();
+    if follows && !solver.supports(Need::Unpenalised) && options.prior == PriorStrength::None {
+        begin.prior = PriorStrength::Evidence;
+    }
+    let mut state = State::new(model, data, &visits, first, &begin)?;
     let factor = state.linearise(None)?;
     let mut reduction = reduce(model, data, &factor, options.rank, &state.coefficients)?;
-    state.prior = Prior::new(model, &reduction, options.prior);
+    state.prior = Prior::new(model, &reduction, begin.prior);
     let mut outcome = state.rounds(&reduction, factor.select(&reduction.kept))?;
     if options.refine
         && options.second_look
@@ -284,7 +319,28 @@ pub(crate) fn fit_fixed(
             Err(error) => return Err(error),
         }
     }
-    state.finish(reduction, outcome)
+    let mut taken = true;
+    if follows {
+        let prior = match options.prior {
+            PriorStrength::None => Prior::new(model, &reduction, PriorStrength::None),
+            _ => state.prior.clone(),
+        };
+        state.options.prior = options.prior;
+        (outcome, taken) = state.follow(solver, prior, &reduction, outcome)?;
+        if taken && solver.supports(Need::Outliers) {
+            outcome = without_doubted(&mut state, data, solver, options, &reduction, outcome)?;
+        }
+    }
+    let mut fit = state.finish(reduction, outcome)?;
+    if !taken {
+        fit.warnings.push(Warning::FellBack { solver: solver.name().into(), why: Refusal::Objective });
+    }
+    Ok(fit)
+}
+
+/// Whether what a solver minimises is known: squares and the prior, nothing else.
+pub(crate) fn guarded(solver: &dyn Solver) -> bool {
+    solver.supports(Need::Unpenalised) && !solver.supports(Need::Outliers)
 }
 
 /// Fits with a reduction and a prior that are already known; nothing about the structure is decided again, and shape
@@ -326,15 +382,28 @@ fn refit_from(
 ) -> Result<Fit, IdentifyError> {
     let data = &*data.derived_for(model)?;
     let visits = Visits::of(data);
-    let mut state = State::new(model, data, &visits, solver, options)?;
+    let plain = PivotedQr::default();
+    let follows = options.refine && !guarded(solver);
+    let first: &dyn Solver = if follows { &plain } else { solver };
+    let mut state = State::new(model, data, &visits, first, options)?;
     state.prior = prior.clone();
     state.options.prior = PriorStrength::Fixed(prior.kappa);
     if let Some(start) = start {
         state.coefficients.copy_from_slice(start);
     }
+    state.unseen = start.is_none();
     let factor = state.linearise(Some(&reduction.kept))?;
-    let outcome = state.rounds(reduction, factor)?;
-    state.finish(reduction.clone(), outcome)
+    let known = follows && start.is_some();
+    let mut outcome = if known { state.here(reduction, factor)? } else { state.rounds(reduction, factor)? };
+    let mut taken = true;
+    if follows {
+        (outcome, taken) = state.follow(solver, prior.clone(), reduction, outcome)?;
+    }
+    let mut fit = state.finish(reduction.clone(), outcome)?;
+    if !taken {
+        fit.warnings.push(Warning::FellBack { solver: solver.name().into(), why: Refusal::Objective });
+    }
+    Ok(fit)
 }
 
 #[cfg(test)]

@@ -1,10 +1,15 @@
 //! The rounds of a fit: solve, move, look at the noise and the prior, until nothing moves.
 
 mod finish;
+mod first_look;
+mod follow;
 mod second_look;
+mod settle;
 mod solve;
+mod trust;
 mod whole;
 
+pub(super) use follow::doubted;
 pub(crate) use whole::from_factor;
 
 use super::{FitOptions, NoiseSource};
@@ -16,6 +21,22 @@ use nalgebra::DVector;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_solvers::accumulator::Factor;
 use truepose_solvers::{Need, Solution, SolveError, Solver};
+use trust::{Promise, Trust};
+
+/// Condition number of the columns, brought to length one, up to which sums of products hold half the digits.
+const CONDITION: f64 = 1e5;
+/// Relative step below which nothing moves.
+const STILL: f64 = 1e-8;
+/// Share of its standard deviation by which no unknown moves any more.
+const STILL_DEVIATIONS: f64 = 1e-3;
+/// What the objective may rise by in a step: weights follow the posture from round to round only. As a share, and in units.
+const WORSE: f64 = 1e-6;
+const TRIFLE: f64 = 1e-3;
+/// A step that keeps less than this share of its promise may have to be bent.
+const FAIR: f64 = 0.5;
+/// So many rounds in turn without gain end the fit: where none moves by much, and wherever it stands.
+const MOST_IDLE: usize = 25;
+const MOST_FLAT: usize = 3;
 
 /// Everything that a fit has while it runs.
 pub(super) struct State<'a> {
@@ -28,6 +49,8 @@ pub(super) struct State<'a> {
     noise: NoiseModel,
     pub(super) prior: Prior,
     pub(super) coefficients: Vec<f64>,
+    /// Whether the data has not yet been asked for the noise and the prior.
+    pub(super) unseen: bool,
     /// Whether sums of products have held the digits of every factor so far.
     sums_hold: bool,
     /// What the unknowns leave to scatter, with the noise and the number of unknowns at which that was asked.
@@ -37,7 +60,7 @@ pub(super) struct State<'a> {
 /// How the rounds ended.
 pub(super) struct Outcome {
     solution: Solution,
-    rounds: usize,
+    pub(super) rounds: usize,
     converged: bool,
     /// At the last coefficients, over the kept columns.
     factor: Factor,
@@ -45,7 +68,19 @@ pub(super) struct Outcome {
     residuals: Residuals,
 }
 
+impl Outcome {
+    /// Whether the last round moved nothing any more.
+    pub(super) fn converged(&self) -> bool {
+        self.converged
+    }
+}
+
 impl<'a> State<'a> {
+    /// The model.
+    pub(super) fn fitted_model(&self) -> &'a ErrorModel {
+        self.model
+    }
+
     pub(super) fn new(
         model: &'a ErrorModel,
         data: &'a Dataset,
@@ -75,6 +110,7 @@ impl<'a> State<'a> {
             noise,
             prior,
             coefficients,
+            unseen: true,
             sums_hold: true,
             freedom: None,
         })
@@ -85,14 +121,22 @@ impl<'a> State<'a> {
         factorise(self.model, self.data, self.visits, self.noise, &self.coefficients, columns)
     }
 
+    /// Over these columns on the way, for a correction of a step.
+    fn passing_over(&self, columns: &[usize]) -> Result<Factor, IdentifyError> {
+        let (model, data, visits, at) = (self.model, self.data, self.visits, &*self.coefficients);
+        let sums = gram(model, data, visits, self.noise, at, Some(columns))?;
+        match sums.finish_guarded(CONDITION)? {
+            Some(factor) => Ok(factor),
+            None => self.linearise(Some(columns)),
+        }
+    }
+
     /// Over the kept columns on the way, where half the digits do: from sums of products, as long as these hold them.
     fn passing(&mut self, kept: &[usize]) -> Result<Factor, IdentifyError> {
-        /// Condition number of the columns, brought to length one.
-        const MOST: f64 = 1e5;
         if self.sums_hold {
             let (model, data, visits, at) = (self.model, self.data, self.visits, &*self.coefficients);
             let sums = gram(model, data, visits, self.noise, at, Some(kept))?;
-            if let Some(factor) = sums.finish_guarded(MOST)? {
+            if let Some(factor) = sums.finish_guarded(CONDITION)? {
                 return Ok(factor);
             }
             self.sums_hold = false;
@@ -113,44 +157,42 @@ impl<'a> State<'a> {
         absolute
     }
 
-    /// Gauss–Newton rounds, with the noise estimated between them.
+    /// Gauss–Newton rounds within a region of trust, with the noise estimated between them.
     pub(super) fn rounds(&mut self, reduction: &Reduction, first: Factor) -> Result<Outcome, IdentifyError> {
-        /// Steps (in standard deviations, relative) below which nothing moves, and below which the noise is looked at.
-        const STILL: f64 = 1e-8;
+        /// Steps below which the noise is looked at: first, relative to all that is explained; then in standard deviations.
         const FIRST_LOOK: f64 = 0.1;
-        const NEAR: f64 = 1e-4;
+        const NEAR: f64 = 0.1;
         const MOST_LOOKS: usize = 15;
-        const FIRST_DAMPING: f64 = 1e-4;
-        const WORSE: f64 = 1e-6;
-        const MOST_FLAT: usize = 3;
-        const MOST_UNGUARDED: usize = 20;
         // A penalty that only the solver knows, or weights that it changes, make no objective to hold steps against.
-        let guarded = self.options.refine
-            && self.solver.supports(Need::Unpenalised)
-            && !self.solver.supports(Need::Outliers);
+        let guarded = self.options.refine && super::guarded(self.solver);
         let scales: Vec<f64> = reduction.kept.iter().map(|&c| self.model.columns()[c].scale).collect();
-        let limit = match (self.options.refine, guarded) {
-            (false, _) => 1,
-            (true, true) => self.options.max_rounds,
-            (true, false) => self.options.max_rounds.min(MOST_UNGUARDED),
-        };
-        // Noise and prior are looked at when steps have become short, the more often the less they still change.
-        let mut near = FIRST_LOOK;
-        let mut factor = first;
-        let mut damping = 0.0;
-        let (mut flat, mut looks) = (0, 0);
+        let mut limit = if self.options.refine { self.options.max_rounds } else { 1 };
+        // Noise and prior are looked at when steps have become short.
+        let mut settled = false;
+        let mut factor = self.first_look(reduction, first)?;
+        let mut trust = Trust::default();
+        let placement = self.placement(reduction);
+        let (mut flat, mut idle, mut looks) = (0, 0, 0);
         let mut rounds = 0;
         loop {
             rounds += 1;
             let before = squares_of(&factor) + self.penalty(reduction);
+            let damping = if guarded { self.damping(reduction, &factor, trust.radius) } else { 0.0 };
             let (solution, target) = self.solve(reduction, &factor, &scales, damping)?;
-            let mut moved = self.step(reduction, &factor, &target);
+            let moved = self.step(reduction, &factor, &target);
+            let promise = self.promise(reduction, &factor, &target);
             let start = std::mem::replace(&mut self.coefficients, target);
             // Where the noise will be looked at, and where a step may well be taken back, residuals come first; elsewhere the new
             // factor says what is left.
             let last = rounds >= limit;
-            let look = moved < near || last || flat + 1 >= MOST_FLAT;
-            let (residuals, next, squares) = if look || damping > 0.0 {
+            let free = damping <= 0.0;
+            let near = match (settled, looks) {
+                (true, _) => still(moved, &promise),
+                (false, 0) => moved < FIRST_LOOK || promise.deviations < NEAR,
+                (false, _) => moved < STILL || promise.deviations < NEAR,
+            };
+            let look = (free && near) || last || flat + 1 >= MOST_FLAT;
+            let (mut residuals, mut next, squares) = if look || damping > 0.0 {
                 let (residuals, squares) = self.misfit()?;
                 (Some(residuals), None, squares)
             } else {
@@ -167,20 +209,49 @@ impl<'a> State<'a> {
                 }
             };
             let squares = if squares.is_nan() { f64::INFINITY } else { squares };
-            let after = squares + self.penalty(reduction);
-            if guarded && moved > STILL && after > before * (1.0 + WORSE) && rounds < limit {
-                // Too far for the linear picture: the same point again, with a shorter step. Weights follow the posture
-                // from round to round only, so that the last steps may lose a trifle.
-                self.coefficients = start;
-                damping = (10.0 * damping).max(FIRST_DAMPING);
-                continue;
+            let mut after = squares + self.penalty(reduction);
+            if guarded
+                && moved > STILL
+                && before - after < FAIR * promise.gain
+                && promise.gain > TRIFLE
+                && !placement.is_empty()
+            {
+                let straight = self.coefficients.clone();
+                self.settle(reduction, &placement)?;
+                let (left, squares) = self.misfit()?;
+                let settled = squares + self.penalty(reduction);
+                if settled < after {
+                    (residuals, next, after) = (Some(left), None, settled);
+                } else {
+                    self.coefficients = straight;
+                }
             }
-            damping = if damping > FIRST_DAMPING { 0.2 * damping } else { 0.0 };
-            // In a flat valley steps stay long while nothing is gained any more: that is the end, too.
-            flat = if guarded && before - after < self.options.flat * before { flat + 1 } else { 0 };
-            if flat >= MOST_FLAT {
-                moved = 0.0;
+            let small = free && promise.deviations < NEAR;
+            if guarded {
+                // Weights follow the posture from round to round only, so that the last steps may lose a trifle.
+                let slack = (WORSE * before).max(if small { NEAR * NEAR } else { TRIFLE });
+                let worse = after > before + slack;
+                idle = if before - after < self.options.flat { idle + 1 } else { 0 };
+                if idle >= MOST_IDLE && rounds < limit {
+                    // Neither far nor near can anything be gained: one more round, to say how it stands.
+                    limit = rounds + 1;
+                }
+                if worse {
+                    // Too far for the linear picture: the same point again, with a shorter step.
+                    self.coefficients = start;
+                    trust.after(promise.length, (before - after) / promise.gain.max(f64::MIN_POSITIVE));
+                    if rounds < limit {
+                        continue;
+                    }
+                    residuals = Some(self.misfit()?.0);
+                } else {
+                    let kept = if promise.gain > slack { (before - after) / promise.gain } else { 1.0 };
+                    trust.after(promise.length, kept);
+                }
             }
+            // Where nothing is gained any more and no unknown moves by a tenth of its standard deviation, it is the end, too.
+            flat = if guarded && small && (before - after).abs() < self.options.flat { flat + 1 } else { 0 };
+            let stands = free && (still(moved, &promise) || flat >= MOST_FLAT);
             let Some(residuals) = residuals.filter(|_| look) else {
                 factor = match next {
                     Some(next) => next,
@@ -188,9 +259,8 @@ impl<'a> State<'a> {
                 };
                 continue;
             };
-            near = NEAR.min(near);
             looks += 1;
-            let mut settled = true;
+            settled = true;
             if self.options.noise == NoiseSource::Estimate {
                 let freedom = self.freedom(reduction, &factor)?;
                 let noise = estimate_noise(self.data, self.visits, &residuals, &freedom);
@@ -199,15 +269,13 @@ impl<'a> State<'a> {
             }
             factor =
                 if last { self.linearise(Some(&reduction.kept))? } else { self.passing(&reduction.kept)? };
-            if self.options.prior.asks_the_data() {
+            // The prior of a single step is the one that it was taken with.
+            if self.options.prior.asks_the_data() && self.options.refine {
                 settled &= self.look_at_prior(reduction, &self.absolute(reduction, &factor))?;
             }
-            if settled || looks > MOST_LOOKS {
-                settled = true;
-                near = STILL;
-            }
-            if (settled && moved < STILL) || last {
-                let converged = moved < STILL || !self.options.refine;
+            settled |= looks > MOST_LOOKS;
+            if (settled && stands) || last {
+                let converged = stands || !self.options.refine;
                 let passed = self.sums_hold && !last;
                 let factor = if passed { self.linearise(Some(&reduction.kept))? } else { factor };
                 return Ok(Outcome { solution, rounds, converged, factor, residuals });
@@ -255,6 +323,11 @@ impl<'a> State<'a> {
         }
         self.prior.penalty(&reduction.grouped(&self.coefficients))
     }
+}
+
+/// Whether a step moves nothing: relative to all that is explained, or to what is known of the unknowns.
+fn still(moved: f64, promise: &Promise) -> bool {
+    moved < STILL || promise.deviations < STILL_DEVIATIONS
 }
 
 /// Whitened squares at the point of linearisation.

@@ -384,6 +384,17 @@ pub struct Rows {
     pub visit: Vec<usize>,
 }
 
+/// The whitened residuals of all rows, in the order of [`collect`], without any column.
+pub(crate) fn left_over_rows(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<Rows, IdentifyError> {
+    gathered(Lineariser::new(model, data, noise, coefficients)?.of_columns(&[]), visits)
+}
+
 /// All whitened rows as one matrix, for solvers that have to see rows.
 ///
 /// # Errors
@@ -395,7 +406,10 @@ pub fn collect(
     noise: NoiseModel,
     coefficients: &[f64],
 ) -> Result<Rows, IdentifyError> {
-    let mut lineariser = Lineariser::new(model, data, noise, coefficients)?;
+    gathered(Lineariser::new(model, data, noise, coefficients)?, visits)
+}
+
+fn gathered(mut lineariser: Lineariser<'_>, visits: &Visits) -> Result<Rows, IdentifyError> {
     let width = lineariser.width();
     let (mut flat, mut visit) = (Vec::new(), Vec::new());
     for (k, rows) in visits.rows.iter().enumerate() {

@@ -29,6 +29,13 @@ impl fmt::Display for IdentificationSummary {
                 writeln!(f, "  {line}")?;
             }
         }
+        if !self.converged {
+            let rounds = count(self.rounds, "round");
+            writeln!(
+                f,
+                "NOT CONVERGED: the fit still moved after {rounds}; no figure of the declared model below is final"
+            )?;
+        }
         self.errors(f)?;
         self.noise(f)?;
         self.reduction(f)?;
@@ -123,7 +130,8 @@ impl IdentificationSummary {
         }
         writeln!(
             f,
-            "\ndeclared model by axis{}, mm",
+            "\ndeclared model{} by axis{}, mm",
+            if self.converged { "" } else { ", NOT CONVERGED," },
             if self.targets.is_empty() { "" } else { " and target" }
         )?;
         header[1] = "rows";
@@ -191,7 +199,8 @@ impl IdentificationSummary {
             significant(o.o4, 3),
             significant(o.o5, 3)
         )?;
-        writeln!(f, "\ngrouped errors, 95 % intervals")?;
+        let word = if self.converged { "" } else { "NOT CONVERGED: " };
+        writeln!(f, "\n{word}grouped errors, 95 % intervals")?;
         let rows: Vec<Vec<String>> = self
             .groups
             .iter()
@@ -236,14 +245,15 @@ impl IdentificationSummary {
             Some(s) if s.held_out.is_some() => "on held-out configurations",
             _ => "on the data of the fit",
         };
+        let word = if self.converged { "" } else { "NOT CONVERGED: " };
         match (before, after) {
             (Some(before), Some(after)) => format!(
-                "before → after, RMS {where_from}: {} mm → {} mm. {}.",
+                "{word}before → after, RMS {where_from}: {} mm → {} mm. {}.",
                 significant(before, 3),
                 significant(after, 3),
                 capitalised(&self.limit)
             ),
-            _ => capitalised(&self.limit),
+            _ => format!("{word}{}", capitalised(&self.limit)),
         }
     }
 }

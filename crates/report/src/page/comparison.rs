@@ -12,25 +12,16 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
     let mut rows = Vec::new();
     for strategy in &summary.strategies {
         match &strategy.outcome {
-            StrategyOutcome::Fitted {
-                train,
-                held_out,
-                rank,
-                nonzero,
-                rounds,
-                converged,
-                seconds,
-                p_value,
-            } => {
-                fitted.push((strategy.solver.clone(), held_out.rms_mm, *p_value));
+            StrategyOutcome::Fitted { train, held_out, rank, nonzero, rounds, seconds, p_value, .. } => {
+                fitted.push((strategy.marked(), held_out.rms_mm, *p_value));
                 rows.push(vec![
-                    strategy.solver.clone(),
+                    strategy.marked(),
                     significant(train.rms_mm, 4),
                     significant(held_out.rms_mm, 4),
                     p_value.map_or_else(|| "–".into(), |p| significant(p, 2)),
                     rank.to_string(),
                     nonzero.to_string(),
-                    format!("{rounds}{}", if *converged { "" } else { " (still moving)" }),
+                    rounds.to_string(),
                     significant(seconds * 1e3, 3),
                 ]);
             }
@@ -41,6 +32,10 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
     }
     let best = fitted.iter().min_by(|a, b| a.1.total_cmp(&b.1));
     page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&verdict(best, fitted.first()))));
+    let warnings = summary.warnings();
+    if !warnings.is_empty() {
+        page.list(&warnings);
+    }
     let list: Vec<Bar> = fitted
         .iter()
         .map(|(name, rms, p)| Bar {

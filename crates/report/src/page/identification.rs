@@ -69,7 +69,10 @@ pub fn identification_report(
             "width of the prior, expected sizes",
             summary.prior.map_or_else(|| "none".into(), |p| significant(p, 3)),
         ),
-        row("rounds", format!("{}{}", summary.rounds, if summary.converged { "" } else { ", still moving" })),
+        row(
+            "rounds",
+            format!("{}{}", summary.rounds, if summary.converged { "" } else { ", NOT CONVERGED" }),
+        ),
         row(
             "rows, visits, configurations",
             format!("{}, {}, {}", summary.rows, summary.visits, summary.configurations),
@@ -127,10 +130,11 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
         .collect();
     if let [.., before, after] = &summary.stages[..] {
         let (before, after) = (judged(before), judged(after));
+        let word = if summary.converged { "" } else { "NOT CONVERGED, no figure is final. " };
         page.raw(&format!(
             "<p class=\"verdict\">{}</p>",
             escape(&format!(
-                "The declared model brings the position error from {} to {} mm (3-D RMS), {seen}; 95 % of rows are below {} mm, the largest is {} mm.",
+                "{word}The declared model brings the position error from {} to {} mm (3-D RMS), {seen}; 95 % of rows are below {} mm, the largest is {} mm.",
                 mm(before.rms_mm),
                 mm(after.rms_mm),
                 mm(after.p95_mm),

@@ -227,6 +227,32 @@ impl<'a> Visits<'a> {
 mod tests {
     use super::*;
     use crate::{NormalEquations, PivotedQr, Ridge, Svd};
+    use nalgebra::DMatrix;
+
+    /// Thirty measured rows of a direction that nothing but the prior's row holds, and one wrong row.
+    #[test]
+    fn a_prior_keeps_its_weight() {
+        let rows = 31;
+        let a = DMatrix::from_fn(rows, 2, |i, j| match (i, j) {
+            (30, 0) => 0.0,
+            (30, _) => 5.0,
+            (_, 0) => 1.0,
+            _ => 1e-3 * ((i * 7) as f64).sin(),
+        });
+        let y = DVector::from_fn(rows, |i, _| match i {
+            30 => 0.0,
+            3 => 40.0,
+            _ => 1.0 + 0.1 * ((i * i) as f64 * 0.77).sin(),
+        });
+        // Unlike anything that was measured, and far from what the rows would like: as an outlier it would be thrown out.
+        let y = DVector::from_fn(rows, |i, _| if i == 30 { 25.0 } else { y[i] });
+        for solver in [Robust::huber(PivotedQr::default()), Robust::tukey(PivotedQr::default())] {
+            let found = solver.solve(&LeastSquares::new(&a, &y).with_prior_rows(1)).unwrap();
+            let weights = found.info.row_weights.unwrap();
+            assert!((weights[30] - 1.0).abs() < 1e-12 && weights[3] < 0.1, "{weights:?}");
+            assert!((found.x[1] - 5.0).abs() < 0.1 && (found.x[0] - 1.0).abs() < 0.1, "{}", found.x);
+        }
+    }
 
     #[test]
     fn every_composition_passes_the_kit() {

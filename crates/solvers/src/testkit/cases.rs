@@ -39,6 +39,7 @@ impl Case {
             scale: Some(&self.scale),
             column_groups: Some(&self.column_groups),
             bounds: self.bounds.as_ref(),
+            prior_rows: 0,
         }
     }
 }

@@ -44,6 +44,7 @@ impl State<'_> {
             prior: self.prior,
             rounds: outcome.rounds,
             converged: outcome.converged,
+            refined: self.options.refine,
             observations: self.observations,
             chi_square,
             solution: outcome.solution,

@@ -3,7 +3,7 @@
 use super::State;
 use crate::IdentifyError;
 use crate::fit::constraints;
-use crate::linearise::collect;
+use crate::linearise::{Rows, collect};
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_solvers::accumulator::Factor;
@@ -26,12 +26,7 @@ impl State<'_> {
         let plain = self.solver.supports(Need::Unpenalised) && !self.solver.supports(Need::Outliers);
         let solution = if !plain {
             let rows = collect(self.model, self.data, self.visits, self.noise, &self.coefficients)?;
-            let y = &rows.residual + &rows.a * DVector::from_column_slice(&self.coefficients);
-            let (a, y) = self.with_prior(reduction.select(&rows.a), y);
-            let mut groups = rows.visit;
-            groups.extend((0..a.nrows() - groups.len()).map(|k| self.visits.len() + k));
-            let problem = LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&groups);
-            self.solver.solve(&constrained(problem))?
+            self.solve_rows(reduction, &rows, scales)?
         } else {
             let small = self.absolute(reduction, factor);
             let y = small.z.column(0).into_owned();
@@ -47,6 +42,25 @@ impl State<'_> {
         }
         let next = reduction.expand(solution.x.as_slice(), columns);
         Ok((solution, next))
+    }
+
+    /// The solver's answer to whitened rows, with those of the prior below them.
+    pub(super) fn solve_rows(
+        &self,
+        reduction: &Reduction,
+        rows: &Rows,
+        scales: &[f64],
+    ) -> Result<Solution, IdentifyError> {
+        let bounds = constraints::bounds(self.model, reduction);
+        let effects = constraints::effects(self.model, reduction);
+        let y = &rows.residual + &rows.a * DVector::from_column_slice(&self.coefficients);
+        let (a, y) = self.with_prior(reduction.select(&rows.a), y);
+        let mut groups = rows.visit.clone();
+        let more = a.nrows() - groups.len();
+        groups.extend((0..more).map(|k| self.visits.len() + k));
+        let problem =
+            LeastSquares::new(&a, &y).with_scale(scales).with_row_groups(&groups).with_prior_rows(more);
+        Ok(self.solver.solve(&self.constrained(problem, &bounds, &effects))?)
     }
 
     /// The problem with bounds, and with the effect of each column, for solvers that hold or ask for them.
