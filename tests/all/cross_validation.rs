@@ -127,8 +127,9 @@ fn block_and_merge_agree_with_rotations_compliance_and_a_prior() {
     }
     let deleted = by_hand(&without, &data, &folds);
     let block = held_out(&without, &data, &folds, Method::Block);
+    // By hand the residuals of a fold are those of the linear problem; the program predicts the fold exactly. They differ in second order, as above.
     let relative = apart(&deleted, &block.residuals.position);
-    assert!(relative < 1e-8, "{relative}");
+    assert!(relative < 1e-3, "{relative}");
 }
 
 #[test]

@@ -222,7 +222,8 @@ fn a_spring_whose_name_is_not_in_the_library_is_not_told_for_another_without_a_d
     assert!(!named || first.alternatives.iter().any(nameless), "{:?} {:?}", words(&told), first.alternatives);
     // With its name in the library nothing is in doubt.
     let told = found(&chain, &declared, &data, 0);
-    assert_eq!(words(&told), ["joint_compliance a2"]);
+    let refused: Vec<_> = told.refused.iter().map(|r| (r.candidate.words(), r.doubt)).collect();
+    assert_eq!(words(&told), ["joint_compliance a2"], "{refused:?} {:?}", told.withdrawn);
 }
 
 #[test]

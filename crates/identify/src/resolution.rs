@@ -86,6 +86,11 @@ mod tests {
         Dataset {
             visit: (0..60).collect(),
             position_sd: vec![[f64::NAN; 3]; 60],
+            orientation: vec![None; 60],
+            orientation_sd: vec![[f64::NAN; 3]; 60],
+            target: vec![None; 60],
+            load: vec![truepose_kinematics::Load::None; 60],
+            time: vec![0.0; 60],
             position,
             ..Dataset::default()
         }

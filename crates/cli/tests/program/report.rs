@@ -84,7 +84,8 @@ fn page_ledger_and_terminal_have_the_same_numbers() {
         for (key, share) in [("p_value", 1.0), ("stability", 100.0)] {
             let digits = if key == "p_value" { 2 } else { 3 };
             let shown = significant(share * effect[key].as_f64().unwrap(), digits);
-            let words = if key == "p_value" { format!("p = {shown}") } else { format!("there in {shown} %") };
+            let words =
+                if key == "p_value" { format!("p = {shown}") } else { format!("selected in {shown} %") };
             assert!(page.contains(&words) && terminal.contains(&words), "{words}");
         }
         for (parameter, first) in effect["parameters"].as_array().unwrap().iter().zip(0..) {

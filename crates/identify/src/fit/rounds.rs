@@ -35,7 +35,7 @@ const TRIFLE: f64 = 1e-3;
 /// A step that keeps less than this share of its promise may have to be bent.
 const FAIR: f64 = 0.5;
 /// So many rounds in turn without gain end the fit: where none moves by much, and wherever it stands.
-const MOST_IDLE: usize = 25;
+const MOST_IDLE: usize = 12;
 const MOST_FLAT: usize = 3;
 
 /// Everything that a fit has while it runs.
@@ -173,7 +173,7 @@ impl<'a> State<'a> {
         let mut trust = Trust::default();
         let placement = self.placement(reduction);
         let (mut flat, mut idle, mut looks) = (0, 0, 0);
-        let mut rounds = 0;
+        let (mut stalled, mut rounds) = (false, 0);
         loop {
             rounds += 1;
             let before = squares_of(&factor) + self.penalty(reduction);
@@ -233,13 +233,16 @@ impl<'a> State<'a> {
                 let worse = after > before + slack;
                 idle = if before - after < self.options.flat { idle + 1 } else { 0 };
                 if idle >= MOST_IDLE && rounds < limit {
-                    // Neither far nor near can anything be gained: one more round, to say how it stands.
+                    // Neither far nor near can anything be gained: one more round, of a whole step, to say how it stands.
                     limit = rounds + 1;
+                    (stalled, trust.radius) = (true, f64::INFINITY);
                 }
                 if worse {
                     // Too far for the linear picture: the same point again, with a shorter step.
                     self.coefficients = start;
-                    trust.after(promise.length, (before - after) / promise.gain.max(f64::MIN_POSITIVE));
+                    if !stalled {
+                        trust.after(promise.length, (before - after) / promise.gain.max(f64::MIN_POSITIVE));
+                    }
                     if rounds < limit {
                         continue;
                     }
@@ -251,7 +254,8 @@ impl<'a> State<'a> {
             }
             // Where nothing is gained any more and no unknown moves by a tenth of its standard deviation, it is the end, too.
             flat = if guarded && small && (before - after).abs() < self.options.flat { flat + 1 } else { 0 };
-            let stands = free && (still(moved, &promise) || flat >= MOST_FLAT);
+            // How compliances change with the coefficients is left out of the slope: at the least of the objective a step may be left over.
+            let stands = free && (still(moved, &promise) || flat >= MOST_FLAT || (stalled && small));
             let Some(residuals) = residuals.filter(|_| look) else {
                 factor = match next {
                     Some(next) => next,

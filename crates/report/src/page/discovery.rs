@@ -210,7 +210,7 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         page.raw("</details>");
     }
     page.text(&format!(
-        "p = {} (family-wise, by sign flips); there in {} % of half samples; cross-validated {} → {} mm, held out {} → {} mm.",
+        "p = {} (family-wise, by sign flips); selected in {} % of half-samples; cross-validated {} → {} mm, held out {} → {} mm.",
         significant(effect.p_value, 2),
         significant(100.0 * effect.stability, 3),
         significant(effect.cross_validated_rms_mm.before, 3),
@@ -299,7 +299,7 @@ fn refused(page: &mut Page, summary: &DiscoverySummary) {
         .collect();
     page.table(
         "Candidates that won a contest and were not believed",
-        &["candidate", "p", "half samples", "cross-validated, mm", "why not"],
+        &["candidate", "p", "half-samples", "cross-validated, mm", "why not"],
         &rows,
         true,
     );
