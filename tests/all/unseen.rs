@@ -55,7 +55,7 @@ fn what_was_declared_unknown_is_never_told_to_be_wrong() {
     let known = with_three_targets(&samples::ur10());
     let spring = flaws::JointCompliance { joint: "j2".into(), ..flaws::JointCompliance::default() };
     let data = measured(&known, Flaws { joint_compliance: vec![spring], ..constants() }, 60, 8);
-    let open = Placed { known: false, ..known.base().clone() };
+    let open = Placed { known: false, ..*known.base() };
     let targets = known.targets().iter().map(|t| Target { known: false, ..t.clone() }).collect();
     let chain = known.with_base(open).unwrap().with_targets(targets).unwrap();
     // Only one joint's own errors are declared: base and targets are unknown all the same.

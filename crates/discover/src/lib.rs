@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod admissible;
+mod admit;
 mod candidate;
 mod conclude;
 mod contest;
@@ -50,6 +51,7 @@ mod trace;
 mod trial;
 mod whitener;
 mod wide;
+mod winner;
 mod working;
 
 pub use candidate::{Candidate, Change};

@@ -8,7 +8,7 @@ use crate::candidate::{Candidate, Change};
 use crate::likelihood::Likelihood;
 use crate::rival::Rival;
 use crate::scene::Scene;
-use crate::search::adopted;
+use crate::winner::adopted;
 use crate::working::{Ground, Working};
 use nalgebra::DMatrix;
 use rayon::prelude::*;

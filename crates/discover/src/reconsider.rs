@@ -9,7 +9,8 @@ use crate::evidence::{Evidence, collect};
 use crate::rival::{Rival, losers, rival};
 use crate::scene::{Scene, typical_sd};
 use crate::screen::Screen;
-use crate::search::{Accepted, Search, adopted, parametric};
+use crate::search::{Accepted, Search};
+use crate::winner::{adopted, parametric};
 use crate::{DiscoverError, Family};
 use truepose_errormodel::Visits;
 

@@ -1,23 +1,18 @@
 //! The loop's state, and the loop.
 
-use crate::admissible::{Objection, objection};
 use crate::candidate::{Candidate, Change};
-use crate::contest::{Contest, contest};
 use crate::descend::{between_rows, descended, gaps};
 use crate::diagnosis::{Refused, Stop, Untestable};
-use crate::evidence::{Doubt, Evidence, collect};
+use crate::evidence::{Doubt, Evidence};
 use crate::flips::NullDistribution;
-use crate::payload::weighed;
-use crate::polish::polished;
-use crate::refits::{Refits, compared};
-use crate::rival::{Rival, losers};
+use crate::refits::Refits;
+use crate::rival::Rival;
 use crate::scene::Scene;
 use crate::screen::Screen;
 use crate::so_far::SoFar;
-use crate::surprise::gain_of_one;
+use crate::winner::{seen_from, winner};
 use crate::working::{Ground, Working};
 use crate::{DiscoverError, DiscoverOptions, Family, Progress, conclude, merge, reconsider};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use truepose_errormodel::Dataset;
@@ -48,20 +43,13 @@ pub(crate) struct Search<'a> {
     /// The declared model.
     pub first: Arc<Working>,
     /// How the present model predicts what its refits have not seen, once that was asked.
-    refits: Option<Refits>,
+    pub refits: Option<Refits>,
     /// Candidates that passed the tests and failed as part of the present model.
     barred: Vec<Candidate>,
 }
 
 /// What the last screen said: (smallest family-wise p, gain that would have been seen).
 pub(crate) type LastWord = (f64, f64);
-
-/// What a change of the model can be taken back to.
-struct Checkpoint {
-    accepted: Vec<Accepted>,
-    now: Arc<Working>,
-    refits: Option<Refits>,
-}
 
 impl<'a> Search<'a> {
     /// Before anything was found.
@@ -180,104 +168,10 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// Takes a candidate into the model, refits it, and takes it out again when that makes the model worse; why, if it does.
-    fn admit(&mut self, accepted: Accepted) -> Result<Option<Doubt>, DiscoverError> {
-        let before = self.checkpoint();
-        let Some(taken) = self.take(accepted) else {
-            return Ok(Some(Doubt::NothingNew));
-        };
-        self.refit()?;
-        if let Some(better) = polished(&self.ground, &self.now, taken)? {
-            self.accepted[taken].candidate = better;
-            self.refit()?;
-        }
-        let objection = objection(&self.now.fit, &self.now.found[taken], self.effects_of(taken));
-        let doubt = match objection {
-            Some(objection) => Some(doubt_of(objection)),
-            None => self.worse_than(&before, true)?,
-        };
-        if doubt.is_some() {
-            self.restore(before);
-        }
-        Ok(doubt)
-    }
-
-    /// Changes the findings, and takes the change back when it makes the model worse; whether it was kept.
-    fn revise(
-        &mut self,
-        change: impl FnOnce(&mut Self) -> Result<bool, DiscoverError>,
-    ) -> Result<bool, DiscoverError> {
-        let before = self.checkpoint();
-        if !change(self)? {
-            return Ok(false);
-        }
-        if self.worse_than(&before, false)?.is_some() {
-            self.restore(before);
-            return Ok(false);
-        }
-        Ok(true)
-    }
-
-    /// What speaks against the present model beside an earlier one. An effect that is added has to predict unseen poses better; a revision,
-    /// which may also make the model simpler, not worse by more than what counts.
-    fn worse_than(&mut self, before: &Checkpoint, gains: bool) -> Result<Option<Doubt>, DiscoverError> {
-        /// A training error may grow by so little where the noise of rows and poses is shared out anew.
-        const GROWTH: f64 = 1.01;
-        let fit = &self.now.fit;
-        if before.now.fit.converged && !fit.converged {
-            return Ok(Some(Doubt::NotConverged));
-        }
-        let trained = compared(&before.now.fit.residuals, &fit.residuals, before.now.fit.noise);
-        if gains && trained.is_some_and(|trained| trained.position > GROWTH && trained.deviation > 1.0) {
-            return Ok(Some(Doubt::WorseFit));
-        }
-        let seed = self.options.seed;
-        let earlier = match &before.refits {
-            Some(refits) => refits.clone(),
-            None => self.ground.refits(&before.now, seed)?,
-        };
-        let refits = self.ground.refits(&self.now, seed)?;
-        let unseen = compared(&earlier.residuals, &refits.residuals, before.now.fit.noise);
-        let worse = unseen.is_none_or(|unseen| if gains { unseen.is_no_gain() } else { unseen.is_loss() });
-        if worse || (earlier.converged && !refits.converged) {
-            return Ok(Some(Doubt::WorseUnseen));
-        }
-        self.refits = Some(refits);
-        Ok(None)
-    }
-
-    /// Drops findings that, with all others in the model, are no longer significant or physical.
-    fn sift(&mut self) -> Result<(), DiscoverError> {
-        let mut at = 0;
-        while at < self.accepted.len() {
-            let Some(objection) = objection(&self.now.fit, &self.now.found[at], self.effects_of(at)) else {
-                at += 1;
-                continue;
-            };
-            let Accepted { candidate, evidence, .. } = self.accepted.remove(at);
-            self.refuse(candidate, evidence, doubt_of(objection));
-            self.refit()?;
-            at = 0;
-        }
-        Ok(())
-    }
-
-    fn refuse(&mut self, candidate: Candidate, evidence: Evidence, doubt: Doubt) {
+    pub(crate) fn refuse(&mut self, candidate: Candidate, evidence: Evidence, doubt: Doubt) {
         if !self.refused.iter().any(|r| r.candidate.same_cause(&candidate) && r.doubt == doubt) {
             self.refused.push(Refused { candidate, evidence, doubt });
         }
-    }
-
-    fn checkpoint(&self) -> Checkpoint {
-        Checkpoint {
-            accepted: self.accepted.clone(),
-            now: Arc::clone(&self.now),
-            refits: self.refits.clone(),
-        }
-    }
-
-    fn restore(&mut self, to: Checkpoint) {
-        (self.accepted, self.now, self.refits) = (to.accepted, to.now, to.refits);
     }
 
     /// Family-wise p of a rival for the place of a finding: `scene` is the model without it, `others` are the other findings.
@@ -311,10 +205,11 @@ impl<'a> Search<'a> {
         let first = self.ground.working_from(Vec::new(), &[], Some(&self.first.fit))?;
         self.first = Arc::new(first);
         let found = self.now.found.clone();
-        let working = match found.is_empty() {
-            true => return Ok(self.now = Arc::clone(&self.first)),
-            false => self.ground.working_from(found, &[], Some(&self.now.fit))?,
-        };
+        if found.is_empty() {
+            self.now = Arc::clone(&self.first);
+            return Ok(());
+        }
+        let working = self.ground.working_from(found, &[], Some(&self.now.fit))?;
         self.stand_on(working);
         Ok(())
     }
@@ -334,7 +229,7 @@ impl<'a> Search<'a> {
 
     /// Takes a find in; more of a cause that is known (further periods of one gear) goes to the find that it belongs to. Returns the
     /// find's number; none when the model has it already.
-    fn take(&mut self, accepted: Accepted) -> Option<usize> {
+    pub(crate) fn take(&mut self, accepted: Accepted) -> Option<usize> {
         let known = self.accepted.iter().position(|a| a.candidate.same_cause(&accepted.candidate));
         if let Some(known) = known
             && let (Change::Add(effects), Change::Add(more)) =
@@ -409,79 +304,4 @@ fn looked_at_again(search: &mut Search<'_>) -> Result<bool, DiscoverError> {
         changed = true;
     }
     Ok(changed)
-}
-
-fn doubt_of(objection: Objection) -> Doubt {
-    match objection {
-        Objection::NotSignificant => Doubt::NotSignificant,
-        Objection::NotPhysical => Doubt::NotPhysical,
-    }
-}
-
-/// The best rival that passes all tests; those that fail are noted and the next one is asked.
-fn winner(
-    ground: &Ground<'_>,
-    now: &Working,
-    (scene, screen, null): (&Scene<'_>, &Screen, &NullDistribution),
-    options: &DiscoverOptions,
-    barred: &[Candidate],
-    refused: &mut Vec<Refused>,
-) -> Result<Option<Accepted>, DiscoverError> {
-    /// Contests that may end without a winner before nobody is asked any more, and how many of each contest are asked.
-    const CONTESTS: usize = 4;
-    const ASKED: usize = 2;
-    let mut barred: Vec<Candidate> = barred.to_vec();
-    for _ in 0..CONTESTS {
-        let Contest { present, mut rivals } = contest(scene, screen, &barred, true)?;
-        weighed(ground, now, &mut rivals)?;
-        if rivals.is_empty() {
-            return Ok(None);
-        }
-        for (k, best) in rivals.iter().enumerate().take(ASKED) {
-            let p = (null.p_value(best.surprise), parametric(screen, best));
-            let evidence = collect(scene, &present, best, p, options.seed)?;
-            let floor = best.likelihood.noise.floor(scene.typical_sd());
-            let doubt = if best.score >= present.deviance {
-                Some(Doubt::TooSmall)
-            } else {
-                evidence.doubt(options.alpha, floor, best.candidate.belongs_to_time())
-            };
-            let Some(doubt) = doubt else {
-                return Ok(Some(Accepted {
-                    candidate: adopted(best),
-                    evidence,
-                    rivals: losers(&rivals[k + 1..], best),
-                    shortlist: screen.shortlist(scene),
-                }));
-            };
-            if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
-                refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });
-            }
-            barred.push(best.candidate.clone());
-        }
-    }
-    Ok(None)
-}
-
-/// The candidate with what the contest found out about its change.
-pub(crate) fn adopted(rival: &Rival) -> Candidate {
-    let mut candidate = rival.candidate.clone();
-    candidate.width = Some(rival.within());
-    if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
-        *mass = (*mass + rival.likelihood.coefficients[0]).max(0.0);
-    }
-    candidate
-}
-
-/// The parametric p of a rival, times the number of questions asked.
-pub(crate) fn parametric(screen: &Screen, rival: &Rival) -> f64 {
-    let asked = screen.tests();
-    let law = ChiSquared::new(rival.freedom as f64);
-    let single = law.map_or(1.0, |law| law.sf(rival.gain.max(0.0)));
-    (single * asked.max(1) as f64).min(1.0)
-}
-
-/// The gain of a single unknown that would have passed as no chance.
-fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
-    gain_of_one(null.critical(alpha))
 }

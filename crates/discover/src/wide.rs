@@ -14,11 +14,12 @@ use truepose_kinematics::{Chain, JointId, Posture};
 pub(crate) fn as_fitted(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Vec<Box<dyn AnyEffect>> {
     let model = fit.fitted.model();
     let widths = fit.prior.widths_of_columns(model);
-    let wide = |(k, effect): (usize, &Box<dyn AnyEffect>)| -> Box<dyn AnyEffect> {
-        let stretches = widths[model.columns_of(k)].to_vec();
-        Box::new(Wide { effect: effect.clone(), stretches: Stretches::Each(stretches) })
-    };
-    declared.iter().enumerate().map(wide).collect()
+    let mut wide: Vec<Box<dyn AnyEffect>> = Vec::new();
+    for (k, effect) in declared.iter().enumerate() {
+        let stretches = Stretches::Each(widths[model.columns_of(k)].to_vec());
+        wide.push(Box::new(Wide { effect: effect.clone(), stretches }));
+    }
+    wide
 }
 
 /// How the expected sizes of columns are stretched.
