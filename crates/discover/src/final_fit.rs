@@ -33,12 +33,13 @@ pub(crate) struct Plain<'a> {
 impl Plain<'_> {
     /// The declared model on all rows.
     pub fn fit(&self, ground: &Ground<'_>, now: &Working, all: &Dataset) -> Result<Final, DiscoverError> {
+        // Rows that are reported, and no others: else this would be another fit than the one that the user compares it with.
         let outside = outside(&now.fit, all, now)?;
-        let data = without(all, &outside.suspects);
+        let data = without(all, &outside.certain);
         let model = ErrorModel::new(ground.chain.clone(), self.declared.to_vec())?;
         let mut fit = fit(&model, &data, ground.solver, &self.fit)?;
         let outside = self::outside(&fit, all, now)?;
-        let data = without(all, &outside.suspects);
+        let data = without(all, &outside.certain);
         fit = fit_again(&fit, &data, ground.solver, &self.fit)?;
         Ok(Final { fit, found: Vec::new(), data, outside })
     }

@@ -45,7 +45,7 @@ mod tests {
     #[test]
     fn an_unknown_base_is_an_unknown_of_every_model() {
         let chain = samples::ur10();
-        let base = Placed { known: false, ..chain.base().clone() };
+        let base = Placed { known: false, ..*chain.base() };
         let open = chain.clone().with_base(base).expect("a base");
         let springs: Vec<Box<dyn AnyEffect>> = vec![Box::new(JointCompliance::of(chain.movable()[1]))];
         let columns = |chain: &Chain, declared: &[Box<dyn AnyEffect>]| {
