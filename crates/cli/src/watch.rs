@@ -23,8 +23,17 @@ struct SoFar {
     found: Vec<String>,
 }
 
-/// Writes what there is, given why the run ends; says which files.
-type Keep = Box<dyn FnOnce(&str) -> Vec<PathBuf> + Send>;
+/// What was kept of a run that ended before its end.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// Files that were written.
+    pub files: Vec<PathBuf>,
+    /// What a person is shown of it; empty where the line about what was found says it all.
+    pub text: String,
+}
+
+/// Writes what there is, given why the run ends.
+type Keep = Box<dyn FnOnce(&str) -> Kept + Send>;
 
 static KEEP: Mutex<Option<Keep>> = Mutex::new(None);
 
@@ -41,7 +50,7 @@ pub fn found(words: &str) {
 }
 
 /// What to do with what there is, should the run end here.
-pub fn keep(write: impl FnOnce(&str) -> Vec<PathBuf> + Send + 'static) {
+pub fn keep(write: impl FnOnce(&str) -> Kept + Send + 'static) {
     *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(write));
 }
 
@@ -92,12 +101,12 @@ pub fn begin(args: &Args) -> Result<(), Failure> {
 fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
     // Held to the end, so that nobody writes the whole result over it meanwhile.
     let mut keep = KEEP.lock().unwrap_or_else(PoisonError::into_inner);
-    let kept = keep.take().map_or_else(Vec::new, |write| write(why));
+    let kept = keep.take().map_or_else(Kept::default, |write| write(why));
     discard_unfinished();
     let so_far = SO_FAR.lock().unwrap_or_else(PoisonError::into_inner);
     let seconds = began.elapsed().as_secs_f64();
     let doing = if so_far.doing.is_empty() { "reading" } else { &so_far.doing };
-    let files: Vec<String> = kept.iter().map(|file| file.display().to_string()).collect();
+    let files: Vec<String> = kept.files.iter().map(|file| file.display().to_string()).collect();
     if json {
         let value = serde_json::json!({
             "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": so_far.found,
@@ -110,7 +119,8 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
             found => format!("{} (not yet judged on held-out rows)", found.join(", ")),
         };
         terminal::print(&format!(
-            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n"
+            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n{}",
+            kept.text
         ));
     }
     let files = match files.is_empty() {

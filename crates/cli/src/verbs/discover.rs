@@ -7,7 +7,7 @@ use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
-use crate::watch;
+use crate::watch::{self, Kept};
 use std::path::{Path, PathBuf};
 use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, RivalFit, diagnose, nested};
 use truepose_errormodel::{FittedModel, ModelError};
@@ -65,7 +65,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(folds) = args.nested {
         // Should a limit end the validation, the finished run is shown and written as it is.
-        let whole = (args.json, summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
+        let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
         let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
         watch::keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
@@ -152,20 +152,18 @@ impl Origin {
     }
 }
 
-/// What is shown and written of a finished run: as JSON or in words, its summary, the file of the fit and the file of the ledger.
-type Finished = (bool, DiscoverySummary, Option<PathBuf>, Option<PathBuf>);
+/// What is shown and written of a finished run: its summary, the file of the fit and the file of the ledger.
+type Finished = (DiscoverySummary, Option<PathBuf>, Option<PathBuf>);
 
-/// Shows and writes a finished run whose validation was ended; each file whole or not at all. Says which were written.
+/// Shows and writes a finished run whose validation was ended; each file whole or not at all.
 fn without_validation(
-    (json, mut summary, out, ledger): Finished,
+    (mut summary, out, ledger): Finished,
     mut fitted: FittedModel,
     origin: &Origin,
     why: &str,
-) -> Vec<PathBuf> {
+) -> Kept {
     summary.incomplete = Some(format!("{why}: the nested validation was not finished"));
-    if !json {
-        terminal::print(&summary.to_string());
-    }
+    let text = format!("The search itself came to its end; its validation did not.\n\n{summary}");
     let mut written = Vec::new();
     if let Some(out) = out {
         origin.write(&mut fitted, true);
@@ -174,7 +172,7 @@ fn without_validation(
         }
     }
     written.extend(ledger.filter(|ledger| write_ledger(ledger, &summary)));
-    written
+    Kept { files: written, text }
 }
 
 /// Whether the ledger could be written.
@@ -191,7 +189,7 @@ fn incomplete(
     out: Option<PathBuf>,
     ledger: Option<PathBuf>,
     why: &str,
-) -> Vec<PathBuf> {
+) -> Kept {
     let summary =
         DiscoverySummary { incomplete: Some(why.into()), ..DiscoverySummary::new(&found, settings) };
     let mut written = Vec::new();
@@ -203,7 +201,7 @@ fn incomplete(
         }
     }
     written.extend(ledger.filter(|ledger| write_ledger(ledger, &summary)));
-    written
+    Kept { files: written, text: String::new() }
 }
 
 fn word(step: &Progress) -> String {
