@@ -273,7 +273,7 @@ impl<'a> Search<'a> {
     pub fn refit(&mut self) -> Result<(), DiscoverError> {
         let found: Vec<Candidate> = self.accepted.iter().map(|a| a.candidate.clone()).collect();
         if found.is_empty() {
-            self.now = Arc::clone(&self.first);
+            (self.now, self.refits) = (Arc::clone(&self.first), None);
             return Ok(());
         }
         let working = self.ground.working(found, &self.now.outliers.suspects)?;
@@ -287,7 +287,8 @@ impl<'a> Search<'a> {
         for (accepted, found) in self.accepted.iter_mut().zip(&working.found) {
             accepted.candidate = found.clone();
         }
-        self.now = Arc::new(working);
+        // What refits said was said of another model.
+        (self.now, self.refits) = (Arc::new(working), None);
     }
 }
 
