@@ -1,35 +1,23 @@
 //! The closed loop: fit, find the residual, trace it to an effect that the model lacks, add it, again.
 
-use crate::diagnosis::Diagnosis;
-use crate::fallback::{Checks, withdrawn};
-use crate::final_fit::Plain;
-use crate::sample::sample;
+use crate::conclude::diagnosis::Diagnosis;
+use crate::conclude::fallback;
+use crate::conclude::fallback::{Checks, withdrawn};
+use crate::conclude::final_fit::Plain;
+use crate::conclude::report::conclude;
+use crate::conclude::whole::Whole;
+use crate::data::derived;
+use crate::data::sample::sample;
+use crate::error::DiscoverError;
+use crate::model::current::Ground;
+use crate::model::{installation, wide};
+use crate::options::DiscoverOptions;
+use crate::progress::Progress;
 use crate::search::Search;
-use crate::working::Ground;
-use crate::{DiscoverError, DiscoverOptions, conclude, derived, fallback, installation, wide};
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_identify::{FitOptions, PriorStrength, hold_out, place};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
-
-/// Where a discovery is, for a progress bar.
-#[derive(Debug, Clone)]
-pub enum Progress {
-    /// Fitting the declared model.
-    Fitting,
-    /// Screening all candidates, so many effects having been found.
-    Screening(usize),
-    /// An effect was added.
-    Found(String),
-    /// What there is after each find, for whoever interrupts the loop: fitted to the training rows, without rivals.
-    SoFar(Box<Diagnosis>),
-    /// Looking at earlier finds again.
-    Reconsidering,
-    /// Holding the enlarged model against the declared one on data that it has not seen.
-    Checking,
-    /// Judging the result on the rows that were drawn out first.
-    Judging,
-}
 
 /// Fewest poses with which a search makes sense.
 const FEWEST: usize = 12;
@@ -91,7 +79,7 @@ pub(crate) fn on_split(
     let whole_fit = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let mut search = Search::new(ground, options, first);
     let plain = Plain { declared: &open, fit: whole_fit, thorough: checks.test_set };
-    let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
+    let whole = Whole { data, train_rows, holdout_rows, placement: placement.clone() };
     let (stopped, last) = search.run(&whole, progress)?;
     progress(Progress::Checking);
     let mut unsearched = None;
@@ -104,5 +92,5 @@ pub(crate) fn on_split(
     let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| ());
     let withdrawn = withdrawn(&mut search, &whole, (&train, unsearched), checks, &again)?;
     progress(Progress::Judging);
-    conclude::conclude(search, whole, (stopped, last), withdrawn, &plain)
+    conclude(search, whole, (stopped, last), withdrawn, &plain)
 }

@@ -1,33 +1,30 @@
 //! The loop's state, and the loop.
 
-use crate::candidate::{Candidate, Change};
-use crate::descend::{between_rows, descended, gaps};
-use crate::diagnosis::{Refused, Stop, Untestable};
-use crate::evidence::{Doubt, Evidence};
-use crate::flips::NullDistribution;
-use crate::refits::Refits;
-use crate::rival::Rival;
-use crate::scene::Scene;
-use crate::screen::Screen;
-use crate::so_far::SoFar;
-use crate::winner::{seen_from, winner};
-use crate::working::{Ground, Working};
-use crate::{DiscoverError, DiscoverOptions, Family, Progress, conclude, merge, reconsider};
+use crate::accept::accepted::{Accepted, LastWord};
+use crate::accept::evidence::{Doubt, Evidence, Refused};
+use crate::accept::winner::{seen_from, winner};
+use crate::conclude::diagnosis::Untestable;
+use crate::conclude::interim::SoFar;
+use crate::conclude::stop::Stop;
+use crate::conclude::untestable::untestable;
+use crate::conclude::whole::Whole;
+use crate::contest::rival::Rival;
+use crate::error::DiscoverError;
+use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::family::Family;
+use crate::model::current::{Ground, Working};
+use crate::model::nonlinear::{between_rows, descended, gaps};
+use crate::model::refits::Refits;
+use crate::options::DiscoverOptions;
+use crate::problem::linearisation::Scene;
+use crate::progress::Progress;
+use crate::revise::{merge, reconsider};
+use crate::screen::candidates::Screen;
+use crate::significance::sign_flips::NullDistribution;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use truepose_errormodel::Dataset;
 use truepose_identify::Residuals;
-
-/// A find with what speaks for it and who lost against it.
-#[derive(Debug, Clone)]
-pub(crate) struct Accepted {
-    pub candidate: Candidate,
-    pub evidence: Evidence,
-    /// Who lost against it: how much less likely each makes the data (−2 ln L and what its coefficients cost), the most likely first.
-    pub rivals: Vec<(Candidate, f64)>,
-    /// Causes without a name that did well when it was found.
-    pub shortlist: Vec<Candidate>,
-}
 
 /// The loop's state.
 pub(crate) struct Search<'a> {
@@ -47,9 +44,6 @@ pub(crate) struct Search<'a> {
     /// Candidates that passed the tests and failed as part of the present model.
     barred: Vec<Candidate>,
 }
-
-/// What the last screen said: (smallest family-wise p, gain that would have been seen).
-pub(crate) type LastWord = (f64, f64);
 
 impl<'a> Search<'a> {
     /// Before anything was found.
@@ -72,7 +66,7 @@ impl<'a> Search<'a> {
     /// Adds effects until none is left that passes all tests.
     pub fn run(
         &mut self,
-        whole: &conclude::Whole<'_>,
+        whole: &Whole<'_>,
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<(Stop, LastWord), DiscoverError> {
         /// With more finds than this they are looked at again only at the end.
@@ -93,7 +87,7 @@ impl<'a> Search<'a> {
             let screen = Screen::new(&scene, &self.options.without, &now.found);
             self.asked.clone_from(screen.questions());
             if rounds == 1 {
-                self.untestable = conclude::untestable(&scene, &screen);
+                self.untestable = untestable(&scene, &screen);
             }
             let null = screen.null(self.options.flips, self.options.seed);
             let p_value = null.p_value(screen.largest());
