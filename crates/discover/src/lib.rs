@@ -18,14 +18,14 @@ mod screen;
 mod search;
 mod significance;
 mod statistics;
+mod termination;
 
 pub use accept::evidence::{Doubt, Evidence, Gain, Refused};
 pub use conclude::diagnosis::{
-    Alternative, Check, Diagnosis, Finding, Parameter, RivalFit, Unexplained, Untestable, Withdrawn,
+    Alternative, Check, Diagnosis, Finding, Parameter, RivalFit, Unexplained, Withdrawn,
 };
 pub use conclude::errors::Errors;
 pub use conclude::floor::{FloorSource, NoiseFloor, Verdict};
-pub use conclude::stop::Stop;
 pub use conclude::trace::point::{Trace, TracePoint};
 pub use diagnose::diagnose;
 pub use error::DiscoverError;
@@ -35,3 +35,5 @@ pub use hypotheses::place::Place;
 pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
 pub use progress::Progress;
+pub use screen::untestable::Untestable;
+pub use termination::Stop;

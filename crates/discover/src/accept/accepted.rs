@@ -13,6 +13,3 @@ pub(crate) struct Accepted {
     /// Causes without a name that did well when it was found.
     pub shortlist: Vec<Candidate>,
 }
-
-/// What the last screen said: (smallest family-wise p, gain that would have been seen).
-pub(crate) type LastWord = (f64, f64);

@@ -316,3 +316,12 @@ pub struct Refused {
     /// What speaks against it.
     pub doubt: Doubt,
 }
+
+impl Refused {
+    /// Adds it to a list, unless the same cause stands there for the same reason.
+    pub(crate) fn note_in(self, refused: &mut Vec<Refused>) {
+        if !refused.iter().any(|r| r.candidate.same_cause(&self.candidate) && r.doubt == self.doubt) {
+            refused.push(self);
+        }
+    }
+}

@@ -4,11 +4,10 @@ use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused, collect, parametric};
 use crate::contest::competition::{Contest, contest};
 use crate::contest::payload::weighed;
-use crate::contest::rival::{adopted, losers};
+use crate::contest::rival::{Rival, adopted, losers};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Ground, Working};
-use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Scene;
 use crate::screen::candidates::Screen;
 use crate::significance::sign_flips::NullDistribution;
@@ -19,13 +18,13 @@ pub(crate) fn winner(
     ground: &Ground<'_>,
     now: &Working,
     (scene, screen, null): (&Scene<'_>, &Screen, &NullDistribution),
-    options: &DiscoverOptions,
     barred: &[Candidate],
     refused: &mut Vec<Refused>,
 ) -> Result<Option<Accepted>, DiscoverError> {
     /// Contests that may end without a winner before nobody is asked any more, and how many of each contest are asked.
     const CONTESTS: usize = 4;
     const ASKED: usize = 2;
+    let options = ground.options;
     let mut barred: Vec<Candidate> = barred.to_vec();
     for _ in 0..CONTESTS {
         let Contest { present, mut rivals } = contest(scene, screen, &barred, true)?;
@@ -50,9 +49,7 @@ pub(crate) fn winner(
                     shortlist: screen.shortlist(scene),
                 }));
             };
-            if !refused.iter().any(|r| r.candidate.same_cause(&best.candidate) && r.doubt == doubt) {
-                refused.push(Refused { candidate: best.candidate.clone(), evidence, doubt });
-            }
+            Refused { candidate: best.candidate.clone(), evidence, doubt }.note_in(refused);
             barred.push(best.candidate.clone());
         }
     }
@@ -62,4 +59,11 @@ pub(crate) fn winner(
 /// The gain of a single unknown that would have passed as no chance.
 pub(crate) fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
     gain_of_one(null.critical(alpha))
+}
+
+/// Family-wise p of a candidate for the place of a finding: `scene` is the model without that finding, `others` are the other findings.
+pub(crate) fn own_p(context: &Ground<'_>, scene: &Scene<'_>, others: &[Candidate], rival: &Rival) -> f64 {
+    let options = context.options;
+    let screen = Screen::new(scene, &options.without, others);
+    screen.null(options.flips, options.seed).p_value(rival.surprise)
 }

@@ -3,11 +3,12 @@
 use crate::accept::evidence::{Evidence, Refused};
 use crate::conclude::errors::Errors;
 use crate::conclude::floor::{NoiseFloor, Verdict};
-use crate::conclude::stop::Stop;
 use crate::conclude::trace::point::Trace;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
+use crate::screen::untestable::Untestable;
+use crate::termination::Stop;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, Placement, Repeats};
@@ -115,20 +116,6 @@ pub struct RivalFit {
     pub candidate: Candidate,
     /// Fitted to all rows, as the final model is.
     pub fit: Fit,
-}
-
-/// A cause that the data cannot test.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Untestable {
-    /// What kind of cause.
-    pub family: Family,
-    /// Where.
-    #[serde(flatten)]
-    pub place: Place,
-    /// Share of its effect that the declared model does not imitate.
-    pub share: f64,
-    /// 3-D RMS over the data that it would need to be seen, m; none when it does nothing at all here.
-    pub detectable: Option<f64>,
 }
 
 /// What is left.

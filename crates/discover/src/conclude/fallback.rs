@@ -13,14 +13,15 @@
 //! A model that fails one of them is withdrawn as a whole: the declared model stands. Single effects were judged when they were added
 //! ([`crate::model::refits`]). The last check makes a choice of two by the test set; its figure is the smaller of two, which is told.
 
+use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
 use crate::conclude::whole::Whole;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
+use crate::model::current::Ground;
 use crate::model::refits::{Comparison, compared};
 use crate::problem::linearisation::Scene;
 use crate::problem::outliers::outliers;
-use crate::search::Search;
 use nalgebra::Vector3;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{Fit, Folds, Residuals, Split};
@@ -55,21 +56,22 @@ pub(crate) type Again<'a> =
 /// Holds what was found against the declared model and takes it back where it is worse; `train` are the training rows, with the residuals of
 /// [`unsearched`] where only a sample of them was searched.
 pub(crate) fn withdrawn(
-    search: &mut Search<'_>,
+    context: &Ground<'_>,
+    model: &Model,
     whole: &Whole<'_>,
     (train, unsearched): (&Dataset, Option<[Residuals; 2]>),
     checks: Checks,
     again: &Again<'_>,
 ) -> Result<Option<Withdrawn>, DiscoverError> {
-    if search.accepted.is_empty() {
+    if model.findings.is_empty() {
         return Ok(None);
     }
-    let failed = match failed(search, whole, (train, unsearched), checks, again)? {
+    let failed = match failed(context, model, whole, (train, unsearched), checks, again)? {
         Some(failed) => failed,
         None => return Ok(None),
     };
     let (check, declared, enlarged) = failed;
-    let findings = search.withdraw().into_iter().map(|a| (a.candidate, a.evidence)).collect();
+    let findings = model.findings.iter().map(|a| (a.candidate.clone(), a.evidence.clone())).collect();
     Ok(Some(Withdrawn { check, declared, enlarged, findings }))
 }
 
@@ -77,29 +79,30 @@ pub(crate) fn withdrawn(
 type Failed = (Check, f64, f64);
 
 fn failed(
-    search: &Search<'_>,
+    context: &Ground<'_>,
+    model: &Model,
     whole: &Whole<'_>,
     (train, unsearched): (&Dataset, Option<[Residuals; 2]>),
     checks: Checks,
     again: &Again<'_>,
 ) -> Result<Option<Failed>, DiscoverError> {
-    let noise = search.first.fit.noise;
+    let noise = model.declared.fit.noise;
     let loss = |check: Check, pair: &[Residuals; 2], worse: &dyn Fn(Comparison) -> bool| {
         let compared = compared(&pair[0], &pair[1], noise)?;
         worse(compared).then(|| (check, rms(pair, 0), rms(pair, 1)))
     };
-    let out = &search.now.outliers.suspects;
+    let out = &model.current.outliers.suspects;
     let any_loss = |compared: Comparison| compared.deviation > 1.0;
     let (check, pair) = match unsearched {
         Some(pair) => (Check::UnsearchedRows, pair),
-        None => (Check::Refits, search.both_refitted()?),
+        None => (Check::Refits, model.both_refitted(context)?),
     };
     if let Some(failed) = loss(check, &blank(pair, out), &any_loss) {
         return Ok(Some(failed));
     }
     if checks.nested && Visits::of(train).len() < FEW {
         // A fold or two that find nothing leave both alike: no loss.
-        let pair = nested(train, search.options.seed, again)?;
+        let pair = nested(train, context.options.seed, again)?;
         if let Some(failed) = loss(Check::NestedFolds, &blank(pair, out), &any_loss) {
             return Ok(Some(failed));
         }
@@ -107,9 +110,9 @@ fn failed(
     if checks.test_set {
         let held = whole.data.select(&whole.holdout_rows);
         let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
-        let out = gross(search, whole)?;
-        let found = &search.now.found;
-        let pair = [of(&search.first.fit, &held)?, of(&search.now.fit, &with_loads(&held, found))?];
+        let out = gross(model, whole)?;
+        let found = &model.current.found;
+        let pair = [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
         if let Some(failed) = loss(Check::TestSet, &blank(pair, &out), &any_loss) {
             return Ok(Some(failed));
         }
@@ -118,12 +121,12 @@ fn failed(
 }
 
 /// Both models, as the sample made them, on the training rows that are not in it; a row in the sample is blank.
-pub(crate) fn unsearched(search: &Search<'_>, train: &Dataset) -> Result<[Residuals; 2], DiscoverError> {
-    let sampled = crate::data::sample::sampled(train, search.options.seed);
+pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[Residuals; 2], DiscoverError> {
+    let sampled = crate::data::sample::sampled(train, seed);
     let rows: Vec<usize> = (0..train.len()).filter(|&row| sampled[row]).collect();
-    let found = &search.now.found;
-    let first = Residuals::of(&search.first.fit.fitted, train)?;
-    let now = Residuals::of(&search.now.fit.fitted, &with_loads(train, found))?;
+    let found = &model.current.found;
+    let first = Residuals::of(&model.declared.fit.fitted, train)?;
+    let now = Residuals::of(&model.current.fit.fitted, &with_loads(train, found))?;
     Ok(blank([first, now], &rows))
 }
 
@@ -153,11 +156,11 @@ fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2
 }
 
 /// Held-out rows, counted within the test set, that nothing explains: a gross error is neither model's.
-fn gross(search: &Search<'_>, whole: &Whole<'_>) -> Result<Vec<usize>, DiscoverError> {
-    let all = with_loads(whole.data, &search.now.found);
-    let judged = Scene::new(&search.now.fit, &all)?;
+fn gross(model: &Model, whole: &Whole<'_>) -> Result<Vec<usize>, DiscoverError> {
+    let all = with_loads(whole.data, &model.current.found);
+    let judged = Scene::new(&model.current.fit, &all)?;
     let residual = &judged.y - &judged.base * judged.coefficients();
-    let suspects = outliers(&judged, residual.as_slice(), search.now.fit.noise).suspects;
+    let suspects = outliers(&judged, residual.as_slice(), model.current.fit.noise).suspects;
     let held = whole.holdout_rows.iter().enumerate();
     Ok(held.filter(|(_, row)| suspects.contains(row)).map(|(k, _)| k).collect())
 }

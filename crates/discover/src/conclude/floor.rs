@@ -10,8 +10,8 @@
 //! Smith, *Applied Regression Analysis*, 3rd ed., §2.1 (pure error).
 
 use crate::conclude::errors::Errors;
-use crate::conclude::stop::Stop;
 use crate::problem::observation::typical_sd;
+use crate::termination::Stop;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use truepose_errormodel::Dataset;

@@ -3,19 +3,19 @@
 //! The ledger of the end without what only the end can afford: the fit is that of the training rows, rivals are not judged on held-out
 //! rows, shapes have no intervals. Errors before and after a find are those of the model as it was when it was added.
 
-use crate::accept::accepted::LastWord;
+use crate::accept::model::Model;
+use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{Diagnosis, Finding, Unexplained};
 use crate::conclude::errors::Errors;
 use crate::conclude::floor::{NoiseFloor, Verdict};
 use crate::conclude::report::{at_run_time, errors, parameters};
-use crate::conclude::stop::Stop;
 use crate::conclude::whole::Whole;
 use crate::data::payload;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Change;
-use crate::model::current::Working;
-use crate::search::Search;
+use crate::model::current::{Ground, Working};
+use crate::termination::Stop;
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, repeats};
 
@@ -35,19 +35,20 @@ impl SoFar {
         Ok(SoFar { declared: first.fit.clone(), steps: vec![before.rms()], before, held })
     }
 
-    /// After a find; `last` is what the screen said that found it.
+    /// After a finding.
     pub fn after(
         &mut self,
-        search: &Search<'_>,
+        context: &Ground<'_>,
+        outcome: &Outcome,
         whole: &Whole<'_>,
-        (p_value, detectable_gain): LastWord,
     ) -> Result<Diagnosis, DiscoverError> {
-        let Search { ground, accepted, now, .. } = search;
+        let Model { findings, current: now, .. } = &outcome.model;
+        let LastScreen { p_value, detectable_gain } = outcome.last;
         let after =
-            errors(&now.fit, &with_loads(ground.data, &now.found), &with_loads(&self.held, &now.found))?;
-        self.steps.truncate(accepted.len());
+            errors(&now.fit, &with_loads(context.data, &now.found), &with_loads(&self.held, &now.found))?;
+        self.steps.truncate(findings.len());
         // A look at earlier finds may have split one.
-        while self.steps.len() < accepted.len() {
+        while self.steps.len() < findings.len() {
             self.steps.push(after.rms());
         }
         self.steps.push(after.rms());
@@ -58,7 +59,7 @@ impl SoFar {
             evidence: accepted.evidence.clone(),
             train: (self.steps[k].0, self.steps[k + 1].0),
             holdout: (self.steps[k].1, self.steps[k + 1].1),
-            parameters: parameters(&fit, &accepted.candidate, ground.effects_of(&now.found, k)),
+            parameters: parameters(&fit, &accepted.candidate, context.effects_of(&now.found, k)),
             shape: Vec::new(),
             alternatives: Vec::new(),
             rows: match accepted.candidate.change {
@@ -67,7 +68,7 @@ impl SoFar {
             },
             trace: None,
         };
-        let findings = accepted.iter().enumerate().map(finding).collect();
+        let findings = findings.iter().enumerate().map(finding).collect();
         let repeats_after = repeats(&now.fit, &now.data);
         let noise_floor = NoiseFloor::of(repeats_after.as_ref(), whole.data);
         let beyond = noise_floor.beyond(self.before.rms().0, after.rms().0);
@@ -75,8 +76,8 @@ impl SoFar {
             placement: whole.placement.clone(),
             findings,
             rivals: Vec::new(),
-            refused: search.refused.clone(),
-            repeats_before: repeats(&self.declared, ground.data),
+            refused: outcome.refused.clone(),
+            repeats_before: repeats(&self.declared, context.data),
             repeats_after,
             withdrawn: None,
             verdict: Verdict::Undecided,
@@ -94,7 +95,7 @@ impl SoFar {
             fit,
             declared: self.declared.clone(),
             data: now.data.clone(),
-            untestable: search.untestable.clone(),
+            untestable: outcome.untestable.clone(),
             holdout_rows: whole.holdout_rows.clone(),
         })
     }

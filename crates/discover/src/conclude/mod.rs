@@ -8,8 +8,6 @@ pub(crate) mod floor;
 pub(crate) mod interim;
 pub(crate) mod linear;
 pub(crate) mod report;
-pub(crate) mod stop;
 pub(crate) mod trace;
 pub(crate) mod trial;
-pub(crate) mod untestable;
 pub(crate) mod whole;

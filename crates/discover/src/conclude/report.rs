@@ -1,14 +1,15 @@
 //! The end of the loop: the ledger, on rows that took part in nothing, and the fit on all rows.
 
-use crate::accept::accepted::{Accepted, LastWord};
+use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Evidence, Gain};
+use crate::accept::model::Model;
+use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{
     Alternative, Diagnosis, Finding, Parameter, RivalFit, Unexplained, Withdrawn,
 };
 use crate::conclude::errors::Errors;
 use crate::conclude::final_fit::{Final, Plain, enlarged, training};
 use crate::conclude::floor::{NoiseFloor, Verdict};
-use crate::conclude::stop::Stop;
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
 use crate::conclude::whole::Whole;
@@ -18,10 +19,11 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
+use crate::model::current::Ground;
 use crate::policy::TIE;
 use crate::problem::linearisation::Scene;
 use crate::problem::outliers::Outliers;
-use crate::search::Search;
+use crate::termination::Stop;
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
@@ -29,37 +31,39 @@ use truepose_identify::{Fit, FittedShape, Residuals, repeats, student_quantile};
 
 /// Forms the ledger.
 pub(crate) fn conclude(
-    search: Search<'_>,
+    context: &Ground<'_>,
+    outcome: Outcome,
     whole: Whole<'_>,
-    (stopped, (p_value, detectable_gain)): (Stop, LastWord),
     withdrawn: Option<Withdrawn>,
     plain: &Plain<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = whole.data.select(&whole.holdout_rows);
-    let wanted = search.options.rival_fits;
-    let Search { ground, accepted, refused, mut untestable, now, .. } = search;
+    let wanted = context.options.rival_fits;
+    let Outcome { model, refused, mut untestable, last, stopped } = outcome;
+    let LastScreen { p_value, detectable_gain } = last;
+    let Model { findings: accepted, current: now, .. } = model;
     // What was found could be tested after all, in the directions that are left of it.
     untestable
         .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = match found.is_empty() {
         true => now.fit.clone(),
-        false => ground.fitted(&[], &ground.prepared(&[], &now.outliers.suspects))?,
+        false => context.fitted(&[], &context.prepared(&[], &now.outliers.suspects))?,
     };
-    let mut before = errors(&declared, ground.data, &held)?;
-    let mut after = errors(&now.fit, &with_loads(ground.data, &found), &with_loads(&held, &found))?;
+    let mut before = errors(&declared, context.data, &held)?;
+    let mut after = errors(&now.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
 
     let all = with_loads(whole.data, &found);
     let judged = Scene::new(&now.fit, &all)?;
-    let trial = Trial::new(&ground, &now, &found, &judged, &whole);
+    let trial = Trial::new(context, &now, &found, &judged, &whole);
     // The model step by step, on the same training rows.
     let between: Vec<_> =
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
     let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
 
     let Final { fit, found, data, outside } = match (plain.thorough, found.is_empty()) {
-        (true, true) => plain.fit(&ground, &now, &all)?,
-        (true, false) => enlarged(&ground, &now, &found, &all)?,
+        (true, true) => plain.fit(context, &now, &all)?,
+        (true, false) => enlarged(context, &now, &found, &all)?,
         (false, _) => training(&now, &found, &all)?,
     };
     let mut fit = fit;
@@ -67,7 +71,7 @@ pub(crate) fn conclude(
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
-        let effects = ground.effects_of(&found, k);
+        let effects = context.effects_of(&found, k);
         findings.push(Finding {
             parameters: parameters(&fit, &found[k], effects.clone()),
             shape: shape(&fit, &effects),
@@ -116,7 +120,7 @@ pub(crate) fn conclude(
         findings,
         refused,
         rivals,
-        repeats_before: repeats(&declared, ground.data),
+        repeats_before: repeats(&declared, context.data),
         repeats_after,
         before,
         after,

@@ -4,6 +4,7 @@ use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::model::wide::{Stretches, Wide};
+use crate::options::DiscoverOptions;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;
 use crate::problem::outliers::{Outliers, outliers};
@@ -16,6 +17,7 @@ use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
 /// What does not change while the loop runs.
+#[derive(Clone)]
 pub(crate) struct Ground<'a> {
     pub chain: &'a Chain,
     /// The declared effects, as wide as the fit of the declared model found them.
@@ -23,6 +25,8 @@ pub(crate) struct Ground<'a> {
     pub data: &'a Dataset,
     pub solver: &'a dyn Solver,
     pub fit: FitOptions,
+    /// How to search.
+    pub options: &'a DiscoverOptions,
 }
 
 /// A model with its fit.

@@ -199,7 +199,6 @@ impl Normal {
 mod tests {
     use super::*;
     use crate::problem::linearisation::Scene;
-    use crate::problem::whitening::Whitener;
     use truepose_errormodel::ErrorModel;
     use truepose_errormodel::effects::Geometric;
     use truepose_identify::{FitOptions, fit};

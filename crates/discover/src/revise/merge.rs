@@ -10,47 +10,59 @@
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{collect, parametric};
+use crate::accept::model::Model;
+use crate::accept::winner::own_p;
 use crate::contest::competition::contest;
 use crate::contest::rival::{adopted, cost, losers, odds};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
+use crate::model::current::Ground;
 use crate::policy::TIE;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;
-use crate::screen::candidates::Screen;
-use crate::search::Search;
+use crate::screen::candidates::{Questions, Screen};
 use nalgebra::DMatrix;
 use std::ops::Range;
 use truepose_errormodel::Visits;
 
-/// Looks for one cause in place of one of the finds and any other; true when there is one.
-pub(crate) fn merge(search: &mut Search<'_>, which: usize) -> Result<bool, DiscoverError> {
-    for other in (0..search.accepted.len()).rev().filter(|&k| k != which) {
-        let pair = [&search.accepted[which].candidate, &search.accepted[other].candidate];
-        if !share_a_driver(pair[0], pair[1]) {
+/// The model with one cause in place of one of the findings and any other; none when there is no such cause.
+pub(crate) fn merged(
+    context: &Ground<'_>,
+    model: &Model,
+    which: usize,
+    asked: &Questions,
+) -> Result<Option<Model>, DiscoverError> {
+    let findings = &model.findings;
+    for other in (0..findings.len()).rev().filter(|&k| k != which) {
+        if !share_a_driver(&findings[which].candidate, &findings[other].candidate) {
             continue;
         }
-        if let Some(one) = one_for_both(search, [which.min(other), which.max(other)])? {
-            search.accepted[which.min(other)] = one;
-            search.accepted.remove(which.max(other));
-            search.refit()?;
-            return Ok(true);
+        let pair = [which.min(other), which.max(other)];
+        if let Some(one) = one_for_both(context, model, pair, asked)? {
+            let mut findings = findings.clone();
+            findings[pair[0]] = one;
+            findings.remove(pair[1]);
+            return Ok(Some(model.refitted(context, findings)?));
         }
     }
-    Ok(false)
+    Ok(None)
 }
 
-/// The cause that explains what two finds do.
-fn one_for_both(search: &Search<'_>, pair: [usize; 2]) -> Result<Option<Accepted>, DiscoverError> {
-    let Search { ground, now, accepted, options, .. } = search;
-    let others: Vec<Candidate> =
-        (0..accepted.len()).filter(|k| !pair.contains(k)).map(|k| accepted[k].candidate.clone()).collect();
-    let fewer = ground.working(others.clone(), &now.outliers.suspects)?;
+/// The cause that explains what two findings do.
+fn one_for_both(
+    context: &Ground<'_>,
+    model: &Model,
+    pair: [usize; 2],
+    asked: &Questions,
+) -> Result<Option<Accepted>, DiscoverError> {
+    let options = context.options;
+    let others = model.others(&pair);
+    let fewer = context.working(others.clone(), &model.current.outliers.suspects)?;
+    let both = pair.map(|k| &model.findings[k]);
     let scene = Scene::new(&fewer.fit, &fewer.data)?;
-    let both = pair.map(|k| &accepted[k]);
     let shortlist: Vec<Candidate> = both.iter().flat_map(|a| a.shortlist.iter().cloned()).collect();
-    let screen = Screen::again(&scene, &options.without, (&shortlist, &others), &search.asked);
+    let screen = Screen::again(&scene, &options.without, (&shortlist, &others), asked);
     let contest = contest(&scene, &screen, &others, false)?;
     let Some(best) = contest.rivals.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else {
         return Ok(None);
@@ -70,7 +82,7 @@ fn one_for_both(search: &Search<'_>, pair: [usize; 2]) -> Result<Option<Accepted
     if best.score > score + TIE {
         return Ok(None);
     }
-    let p = (search.own_p(&scene, &others, best), parametric(&screen, best));
+    let p = (own_p(context, &scene, &others, best), parametric(&screen, best));
     let evidence = collect(&scene, &contest.present, best, p, options.seed)?;
     let rivals = losers(&contest.rivals, best);
     Ok(Some(Accepted { candidate: adopted(best), evidence, rivals, shortlist }))

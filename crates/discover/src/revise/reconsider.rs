@@ -5,62 +5,68 @@
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Evidence, collect, parametric};
+use crate::accept::model::Model;
+use crate::accept::winner::own_p;
 use crate::contest::competition::{Contest, contest};
 use crate::contest::rival::{Rival, adopted, losers, rival};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
+use crate::model::current::Ground;
 use crate::policy::TIE;
 use crate::problem::likelihood::without as lacking;
 use crate::problem::linearisation::Scene;
 use crate::problem::observation::typical_sd;
-use crate::screen::candidates::Screen;
-use crate::search::Search;
+use crate::screen::candidates::{Questions, Screen};
 use truepose_errormodel::Visits;
 
-/// Takes each of the first `count` finds out in turn and lets it defend its place; true when something changed.
-pub(crate) fn reconsider(search: &mut Search<'_>, count: usize) -> Result<bool, DiscoverError> {
-    let (mut at, mut rounds) = (0, 0);
+/// Takes each of the first `count` findings out in turn and tests it again beside all others; true when something changed.
+pub(crate) fn reconsidered(
+    context: &Ground<'_>,
+    mut model: Model,
+    count: usize,
+    asked: &Questions,
+) -> Result<(Model, bool), DiscoverError> {
+    let (mut at, mut iterations) = (0, 0);
     let mut moved = false;
-    while at < count.min(search.accepted.len()) && rounds < 2 * count {
-        rounds += 1;
-        let others: Vec<Candidate> = search
-            .accepted
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| *k != at)
-            .map(|(_, a)| a.candidate.clone())
-            .collect();
-        let Defence { contest, winner, evidence } = without(search, at, &others)?;
+    while at < count.min(model.findings.len()) && iterations < 2 * count {
+        iterations += 1;
+        let others = model.others(&[at]);
+        let Defence { contest, winner, evidence } = without(context, &model, at, (&others, asked))?;
+        let mut findings = model.findings.clone();
         let Some(winner) = winner.map(|k| &contest.rivals[k]) else {
             // The others explain it.
-            search.accepted.remove(at);
-            search.refit()?;
+            findings.remove(at);
+            model = model.refitted(context, findings)?;
             moved = true;
             continue;
         };
-        let mine = &search.accepted[at].candidate;
         let next = adopted(winner);
-        let rivals = losers(&contest.rivals, winner);
-        let changed = !same_shape(&next, mine);
-        search.accepted[at].rivals = rivals;
-        if let Some(evidence) = evidence {
-            // Another cause has to answer the same questions as whoever comes in from outside.
-            let floor = winner.likelihood.noise.floor(typical_sd(&search.now.data));
-            if evidence.doubt(search.options.alpha, floor, next.belongs_to_time()).is_some() {
+        let changed = !same_shape(&next, &findings[at].candidate);
+        findings[at].rivals = losers(&contest.rivals, winner);
+        let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
+        let doubt =
+            |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.belongs_to_time());
+        match evidence {
+            // Another cause has to pass the same tests as one that comes in from outside.
+            Some(evidence) if doubt(&evidence).is_some() => {
+                model.findings = findings;
                 at += 1;
                 continue;
             }
-            search.accepted[at].evidence = evidence;
+            Some(evidence) => findings[at].evidence = evidence,
+            None => {}
         }
         if changed {
-            search.accepted[at].candidate = next;
-            search.refit()?;
+            findings[at].candidate = next;
+            model = model.refitted(context, findings)?;
             moved = true;
+        } else {
+            model.findings = findings;
         }
         at += 1;
     }
-    Ok(moved)
+    Ok((model, moved))
 }
 
 /// The contest for the place of a find, and how it ended.
@@ -72,11 +78,17 @@ struct Defence {
     evidence: Option<Evidence>,
 }
 
-/// Holds the contest for the place of a find.
-fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Defence, DiscoverError> {
-    let Accepted { candidate, shortlist, .. } = &search.accepted[at];
+/// Holds the contest for the place of a finding.
+fn without(
+    context: &Ground<'_>,
+    model: &Model,
+    at: usize,
+    (others, asked): (&[Candidate], &Questions),
+) -> Result<Defence, DiscoverError> {
+    let Accepted { candidate, shortlist, .. } = &model.findings[at];
+    let options = context.options;
     let held = |scene: &Scene<'_>| {
-        let screen = Screen::again(scene, &search.options.without, (shortlist, others), &search.asked);
+        let screen = Screen::again(scene, &options.without, (shortlist, others), asked);
         // The periods of a gear were found while less was known: it may look for them again.
         let mut contest = contest(scene, &screen, others, candidate.family == Family::Transmission)?;
         // The find as it stands defends its place, and its shape.
@@ -90,23 +102,23 @@ fn without(search: &Search<'_>, at: usize, others: &[Candidate]) -> Result<Defen
         }
         let winner = winner(&contest, candidate);
         let another = winner.map(|k| &contest.rivals[k]).filter(|r| !r.candidate.same_cause(candidate));
-        let asked = |best: &Rival| {
+        let tested = |best: &Rival| {
             // Another cause answers for itself, against the whole search.
-            let p = (search.own_p(scene, others, best), parametric(&screen, best));
-            collect(scene, &contest.present, best, p, search.options.seed)
+            let p = (own_p(context, scene, others, best), parametric(&screen, best));
+            collect(scene, &contest.present, best, p, options.seed)
         };
-        let evidence = another.map(asked).transpose()?;
+        let evidence = another.map(tested).transpose()?;
         Ok(Defence { contest, winner, evidence })
     };
-    let Search { ground, now, .. } = search;
+    let now = &*model.current;
     // A corrected load is in the data itself.
     if !now.found[at].effects().is_empty() {
         let scene = Scene::new(&now.fit, &now.data)?;
-        if let Some(scene) = lacking(scene, ground.effects_of(&now.found, at))? {
+        if let Some(scene) = lacking(scene, model.effects_of(context, at))? {
             return held(&scene);
         }
     }
-    let fewer = ground.working(others.to_vec(), &now.outliers.suspects)?;
+    let fewer = context.working(others.to_vec(), &now.outliers.suspects)?;
     held(&Scene::new(&fewer.fit, &fewer.data)?)
 }
 

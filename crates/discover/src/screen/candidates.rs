@@ -27,13 +27,16 @@ pub(crate) struct Screened {
     pub acts: bool,
 }
 
+/// How many separate questions were asked of each family.
+pub(crate) type Questions = BTreeMap<Family, usize>;
+
 /// All candidates at the present model.
 pub(crate) struct Screen {
     pub projection: Projection,
     pub candidates: Vec<Screened>,
     pub periods: Vec<Periodogram>,
     /// How many separate questions were asked of each family.
-    asked: BTreeMap<Family, usize>,
+    asked: Questions,
 }
 
 /// A cause at a place with its variants, best first.
@@ -84,7 +87,7 @@ impl Screen {
         scene: &Scene<'_>,
         without: &[Family],
         (shortlist, found): (&[Candidate], &[Candidate]),
-        asked: &BTreeMap<Family, usize>,
+        asked: &Questions,
     ) -> Self {
         let mut candidates = library::named(scene.chain(), scene.data, without);
         candidates.extend(shortlist.iter().cloned());
@@ -210,7 +213,7 @@ impl Screen {
     }
 
     /// The same of all families.
-    pub fn questions(&self) -> &BTreeMap<Family, usize> {
+    pub fn questions(&self) -> &Questions {
         &self.asked
     }
 

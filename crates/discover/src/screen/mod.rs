@@ -4,3 +4,4 @@ pub(crate) mod candidates;
 pub(crate) mod functions;
 pub(crate) mod periodogram;
 pub(crate) mod refine;
+pub(crate) mod untestable;

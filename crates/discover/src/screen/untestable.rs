@@ -1,9 +1,24 @@
 //! Causes that the data cannot test beside the declared model.
 
-use crate::conclude::diagnosis::Untestable;
 use crate::hypotheses::family::Family;
+use crate::hypotheses::place::Place;
 use crate::problem::linearisation::Scene;
 use crate::screen::candidates::Screen;
+use serde::{Deserialize, Serialize};
+
+/// A cause that the data cannot test.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Untestable {
+    /// What kind of cause.
+    pub family: Family,
+    /// Where.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Share of its effect that the declared model does not imitate.
+    pub share: f64,
+    /// 3-D RMS over the data that it would need to be seen, m; none when it does nothing at all here.
+    pub detectable: Option<f64>,
+}
 
 /// Causes that this data cannot test, with the size that could have been seen.
 pub(crate) fn untestable(scene: &Scene<'_>, screen: &Screen) -> Vec<Untestable> {
