@@ -1,7 +1,7 @@
 //! The closed loop on simulated robots: it finds what was hidden, at its place, and nothing where nothing is.
 
 use crate::plants::with_three_targets;
-use truepose_discover::{Diagnosis, DiscoverOptions, Family, Stop, diagnose};
+use truepose_discover::{Diagnosis, DiscoverOptions, Family, Termination, diagnose};
 use truepose_errormodel::effects::{Geometric, JointCompliance, Where};
 use truepose_errormodel::{AnyEffect, CARRIED, Dataset};
 use truepose_kinematics::nalgebra::{self, Rotation3, Vector3};
@@ -46,7 +46,7 @@ fn nothing_is_found_in_noise() {
     let data = measured(&chain, constants(), 60, &[], 3);
     let found = found(&chain, &[Box::new(Geometric::default())], &data, 0);
     assert!(found.findings.is_empty(), "{:?}", words(&found));
-    assert_eq!(found.stopped, Stop::NothingLeft);
+    assert_eq!(found.stopped, Termination::NothingLeft);
     assert!(!found.unexplained.significant);
     assert_eq!(found.holdout_rows.len(), 36);
 }
@@ -188,13 +188,13 @@ fn a_rival_that_the_data_cannot_refute_is_fitted_for_a_plan() {
     // The last joint slipped on its flange, or the tool was turned: with the flange's axis alone nobody can tell.
     let slip = flaws::Shift { at: "j6".into(), when_s: 700.0, size_mm: 0.0, size_mrad: 0.8 };
     let data = measured(&chain, Flaws { shift: vec![slip], ..constants() }, 60, &[], 9);
-    let options = DiscoverOptions { rival_fits: true, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { competing_fits: true, ..DiscoverOptions::default() };
     let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
     let found = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     let both = ["shift j6".to_owned(), "shift tool".to_owned()];
     assert_eq!(found.findings.len(), 1, "{:?}", words(&found));
     assert!(both.contains(&words(&found)[0]), "{:?}", words(&found));
-    let rival = found.rivals.iter().find(|r| both.contains(&r.candidate.words())).expect("a rival");
+    let rival = found.competitors.iter().find(|r| both.contains(&r.candidate.words())).expect("a rival");
     assert_eq!(rival.finding, 0);
     assert_ne!(rival.candidate.words(), words(&found)[0]);
     let rms = |fit: &truepose_identify::Fit| fit.residuals.positions().rms;

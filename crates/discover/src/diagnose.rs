@@ -5,14 +5,14 @@ use crate::accept::outcome::Outcome;
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::fallback;
 use crate::conclude::fallback::{Checks, withdrawn};
-use crate::conclude::final_fit::Plain;
-use crate::conclude::interim::SoFar;
+use crate::conclude::final_fit::DeclaredFit;
+use crate::conclude::interim::InterimReport;
+use crate::conclude::partition::Partition;
 use crate::conclude::report::conclude;
-use crate::conclude::whole::Whole;
 use crate::data::derived;
 use crate::data::sample::sample;
 use crate::error::DiscoverError;
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use crate::model::{installation, wide};
 use crate::options::DiscoverOptions;
 use crate::progress::Progress;
@@ -62,36 +62,36 @@ pub(crate) fn on_split(
     let placement = place(chain, &train)?;
     let part = sample(&train, options.seed);
     let open = installation::with_unknown(chain, declared)?;
-    let declared_fit = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
+    let declared_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let chain_placed = &placement.chain;
     let mut context =
-        Ground { chain: chain_placed, declared: &open, data: &part, solver, fit: declared_fit, options };
-    let mut first = context.working(Vec::new(), &[])?;
+        Context { chain: chain_placed, declared: &open, data: &part, solver, fit: declared_options, options };
+    let mut first = context.fit_model(Vec::new(), &[])?;
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     let wide = wide::as_fitted(&open, &first.fit);
     context.fit = options.fit.clone();
     if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::Kinds) {
         context.declared = &wide;
         context.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
-        first = context.working(Vec::new(), &first.outliers.suspects)?;
+        first = context.fit_model(Vec::new(), &first.outliers.suspects)?;
     }
     let have = Visits::of(&train).len();
     if have < FEWEST {
         let rank = first.fit.reduction.rank();
         return Err(DiscoverError::TooFewVisits { have, rank, need: FEWEST });
     }
-    let whole_fit = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
-    let plain = Plain { declared: &open, fit: whole_fit, thorough: checks.test_set };
-    let whole = Whole { data, train_rows, holdout_rows, placement: placement.clone() };
-    let mut told = SoFar::new(&first, &whole)?;
+    let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
+    let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };
+    let partition = Partition { data, train_rows, holdout_rows, placement: placement.clone() };
+    let mut interim_report = InterimReport::new(&first, &partition)?;
     let mut interim = |outcome: &Outcome| {
-        progress(Progress::SoFar(Box::new(told.after(&context, outcome, &whole)?)));
+        progress(Progress::Interim(Box::new(interim_report.after(&context, outcome, &partition)?)));
         Ok(())
     };
     let mut outcome = search(&context, Model::declared(first), progress, &mut interim)?;
     progress(Progress::Checking);
     let mut unsearched = None;
-    let all_rows = Ground { data: &train, ..context.clone() };
+    let all_rows = Context { data: &train, ..context.clone() };
     let mut context = &context;
     if part.len() < train.len() {
         unsearched = Some(fallback::unsearched(&outcome.model, &train, options.seed)?);
@@ -101,10 +101,10 @@ pub(crate) fn on_split(
     }
     outcome.model = outcome.model.between_rows(context)?;
     let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| ());
-    let withdrawn = withdrawn(context, &outcome.model, &whole, (&train, unsearched), checks, &again)?;
+    let withdrawn = withdrawn(context, &outcome.model, &partition, (&train, unsearched), checks, &again)?;
     if withdrawn.is_some() {
         outcome.model = outcome.model.without_findings();
     }
     progress(Progress::Judging);
-    conclude(context, outcome, whole, withdrawn, &plain)
+    conclude(context, outcome, partition, withdrawn, &declared_fit)
 }

@@ -22,7 +22,7 @@ mod termination;
 
 pub use accept::evidence::{Doubt, Evidence, Gain, Refused};
 pub use conclude::diagnosis::{
-    Alternative, Check, Diagnosis, Finding, Parameter, RivalFit, Unexplained, Withdrawn,
+    Alternative, Check, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
 };
 pub use conclude::errors::Errors;
 pub use conclude::floor::{FloorSource, NoiseFloor, Verdict};
@@ -36,4 +36,4 @@ pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
 pub use progress::Progress;
 pub use screen::untestable::Untestable;
-pub use termination::Stop;
+pub use termination::Termination;

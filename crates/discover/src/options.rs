@@ -24,7 +24,7 @@ pub struct DiscoverOptions {
     /// looked for, since they stand in the way of everything else.
     pub without: Vec<Family>,
     /// Whether explanations that the data cannot tell from a find are fitted as well: what a plan needs that is to tell them apart.
-    pub rival_fits: bool,
+    pub competing_fits: bool,
     /// How models are fitted.
     pub fit: FitOptions,
 }
@@ -42,7 +42,7 @@ impl Default for DiscoverOptions {
             alpha: 0.002,
             most: 24,
             without: Vec::new(),
-            rival_fits: false,
+            competing_fits: false,
             fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
         }
     }

@@ -7,6 +7,6 @@ pub(crate) const TIE: f64 = 6.0;
 pub(crate) const WIDE: f64 = 100.0;
 
 /// What an unknown costs: BIC's logarithm of the number of rows.
-pub(crate) fn price(numbers: usize) -> f64 {
-    (numbers.max(2) as f64).ln()
+pub(crate) fn penalty_per_coefficient(observations: usize) -> f64 {
+    (observations.max(2) as f64).ln()
 }

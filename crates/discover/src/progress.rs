@@ -12,7 +12,7 @@ pub enum Progress {
     /// An effect was added.
     Found(String),
     /// What there is after each find, for whoever interrupts the loop: fitted to the training rows, without rivals.
-    SoFar(Box<Diagnosis>),
+    Interim(Box<Diagnosis>),
     /// Looking at earlier finds again.
     Reconsidering,
     /// Holding the enlarged model against the declared one on data that it has not seen.

@@ -1,26 +1,26 @@
 //! The loop: screen, compare, test, add, revise; again, until no further effect is significant.
 
-use crate::accept::admit::{admitted, sifted};
+use crate::accept::admit::{admitted, without_insignificant};
 use crate::accept::evidence::Refused;
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
-use crate::accept::winner::{seen_from, winner};
+use crate::accept::winner::{detectable_statistic, winner};
 use crate::error::DiscoverError;
-use crate::model::current::Ground;
-use crate::problem::linearisation::Scene;
+use crate::model::current::Context;
+use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::revise::revision::{after_finding, descended, reconsidered_once};
 use crate::screen::candidates::Screen;
 use crate::screen::untestable::untestable;
 use crate::significance::sign_flips::NullDistribution;
-use crate::termination::{History, Stop};
+use crate::termination::{History, Termination};
 
 /// With more findings than this they are reconsidered only at the end.
 const FEW: usize = 4;
 
 /// Adds effects until none is left that passes all tests. `interim` sees the outcome after each finding.
 pub(crate) fn search(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     declared: Model,
     progress: &(dyn Fn(Progress) + Sync),
     interim: &mut dyn FnMut(&Outcome) -> Result<(), DiscoverError>,
@@ -31,24 +31,24 @@ pub(crate) fn search(
     loop {
         progress(Progress::Screening(outcome.model.findings.len()));
         let current = outcome.model.current.clone();
-        let scene = Scene::new(&current.fit, &current.data)?;
-        let screen = Screen::new(&scene, &options.without, &current.found);
-        let asked = screen.questions();
+        let linearisation = Linearisation::new(&current.fit, &current.data)?;
+        let screen = Screen::new(&linearisation, &options.without, &current.found);
+        let test_counts = screen.test_counts();
         if history.first() {
-            outcome.untestable = untestable(&scene, &screen);
+            outcome.untestable = untestable(&linearisation, &screen);
         }
         let null = screen.null(options.flips, options.seed);
         let p_value = null.p_value(screen.largest());
-        outcome.last = LastScreen { p_value, detectable_gain: seen_from(&null, options.alpha) };
+        outcome.last = LastScreen { p_value, detectable_gain: detectable_statistic(&null, options.alpha) };
         let stop = history.decide(p_value, &outcome.model, options);
         let found = match stop {
             Some(_) => false,
-            None => add(context, &mut outcome, &mut history, (&scene, &screen, &null), progress)?,
+            None => add(context, &mut outcome, &mut history, (&linearisation, &screen, &null), progress)?,
         };
         if found {
             if history.may_revise(&outcome.model, FEW) {
                 progress(Progress::Reconsidering);
-                outcome.model = after_finding(context, outcome.model, asked)?;
+                outcome.model = after_finding(context, outcome.model, test_counts)?;
             }
             interim(&outcome)?;
             continue;
@@ -63,24 +63,24 @@ pub(crate) fn search(
         if history.may_reconsider(&outcome.model, FEW) {
             progress(Progress::Reconsidering);
             let changed;
-            (outcome.model, changed) = reconsidered_once(context, outcome.model, asked)?;
+            (outcome.model, changed) = reconsidered_once(context, outcome.model, test_counts)?;
             if changed {
                 // There may be more to find.
                 continue;
             }
         }
-        outcome.model = sifted(context, outcome.model, &mut outcome.refused)?;
-        outcome.stopped = stop.unwrap_or(Stop::NothingConvincing);
+        outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
+        outcome.stopped = stop.unwrap_or(Termination::NothingConvincing);
         return Ok(outcome);
     }
 }
 
 /// Adds the best candidate that passes all tests, also as part of the refitted model; whether there was one.
 fn add(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     outcome: &mut Outcome,
     history: &mut History,
-    screened: (&Scene<'_>, &Screen, &NullDistribution),
+    screened: (&Linearisation<'_>, &Screen, &NullDistribution),
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<bool, DiscoverError> {
     /// Candidates that may fail as part of the model before the search gives up.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Stop {
+pub enum Termination {
     /// Nothing is left that chance would not do as well.
     NothingLeft,
     /// Something is left, but no candidate passed the tests.
@@ -46,14 +46,14 @@ impl History {
     }
 
     /// Why the search ends with this smallest p, if it does.
-    pub fn decide(&mut self, p_value: f64, model: &Model, options: &DiscoverOptions) -> Option<Stop> {
+    pub fn decide(&mut self, p_value: f64, model: &Model, options: &DiscoverOptions) -> Option<Termination> {
         self.iterations += 1;
         if p_value > options.alpha {
-            Some(Stop::NothingLeft)
+            Some(Termination::NothingLeft)
         } else if model.findings.len() >= options.most {
-            Some(Stop::Limit)
+            Some(Termination::Limit)
         } else if self.iterations > 2 * options.most {
-            Some(Stop::Circling)
+            Some(Termination::Circling)
         } else {
             None
         }

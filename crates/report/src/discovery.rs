@@ -8,7 +8,7 @@ pub use limits::{NoiseFloorSummary, TooFewPoses, WithdrawnSummary};
 use crate::{PositionSpread, SpecificationSummary};
 use serde::{Deserialize, Serialize};
 use truepose_discover::{
-    Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Stop, Verdict,
+    Alternative, Diagnosis, Errors, Evidence, Finding, Nested, Parameter, Place, Termination, Verdict,
 };
 use truepose_errormodel::{Dataset, Visits};
 
@@ -51,7 +51,7 @@ pub struct DiscoverySummary {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub too_few_poses: Option<TooFewPoses>,
     /// Why the loop stopped.
-    pub stopped: Stop,
+    pub stopped: Termination,
     /// The loop itself, judged on every row by a run that did not see it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nested: Option<NestedSummary>,

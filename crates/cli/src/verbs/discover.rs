@@ -9,7 +9,9 @@ use crate::progress::Progress as Bar;
 use crate::terminal;
 use crate::watch::{self, Kept};
 use std::path::{Path, PathBuf};
-use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, RivalFit, diagnose, nested};
+use truepose_discover::{
+    CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
+};
 use truepose_errormodel::{FittedModel, ModelError};
 use truepose_identify::IdentifyError;
 use truepose_io::{check_writable, make_folder, read_measurements, write_fit, write_whole};
@@ -40,7 +42,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         flips: args.flips,
         alpha: args.alpha,
         most: args.most,
-        rival_fits: args.rivals.is_some(),
+        competing_fits: args.rivals.is_some(),
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
@@ -48,7 +50,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner();
     let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
-        Progress::SoFar(so_far) => {
+        Progress::Interim(so_far) => {
             let (out, origin) = (args.out.clone(), origin.clone());
             let ledger = folder.as_ref().map(Folder::result);
             watch::keep(move |why| incomplete(*so_far, settings, &origin, out, ledger, why));
@@ -98,7 +100,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         terminal::log(&format!("wrote {}", out.display()));
     }
     if let Some(folder) = &args.rivals {
-        write_rivals(folder, &found.rivals)?;
+        write_rivals(folder, &found.competitors)?;
     }
     Ok(())
 }
@@ -117,7 +119,7 @@ fn refused(args: &Discover, error: DiscoverError) -> Failure {
 }
 
 /// One file a rival, named by what it says.
-fn write_rivals(folder: &Path, rivals: &[RivalFit]) -> Result<(), Failure> {
+fn write_rivals(folder: &Path, rivals: &[CompetingFit]) -> Result<(), Failure> {
     if rivals.is_empty() {
         terminal::log("no rivals to write: nothing else explains the data as well as what was found");
     }
@@ -210,7 +212,7 @@ fn word(step: &Progress) -> String {
         Progress::Screening(0) => "screening all candidates".into(),
         Progress::Screening(found) => format!("screening again, {found} found"),
         Progress::Found(words) => format!("found {words}; fitting"),
-        Progress::SoFar(_) => "keeping what was found".into(),
+        Progress::Interim(_) => "keeping what was found".into(),
         Progress::Checking => "checking on data that the search has not seen".into(),
         Progress::Reconsidering => "looking at earlier finds again".into(),
         Progress::Judging => "judging on the rows that were held out".into(),

@@ -7,15 +7,15 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused};
 use crate::accept::model::Model;
-use crate::accept::polish::polished;
+use crate::accept::refine::refined_in_model;
 use crate::error::DiscoverError;
 use crate::model::admissible::{Objection, objection};
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use crate::model::refits::compared;
 
 /// The model with a candidate more, or why it is not kept.
 pub(crate) fn admitted(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     before: &Model,
     accepted: Accepted,
 ) -> Result<Result<Model, Doubt>, DiscoverError> {
@@ -23,7 +23,7 @@ pub(crate) fn admitted(
         return Ok(Err(Doubt::NothingNew));
     };
     let mut after = before.refitted(context, findings)?;
-    if let Some(better) = polished(context, &after.current, added)? {
+    if let Some(better) = refined_in_model(context, &after.current, added)? {
         let mut findings = after.findings.clone();
         findings[added].candidate = better;
         after = after.refitted(context, findings)?;
@@ -41,7 +41,7 @@ pub(crate) fn admitted(
 
 /// The model after a revision of its findings, where that is no worse; none where it is.
 pub(crate) fn kept(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     before: &Model,
     after: Model,
 ) -> Result<Option<Model>, DiscoverError> {
@@ -51,7 +51,7 @@ pub(crate) fn kept(
 /// What speaks against a model beside an earlier one. An effect that is added has to predict unseen poses better; a revision, which may also
 /// make the model simpler, not worse by more than what counts.
 fn doubt_about(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     before: &Model,
     after: &Model,
     gains: bool,
@@ -73,8 +73,8 @@ fn doubt_about(
 }
 
 /// The model without findings that, with all others in it, are no longer significant or physical; those are noted.
-pub(crate) fn sifted(
-    context: &Ground<'_>,
+pub(crate) fn without_insignificant(
+    context: &Context<'_>,
     mut model: Model,
     refused: &mut Vec<Refused>,
 ) -> Result<Model, DiscoverError> {

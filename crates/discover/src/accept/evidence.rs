@@ -8,11 +8,11 @@
 //!    tenth of the noise floor.
 //! 4. Is it there in every half of the data, with the same size?
 
-use crate::contest::rival::Rival;
+use crate::contest::competitor::Competitor;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::problem::likelihood::{Likelihood, distances};
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::Observation;
 use crate::screen::candidates::Screen;
 use nalgebra::DMatrix;
@@ -102,25 +102,25 @@ const HALVES: usize = 10;
 
 /// Collects the evidence for a rival, given its family-wise p.
 pub(crate) fn collect(
-    scene: &Scene<'_>,
+    linearisation: &Linearisation<'_>,
     present: &Likelihood,
-    rival: &Rival,
+    competitor: &Competitor,
     (p_value, p_parametric): (f64, f64),
     seed: u64,
 ) -> Result<Evidence, DiscoverError> {
-    let random = Folds::new(scene.data, &Split::Random { folds: folds(scene, FOLDS), seed })?;
-    let blocks = Folds::new(scene.data, &Split::TimeBlocks { folds: folds(scene, BLOCKS) })?;
+    let random = Folds::new(linearisation.data, &Split::Random { folds: folds(linearisation, FOLDS), seed })?;
+    let blocks = Folds::new(linearisation.data, &Split::TimeBlocks { folds: folds(linearisation, BLOCKS) })?;
     let gain = |folds: &Folds| -> Result<Gain, DiscoverError> {
-        let before = present.held_out(scene, folds, rival.within())?;
-        let after = rival.likelihood.held_out(scene, folds, rival.within())?;
-        Ok(paired(scene, folds, rival, &before, &after))
+        let before = present.held_out(linearisation, folds, competitor.prior_width())?;
+        let after = competitor.likelihood.held_out(linearisation, folds, competitor.prior_width())?;
+        Ok(paired(linearisation, folds, competitor, &before, &after))
     };
-    let (stability, agreement) = halves(scene, rival, seed)?;
+    let (stability, agreement) = halves(linearisation, competitor, seed)?;
     Ok(Evidence {
         p_value,
         p_parametric,
-        unknowns: rival.freedom,
-        gain: present.deviance - rival.likelihood.deviance,
+        unknowns: competitor.freedom,
+        gain: present.deviance - competitor.likelihood.deviance,
         random: gain(&random)?,
         blocks: gain(&blocks).ok(),
         stability,
@@ -153,8 +153,8 @@ impl Evidence {
     }
 }
 
-fn folds(scene: &Scene<'_>, most: usize) -> usize {
-    let count = configurations(scene.data).iter().max().map_or(0, |last| last + 1);
+fn folds(linearisation: &Linearisation<'_>, most: usize) -> usize {
+    let count = configurations(linearisation.data).iter().max().map_or(0, |last| last + 1);
     most.min(count).max(2)
 }
 
@@ -162,32 +162,39 @@ fn folds(scene: &Scene<'_>, most: usize) -> usize {
 ///
 /// Numbers are judged twice: each by itself, and against what the others of its visit say of it. While whole visits are still off by more than
 /// the noise, for causes that have not been found yet, the second sees what the first cannot.
-fn paired(scene: &Scene<'_>, folds: &Folds, rival: &Rival, before: &[f64], after: &[f64]) -> Gain {
-    let noise = rival.likelihood.noise;
+fn paired(
+    linearisation: &Linearisation<'_>,
+    folds: &Folds,
+    competitor: &Competitor,
+    before: &[f64],
+    after: &[f64],
+) -> Gain {
+    let noise = competitor.likelihood.noise;
     let deviation = |o: &Observation| {
         if o.component < 3 {
-            noise.position(scene.data.position_sd[o.row][o.component]).hypot(noise.visit_sd)
+            noise.position(linearisation.data.position_sd[o.row][o.component]).hypot(noise.visit_sd)
         } else {
-            noise.orientation(scene.data.orientation_sd[o.row][o.component - 3])
+            noise.orientation(linearisation.data.orientation_sd[o.row][o.component - 3])
         }
     };
     let by_itself = |residual: &[f64]| -> Vec<f64> {
-        scene.observations.iter().zip(residual).map(|(o, r)| r / deviation(o)).collect()
+        linearisation.observations.iter().zip(residual).map(|(o, r)| r / deviation(o)).collect()
     };
     let among_others = |residual: &[f64]| {
         let mut white = DMatrix::from_column_slice(residual.len(), 1, residual);
-        scene.whitener(noise).apply(&mut white);
+        linearisation.whitener(noise).apply(&mut white);
         white.as_slice().to_vec()
     };
-    let alone = ByFold::new(scene, folds, &by_itself(before), &by_itself(after));
-    let together = ByFold::new(scene, folds, &among_others(before), &among_others(after));
-    let acts = acts(scene, rival);
+    let alone = ByFold::new(linearisation, folds, &by_itself(before), &by_itself(after));
+    let together = ByFold::new(linearisation, folds, &among_others(before), &among_others(after));
+    let acts = acts(linearisation, competitor);
     let where_it_acts = |residual: &[f64]| -> f64 {
-        let own = scene.observations.iter().zip(by_itself(residual)).filter(|(o, _)| acts[o.row]);
+        let own = linearisation.observations.iter().zip(by_itself(residual)).filter(|(o, _)| acts[o.row]);
         own.map(|(_, deviation)| deviation * deviation).sum()
     };
     let rms = |residual: &[f64]| {
-        let whole: Vec<f64> = distances(scene, residual).into_iter().filter(|v| v.is_finite()).collect();
+        let whole: Vec<f64> =
+            distances(linearisation, residual).into_iter().filter(|v| v.is_finite()).collect();
         (whole.iter().sum::<f64>() / whole.len().max(1) as f64).sqrt()
     };
     let (without, with) = (where_it_acts(before), where_it_acts(after));
@@ -212,14 +219,14 @@ struct ByFold {
 
 impl ByFold {
     /// Of deviations without and with it.
-    fn new(scene: &Scene<'_>, folds: &Folds, without: &[f64], with: &[f64]) -> Self {
+    fn new(linearisation: &Linearisation<'_>, folds: &Folds, without: &[f64], with: &[f64]) -> Self {
         /// Degrees of freedom of the heavy tail.
         const TAIL: f64 = 4.0;
-        let surprise = |square: f64| (1.0 + square / TAIL).ln();
+        let surprisal = |square: f64| (1.0 + square / TAIL).ln();
         let mut sums = vec![[0.0; 4]; folds.count];
-        for ((o, a), b) in scene.observations.iter().zip(without).zip(with) {
+        for ((o, a), b) in linearisation.observations.iter().zip(without).zip(with) {
             let (a, b) = (a * a, b * b);
-            let own = [a, b, surprise(a) - surprise(b), 1.0];
+            let own = [a, b, surprisal(a) - surprisal(b), 1.0];
             sums[folds.of_visit[o.visit]].iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         }
         let filled: Vec<[f64; 4]> = sums.into_iter().filter(|[_, with, ..]| *with > 0.0).collect();
@@ -238,10 +245,10 @@ impl ByFold {
 }
 
 /// On which rows of the data it acts.
-fn acts(scene: &Scene<'_>, rival: &Rival) -> Vec<bool> {
-    let mut rows = vec![false; scene.data.len()];
-    for (at, o) in scene.observations.iter().enumerate() {
-        rows[o.row] |= rival.columns.row(at).iter().any(|x| *x != 0.0);
+fn acts(linearisation: &Linearisation<'_>, competitor: &Competitor) -> Vec<bool> {
+    let mut rows = vec![false; linearisation.data.len()];
+    for (at, o) in linearisation.observations.iter().enumerate() {
+        rows[o.row] |= competitor.columns.row(at).iter().any(|x| *x != 0.0);
     }
     rows
 }
@@ -265,11 +272,15 @@ fn students_t(differences: &[f64]) -> f64 {
 }
 
 /// Share of half samples in which the effect is there, and of pairs whose sizes agree.
-fn halves(scene: &Scene<'_>, rival: &Rival, seed: u64) -> Result<(f64, f64), DiscoverError> {
-    let configuration = configurations(scene.data);
+fn halves(
+    linearisation: &Linearisation<'_>,
+    competitor: &Competitor,
+    seed: u64,
+) -> Result<(f64, f64), DiscoverError> {
+    let configuration = configurations(linearisation.data);
     let count = configuration.iter().max().map_or(0, |last| last + 1);
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x4a1f);
-    let k = rival.columns.ncols();
+    let k = competitor.columns.ncols();
     let halves: Vec<Vec<bool>> = (0..HALVES)
         .map(|_| {
             let mut order: Vec<usize> = (0..count).collect();
@@ -281,14 +292,14 @@ fn halves(scene: &Scene<'_>, rival: &Rival, seed: u64) -> Result<(f64, f64), Dis
     let size = |value: &nalgebra::DVector<f64>, covariance: nalgebra::DMatrix<f64>| {
         covariance.cholesky().map_or(0.0, |c| value.dot(&c.solve(value)))
     };
-    let freedom = rival.freedom as f64;
+    let freedom = competitor.freedom as f64;
     let enough = freedom + 1.5 * (2.0 * freedom).sqrt();
     let judged: Vec<(usize, usize)> = halves
         .par_iter()
         .map(|mine| -> Result<(usize, usize), DiscoverError> {
             let others: Vec<bool> = mine.iter().map(|m| !m).collect();
-            let (a, ca) = rival.likelihood.on_visits(scene, mine, k)?;
-            let (b, cb) = rival.likelihood.on_visits(scene, &others, k)?;
+            let (a, ca) = competitor.likelihood.on_visits(linearisation, mine, k)?;
+            let (b, cb) = competitor.likelihood.on_visits(linearisation, &others, k)?;
             let difference = size(&(&a - &b), &ca + &cb);
             let there = usize::from(size(&a, ca) > enough) + usize::from(size(&b, cb) > enough);
             Ok((there, usize::from(difference < freedom + 3.0 * (2.0 * freedom).sqrt())))
@@ -299,11 +310,11 @@ fn halves(scene: &Scene<'_>, rival: &Rival, seed: u64) -> Result<(f64, f64), Dis
 }
 
 /// The parametric p of a rival, times the number of questions asked.
-pub(crate) fn parametric(screen: &Screen, rival: &Rival) -> f64 {
-    let asked = screen.tests();
-    let law = ChiSquared::new(rival.freedom as f64);
-    let single = law.map_or(1.0, |law| law.sf(rival.gain.max(0.0)));
-    (single * asked.max(1) as f64).min(1.0)
+pub(crate) fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
+    let tests = screen.tests();
+    let distribution = ChiSquared::new(competitor.freedom as f64);
+    let single = distribution.map_or(1.0, |distribution| distribution.sf(competitor.gain.max(0.0)));
+    (single * tests.max(1) as f64).min(1.0)
 }
 
 /// A candidate that won a contest and was not believed.

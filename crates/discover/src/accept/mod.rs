@@ -5,5 +5,5 @@ pub(crate) mod admit;
 pub(crate) mod evidence;
 pub(crate) mod model;
 pub(crate) mod outcome;
-pub(crate) mod polish;
+pub(crate) mod refine;
 pub(crate) mod winner;

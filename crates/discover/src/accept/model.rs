@@ -3,7 +3,7 @@
 use crate::accept::accepted::Accepted;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
-use crate::model::current::{Ground, Working};
+use crate::model::current::{Context, ModelFit};
 use crate::model::nonlinear::{between_rows, descended, gaps};
 use crate::model::refits::Refits;
 use std::ops::Range;
@@ -16,16 +16,16 @@ use truepose_identify::Residuals;
 pub(crate) struct Model {
     pub findings: Vec<Accepted>,
     /// The fit with all findings.
-    pub current: Arc<Working>,
+    pub current: Arc<ModelFit>,
     /// The fit of the declared model alone.
-    pub declared: Arc<Working>,
+    pub declared: Arc<ModelFit>,
     /// How the model predicts poses that its refits have not seen, once that was evaluated.
     refits: Arc<OnceLock<Refits>>,
 }
 
 impl Model {
     /// Without findings.
-    pub fn declared(fit: Working) -> Self {
+    pub fn declared(fit: ModelFit) -> Self {
         let fit = Arc::new(fit);
         Model { findings: Vec::new(), current: Arc::clone(&fit), declared: fit, refits: Arc::default() }
     }
@@ -41,16 +41,16 @@ impl Model {
     }
 
     /// Refitted with these findings. Declared masses and nonlinear parameters move while the model is fitted.
-    pub fn refitted(&self, context: &Ground<'_>, findings: Vec<Accepted>) -> Result<Self, DiscoverError> {
+    pub fn refitted(&self, context: &Context<'_>, findings: Vec<Accepted>) -> Result<Self, DiscoverError> {
         let found: Vec<Candidate> = findings.iter().map(|a| a.candidate.clone()).collect();
         if found.is_empty() {
             return Ok(self.without_findings());
         }
-        let fit = context.working(found, &self.current.outliers.suspects)?;
+        let fit = context.fit_model(found, &self.current.outliers.suspects)?;
         Ok(self.standing_on(findings, fit))
     }
 
-    fn standing_on(&self, mut findings: Vec<Accepted>, fit: Working) -> Self {
+    fn standing_on(&self, mut findings: Vec<Accepted>, fit: ModelFit) -> Self {
         for (finding, found) in findings.iter_mut().zip(&fit.found) {
             finding.candidate = found.clone();
         }
@@ -87,7 +87,7 @@ impl Model {
     }
 
     /// The effects of the fitted model that belong to a finding.
-    pub fn effects_of(&self, context: &Ground<'_>, which: usize) -> Range<usize> {
+    pub fn effects_of(&self, context: &Context<'_>, which: usize) -> Range<usize> {
         context.effects_of(&self.current.found, which)
     }
 
@@ -98,8 +98,8 @@ impl Model {
     }
 
     /// With all nonlinear parameters at their joint optimum; none when nothing moved.
-    pub fn descended(&self, context: &Ground<'_>) -> Result<Option<Self>, DiscoverError> {
-        let Working { found, fit, data, .. } = &*self.current;
+    pub fn descended(&self, context: &Context<'_>) -> Result<Option<Self>, DiscoverError> {
+        let ModelFit { found, fit, data, .. } = &*self.current;
         match descended(context, found, fit, data)? {
             Some(next) => Ok(Some(self.refitted(context, self.replaced(next))?)),
             None => Ok(None),
@@ -107,7 +107,7 @@ impl Model {
     }
 
     /// With each jump between the two rows between which the data places it.
-    pub fn between_rows(self, context: &Ground<'_>) -> Result<Self, DiscoverError> {
+    pub fn between_rows(self, context: &Context<'_>) -> Result<Self, DiscoverError> {
         let next = between_rows(&self.current.found, context.data);
         if next.iter().all(|found| gaps(found).is_empty()) {
             return Ok(self);
@@ -122,19 +122,19 @@ impl Model {
     }
 
     /// What was found in a part of the data, fitted to the data of another context; the declared model as well.
-    pub fn on_data_of(&self, context: &Ground<'_>) -> Result<Self, DiscoverError> {
-        let declared = context.working_from(Vec::new(), &[], Some(&self.declared.fit))?;
+    pub fn on_data_of(&self, context: &Context<'_>) -> Result<Self, DiscoverError> {
+        let declared = context.fit_model_from(Vec::new(), &[], Some(&self.declared.fit))?;
         let declared = Model::declared(declared);
         let found = self.current.found.clone();
         if found.is_empty() {
             return Ok(declared);
         }
-        let fit = context.working_from(found, &[], Some(&self.current.fit))?;
+        let fit = context.fit_model_from(found, &[], Some(&self.current.fit))?;
         Ok(declared.standing_on(self.findings.clone(), fit))
     }
 
     /// How it predicts training poses that its refits have not seen.
-    pub fn refits(&self, context: &Ground<'_>) -> Result<Refits, DiscoverError> {
+    pub fn refits(&self, context: &Context<'_>) -> Result<Refits, DiscoverError> {
         if let Some(known) = self.refits.get() {
             return Ok(known.clone());
         }
@@ -145,7 +145,7 @@ impl Model {
     }
 
     /// The declared model and this one on the training rows, each row by a refit without its fold.
-    pub fn both_refitted(&self, context: &Ground<'_>) -> Result<[Residuals; 2], DiscoverError> {
+    pub fn both_refitted(&self, context: &Context<'_>) -> Result<[Residuals; 2], DiscoverError> {
         let first = context.refits(&self.declared, context.options.seed)?.residuals;
         Ok([first, self.refits(context)?.residuals])
     }

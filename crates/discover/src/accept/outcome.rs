@@ -3,7 +3,7 @@
 use crate::accept::evidence::Refused;
 use crate::accept::model::Model;
 use crate::screen::untestable::Untestable;
-use crate::termination::Stop;
+use crate::termination::Termination;
 
 /// What a search has come to, at its end or on the way.
 #[derive(Clone)]
@@ -14,7 +14,7 @@ pub(crate) struct Outcome {
     /// Causes that this data cannot test beside the declared model.
     pub untestable: Vec<Untestable>,
     pub last: LastScreen,
-    pub stopped: Stop,
+    pub stopped: Termination,
 }
 
 /// The last screen of all candidates.
@@ -34,7 +34,7 @@ impl Outcome {
             refused: Vec::new(),
             untestable: Vec::new(),
             last: LastScreen { p_value: 1.0, detectable_gain: f64::INFINITY },
-            stopped: Stop::Interrupted,
+            stopped: Termination::Interrupted,
         }
     }
 }

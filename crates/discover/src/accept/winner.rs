@@ -3,39 +3,39 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused, collect, parametric};
 use crate::contest::competition::{Contest, contest};
-use crate::contest::payload::weighed;
-use crate::contest::rival::{Rival, adopted, losers};
+use crate::contest::competitor::{Competitor, outcompeted, with_estimates};
+use crate::contest::payload::order_payloads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::model::current::{Ground, Working};
-use crate::problem::linearisation::Scene;
+use crate::model::current::{Context, ModelFit};
+use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use crate::significance::sign_flips::NullDistribution;
 use crate::statistics::chi_square::gain_of_one;
 
 /// The best rival that passes all tests; those that fail are noted and the next one is asked.
 pub(crate) fn winner(
-    ground: &Ground<'_>,
-    now: &Working,
-    (scene, screen, null): (&Scene<'_>, &Screen, &NullDistribution),
+    context: &Context<'_>,
+    current: &ModelFit,
+    (linearisation, screen, null): (&Linearisation<'_>, &Screen, &NullDistribution),
     barred: &[Candidate],
     refused: &mut Vec<Refused>,
 ) -> Result<Option<Accepted>, DiscoverError> {
     /// Contests that may end without a winner before nobody is asked any more, and how many of each contest are asked.
     const CONTESTS: usize = 4;
-    const ASKED: usize = 2;
-    let options = ground.options;
+    const TESTED: usize = 2;
+    let options = context.options;
     let mut barred: Vec<Candidate> = barred.to_vec();
     for _ in 0..CONTESTS {
-        let Contest { present, mut rivals } = contest(scene, screen, &barred, true)?;
-        weighed(ground, now, &mut rivals)?;
-        if rivals.is_empty() {
+        let Contest { present, mut competitors } = contest(linearisation, screen, &barred, true)?;
+        order_payloads(context, current, &mut competitors)?;
+        if competitors.is_empty() {
             return Ok(None);
         }
-        for (k, best) in rivals.iter().enumerate().take(ASKED) {
-            let p = (null.p_value(best.surprise), parametric(screen, best));
-            let evidence = collect(scene, &present, best, p, options.seed)?;
-            let floor = best.likelihood.noise.floor(scene.typical_sd());
+        for (k, best) in competitors.iter().enumerate().take(TESTED) {
+            let p = (null.p_value(best.surprisal), parametric(screen, best));
+            let evidence = collect(linearisation, &present, best, p, options.seed)?;
+            let floor = best.likelihood.noise.floor(linearisation.typical_sd());
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
             } else {
@@ -43,10 +43,10 @@ pub(crate) fn winner(
             };
             let Some(doubt) = doubt else {
                 return Ok(Some(Accepted {
-                    candidate: adopted(best),
+                    candidate: with_estimates(best),
                     evidence,
-                    rivals: losers(&rivals[k + 1..], best),
-                    shortlist: screen.shortlist(scene),
+                    competitors: outcompeted(&competitors[k + 1..], best),
+                    shortlist: screen.shortlist(linearisation),
                 }));
             };
             Refused { candidate: best.candidate.clone(), evidence, doubt }.note_in(refused);
@@ -57,13 +57,18 @@ pub(crate) fn winner(
 }
 
 /// The gain of a single unknown that would have passed as no chance.
-pub(crate) fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
+pub(crate) fn detectable_statistic(null: &NullDistribution, alpha: f64) -> f64 {
     gain_of_one(null.critical(alpha))
 }
 
 /// Family-wise p of a candidate for the place of a finding: `scene` is the model without that finding, `others` are the other findings.
-pub(crate) fn own_p(context: &Ground<'_>, scene: &Scene<'_>, others: &[Candidate], rival: &Rival) -> f64 {
+pub(crate) fn family_wise_p(
+    context: &Context<'_>,
+    linearisation: &Linearisation<'_>,
+    others: &[Candidate],
+    competitor: &Competitor,
+) -> f64 {
     let options = context.options;
-    let screen = Screen::new(scene, &options.without, others);
-    screen.null(options.flips, options.seed).p_value(rival.surprise)
+    let screen = Screen::new(linearisation, &options.without, others);
+    screen.null(options.flips, options.seed).p_value(competitor.surprisal)
 }

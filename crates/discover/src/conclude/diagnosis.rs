@@ -8,7 +8,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
 use crate::screen::untestable::Untestable;
-use crate::termination::Stop;
+use crate::termination::Termination;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, Placement, Repeats};
@@ -23,7 +23,7 @@ pub struct Diagnosis {
     /// Candidates that won a contest and were not believed.
     pub refused: Vec<Refused>,
     /// Fits of rivals, where they were asked for.
-    pub rivals: Vec<RivalFit>,
+    pub competitors: Vec<CompetingFit>,
     /// What the data cannot test: (cause, the share of it that the declared model leaves, smallest size that would be seen).
     pub untestable: Vec<Untestable>,
     /// Errors before and after.
@@ -43,7 +43,7 @@ pub struct Diagnosis {
     /// What is left.
     pub unexplained: Unexplained,
     /// Why the loop stopped.
-    pub stopped: Stop,
+    pub stopped: Termination,
     /// The fit of the enlarged model on all rows, structure frozen.
     pub fit: Fit,
     /// The fit of the declared model on the training part.
@@ -109,7 +109,7 @@ pub struct Alternative {
 
 /// The whole model with another explanation in place of a find that this data cannot tell from it.
 #[derive(Debug, Clone)]
-pub struct RivalFit {
+pub struct CompetingFit {
     /// Number of the find, from zero.
     pub finding: usize,
     /// What stands in its place.

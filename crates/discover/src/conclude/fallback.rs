@@ -15,12 +15,12 @@
 
 use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
-use crate::conclude::whole::Whole;
+use crate::conclude::partition::Partition;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use crate::model::refits::{Comparison, compared};
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::outliers;
 use nalgebra::Vector3;
 use truepose_errormodel::{Dataset, Visits, configurations};
@@ -56,9 +56,9 @@ pub(crate) type Again<'a> =
 /// Holds what was found against the declared model and takes it back where it is worse; `train` are the training rows, with the residuals of
 /// [`unsearched`] where only a sample of them was searched.
 pub(crate) fn withdrawn(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     model: &Model,
-    whole: &Whole<'_>,
+    partition: &Partition<'_>,
     (train, unsearched): (&Dataset, Option<[Residuals; 2]>),
     checks: Checks,
     again: &Again<'_>,
@@ -66,7 +66,7 @@ pub(crate) fn withdrawn(
     if model.findings.is_empty() {
         return Ok(None);
     }
-    let failed = match failed(context, model, whole, (train, unsearched), checks, again)? {
+    let failed = match failed(context, model, partition, (train, unsearched), checks, again)? {
         Some(failed) => failed,
         None => return Ok(None),
     };
@@ -79,9 +79,9 @@ pub(crate) fn withdrawn(
 type Failed = (Check, f64, f64);
 
 fn failed(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     model: &Model,
-    whole: &Whole<'_>,
+    partition: &Partition<'_>,
     (train, unsearched): (&Dataset, Option<[Residuals; 2]>),
     checks: Checks,
     again: &Again<'_>,
@@ -108,9 +108,9 @@ fn failed(
         }
     }
     if checks.test_set {
-        let held = whole.data.select(&whole.holdout_rows);
+        let held = partition.data.select(&partition.holdout_rows);
         let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
-        let out = gross(model, whole)?;
+        let out = gross(model, partition)?;
         let found = &model.current.found;
         let pair = [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
         if let Some(failed) = loss(Check::TestSet, &blank(pair, &out), &any_loss) {
@@ -126,8 +126,8 @@ pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[R
     let rows: Vec<usize> = (0..train.len()).filter(|&row| sampled[row]).collect();
     let found = &model.current.found;
     let first = Residuals::of(&model.declared.fit.fitted, train)?;
-    let now = Residuals::of(&model.current.fit.fitted, &with_loads(train, found))?;
-    Ok(blank([first, now], &rows))
+    let current = Residuals::of(&model.current.fit.fitted, &with_loads(train, found))?;
+    Ok(blank([first, current], &rows))
 }
 
 /// Both models on the training rows, each row by a run of the loop that has not seen it.
@@ -156,12 +156,12 @@ fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2
 }
 
 /// Held-out rows, counted within the test set, that nothing explains: a gross error is neither model's.
-fn gross(model: &Model, whole: &Whole<'_>) -> Result<Vec<usize>, DiscoverError> {
-    let all = with_loads(whole.data, &model.current.found);
-    let judged = Scene::new(&model.current.fit, &all)?;
+fn gross(model: &Model, partition: &Partition<'_>) -> Result<Vec<usize>, DiscoverError> {
+    let all = with_loads(partition.data, &model.current.found);
+    let judged = Linearisation::new(&model.current.fit, &all)?;
     let residual = &judged.y - &judged.base * judged.coefficients();
     let suspects = outliers(&judged, residual.as_slice(), model.current.fit.noise).suspects;
-    let held = whole.holdout_rows.iter().enumerate();
+    let held = partition.holdout_rows.iter().enumerate();
     Ok(held.filter(|(_, row)| suspects.contains(row)).map(|(k, _)| k).collect())
 }
 

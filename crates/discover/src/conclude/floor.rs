@@ -11,7 +11,7 @@
 
 use crate::conclude::errors::Errors;
 use crate::problem::observation::typical_sd;
-use crate::termination::Stop;
+use crate::termination::Termination;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use truepose_errormodel::Dataset;
@@ -63,7 +63,8 @@ impl NoiseFloor {
         if let Some(repeats) = repeats.filter(|repeats| repeats.rms > 0.0) {
             let freedom = repeats.freedom as f64;
             let end = |share: f64| {
-                let quantile = ChiSquared::new(freedom).map_or(f64::NAN, |law| law.inverse_cdf(share));
+                let quantile =
+                    ChiSquared::new(freedom).map_or(f64::NAN, |distribution| distribution.inverse_cdf(share));
                 repeats.rms * (freedom / quantile).sqrt()
             };
             let ci95 = [end(0.975), end(0.025)];
@@ -78,9 +79,9 @@ impl NoiseFloor {
     }
 
     /// What it says of a model that leaves `after`, given why the search ended and how repeats judge the model.
-    pub(crate) fn verdict(&self, stopped: Stop, repeats: Option<&Repeats>, after: &Errors) -> Verdict {
+    pub(crate) fn verdict(&self, stopped: Termination, repeats: Option<&Repeats>, after: &Errors) -> Verdict {
         let lack = repeats.and_then(|repeats| repeats.lack_of_fit.as_ref()).map(|lack| lack.p_value);
-        if stopped != Stop::NothingLeft || lack.is_some_and(|p| p < LEVEL) {
+        if stopped != Termination::NothingLeft || lack.is_some_and(|p| p < LEVEL) {
             return Verdict::Unexplained;
         }
         let enough = match self.source {
@@ -124,7 +125,7 @@ mod tests {
         let floor = NoiseFloor::of(None, &Dataset::default());
         assert_eq!((floor.rms, floor.source), (None, FloorSource::Unknown));
         let nothing = Errors::default();
-        assert_eq!(floor.verdict(Stop::NothingLeft, None, &nothing), Verdict::Undecided);
+        assert_eq!(floor.verdict(Termination::NothingLeft, None, &nothing), Verdict::Undecided);
         assert_eq!(floor.beyond(1.0, 0.5), None);
     }
 
@@ -134,8 +135,8 @@ mod tests {
         for (p, verdict) in [(0.5, Verdict::Adequate), (1e-6, Verdict::Unexplained)] {
             let repeats = repeats(1e-4, p);
             let floor = NoiseFloor::of(Some(&repeats), &Dataset::default());
-            assert_eq!(floor.verdict(Stop::NothingLeft, Some(&repeats), &nothing), verdict);
-            assert_eq!(floor.verdict(Stop::Limit, Some(&repeats), &nothing), Verdict::Unexplained);
+            assert_eq!(floor.verdict(Termination::NothingLeft, Some(&repeats), &nothing), verdict);
+            assert_eq!(floor.verdict(Termination::Limit, Some(&repeats), &nothing), Verdict::Unexplained);
         }
     }
 }

@@ -8,74 +8,77 @@ use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{Diagnosis, Finding, Unexplained};
 use crate::conclude::errors::Errors;
 use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::partition::Partition;
 use crate::conclude::report::{at_run_time, errors, parameters};
-use crate::conclude::whole::Whole;
 use crate::data::payload;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Change;
-use crate::model::current::{Ground, Working};
-use crate::termination::Stop;
+use crate::model::current::{Context, ModelFit};
+use crate::termination::Termination;
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, repeats};
 
 /// What is known from the beginning, and the errors (training, held out) with as many finds.
-pub(crate) struct SoFar {
+pub(crate) struct InterimReport {
     declared: Fit,
     before: Errors,
     held: Dataset,
     steps: Vec<(f64, f64)>,
 }
 
-impl SoFar {
+impl InterimReport {
     /// Before anything was found.
-    pub fn new(first: &Working, whole: &Whole<'_>) -> Result<Self, DiscoverError> {
-        let held = whole.data.select(&whole.holdout_rows);
+    pub fn new(first: &ModelFit, partition: &Partition<'_>) -> Result<Self, DiscoverError> {
+        let held = partition.data.select(&partition.holdout_rows);
         let before = errors(&first.fit, &first.data, &held)?;
-        Ok(SoFar { declared: first.fit.clone(), steps: vec![before.rms()], before, held })
+        Ok(InterimReport { declared: first.fit.clone(), steps: vec![before.rms()], before, held })
     }
 
     /// After a finding.
     pub fn after(
         &mut self,
-        context: &Ground<'_>,
+        context: &Context<'_>,
         outcome: &Outcome,
-        whole: &Whole<'_>,
+        partition: &Partition<'_>,
     ) -> Result<Diagnosis, DiscoverError> {
-        let Model { findings, current: now, .. } = &outcome.model;
+        let Model { findings, current, .. } = &outcome.model;
         let LastScreen { p_value, detectable_gain } = outcome.last;
-        let after =
-            errors(&now.fit, &with_loads(context.data, &now.found), &with_loads(&self.held, &now.found))?;
+        let after = errors(
+            &current.fit,
+            &with_loads(context.data, &current.found),
+            &with_loads(&self.held, &current.found),
+        )?;
         self.steps.truncate(findings.len());
         // A look at earlier finds may have split one.
         while self.steps.len() < findings.len() {
             self.steps.push(after.rms());
         }
         self.steps.push(after.rms());
-        let mut fit = now.fit.clone();
-        at_run_time(&mut fit, &now.found, whole.data);
+        let mut fit = current.fit.clone();
+        at_run_time(&mut fit, &current.found, partition.data);
         let finding = |(k, accepted): (usize, &crate::accept::accepted::Accepted)| Finding {
             candidate: accepted.candidate.clone(),
             evidence: accepted.evidence.clone(),
             train: (self.steps[k].0, self.steps[k + 1].0),
             holdout: (self.steps[k].1, self.steps[k + 1].1),
-            parameters: parameters(&fit, &accepted.candidate, context.effects_of(&now.found, k)),
+            parameters: parameters(&fit, &accepted.candidate, context.effects_of(&current.found, k)),
             shape: Vec::new(),
             alternatives: Vec::new(),
             rows: match accepted.candidate.change {
-                Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
+                Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
                 Change::Add(_) => Vec::new(),
             },
             trace: None,
         };
         let findings = findings.iter().enumerate().map(finding).collect();
-        let repeats_after = repeats(&now.fit, &now.data);
-        let noise_floor = NoiseFloor::of(repeats_after.as_ref(), whole.data);
+        let repeats_after = repeats(&current.fit, &current.data);
+        let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
         let beyond = noise_floor.beyond(self.before.rms().0, after.rms().0);
         Ok(Diagnosis {
-            placement: whole.placement.clone(),
+            placement: partition.placement.clone(),
             findings,
-            rivals: Vec::new(),
+            competitors: Vec::new(),
             refused: outcome.refused.clone(),
             repeats_before: repeats(&self.declared, context.data),
             repeats_after,
@@ -91,12 +94,12 @@ impl SoFar {
                 p_value,
                 detectable_gain,
             },
-            stopped: Stop::Interrupted,
+            stopped: Termination::Interrupted,
             fit,
             declared: self.declared.clone(),
-            data: now.data.clone(),
+            data: current.data.clone(),
             untestable: outcome.untestable.clone(),
-            holdout_rows: whole.holdout_rows.clone(),
+            holdout_rows: partition.holdout_rows.clone(),
         })
     }
 }

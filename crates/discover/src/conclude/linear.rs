@@ -10,7 +10,7 @@
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::problem::likelihood::{distances, solved};
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
 use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
@@ -21,7 +21,7 @@ const WIDE: f64 = 100.0;
 
 /// The model with its Gram matrix over the rows that fits may use.
 pub(crate) struct Linear<'s> {
-    scene: &'s Scene<'s>,
+    linearisation: &'s Linearisation<'s>,
     /// Whitened `[A | y]`, of the rows that fits may use.
     white: DMatrix<f64>,
     whitener: Whitener,
@@ -32,17 +32,19 @@ pub(crate) struct Linear<'s> {
 
 impl<'s> Linear<'s> {
     /// `usable` tells which rows of the data fits may use.
-    pub fn new(scene: &'s Scene<'s>, usable: &[bool]) -> Self {
-        let r = scene.base.ncols();
-        let whitener = scene.whitener(scene.noise);
-        let used: Vec<usize> = (0..scene.len()).filter(|&at| usable[scene.observations[at].row]).collect();
-        let mut all = scene.base.clone().resize_horizontally(r + 1, 0.0);
-        all.column_mut(r).copy_from(&scene.y);
+    pub fn new(linearisation: &'s Linearisation<'s>, usable: &[bool]) -> Self {
+        let r = linearisation.base.ncols();
+        let whitener = linearisation.whitener(linearisation.noise);
+        let used: Vec<usize> =
+            (0..linearisation.len()).filter(|&at| usable[linearisation.observations[at].row]).collect();
+        let mut all = linearisation.base.clone().resize_horizontally(r + 1, 0.0);
+        all.column_mut(r).copy_from(&linearisation.y);
         whitener.apply(&mut all);
         let white = all.select_rows(&used);
         let gram = cross(&white, &white);
-        let prior = scene.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), |rows| cross(rows, rows));
-        Linear { scene, white, whitener, used, gram, prior }
+        let prior =
+            linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), |rows| cross(rows, rows));
+        Linear { linearisation, white, whitener, used, gram, prior }
     }
 
     /// Squared 3-D distance that is left of every row of the data, without these effects of the model and with this candidate.
@@ -51,14 +53,15 @@ impl<'s> Linear<'s> {
         without: &[Range<usize>],
         with: Option<&Candidate>,
     ) -> Result<Vec<f64>, DiscoverError> {
-        let model = self.scene.fit.fitted.model();
+        let model = self.linearisation.fit.fitted.model();
         let missing =
             |column: usize| without.iter().any(|effects| effects.contains(&model.effect_of(column)));
-        let r = self.scene.base.ncols();
-        let stay: Vec<usize> = (0..r).filter(|&k| !missing(self.scene.fit.reduction.kept[k])).collect();
+        let r = self.linearisation.base.ncols();
+        let stay: Vec<usize> =
+            (0..r).filter(|&k| !missing(self.linearisation.fit.reduction.kept[k])).collect();
         let extra = match with {
-            Some(candidate) => self.scene.columns_of(candidate)?,
-            None => DMatrix::zeros(self.scene.len(), 0),
+            Some(candidate) => self.linearisation.columns_of(candidate)?,
+            None => DMatrix::zeros(self.linearisation.len(), 0),
         };
         let (s, k) = (stay.len(), extra.ncols());
         let white = self.whitener.of(&extra).select_rows(&self.used);
@@ -86,7 +89,8 @@ impl<'s> Linear<'s> {
         let (solution, _) = solved(&gram, &prior)?;
         let mut coefficients = DVector::zeros(r);
         stay.iter().zip(solution.iter()).for_each(|(&at, &value)| coefficients[at] = value);
-        let left = &self.scene.y - &self.scene.base * coefficients - extra * solution.rows(s, k);
-        Ok(distances(self.scene, left.as_slice()))
+        let left =
+            &self.linearisation.y - &self.linearisation.base * coefficients - extra * solution.rows(s, k);
+        Ok(distances(self.linearisation, left.as_slice()))
     }
 }

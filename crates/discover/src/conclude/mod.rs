@@ -7,7 +7,7 @@ pub(crate) mod final_fit;
 pub(crate) mod floor;
 pub(crate) mod interim;
 pub(crate) mod linear;
+pub(crate) mod partition;
 pub(crate) mod report;
 pub(crate) mod trace;
 pub(crate) mod trial;
-pub(crate) mod whole;

@@ -5,25 +5,25 @@ use crate::accept::evidence::{Evidence, Gain};
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{
-    Alternative, Diagnosis, Finding, Parameter, RivalFit, Unexplained, Withdrawn,
+    Alternative, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
 };
 use crate::conclude::errors::Errors;
-use crate::conclude::final_fit::{Final, Plain, enlarged, training};
+use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::partition::Partition;
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
-use crate::conclude::whole::Whole;
 use crate::data::payload::with_loads;
 use crate::data::{derived, payload};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use crate::policy::TIE;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::Outliers;
-use crate::termination::Stop;
+use crate::termination::Termination;
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
@@ -31,43 +31,43 @@ use truepose_identify::{Fit, FittedShape, Residuals, repeats, student_quantile};
 
 /// Forms the ledger.
 pub(crate) fn conclude(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     outcome: Outcome,
-    whole: Whole<'_>,
+    partition: Partition<'_>,
     withdrawn: Option<Withdrawn>,
-    plain: &Plain<'_>,
+    declared_fit: &DeclaredFit<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
-    let held = whole.data.select(&whole.holdout_rows);
-    let wanted = context.options.rival_fits;
+    let held = partition.data.select(&partition.holdout_rows);
+    let wanted = context.options.competing_fits;
     let Outcome { model, refused, mut untestable, last, stopped } = outcome;
     let LastScreen { p_value, detectable_gain } = last;
-    let Model { findings: accepted, current: now, .. } = model;
+    let Model { findings: accepted, current, .. } = model;
     // What was found could be tested after all, in the directions that are left of it.
     untestable
         .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = match found.is_empty() {
-        true => now.fit.clone(),
-        false => context.fitted(&[], &context.prepared(&[], &now.outliers.suspects))?,
+        true => current.fit.clone(),
+        false => context.fitted(&[], &context.prepared(&[], &current.outliers.suspects))?,
     };
     let mut before = errors(&declared, context.data, &held)?;
-    let mut after = errors(&now.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
+    let mut after = errors(&current.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
 
-    let all = with_loads(whole.data, &found);
-    let judged = Scene::new(&now.fit, &all)?;
-    let trial = Trial::new(context, &now, &found, &judged, &whole);
+    let all = with_loads(partition.data, &found);
+    let judged = Linearisation::new(&current.fit, &all)?;
+    let trial = Trial::new(context, &current, &found, &judged, &partition);
     // The model step by step, on the same training rows.
     let between: Vec<_> =
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
     let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
 
-    let Final { fit, found, data, outside } = match (plain.thorough, found.is_empty()) {
-        (true, true) => plain.fit(context, &now, &all)?,
-        (true, false) => enlarged(context, &now, &found, &all)?,
-        (false, _) => training(&now, &found, &all)?,
+    let Final { fit, found, data, outside } = match (declared_fit.full_report, found.is_empty()) {
+        (true, true) => declared_fit.fit(context, &current, &all)?,
+        (true, false) => enlarged(context, &current, &found, &all)?,
+        (false, _) => training(&current, &found, &all)?,
     };
     let mut fit = fit;
-    at_run_time(&mut fit, &found, whole.data);
+    at_run_time(&mut fit, &found, partition.data);
 
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
@@ -76,32 +76,35 @@ pub(crate) fn conclude(
             parameters: parameters(&fit, &found[k], effects.clone()),
             shape: shape(&fit, &effects),
             rows: match accepted.candidate.change {
-                Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
+                Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
                 Change::Add(_) => Vec::new(),
             },
             candidate: found[k].clone(),
             evidence: accepted.evidence.clone(),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
-            alternatives: match plain.thorough {
-                true => alternatives(&trial, k, &accepted.rivals)?,
+            alternatives: match declared_fit.full_report {
+                true => alternatives(&trial, k, &accepted.competitors)?,
                 false => Vec::new(),
             },
-            trace: match plain.thorough {
+            trace: match declared_fit.full_report {
                 true => trace(&fit, &data, &found[k], effects.start)?,
                 false => None,
             },
         });
     }
-    let rivals =
-        if wanted { rival_fits(&trial, &accepted, &outside.suspects, whole.data)? } else { Vec::new() };
+    let competitors = if wanted {
+        competing_fits(&trial, &accepted, &outside.suspects, partition.data)?
+    } else {
+        Vec::new()
+    };
     let within = |part: &[usize]| -> Vec<usize> {
         (0..part.len()).filter(|&k| outside.certain.contains(&part[k])).collect()
     };
-    before.outliers = [within(&whole.train_rows), within(&whole.holdout_rows)];
+    before.outliers = [within(&partition.train_rows), within(&partition.holdout_rows)];
     after.outliers.clone_from(&before.outliers);
     if !outside.certain.is_empty() {
-        let judged = Residuals::of(&fit.fitted, whole.data)?;
+        let judged = Residuals::of(&fit.fitted, partition.data)?;
         let (out, good): (Vec<usize>, Vec<usize>) =
             (0..judged.position.len()).partition(|row| outside.certain.contains(row));
         let all: Vec<usize> = (0..judged.position.len()).collect();
@@ -109,17 +112,17 @@ pub(crate) fn conclude(
         let held = after.holdout.positions().rms;
         findings.push(outlier_finding(&outside, out.len(), rms, (held, held)));
     }
-    let stopped = if withdrawn.is_some() { Stop::Withdrawn } else { stopped };
-    let repeats_after = repeats(&now.fit, &now.data);
-    let noise_floor = NoiseFloor::of(repeats_after.as_ref(), whole.data);
+    let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
+    let repeats_after = repeats(&current.fit, &current.data);
+    let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
     let verdict = noise_floor.verdict(stopped, repeats_after.as_ref(), &after);
     let train = |errors: &Errors| errors.spreads_without_outliers().0.rms;
     let beyond = noise_floor.beyond(train(&before), train(&after));
     Ok(Diagnosis {
-        placement: whole.placement.clone(),
+        placement: partition.placement.clone(),
         findings,
         refused,
-        rivals,
+        competitors,
         repeats_before: repeats(&declared, context.data),
         repeats_after,
         before,
@@ -139,7 +142,7 @@ pub(crate) fn conclude(
         declared,
         data,
         untestable,
-        holdout_rows: whole.holdout_rows,
+        holdout_rows: partition.holdout_rows,
     })
 }
 
@@ -208,14 +211,14 @@ fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
 fn alternatives(
     trial: &Trial<'_>,
     which: usize,
-    rivals: &[(Candidate, f64)],
+    competitors: &[(Candidate, f64)],
 ) -> Result<Vec<Alternative>, DiscoverError> {
     /// Rivals that are listed, and how many of them may go without a name: these come in many forms of one thing.
     const LISTED: usize = 4;
-    const NAMELESS: usize = 2;
-    let nameless = rivals.iter().filter(|(r, _)| r.family == Family::Unmodelled).nth(NAMELESS);
-    let last = nameless.map_or(f64::INFINITY, |(_, behind)| *behind);
-    let listed = rivals.iter().filter(|(r, behind)| r.family != Family::Unmodelled || *behind < last);
+    const UNNAMED: usize = 2;
+    let unnamed = competitors.iter().filter(|(r, _)| r.family == Family::Unmodelled).nth(UNNAMED);
+    let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
+    let listed = competitors.iter().filter(|(r, behind)| r.family != Family::Unmodelled || *behind < last);
     let listed: Vec<_> = listed.take(LISTED).collect();
     listed
         .par_iter()
@@ -232,21 +235,21 @@ fn alternatives(
 }
 
 /// The explanations that this data cannot tell from the finds, fitted to all rows but those that are kept out.
-fn rival_fits(
+fn competing_fits(
     trial: &Trial<'_>,
     accepted: &[Accepted],
     out: &[usize],
     data: &Dataset,
-) -> Result<Vec<RivalFit>, DiscoverError> {
+) -> Result<Vec<CompetingFit>, DiscoverError> {
     /// Of one find.
     const FITTED: usize = 2;
     let mut fits = Vec::new();
     for (finding, accepted) in accepted.iter().enumerate() {
-        let tied = accepted.rivals.iter().filter(|(_, behind)| *behind < TIE).take(FITTED);
+        let tied = accepted.competitors.iter().filter(|(_, behind)| *behind < TIE).take(FITTED);
         for (candidate, _) in tied {
             let (mut fit, found) = trial.fit_instead(finding, candidate, out)?;
             at_run_time(&mut fit, &found, data);
-            fits.push(RivalFit { finding, candidate: candidate.clone(), fit });
+            fits.push(CompetingFit { finding, candidate: candidate.clone(), fit });
         }
     }
     Ok(fits)

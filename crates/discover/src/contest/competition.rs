@@ -2,17 +2,17 @@
 //!
 //! The smallest score wins; among those that the data cannot tell from it, the simplest one.
 
+use crate::contest::competitor::{Competitor, competitor, plausible};
 use crate::contest::look_ahead;
-use crate::contest::rival::{Rival, plausible, rival};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::components::neighbours;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::nonlinear::seen_as;
 use crate::hypotheses::unmodelled::richer;
-use crate::policy::{TIE, price};
+use crate::policy::{TIE, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
 use crate::screen::candidates::{Cause, Screen};
 use crate::screen::periodogram;
@@ -39,105 +39,111 @@ const MOST_PERIODS: usize = 12;
 /// The rivals, the one that should be believed first, and the present model's own likelihood.
 pub(crate) struct Contest {
     pub present: Likelihood,
-    pub rivals: Vec<Rival>,
+    pub competitors: Vec<Competitor>,
 }
 
 /// Holds the contest between the best causes of a screen, leaving out those that are barred. The most promising gears may grow further
 /// periods, where a new cause is looked for or a gear defends its place.
 pub(crate) fn contest(
-    scene: &Scene<'_>,
+    linearisation: &Linearisation<'_>,
     screen: &Screen,
     barred: &[Candidate],
-    gears_grow: bool,
+    more_periods_allowed: bool,
 ) -> Result<Contest, DiscoverError> {
-    let visits = Visits::of(scene.data);
-    let present = Likelihood::new(scene, &DMatrix::zeros(scene.len(), 0), &visits)?;
-    let mut causes = screen.causes(scene);
+    let visits = Visits::of(linearisation.data);
+    let present = Likelihood::new(linearisation, &DMatrix::zeros(linearisation.len(), 0), &visits)?;
+    let mut causes = screen.causes(linearisation);
     causes.retain(|cause| !barred.iter().any(|b| b.family == cause.family && b.place == cause.place));
-    let mut found: Vec<Vec<Rival>> = invited(scene, &causes)
+    let mut found: Vec<Vec<Competitor>> = selected(linearisation, &causes)
         .par_iter()
-        .map(|cause| shaped(scene, screen, &visits, cause))
+        .map(|cause| refined_variants(linearisation, screen, &visits, cause))
         .collect::<Result<_, _>>()?;
-    if gears_grow {
-        grow(scene, screen, &visits, &mut found)?;
+    if more_periods_allowed {
+        add_periods(linearisation, screen, &visits, &mut found)?;
     }
-    let rivals: Vec<Rival> = found.into_iter().filter_map(simplest).collect();
-    let best = least(&rivals);
-    let mut rivals: Vec<Rival> = rivals
+    let competitors: Vec<Competitor> = found.into_iter().filter_map(simplest).collect();
+    let best = least(&competitors);
+    let mut competitors: Vec<Competitor> = competitors
         .into_par_iter()
-        .map(|r| if r.score < best + reach(&r) { fitted_out(scene, screen, &visits, r) } else { Ok(r) })
+        .map(|r| {
+            if r.score < best + component_margin(&r) {
+                with_best_components(linearisation, screen, &visits, r)
+            } else {
+                Ok(r)
+            }
+        })
         .collect::<Result<_, _>>()?;
-    rank(&mut rivals);
-    let first = look_ahead::first(scene, screen, &visits, &rivals, &causes)?;
-    rivals[..=first].rotate_right(usize::from(first > 0));
-    Ok(Contest { present, rivals })
+    rank(&mut competitors);
+    let first = look_ahead::first(linearisation, screen, &visits, &competitors, &causes)?;
+    competitors[..=first].rotate_right(usize::from(first > 0));
+    Ok(Contest { present, competitors })
 }
 
 /// The best causes, and the best of every named family: each gets its chance.
-fn invited<'a>(scene: &Scene<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
-    let price = price(scene.len());
-    let mut invited: Vec<&Cause> = causes.iter().take(CAUSES).collect();
+fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
+    let penalty = penalty_per_coefficient(linearisation.len());
+    let mut selected: Vec<&Cause> = causes.iter().take(CAUSES).collect();
     for cause in causes.iter().skip(CAUSES) {
         let (_, gain, freedom) = &cause.variants[0];
-        let known = invited.iter().any(|other| other.family == cause.family);
-        if cause.family != Family::Unmodelled && !known && gain - price * *freedom as f64 > 0.0 {
-            invited.push(cause);
+        let known = selected.iter().any(|other| other.family == cause.family);
+        if cause.family != Family::Unmodelled && !known && gain - penalty * *freedom as f64 > 0.0 {
+            selected.push(cause);
         }
     }
-    invited
+    selected
 }
 
 /// A cause in its shapes, one of each richness.
-fn shaped(
-    scene: &Scene<'_>,
+fn refined_variants(
+    linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
     cause: &Cause,
-) -> Result<Vec<Rival>, DiscoverError> {
-    let mut rivals = Vec::new();
+) -> Result<Vec<Competitor>, DiscoverError> {
+    let mut competitors = Vec::new();
     let mut freedoms = Vec::new();
     for (candidate, _, freedom) in &cause.variants {
         if freedoms.contains(freedom) || freedoms.len() >= VARIANTS {
             continue;
         }
         freedoms.push(*freedom);
-        let shaped = refined(scene, &screen.projection, candidate);
-        rivals.extend(rival(scene, screen, visits, shaped)?);
+        let variant = refined(linearisation, &screen.projection, candidate);
+        competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
     if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| richer(candidate)) {
-        rivals.extend(rival(scene, screen, visits, more)?);
+        competitors.extend(competitor(linearisation, screen, visits, more)?);
     }
-    Ok(rivals)
+    Ok(competitors)
 }
 
 /// Gears with several periods: the most promising ones get the chance to grow.
-fn grow(
-    scene: &Scene<'_>,
+fn add_periods(
+    linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
-    found: &mut [Vec<Rival>],
+    found: &mut [Vec<Competitor>],
 ) -> Result<(), DiscoverError> {
-    let mut gears: Vec<usize> = (0..found.len())
+    let mut transmissions: Vec<usize> = (0..found.len())
         .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
         .collect();
-    gears.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
-    gears.truncate(GEARS);
-    let grown: Vec<Option<Rival>> = gears
+    transmissions.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
+    transmissions.truncate(GEARS);
+    let grown: Vec<Option<Competitor>> = transmissions
         .par_iter()
         .map(|&k| {
             let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
-            match best.and_then(|best| more_periods(scene, &screen.projection, &best.candidate)) {
-                Some(candidate) => rival(scene, screen, visits, candidate),
+            match best.and_then(|best| more_periods(linearisation, &screen.projection, &best.candidate)) {
+                Some(candidate) => competitor(linearisation, screen, visits, candidate),
                 None => Ok(None),
             }
         })
         .collect::<Result<_, _>>()?;
-    gears.iter().zip(grown).for_each(|(&k, grown)| found[k].extend(grown));
+    transmissions.iter().zip(grown).for_each(|(&k, grown)| found[k].extend(grown));
     Ok(())
 }
 
 /// The simplest of a cause's shapes that cannot be told from the best one.
-fn simplest(mut shapes: Vec<Rival>) -> Option<Rival> {
+fn simplest(mut shapes: Vec<Competitor>) -> Option<Competitor> {
     shapes.retain(|r| plausible(r) && r.score.is_finite());
     let best = least(&shapes);
     let tied = shapes.into_iter().filter(|r| r.score < best + 0.5 * TIE);
@@ -145,72 +151,76 @@ fn simplest(mut shapes: Vec<Rival>) -> Option<Rival> {
 }
 
 /// Best first; of those that cannot be told from the best one, the simplest.
-fn rank(rivals: &mut [Rival]) {
-    rivals.sort_by(|a, b| a.score.total_cmp(&b.score));
-    let best = least(rivals);
-    let tied = rivals.iter().take_while(|r| r.score < best + TIE).count();
-    rivals[..tied].sort_by(|a, b| {
+fn rank(competitors: &mut [Competitor]) {
+    competitors.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let best = least(competitors);
+    let tied = competitors.iter().take_while(|r| r.score < best + TIE).count();
+    competitors[..tied].sort_by(|a, b| {
         let family = a.candidate.family.rank().cmp(&b.candidate.family.rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
     });
 }
 
 /// How far behind the best a rival may be to try other components.
-fn reach(rival: &Rival) -> f64 {
-    if rival.candidate.family == Family::Unmodelled { NEAR } else { FAR }
+fn component_margin(competitor: &Competitor) -> f64 {
+    if competitor.candidate.family == Family::Unmodelled { NEAR } else { FAR }
 }
 
-fn least(rivals: &[Rival]) -> f64 {
-    rivals.iter().map(|r| r.score).fold(f64::INFINITY, f64::min)
+fn least(competitors: &[Competitor]) -> f64 {
+    competitors.iter().map(|r| r.score).fold(f64::INFINITY, f64::min)
 }
 
 /// The rival with the components that pay for themselves.
-fn fitted_out(
-    scene: &Scene<'_>,
+fn with_best_components(
+    linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
-    mut now: Rival,
-) -> Result<Rival, DiscoverError> {
+    mut current: Competitor,
+) -> Result<Competitor, DiscoverError> {
     loop {
-        let mut best: Option<Rival> = None;
-        for candidate in neighbours(&now.candidate) {
-            let Some(other) = rival(scene, screen, visits, candidate)? else { continue };
-            if other.score < best.as_ref().map_or(now.score - WORTH, |best| best.score) {
+        let mut best: Option<Competitor> = None;
+        for candidate in neighbours(&current.candidate) {
+            let Some(other) = competitor(linearisation, screen, visits, candidate)? else { continue };
+            if other.score < best.as_ref().map_or(current.score - WORTH, |best| best.score) {
                 best = Some(other);
             }
         }
         match best {
-            Some(better) => now = better,
-            None => return Ok(now),
+            Some(better) => current = better,
+            None => return Ok(current),
         }
     }
 }
 
 /// The same gear with further periods, as long as each pays for itself.
-fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) -> Option<Candidate> {
+fn more_periods(
+    linearisation: &Linearisation<'_>,
+    present: &Projection,
+    candidate: &Candidate,
+) -> Option<Candidate> {
     if candidate.family != Family::Transmission {
         return None;
     }
     let joint = seen_as::<Transmission>(&**candidate.effects().first()?)?.joint;
-    let grid = periodogram::grid(scene, joint);
-    let questions = (grid.len().max(2) as f64).ln();
-    let threshold = 2.0 * questions + 2.0 * price(scene.len()) + TIE;
+    let grid = periodogram::grid(linearisation, joint);
+    let log_tests = (grid.len().max(2) as f64).ln();
+    let threshold = 2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + TIE;
     let mut grown = candidate.clone();
-    let mut projection = present.with(&scene.columns_of(&grown).ok()?)?;
+    let mut projection = present.with(&linearisation.columns_of(&grown).ok()?)?;
     let mut added = 0;
     while added < MOST_PERIODS {
-        let wave = periodogram::scan(scene, &projection, joint, &grid)?;
-        let (period, gain, surprise) = wave.strongest()?;
+        let wave = periodogram::scan(linearisation, &projection, joint, &grid)?;
+        let (period, gain, surprisal) = wave.strongest()?;
         // What visits alone, of which some are off for other reasons, would show somewhere on the grid by chance is no period.
-        if gain < threshold || surprise < questions {
+        if gain < threshold || surprisal < log_tests {
             break;
         }
         let one = refined(
-            scene,
+            linearisation,
             &projection,
-            &crate::hypotheses::motion::transmission_at(scene.chain(), joint, &[period]),
+            &crate::hypotheses::motion::transmission_at(linearisation.chain(), joint, &[period]),
         );
-        let more = projection.with(&scene.columns_of(&one).ok()?);
+        let more = projection.with(&linearisation.columns_of(&one).ok()?);
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);
         }

@@ -9,80 +9,90 @@
 //! When a pair without the best rival is better than the best rival with its own partner, the stronger half of that pair goes first. The
 //! best rival is nobody else's partner.
 
-use crate::contest::rival::{Rival, cost, odds};
+use crate::contest::competitor::{Competitor, cost, log_prior_odds};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
-use crate::policy::{TIE, price};
+use crate::policy::{TIE, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
-use crate::problem::linearisation::Scene;
-use crate::problem::projection::Heard;
+use crate::problem::linearisation::Linearisation;
+use crate::problem::projection::Accumulated;
 use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
 /// Rivals that are given a partner, and partners tried.
-const RIVALS: usize = 8;
+const COMPETITORS: usize = 8;
 const PARTNERS: usize = 80;
 /// A partner that gains less is chance.
 const LEAST: f64 = 12.0;
 
 /// The position of the rival that should go first.
 pub(crate) fn first(
-    scene: &Scene<'_>,
+    linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
-    rivals: &[Rival],
+    competitors: &[Competitor],
     causes: &[Cause],
 ) -> Result<usize, DiscoverError> {
-    if rivals.len() < 2 {
+    if competitors.len() < 2 {
         return Ok(0);
     }
-    let price = price(scene.len());
+    let penalty = penalty_per_coefficient(linearisation.len());
     let first: Vec<&Candidate> = causes
         .iter()
         .filter(|cause| cause.family != Family::Unmodelled)
         .take(PARTNERS)
         .map(|cause| &cause.variants[0].0)
         .collect();
-    let partners: Vec<(&Candidate, Heard)> = first
+    let partners: Vec<(&Candidate, Accumulated)> = first
         .into_par_iter()
-        .map(|candidate| Ok((candidate, screen.projection.hear(scene, candidate)?)))
+        .map(|candidate| Ok((candidate, screen.projection.accumulate(linearisation, candidate)?)))
         .collect::<Result<_, DiscoverError>>()?;
-    let named: Vec<usize> = (0..rivals.len())
-        .filter(|&k| k == 0 || rivals[k].candidate.family != Family::Unmodelled)
-        .take(RIVALS)
+    let named: Vec<usize> = (0..competitors.len())
+        .filter(|&k| k == 0 || competitors[k].candidate.family != Family::Unmodelled)
+        .take(COMPETITORS)
         .collect();
     let pairs: Vec<Option<(f64, Candidate, f64)>> = named
         .par_iter()
         .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {
-            let rival = &rivals[k];
-            let alike = |partner: &Candidate, k: usize| partner.same_cause(&rivals[k].candidate);
-            let others: Vec<&(&Candidate, Heard)> =
+            let competitor = &competitors[k];
+            let alike = |partner: &Candidate, k: usize| partner.same_cause(&competitors[k].candidate);
+            let others: Vec<&(&Candidate, Accumulated)> =
                 partners.iter().filter(|(partner, _)| !alike(partner, k) && !alike(partner, 0)).collect();
-            let heard: Vec<&Heard> = others.iter().map(|(_, heard)| heard).collect();
-            let Some(gains) = screen.projection.beside(&rival.columns, &heard) else { return Ok(None) };
+            let accumulated: Vec<&Accumulated> = others.iter().map(|(_, accumulated)| accumulated).collect();
+            let Some(gains) = screen.projection.beside(&competitor.columns, &accumulated) else {
+                return Ok(None);
+            };
             let best = others
                 .iter()
                 .zip(gains)
                 .filter_map(|((partner, _), gain)| {
                     let (gain, freedom) = gain?;
-                    Some((gain - price * freedom as f64, freedom, *partner))
+                    Some((gain - penalty * freedom as f64, freedom, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
-                return Ok(Some((rival.score, rival.candidate.clone(), 0.0)));
+                return Ok(Some((competitor.score, competitor.candidate.clone(), 0.0)));
             };
-            let columns = scene.columns_of(partner)?;
-            let width = rival.columns.ncols() + columns.ncols();
-            let mut both = rival.columns.clone().resize_horizontally(width, 0.0);
-            both.columns_mut(rival.columns.ncols(), columns.ncols()).copy_from(&columns);
-            let likelihood = Likelihood::new(scene, &both, visits)?;
-            let own = rival.columns.ncols();
-            let costs = cost(&rival.candidate, &likelihood.law(0..own), rival.freedom, scene)
-                + cost(partner, &likelihood.law(own..width), freedom, scene);
-            let score = likelihood.deviance + costs + rival.odds + odds(scene, screen, partner);
-            Ok(Some((score.min(rival.score), partner.clone(), worth)))
+            let columns = linearisation.columns_of(partner)?;
+            let width = competitor.columns.ncols() + columns.ncols();
+            let mut both = competitor.columns.clone().resize_horizontally(width, 0.0);
+            both.columns_mut(competitor.columns.ncols(), columns.ncols()).copy_from(&columns);
+            let likelihood = Likelihood::new(linearisation, &both, visits)?;
+            let own = competitor.columns.ncols();
+            let costs =
+                cost(
+                    &competitor.candidate,
+                    &likelihood.coefficient_distribution(0..own),
+                    competitor.freedom,
+                    linearisation,
+                ) + cost(partner, &likelihood.coefficient_distribution(own..width), freedom, linearisation);
+            let score = likelihood.deviance
+                + costs
+                + competitor.log_prior_odds
+                + log_prior_odds(linearisation, screen, partner);
+            Ok(Some((score.min(competitor.score), partner.clone(), worth)))
         })
         .collect::<Result<_, _>>()?;
     let mut best: Option<(usize, f64)> = None;
@@ -102,7 +112,9 @@ pub(crate) fn first(
     let Some((_, partner, worth)) = &pairs[named.iter().position(|&k| k == chosen).unwrap_or(0)] else {
         return Ok(chosen);
     };
-    let other = rivals.iter().position(|r| r.candidate.same_cause(partner) && r.score < rivals[chosen].score);
-    let weaker = *worth > rivals[chosen].gain;
+    let other = competitors
+        .iter()
+        .position(|r| r.candidate.same_cause(partner) && r.score < competitors[chosen].score);
+    let weaker = *worth > competitors[chosen].gain;
     Ok(other.unwrap_or(if weaker { 0 } else { chosen }))
 }

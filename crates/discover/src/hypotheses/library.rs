@@ -16,7 +16,7 @@ pub(crate) fn candidates(chain: &Chain, data: &Dataset, without: &[Family]) -> V
     if !without.contains(&Family::Unmodelled) {
         let setting = Setting { chain, data };
         unmodelled::add(&setting, &mut all);
-        loaded::add_nameless(&setting, &mut all);
+        loaded::add_unnamed(&setting, &mut all);
     }
     all
 }

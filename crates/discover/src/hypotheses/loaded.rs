@@ -25,7 +25,7 @@ pub(crate) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
 }
 
 /// The same, straight ones, such as may do anything from one piece to the next, and the side of the load, without a name.
-pub(crate) fn add_nameless(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
+pub(crate) fn add_unnamed(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
     for (joint, range) in loaded(setting) {
         let [lower, upper] = range;
         let place = Place::joint(setting.chain, joint).depending_on(&load_word(setting.chain, joint));

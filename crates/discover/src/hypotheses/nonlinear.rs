@@ -6,7 +6,7 @@ use truepose_errormodel::effects::{Backlash, Drift, LoadNonlinearity, Shift, The
 use truepose_errormodel::{AnyEffect, Dataset, Shape};
 
 /// How many shapes of a candidate were found rather than known.
-pub(crate) fn shapes(candidate: &Candidate) -> usize {
+pub(crate) fn nonlinear_count(candidate: &Candidate) -> usize {
     let one = |effect: &dyn AnyEffect| {
         seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
             || seen_as::<Shift>(effect).is_some()
@@ -58,7 +58,7 @@ pub(crate) fn rescaled(
 }
 
 /// Whether a candidate of one effect has a shape to refine.
-pub(crate) fn has_shape(candidate: &Candidate) -> bool {
+pub(crate) fn has_nonlinear(candidate: &Candidate) -> bool {
     let [effect] = candidate.effects() else { return false };
     let effect = &**effect;
     seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())

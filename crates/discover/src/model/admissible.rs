@@ -71,7 +71,7 @@ fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>) -> bool
     });
     let Some(factor) = correlation.cholesky() else { return false };
     let statistic = scaled.dot(&factor.solve(&scaled));
-    ChiSquared::new(values.len() as f64).is_ok_and(|law| law.sf(statistic) > SIGNIFICANT)
+    ChiSquared::new(values.len() as f64).is_ok_and(|distribution| distribution.sf(statistic) > SIGNIFICANT)
 }
 
 #[cfg(test)]

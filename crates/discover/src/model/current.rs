@@ -6,7 +6,7 @@ use crate::hypotheses::candidate::{Candidate, Change};
 use crate::model::wide::{Stretches, Wide};
 use crate::options::DiscoverOptions;
 use crate::problem::likelihood::Likelihood;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::{Outliers, outliers};
 use nalgebra::DMatrix;
 use std::borrow::Cow;
@@ -18,7 +18,7 @@ use truepose_solvers::Solver;
 
 /// What does not change while the loop runs.
 #[derive(Clone)]
-pub(crate) struct Ground<'a> {
+pub(crate) struct Context<'a> {
     pub chain: &'a Chain,
     /// The declared effects, as wide as the fit of the declared model found them.
     pub declared: &'a [Box<dyn AnyEffect>],
@@ -30,7 +30,7 @@ pub(crate) struct Ground<'a> {
 }
 
 /// A model with its fit.
-pub(crate) struct Working {
+pub(crate) struct ModelFit {
     pub found: Vec<Candidate>,
     pub outliers: Outliers,
     /// The data with corrected loads and without the rows that are kept out.
@@ -39,25 +39,25 @@ pub(crate) struct Working {
 }
 
 /// Times that outliers are looked at again, and loads: their masses move with the stiffnesses that carry them.
-const LOOKS: usize = 4;
-const LOOKS_AT_LOADS: usize = 8;
+const ITERATIONS: usize = 4;
+const ITERATIONS_WITH_LOADS: usize = 8;
 
-impl Ground<'_> {
+impl Context<'_> {
     /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
-    pub fn working(&self, found: Vec<Candidate>, known: &[usize]) -> Result<Working, DiscoverError> {
-        self.working_from(found, known, None)
+    pub fn fit_model(&self, found: Vec<Candidate>, known: &[usize]) -> Result<ModelFit, DiscoverError> {
+        self.fit_model_from(found, known, None)
     }
 
-    /// As [`Self::working`], from the fit of the same model to other data.
-    pub fn working_from(
+    /// As [`Self::fit_model`], from the fit of the same model to other data.
+    pub fn fit_model_from(
         &self,
         found: Vec<Candidate>,
         known: &[usize],
         start: Option<&Fit>,
-    ) -> Result<Working, DiscoverError> {
+    ) -> Result<ModelFit, DiscoverError> {
         let mut found = found;
         let mut out = known.to_vec();
-        let mut looks = 0;
+        let mut iterations = 0;
         let mut last = start.map(Cow::Borrowed);
         loop {
             let data = self.prepared(&found, &out);
@@ -65,19 +65,19 @@ impl Ground<'_> {
                 None => self.fitted(&found, &data)?,
                 Some(last) => fit_again(last, &data, self.solver, &self.fit)?,
             };
-            let scene = Scene::new(&fit, &data)?;
-            let moved = corrected(&scene, &mut found)?;
+            let linearisation = Linearisation::new(&fit, &data)?;
+            let moved = corrected(&linearisation, &mut found)?;
             // Every row is judged, those that are kept out as well.
             let whole = self.prepared(&found, &[]);
-            let judged = Scene::new(&fit, &whole)?;
+            let judged = Linearisation::new(&fit, &whole)?;
             let residual = &judged.y - &judged.base * judged.coefficients();
             let outliers = outliers(&judged, residual.as_slice(), fit.noise);
-            looks += 1;
+            iterations += 1;
             // Of thousands of rows one or the other always stands on the threshold.
             let settled = differing(&outliers.suspects, &out) <= whole.len() / 2000;
-            let most = if moved { LOOKS_AT_LOADS } else { LOOKS };
-            if (settled && !moved) || looks > most {
-                return Ok(Working { found, outliers, data, fit });
+            let most = if moved { ITERATIONS_WITH_LOADS } else { ITERATIONS };
+            if (settled && !moved) || iterations > most {
+                return Ok(ModelFit { found, outliers, data, fit });
             }
             out.clone_from(&outliers.suspects);
             last = Some(Cow::Owned(fit));
@@ -135,14 +135,14 @@ fn differing(a: &[usize], b: &[usize]) -> usize {
 }
 
 /// Moves corrected loads, all together, to where the present model sees them; true when one moved.
-fn corrected(scene: &Scene<'_>, found: &mut [Candidate]) -> Result<bool, DiscoverError> {
+fn corrected(linearisation: &Linearisation<'_>, found: &mut [Candidate]) -> Result<bool, DiscoverError> {
     /// kg, relative to the level.
     const STILL: f64 = 1e-5;
     let mut columns = Vec::new();
     let mut loads = Vec::new();
     for candidate in found {
         if let Change::CorrectLoad { level, mass, deviation } = &mut candidate.change {
-            let column = scene.heavier(*mass)?;
+            let column = linearisation.heavier(*mass)?;
             if column.norm() > 0.0 {
                 columns.push(column.column(0).into_owned());
                 loads.push((level, mass, deviation));
@@ -152,7 +152,8 @@ fn corrected(scene: &Scene<'_>, found: &mut [Candidate]) -> Result<bool, Discove
     if columns.is_empty() {
         return Ok(false);
     }
-    let moves = Likelihood::new(scene, &DMatrix::from_columns(&columns), &Visits::of(scene.data))?;
+    let moves =
+        Likelihood::new(linearisation, &DMatrix::from_columns(&columns), &Visits::of(linearisation.data))?;
     let mut moved = false;
     for (k, (level, mass, deviation)) in loads.into_iter().enumerate() {
         let next = (*mass + moves.coefficients[k]).max(0.0);

@@ -6,7 +6,7 @@
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::nonlinear::seen_as;
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use truepose_errormodel::effects::{Shift, Thermal};
 use truepose_errormodel::{AnyEffect, Dataset, Shape};
 use truepose_identify::{Fit, descend_shapes};
@@ -15,9 +15,13 @@ use truepose_identify::{Fit, descend_shapes};
 const MOST: usize = 24;
 
 /// (Effect of the model, parameter at its value with the range in which it is looked for) of every find.
-pub(crate) fn shapes(ground: &Ground<'_>, found: &[Candidate], data: &Dataset) -> Vec<(usize, Shape)> {
+pub(crate) fn nonlinear_parameters(
+    context: &Context<'_>,
+    found: &[Candidate],
+    data: &Dataset,
+) -> Vec<(usize, Shape)> {
     (0..found.len())
-        .flat_map(|k| ground.effects_of(found, k).zip(found[k].effects()))
+        .flat_map(|k| context.effects_of(found, k).zip(found[k].effects()))
         .flat_map(|(k, effect)| {
             crate::hypotheses::nonlinear::found(&**effect, data).into_iter().map(move |shape| (k, shape))
         })
@@ -27,15 +31,15 @@ pub(crate) fn shapes(ground: &Ground<'_>, found: &[Candidate], data: &Dataset) -
 /// The finds with their shapes where all of them together explain most; none when there is none to move. A lag stays where it is: the
 /// data has the history of a channel for the lags of a grid.
 pub(crate) fn descended(
-    ground: &Ground<'_>,
+    context: &Context<'_>,
     found: &[Candidate],
     fit: &Fit,
     data: &Dataset,
 ) -> Result<Option<Vec<Candidate>>, DiscoverError> {
     let lags = |effect: &dyn AnyEffect| seen_as::<Thermal>(effect).is_some();
     let effects: Vec<Box<dyn AnyEffect>> = found.iter().flat_map(|c| c.effects().to_vec()).collect();
-    let first = ground.declared.len();
-    let mut free = shapes(ground, found, data);
+    let first = context.declared.len();
+    let mut free = nonlinear_parameters(context, found, data);
     free.retain(|(k, _)| !lags(&*effects[k - first]));
     if free.is_empty() || free.len() > MOST {
         return Ok(None);
@@ -48,7 +52,7 @@ pub(crate) fn descended(
     let mut next = found.to_vec();
     for (k, candidate) in next.iter_mut().enumerate() {
         let Change::Add(effects) = &mut candidate.change else { continue };
-        for (at, effect) in ground.effects_of(found, k).zip(effects) {
+        for (at, effect) in context.effects_of(found, k).zip(effects) {
             let own: Vec<f64> =
                 free.iter().zip(&values).filter(|((e, _), _)| *e == at).map(|(_, v)| *v).collect();
             if !own.is_empty() {

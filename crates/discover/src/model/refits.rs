@@ -14,7 +14,7 @@
 //! nonlinear parameters, noise and prior are those of all training rows; coefficients are refitted in each fold.
 
 use crate::error::DiscoverError;
-use crate::model::current::{Ground, Working};
+use crate::model::current::{Context, ModelFit};
 use rayon::prelude::*;
 use truepose_errormodel::configurations;
 use truepose_identify::{FitOptions, Folds, NoiseModel, NoiseSource, Residuals, Split, fit_again};
@@ -57,19 +57,19 @@ impl Comparison {
     }
 }
 
-impl Ground<'_> {
+impl Context<'_> {
     /// Refits a model with each fold of the training rows left out. Rows that are kept out of its fit are not judged.
-    pub fn refits(&self, working: &Working, seed: u64) -> Result<Refits, DiscoverError> {
-        let data = &working.data;
+    pub fn refits(&self, model: &ModelFit, seed: u64) -> Result<Refits, DiscoverError> {
+        let data = &model.data;
         let count = configurations(data).iter().max().map_or(0, |last| last + 1);
         let folds = Folds::new(data, &Split::Random { folds: FOLDS.min(count), seed })?;
-        let options = FitOptions { noise: NoiseSource::Fixed(working.fit.noise), ..self.fit.clone() };
+        let options = FitOptions { noise: NoiseSource::Fixed(model.fit.noise), ..self.fit.clone() };
         let parts: Vec<(Vec<usize>, Residuals, bool)> = (0..folds.count)
             .into_par_iter()
             .map(|fold| -> Result<_, DiscoverError> {
                 let (held, kept): (Vec<usize>, Vec<usize>) =
                     (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] == fold);
-                let fit = fit_again(&working.fit, &data.select(&kept), self.solver, &options)?;
+                let fit = fit_again(&model.fit, &data.select(&kept), self.solver, &options)?;
                 let residuals = Residuals::of(&fit.fitted, &data.select(&held))?;
                 Ok((held, residuals, fit.converged))
             })

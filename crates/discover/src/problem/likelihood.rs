@@ -15,8 +15,8 @@
 
 use crate::error::DiscoverError;
 use crate::policy::WIDE;
-use crate::problem::linearisation::Scene;
-use crate::statistics::coefficients::Law;
+use crate::problem::linearisation::Linearisation;
+use crate::statistics::coefficients::CoefficientDistribution;
 use crate::statistics::product::cross;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use std::ops::Range;
@@ -25,7 +25,7 @@ use truepose_errormodel::Visits;
 use truepose_identify::{Folds, Freedom, NoiseModel, Residuals, estimate_noise};
 
 /// Times that the noise is estimated.
-const LOOKS: usize = 5;
+const ITERATIONS: usize = 5;
 
 /// A model with a candidate's columns, fitted by generalized least squares.
 pub(crate) struct Likelihood {
@@ -45,48 +45,54 @@ pub(crate) struct Likelihood {
 }
 
 /// [A | X | y], raw.
-fn joined(scene: &Scene<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
-    let (r, k) = (scene.base.ncols(), extra.ncols());
-    let mut all = DMatrix::zeros(scene.len(), r + k + 1);
-    all.columns_mut(0, r).copy_from(&scene.base);
+fn joined(linearisation: &Linearisation<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
+    let (r, k) = (linearisation.base.ncols(), extra.ncols());
+    let mut all = DMatrix::zeros(linearisation.len(), r + k + 1);
+    all.columns_mut(0, r).copy_from(&linearisation.base);
     all.columns_mut(r, k).copy_from(extra);
-    all.column_mut(r + k).copy_from(&scene.y);
+    all.column_mut(r + k).copy_from(&linearisation.y);
     all
 }
 
 impl Likelihood {
     /// Of the present model with these raw columns added (m × k; k may be zero).
-    pub fn new(scene: &Scene<'_>, extra: &DMatrix<f64>, visits: &Visits) -> Result<Self, DiscoverError> {
-        let (r, k) = (scene.base.ncols(), extra.ncols());
+    pub fn new(
+        linearisation: &Linearisation<'_>,
+        extra: &DMatrix<f64>,
+        visits: &Visits,
+    ) -> Result<Self, DiscoverError> {
+        let (r, k) = (linearisation.base.ncols(), extra.ncols());
         let n = r + k;
         let mut prior = DMatrix::zeros(n, n);
-        if let Some(rows) = &scene.prior {
+        if let Some(rows) = &linearisation.prior {
             prior.view_mut((0, 0), (r, r)).copy_from(&cross(rows, rows));
         }
         for at in r..n {
             prior[(at, at)] = 1.0 / (WIDE * WIDE);
         }
-        let known = scene.normal().map(|normal| (normal, normal.beside(extra)));
+        let known = linearisation.normal().map(|normal| (normal, normal.candidate_products(extra)));
         let gram = |noise: NoiseModel| match &known {
-            Some((normal, beside)) => normal.gram(noise, beside),
+            Some((normal, candidate)) => normal.gram(noise, candidate),
             None => {
-                let whitener = scene.whitener(noise);
-                let white = whitener.of(&joined(scene, extra));
+                let whitener = linearisation.whitener(noise);
+                let white = whitener.of(&joined(linearisation, extra));
                 (cross(&white, &white), whitener.log_determinant())
             }
         };
         // One share for all: rivals are held against each other, and what each takes of it differs by a trifle.
-        let share = (1.0 - n as f64 / scene.len().max(1) as f64).max(0.02);
-        let freedom = Freedom::all(scene.data, visits).share(share);
-        let mut noise = scene.noise;
-        let mut looks = 0;
+        let share = (1.0 - n as f64 / linearisation.len().max(1) as f64).max(0.02);
+        let freedom = Freedom::all(linearisation.data, visits).share(share);
+        let mut noise = linearisation.noise;
+        let mut iterations = 0;
         loop {
             let (gram, log_determinant) = gram(noise);
             let (solution, factor) = solved(&gram, &prior)?;
-            let residual = &scene.y - &scene.base * solution.rows(0, r) - extra * solution.rows(r, k);
-            let again = estimate_noise(scene.data, visits, &as_residuals(scene, &residual), &freedom);
-            looks += 1;
-            if looks < LOOKS && !near(&noise, &again) {
+            let residual =
+                &linearisation.y - &linearisation.base * solution.rows(0, r) - extra * solution.rows(r, k);
+            let again =
+                estimate_noise(linearisation.data, visits, &as_residuals(linearisation, &residual), &freedom);
+            iterations += 1;
+            if iterations < ITERATIONS && !near(&noise, &again) {
                 noise = again;
                 continue;
             }
@@ -111,36 +117,44 @@ impl Likelihood {
     }
 
     /// The law from which these of γ look drawn.
-    pub fn law(&self, which: Range<usize>) -> Law {
+    pub fn coefficient_distribution(&self, which: Range<usize>) -> CoefficientDistribution {
         let (first, count) = (which.start, which.len());
         let coefficients = self.coefficients.rows(first, count).into_owned();
-        Law::of(&coefficients, &self.covariance.view((first, first), (count, count)).into_owned())
+        CoefficientDistribution::of(
+            &coefficients,
+            &self.covariance.view((first, first), (count, count)).into_owned(),
+        )
     }
 
     /// [A | X | y], raw and whitened.
-    fn rows(&self, scene: &Scene<'_>) -> &(DMatrix<f64>, DMatrix<f64>) {
+    fn rows(&self, linearisation: &Linearisation<'_>) -> &(DMatrix<f64>, DMatrix<f64>) {
         self.rows.get_or_init(|| {
-            let raw = joined(scene, &self.extra);
-            let white = scene.whitener(self.noise).of(&raw);
+            let raw = joined(linearisation, &self.extra);
+            let white = linearisation.whitener(self.noise).of(&raw);
             (raw, white)
         })
     }
 
     /// Residuals of every measured number by a fit that did not see its fold, m or rad; γ is held within `width` expected sizes, as it will
     /// be in the model: where a fold leaves a piece of a curve open, nothing is claimed there.
-    pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds, width: f64) -> Result<Vec<f64>, DiscoverError> {
-        let (raw, white) = self.rows(scene);
+    pub fn held_out(
+        &self,
+        linearisation: &Linearisation<'_>,
+        folds: &Folds,
+        width: f64,
+    ) -> Result<Vec<f64>, DiscoverError> {
+        let (raw, white) = self.rows(linearisation);
         let n = raw.ncols() - 1;
         let mut prior = self.prior.clone();
         for at in n - self.extra.ncols()..n {
             prior[(at, at)] = width.min(WIDE).powi(-2);
         }
         let mut by_fold = vec![Vec::new(); folds.count];
-        for (at, o) in scene.observations.iter().enumerate() {
+        for (at, o) in linearisation.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
         }
         let whole = cross(white, white);
-        let mut residual = vec![f64::NAN; scene.len()];
+        let mut residual = vec![f64::NAN; linearisation.len()];
         for members in &by_fold {
             let part = white.select_rows(members);
             let (solution, _) = solved(&(&whole - cross(&part, &part)), &prior)?;
@@ -156,13 +170,13 @@ impl Likelihood {
     /// γ from these visits only, with its covariance.
     pub fn on_visits(
         &self,
-        scene: &Scene<'_>,
+        linearisation: &Linearisation<'_>,
         visits: &[bool],
         unknowns: usize,
     ) -> Result<(DVector<f64>, DMatrix<f64>), DiscoverError> {
         let members: Vec<usize> =
-            (0..scene.len()).filter(|&at| visits[scene.observations[at].visit]).collect();
-        let white = self.rows(scene).1.select_rows(&members);
+            (0..linearisation.len()).filter(|&at| visits[linearisation.observations[at].visit]).collect();
+        let white = self.rows(linearisation).1.select_rows(&members);
         let (solution, factor) = solved(&cross(&white, &white), &self.prior)?;
         let first = white.ncols() - 1 - unknowns;
         Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
@@ -170,10 +184,10 @@ impl Likelihood {
 }
 
 /// Squared 3-D distance of each row of the data.
-pub(crate) fn distances(scene: &Scene<'_>, residual: &[f64]) -> Vec<f64> {
-    let mut squares = vec![f64::NAN; scene.data.len()];
-    let mut seen = vec![0; scene.data.len()];
-    for (o, r) in scene.observations.iter().zip(residual) {
+pub(crate) fn distances(linearisation: &Linearisation<'_>, residual: &[f64]) -> Vec<f64> {
+    let mut squares = vec![f64::NAN; linearisation.data.len()];
+    let mut seen = vec![0; linearisation.data.len()];
+    for (o, r) in linearisation.observations.iter().zip(residual) {
         if o.component < 3 {
             squares[o.row] = if seen[o.row] == 0 { r * r } else { squares[o.row] + r * r };
             seen[o.row] += 1;
@@ -183,12 +197,12 @@ pub(crate) fn distances(scene: &Scene<'_>, residual: &[f64]) -> Vec<f64> {
 }
 
 /// The measured numbers' residuals as rows.
-pub(crate) fn as_residuals(scene: &Scene<'_>, residual: &DVector<f64>) -> Residuals {
+pub(crate) fn as_residuals(linearisation: &Linearisation<'_>, residual: &DVector<f64>) -> Residuals {
     let mut rows = Residuals {
-        position: vec![Vector3::repeat(f64::NAN); scene.data.len()],
-        orientation: vec![None; scene.data.len()],
+        position: vec![Vector3::repeat(f64::NAN); linearisation.data.len()],
+        orientation: vec![None; linearisation.data.len()],
     };
-    for (o, &r) in scene.observations.iter().zip(residual.iter()) {
+    for (o, &r) in linearisation.observations.iter().zip(residual.iter()) {
         if o.component < 3 {
             rows.position[o.row][o.component] = r;
         } else {
@@ -268,11 +282,11 @@ fn near(a: &NoiseModel, b: &NoiseModel) -> bool {
 /// The same data and the same real robot, as a model sees it that lacks some of its effects; the noise is estimated again. None when
 /// the effects that stay are entangled with those that go.
 pub(crate) fn without<'a>(
-    scene: Scene<'a>,
+    linearisation: Linearisation<'a>,
     effects: Range<usize>,
-) -> Result<Option<Scene<'a>>, DiscoverError> {
-    let Some(mut scene) = scene.muting(effects) else { return Ok(None) };
-    let nothing = DMatrix::zeros(scene.len(), 0);
-    scene.noise = Likelihood::new(&scene, &nothing, &Visits::of(scene.data))?.noise;
-    Ok(Some(scene))
+) -> Result<Option<Linearisation<'a>>, DiscoverError> {
+    let Some(mut linearisation) = linearisation.muting(effects) else { return Ok(None) };
+    let nothing = DMatrix::zeros(linearisation.len(), 0);
+    linearisation.noise = Likelihood::new(&linearisation, &nothing, &Visits::of(linearisation.data))?.noise;
+    Ok(Some(linearisation))
 }

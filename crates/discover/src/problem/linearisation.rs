@@ -6,7 +6,7 @@
 //! | A | `base`: design matrix of the present model, its kept columns | m × r | m or rad per unit |
 //! | y | `y`: residual + A β, what the model has to explain | m | m or rad |
 //! | W | `prior`: rows that hold β near zero | r × r | 1 per unit |
-//! | X | [`Scene::columns`]: what a candidate's unknowns, in expected sizes, would do | m × k | m or rad |
+//! | X | [`Linearisation::columns`]: what a candidate's unknowns, in expected sizes, would do | m × k | m or rad |
 //!
 //! A candidate's column is `P J_e Φ e_k`, as in the fit: J_e at the real posture, Φ there as well where it depends on what the
 //! robot carries, else at the nominal one.
@@ -27,7 +27,7 @@ use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, Site, rotat
 
 /// The data, linearised at a fit.
 #[derive(Debug)]
-pub(crate) struct Scene<'a> {
+pub(crate) struct Linearisation<'a> {
     pub data: &'a Dataset,
     pub fit: &'a Fit,
     pub observations: Vec<Observation>,
@@ -55,10 +55,10 @@ pub(crate) struct Station {
     /// Frames and wrenches where the real robot comes to rest.
     settled: PostureBuffer,
     /// Its observations.
-    pub numbers: Range<usize>,
+    pub observations: Range<usize>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> Linearisation<'a> {
     /// Linearises the data at a fit.
     pub fn new(fit: &'a Fit, data: &'a Dataset) -> Result<Self, DiscoverError> {
         let model = fit.fitted.model();
@@ -70,7 +70,7 @@ impl<'a> Scene<'a> {
         let mut place = vec![usize::MAX; model.columns().len()];
         kept.iter().enumerate().for_each(|(k, &c)| place[c] = k);
 
-        let mut scene = Scene {
+        let mut linearisation = Linearisation {
             data,
             fit,
             observations: Vec::new(),
@@ -94,20 +94,22 @@ impl<'a> Scene<'a> {
                     continue;
                 }
                 let conditions = data.conditions(row);
-                let first = scene.observations.len();
-                let stands =
-                    scene.stations.last().is_some_and(|s| s.visit == visit && s.conditions == conditions);
+                let first = linearisation.observations.len();
+                let stands = linearisation
+                    .stations
+                    .last()
+                    .is_some_and(|s| s.visit == visit && s.conditions == conditions);
                 if !stands {
                     rest.settle(&bound, &conditions, fit.fitted.coefficients());
                     let mut nominal = PostureBuffer::new(chain);
                     nominal.update(chain, &conditions);
                     let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
-                    scene.stations.push(Station {
+                    linearisation.stations.push(Station {
                         visit,
                         conditions,
                         nominal,
                         settled,
-                        numbers: first..first,
+                        observations: first..first,
                     });
                 }
                 let (real, errors) = (rest.real(), rest.errors());
@@ -126,8 +128,8 @@ impl<'a> Scene<'a> {
                         },
                         _ => continue,
                     };
-                    scene.observations.push(Observation { row, component, visit });
-                    scene.sites.extend(matrix.row(component).iter());
+                    linearisation.observations.push(Observation { row, component, visit });
+                    linearisation.sites.extend(matrix.row(component).iter());
                     let start = flat.len();
                     flat.resize(start + kept.len(), 0.0);
                     for entry in rest.emission().entries() {
@@ -140,14 +142,14 @@ impl<'a> Scene<'a> {
                         flat[start..].iter().zip(kept).map(|(a, &c)| a * fit.fitted.coefficients()[c]).sum();
                     y.push(residual + explained);
                 }
-                if let Some(station) = scene.stations.last_mut() {
-                    station.numbers.end = scene.observations.len();
+                if let Some(station) = linearisation.stations.last_mut() {
+                    station.observations.end = linearisation.observations.len();
                 }
             }
         }
-        scene.base = DMatrix::from_row_slice(scene.observations.len(), kept.len(), &flat);
-        scene.y = DVector::from_vec(y);
-        Ok(scene)
+        linearisation.base = DMatrix::from_row_slice(linearisation.observations.len(), kept.len(), &flat);
+        linearisation.y = DVector::from_vec(y);
+        Ok(linearisation)
     }
 
     /// The normal equations of `[A | y]`; none where noise has to be taken number by number.
@@ -234,18 +236,18 @@ impl<'a> Scene<'a> {
     }
 
     /// What these effects say, their unknowns side by side.
-    pub fn ask(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Asked<'_>, DiscoverError> {
+    pub fn evaluate(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Evaluated<'_>, DiscoverError> {
         let model = ErrorModel::new(self.chain().clone(), effects.to_vec())?;
         let scales = model.columns().iter().map(|column| column.scale).collect();
-        Ok(Asked { scene: self, model, scales })
+        Ok(Evaluated { linearisation: self, model, scales })
     }
 
     /// What effects' unknowns do to every measured number, in m or rad per expected size; m × k.
     pub fn columns(&self, effects: &[Box<dyn AnyEffect>]) -> Result<DMatrix<f64>, DiscoverError> {
-        let asked = self.ask(effects)?;
-        let mut columns = DMatrix::zeros(self.len(), asked.width());
-        asked.each(0..self.stations.len(), &mut |station, entries| {
-            for at in self.stations[station].numbers.clone() {
+        let evaluated = self.evaluate(effects)?;
+        let mut columns = DMatrix::zeros(self.len(), evaluated.width());
+        evaluated.each(0..self.stations.len(), &mut |station, entries| {
+            for at in self.stations[station].observations.clone() {
                 let sites = self.sites(at);
                 for &(column, site, value) in entries {
                     columns[(at, column)] += value * sites[site];
@@ -278,8 +280,8 @@ impl<'a> Scene<'a> {
             else {
                 continue;
             };
-            let mut at = station.numbers.start;
-            for row in self.observations[station.numbers.clone()].chunk_by(|a, b| a.row == b.row) {
+            let mut at = station.observations.start;
+            for row in self.observations[station.observations.clone()].chunk_by(|a, b| a.row == b.row) {
                 let target = self.data.target[row[0].row];
                 let before = predictor.predict(&station.conditions, target);
                 let after = predictor.predict(&changed, target);
@@ -320,13 +322,13 @@ impl<'a> Scene<'a> {
 pub(crate) type Entry = (usize, usize, f64);
 
 /// Effects, asked at every station.
-pub(crate) struct Asked<'s> {
-    scene: &'s Scene<'s>,
+pub(crate) struct Evaluated<'s> {
+    linearisation: &'s Linearisation<'s>,
     model: ErrorModel,
     scales: Vec<f64>,
 }
 
-impl Asked<'_> {
+impl Evaluated<'_> {
     /// How many unknowns there are.
     pub fn width(&self) -> usize {
         self.scales.len()
@@ -338,12 +340,12 @@ impl Asked<'_> {
         stations: impl Iterator<Item = usize>,
         each: &mut dyn FnMut(usize, &[Entry]),
     ) -> Result<(), DiscoverError> {
-        let chain = self.scene.chain();
-        let bound = self.model.bind(&self.scene.data.schema)?;
+        let chain = self.linearisation.chain();
+        let bound = self.model.bind(&self.linearisation.data.schema)?;
         let mut emission = Emission::new();
         let mut entries = Vec::new();
         for (k, station) in stations.enumerate() {
-            let station = &self.scene.stations[station];
+            let station = &self.linearisation.stations[station];
             emission.clear();
             for (settle, buffer) in [(true, &station.settled), (false, &station.nominal)] {
                 bound.emit_those(settle, &buffer.view(chain, &station.conditions), &mut emission);

@@ -29,13 +29,13 @@ struct Class {
     /// Stated standard deviation.
     stated: f64,
     /// [A | y].
-    rows: Side,
+    rows: GroupedColumns,
     own: Products,
 }
 
 /// Columns of the members of a class.
 #[derive(Debug)]
-struct Side {
+struct GroupedColumns {
     /// z − z̄, where groups have several numbers.
     about: Option<DMatrix<f64>>,
     /// √n z̄.
@@ -56,7 +56,7 @@ pub(crate) struct Normal {
 }
 
 /// A candidate's columns X against each other and against [A | y], class by class.
-pub(crate) struct Beside {
+pub(crate) struct CandidateProducts {
     width: usize,
     classes: Vec<(Products, Products)>,
 }
@@ -76,20 +76,20 @@ impl Class {
     }
 
     /// Of rows that stand in the members' order.
-    fn side(&self, rows: DMatrix<f64>) -> Side {
+    fn grouped(&self, rows: DMatrix<f64>) -> GroupedColumns {
         let n = self.size;
         if n == 1 {
-            return Side { about: None, means: rows };
+            return GroupedColumns { about: None, means: rows };
         }
         let mean = |g: usize, j: usize| rows.column(j).rows(g * n, n).sum() / n as f64;
         let means = DMatrix::from_fn(rows.nrows() / n, rows.ncols(), mean);
         let about = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] - means[(i / n, j)]);
-        Side { about: Some(about), means: means * (n as f64).sqrt() }
+        GroupedColumns { about: Some(about), means: means * (n as f64).sqrt() }
     }
 }
 
-impl Side {
-    fn products(&self, other: &Side) -> Products {
+impl GroupedColumns {
+    fn products(&self, other: &GroupedColumns) -> Products {
         let within = self.about.as_ref().zip(other.about.as_ref()).map(|(a, b)| cross(a, b));
         Products { within, between: cross(&self.means, &other.means) }
     }
@@ -145,10 +145,10 @@ impl Normal {
                 members,
                 position,
                 stated,
-                rows: Side { about: None, means: nothing.clone() },
+                rows: GroupedColumns { about: None, means: nothing.clone() },
                 own: Products { within: None, between: nothing },
             };
-            class.rows = class.side(rows);
+            class.rows = class.grouped(rows);
             class.own = class.rows.products(&class.rows);
             class
         });
@@ -156,23 +156,23 @@ impl Normal {
     }
 
     /// The products of a candidate's raw columns, m × k.
-    pub fn beside(&self, extra: &DMatrix<f64>) -> Beside {
+    pub fn candidate_products(&self, extra: &DMatrix<f64>) -> CandidateProducts {
         let classes = self.classes.iter().map(|class| {
-            let mine = class.side(extra.select_rows(&class.members));
+            let mine = class.grouped(extra.select_rows(&class.members));
             (class.rows.products(&mine), mine.products(&mine))
         });
-        Beside { width: extra.ncols(), classes: classes.collect() }
+        CandidateProducts { width: extra.ncols(), classes: classes.collect() }
     }
 
     /// The Gram matrix of `[A | X | y]` under a noise, and the logarithm of the determinant of its covariance.
-    pub fn gram(&self, noise: NoiseModel, beside: &Beside) -> (DMatrix<f64>, f64) {
-        let k = beside.width;
+    pub fn gram(&self, noise: NoiseModel, candidate: &CandidateProducts) -> (DMatrix<f64>, f64) {
+        let k = candidate.width;
         let r = self.classes.first().map_or(0, |class| class.rows.means.ncols() - 1);
         // Columns of [A | y] among all.
         let place = |at: usize| if at < r { at } else { r + k };
         let mut gram = DMatrix::zeros(r + k + 1, r + k + 1);
         let mut log_determinant = 0.0;
-        for (class, (across, own)) in self.classes.iter().zip(&beside.classes) {
+        for (class, (across, own)) in self.classes.iter().zip(&candidate.classes) {
             let (weights, log) = class.weights(noise);
             log_determinant += log;
             for j in 0..=r {
@@ -198,7 +198,7 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::linearisation::Scene;
+    use crate::problem::linearisation::Linearisation;
     use truepose_errormodel::ErrorModel;
     use truepose_errormodel::effects::Geometric;
     use truepose_identify::{FitOptions, fit};
@@ -233,19 +233,19 @@ mod tests {
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
         let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
-        let scene = Scene::new(&fit, &data).unwrap();
-        let extra = DMatrix::from_fn(scene.len(), 3, |i, j| (0.3 * i as f64 + j as f64).cos());
-        let normal = scene.normal().expect("four classes");
-        let beside = normal.beside(&extra);
-        let (r, k) = (scene.base.ncols(), 3);
-        let mut all = scene.base.clone().resize_horizontally(r + k + 1, 0.0);
+        let linearisation = Linearisation::new(&fit, &data).unwrap();
+        let extra = DMatrix::from_fn(linearisation.len(), 3, |i, j| (0.3 * i as f64 + j as f64).cos());
+        let normal = linearisation.normal().expect("four classes");
+        let candidate = normal.candidate_products(&extra);
+        let (r, k) = (linearisation.base.ncols(), 3);
+        let mut all = linearisation.base.clone().resize_horizontally(r + k + 1, 0.0);
         all.columns_mut(r, k).copy_from(&extra);
-        all.column_mut(r + k).copy_from(&scene.y);
+        all.column_mut(r + k).copy_from(&linearisation.y);
         for (row, visit) in [(1e-4, 0.0), (3e-5, 2e-4)] {
             let noise = NoiseModel { position_sd: row, visit_sd: visit, orientation_sd: 1e-3 };
-            let whitener = scene.whitener(noise);
+            let whitener = linearisation.whitener(noise);
             let white = whitener.of(&all);
-            let (gram, log_determinant) = normal.gram(noise, &beside);
+            let (gram, log_determinant) = normal.gram(noise, &candidate);
             let expected = cross(&white, &white);
             let worst = (0..=r + k).flat_map(|i| (0..=r + k).map(move |j| (i, j))).map(|(i, j)| {
                 (gram[(i, j)] - expected[(i, j)]).abs()
@@ -262,20 +262,20 @@ mod tests {
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
         let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
-        let scene = Scene::new(&fit, &data).unwrap();
+        let linearisation = Linearisation::new(&fit, &data).unwrap();
         // The same in every number of a visit: only the mean of a group speaks, 1/ρ² for each.
-        let extra = DMatrix::from_element(scene.len(), 1, 1.0);
+        let extra = DMatrix::from_element(linearisation.len(), 1, 1.0);
         let noise = NoiseModel { position_sd: 0.0, visit_sd: 1e-2, orientation_sd: 1e-3 };
-        let normal = scene.normal().expect("four classes");
-        let (gram, _) = normal.gram(noise, &normal.beside(&extra));
+        let normal = linearisation.normal().expect("four classes");
+        let (gram, _) = normal.gram(noise, &normal.candidate_products(&extra));
         let numbers =
-            |position: bool| scene.observations.iter().filter(move |o| (o.component < 3) == position);
+            |position: bool| linearisation.observations.iter().filter(move |o| (o.component < 3) == position);
         let groups: std::collections::BTreeSet<_> = numbers(true).map(|o| (o.visit, o.component)).collect();
         let size =
             |group: &(usize, usize)| numbers(true).filter(|o| (o.visit, o.component) == *group).count();
         let of_positions: f64 = groups.iter().map(|group| 1.0 / (4e-10 / size(group) as f64 + 1e-4)).sum();
         let expected = of_positions + numbers(false).count() as f64 / 1e-6;
-        let r = scene.base.ncols();
+        let r = linearisation.base.ncols();
         assert!((gram[(r, r)] / expected - 1.0).abs() < 1e-12, "{} {expected}", gram[(r, r)]);
     }
 
@@ -286,6 +286,6 @@ mod tests {
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
         let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
-        assert!(Scene::new(&fit, &data).unwrap().normal().is_none());
+        assert!(Linearisation::new(&fit, &data).unwrap().normal().is_none());
     }
 }

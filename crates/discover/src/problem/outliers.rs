@@ -7,8 +7,8 @@
 //! from five deviations on. Several of them hide each other that way, for they make the tail; so they are also reported where
 //! a law of their own beside the bulk is far more likely than any tail ([`crate::statistics::gross`]).
 
-use crate::problem::linearisation::Scene;
-use crate::statistics::gross::{Law, split};
+use crate::problem::linearisation::Linearisation;
+use crate::statistics::gross::{SquareDistribution, split};
 use statrs::distribution::{ContinuousCDF, Exp};
 use truepose_identify::NoiseModel;
 
@@ -38,11 +38,11 @@ const LEAST: f64 = 5.0;
 const MOST: f64 = 0.15;
 
 /// Judges the rows of a scene by these raw residuals.
-pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -> Outliers {
-    let standardised = scene.whitener(noise).deleted(residual);
-    let mut squares = vec![f64::NAN; scene.data.len()];
-    let mut counts = vec![0usize; scene.data.len()];
-    for (o, e) in scene.observations.iter().zip(&standardised) {
+pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], noise: NoiseModel) -> Outliers {
+    let standardised = linearisation.whitener(noise).deleted(residual);
+    let mut squares = vec![f64::NAN; linearisation.data.len()];
+    let mut counts = vec![0usize; linearisation.data.len()];
+    for (o, e) in linearisation.observations.iter().zip(&standardised) {
         if o.component < 3 {
             squares[o.row] = if counts[o.row] == 0 { e * e } else { squares[o.row] + e * e };
             counts[o.row] += 1;
@@ -51,7 +51,7 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
     let of_rows: Vec<usize> =
         (0..squares.len()).filter(|&row| counts[row] == 3 && squares[row].is_finite()).collect();
     let mut whole: Vec<f64> = of_rows.iter().map(|&row| squares[row]).collect();
-    let mut found = Outliers { distance: vec![f64::NAN; scene.data.len()], ..Outliers::default() };
+    let mut found = Outliers { distance: vec![f64::NAN; linearisation.data.len()], ..Outliers::default() };
     if whole.len() < 20 {
         return found;
     }
@@ -59,11 +59,15 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
     whole.sort_by(f64::total_cmp);
     let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
     let ratio = at(0.95) / at(0.5).max(f64::MIN_POSITIVE);
-    let law = Law::new(tail(ratio));
-    let scale_under = |law: &Law| (at(0.5) / (3.0 * law.quantile(0.5))).max(f64::MIN_POSITIVE);
-    let scale = scale_under(&law);
-    let expected = |square: f64| whole.len() as f64 * law.above(square / (3.0 * scale));
-    let heavier = Law::new(tail(ratio * (2.0 * RATIO_ERROR / (scene.visits.max(1) as f64).sqrt()).exp()));
+    let distribution = SquareDistribution::new(tail(ratio));
+    let scale_under = |distribution: &SquareDistribution| {
+        (at(0.5) / (3.0 * distribution.quantile(0.5))).max(f64::MIN_POSITIVE)
+    };
+    let scale = scale_under(&distribution);
+    let expected = |square: f64| whole.len() as f64 * distribution.above(square / (3.0 * scale));
+    let heavier = SquareDistribution::new(tail(
+        ratio * (2.0 * RATIO_ERROR / (linearisation.visits.max(1) as f64).sqrt()).exp(),
+    ));
     let scale_then = scale_under(&heavier);
     let expected_then = |square: f64| whole.len() as f64 * heavier.above(square / (3.0 * scale_then));
     for (row, (&square, &count)) in squares.iter().zip(&counts).enumerate() {
@@ -84,7 +88,7 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
     }
     let gross = split(&by_row, scale_under, LEAST * LEAST);
     // Rows of one visit may share what sets them apart: no more than as many are independent as there are visits.
-    let independent = (scene.visits as f64 / whole.len() as f64).min(1.0);
+    let independent = (linearisation.visits as f64 / whole.len() as f64).min(1.0);
     let p_value = chance(gross.gain * independent);
     if p_value < CERTAIN {
         for (&row, &odds) in of_rows.iter().zip(&gross.odds) {
@@ -111,14 +115,14 @@ pub(crate) fn outliers(scene: &Scene<'_>, residual: &[f64], noise: NoiseModel) -
 
 /// By chance twice the logarithm of a likelihood ratio with two more unknowns is this large: χ²_2 is exponential.
 fn chance(gain: f64) -> f64 {
-    Exp::new(0.5).map_or(1.0, |law| law.sf(gain))
+    Exp::new(0.5).map_or(1.0, |distribution| distribution.sf(gain))
 }
 
 /// ν at which the 95 % quantile over the median is this; 100 and more is normal.
 fn tail(ratio: f64) -> f64 {
     let of = |freedom: f64| {
-        let law = Law::new(freedom);
-        law.quantile(0.95) / law.quantile(0.5)
+        let distribution = SquareDistribution::new(freedom);
+        distribution.quantile(0.95) / distribution.quantile(0.5)
     };
     if ratio.is_nan() || ratio <= of(100.0) {
         return 100.0;

@@ -22,12 +22,12 @@
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
-use crate::statistics::beta::Share;
+use crate::statistics::beta::FractionDistribution;
 use crate::statistics::product::{cross, orthonormal};
-use crate::statistics::surprisal::Surprise;
+use crate::statistics::surprisal::Surprisal;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
 
 /// Directions of which less than this share is left are absorbed by the present model.
@@ -56,10 +56,10 @@ pub(crate) struct Projection {
 
 /// A candidate, heard once.
 #[derive(Debug, Clone)]
-pub(crate) struct Heard {
+pub(crate) struct Accumulated {
     sums: Sums,
     /// (visit, column, site, value).
-    said: Vec<(usize, usize, usize, f64)>,
+    emitted: Vec<(usize, usize, usize, f64)>,
     /// Whitened columns of what is no effect.
     dense: Option<DMatrix<f64>>,
 }
@@ -72,9 +72,9 @@ pub(crate) struct Score {
     /// −m ln(1 − SS/RSS).
     pub gain: f64,
     /// Of the share that it takes by chance.
-    pub law: Share,
+    pub distribution: FractionDistribution,
     /// How surprising that is.
-    pub surprise: Surprise,
+    pub surprisal: Surprisal,
     /// Share of the candidate that the present model does not absorb, ‖X̃‖²/‖X‖².
     pub share: f64,
     /// Scores of the units along the orthonormal basis, units × freedom.
@@ -85,15 +85,15 @@ pub(crate) struct Score {
 const MOST_UNITS: usize = 400;
 
 impl Projection {
-    pub fn new(scene: &Scene<'_>) -> Self {
-        let whitener = scene.whitener(scene.noise);
-        let mut joined = scene.base.clone();
+    pub fn new(linearisation: &Linearisation<'_>) -> Self {
+        let whitener = linearisation.whitener(linearisation.noise);
+        let mut joined = linearisation.base.clone();
         whitener.apply(&mut joined);
-        let y = whitener.of(&DMatrix::from_column_slice(scene.len(), 1, scene.y.as_slice()));
-        let m = scene.len();
-        let extra = scene.prior.as_ref().map_or(0, DMatrix::nrows);
+        let y = whitener.of(&DMatrix::from_column_slice(linearisation.len(), 1, linearisation.y.as_slice()));
+        let m = linearisation.len();
+        let extra = linearisation.prior.as_ref().map_or(0, DMatrix::nrows);
         joined = joined.resize_vertically(m + extra, 0.0);
-        if let Some(prior) = &scene.prior {
+        if let Some(prior) = &linearisation.prior {
             joined.rows_mut(m, extra).copy_from(prior);
         }
         let q = orthonormal(joined);
@@ -102,11 +102,11 @@ impl Projection {
         let along = top.tr_mul(&y);
         let residual = &y - &top * &along;
         let rss = residual.norm_squared() + (&bottom * &along).norm_squared();
-        let merge = scene.visits.div_ceil(MOST_UNITS).max(1);
-        let unit: Vec<usize> = scene.observations.iter().map(|o| o.visit / merge).collect();
-        let units = scene.visits.div_ceil(merge);
+        let merge = linearisation.visits.div_ceil(MOST_UNITS).max(1);
+        let unit: Vec<usize> = linearisation.observations.iter().map(|o| o.visit / merge).collect();
+        let units = linearisation.visits.div_ceil(merge);
         let q_by_unit = by_unit(&top, &residual, &unit, units);
-        let tables = Tables::new(scene, &whitener, (&top, &residual), &unit);
+        let tables = Tables::new(linearisation, &whitener, (&top, &residual), &unit);
         let flipped = flipped(&residual, &q_by_unit);
         Projection { whitener, q: top, y, residual, rss, unit, units, q_by_unit, flipped, tables }
     }
@@ -147,38 +147,47 @@ impl Projection {
     }
 
     /// What is needed of a candidate to ask for its gain beside others, again and again.
-    pub fn hear(&self, scene: &Scene<'_>, candidate: &Candidate) -> Result<Heard, DiscoverError> {
-        let mut heard = Heard { sums: self.sums(scene, candidate)?, said: Vec::new(), dense: None };
+    pub fn accumulate(
+        &self,
+        linearisation: &Linearisation<'_>,
+        candidate: &Candidate,
+    ) -> Result<Accumulated, DiscoverError> {
+        let mut accumulated =
+            Accumulated { sums: self.sums(linearisation, candidate)?, emitted: Vec::new(), dense: None };
         match &candidate.change {
             Change::Add(effects) => {
                 let stations = self.tables.stations.iter().copied();
-                scene.ask(effects)?.each(stations, &mut |visit, entries| {
-                    heard
-                        .said
+                linearisation.evaluate(effects)?.each(stations, &mut |visit, entries| {
+                    accumulated
+                        .emitted
                         .extend(entries.iter().map(|&(column, site, value)| (visit, column, site, value)));
                 })?;
             }
             Change::CorrectLoad { .. } => {
-                heard.dense = Some(self.whitener.of(&scene.columns_of(candidate)?));
+                accumulated.dense = Some(self.whitener.of(&linearisation.columns_of(candidate)?));
             }
         }
-        Ok(heard)
+        Ok(accumulated)
     }
 
     /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
-    pub fn beside(&self, more: &DMatrix<f64>, heard: &[&Heard]) -> Option<Vec<Option<(f64, usize)>>> {
+    pub fn beside(
+        &self,
+        more: &DMatrix<f64>,
+        accumulated: &[&Accumulated],
+    ) -> Option<Vec<Option<(f64, usize)>>> {
         let (new, explained) = self.directions(more)?;
-        let band = self.tables.band(&new);
+        let projected = self.tables.projected_sites(&new);
         let residual = &self.residual - &new * &explained;
         let rss = self.rss - explained.norm_squared();
         // Columns of Q_1 are orthogonal to r̃ only together with the prior's rows.
         let (known, added) = (self.q.tr_mul(&residual), new.tr_mul(&residual));
-        let gain = |heard: &&Heard| {
-            let along = match &heard.dense {
+        let gain = |accumulated: &&Accumulated| {
+            let along = match &accumulated.dense {
                 Some(columns) => cross(&new, columns),
-                None => band.along(&heard.said, heard.sums.raw.ncols()),
+                None => projected.along(&accumulated.emitted, accumulated.sums.raw.ncols()),
             };
-            let Sums { along: before, raw, by_unit } = &heard.sums;
+            let Sums { along: before, raw, by_unit } = &accumulated.sums;
             let left = raw - cross(before, before) - cross(&along, &along);
             let basis = basis(raw, &left)?;
             // X̃ᵀ r̃ with the new r̃.
@@ -189,7 +198,7 @@ impl Projection {
             let squares = basis.tr_mul(&score).norm_squared();
             Some((self.gain(squares, rss), basis.ncols()))
         };
-        Some(heard.iter().map(gain).collect())
+        Some(accumulated.iter().map(gain).collect())
     }
 
     /// How many numbers were measured.
@@ -203,37 +212,44 @@ impl Projection {
     }
 
     /// The law of the share that a candidate with these scores by unit (units × freedom) takes by chance.
-    pub fn law<S: Storage<f64, Dyn, Dyn>>(&self, by_unit: &Matrix<f64, Dyn, Dyn, S>) -> Share {
+    pub fn fraction_distribution<S: Storage<f64, Dyn, Dyn>>(
+        &self,
+        by_unit: &Matrix<f64, Dyn, Dyn, S>,
+    ) -> FractionDistribution {
         let of_units = by_unit
             .row_iter()
             .map(|b| b.norm_squared())
             .fold((0.0, 0.0), |(sum, squares), b| (sum + b, squares + b * b));
         let (mean, fourth) = of_units;
         let variance = 2.0 * (cross(by_unit, by_unit).norm_squared() - fourth);
-        Share::new(mean / self.flipped, variance / self.flipped.powi(2), self.len())
+        FractionDistribution::new(mean / self.flipped, variance / self.flipped.powi(2), self.len())
     }
 
     /// How a candidate does; none when nothing of it is left, or the data lacks what it reads.
-    pub fn judge(&self, scene: &Scene<'_>, candidate: &Candidate) -> Option<Score> {
-        self.score(&self.sums(scene, candidate).ok()?)
+    pub fn judge(&self, linearisation: &Linearisation<'_>, candidate: &Candidate) -> Option<Score> {
+        self.score(&self.sums(linearisation, candidate).ok()?)
     }
 
     /// What is needed of a candidate's columns.
-    pub fn sums(&self, scene: &Scene<'_>, candidate: &Candidate) -> Result<Sums, DiscoverError> {
+    pub fn sums(
+        &self,
+        linearisation: &Linearisation<'_>,
+        candidate: &Candidate,
+    ) -> Result<Sums, DiscoverError> {
         let Change::Add(effects) = &candidate.change else {
-            let x = self.whitener.of(&scene.columns_of(candidate)?);
+            let x = self.whitener.of(&linearisation.columns_of(candidate)?);
             let by_unit = by_unit(&x, &self.residual, &self.unit, self.units);
             return Ok(Sums { along: cross(&self.q, &x), raw: cross(&x, &x), by_unit });
         };
-        let asked = scene.ask(effects)?;
-        let width = asked.width();
+        let evaluated = linearisation.evaluate(effects)?;
+        let width = evaluated.width();
         let mut sums = Sums {
             along: DMatrix::zeros(self.q.ncols(), width),
             raw: DMatrix::zeros(width, width),
             by_unit: DMatrix::zeros(self.units, width),
         };
         let stations = self.tables.stations.iter().copied();
-        asked.each(stations, &mut |visit, entries| self.tables.add(visit, entries, &mut sums))?;
+        evaluated.each(stations, &mut |visit, entries| self.tables.add(visit, entries, &mut sums))?;
         Ok(sums)
     }
 
@@ -262,12 +278,16 @@ impl Projection {
         let by_unit = by_unit * &basis;
         let freedom = basis.ncols();
         let squares: f64 = by_unit.column_iter().map(|column| column.sum().powi(2)).sum();
-        let law = self.law(&by_unit);
+        let distribution = self.fraction_distribution(&by_unit);
         Some(Score {
             freedom,
             gain: self.gain(squares, self.rss),
-            law,
-            surprise: Surprise::of(self.gain(squares, self.rss), freedom, law.surprise(squares / self.rss)),
+            distribution,
+            surprisal: Surprisal::of(
+                self.gain(squares, self.rss),
+                freedom,
+                distribution.surprisal(squares / self.rss),
+            ),
             share: left.trace() / total,
             by_unit: by_unit.map(|v| v as f32),
         })

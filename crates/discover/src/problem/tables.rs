@@ -12,7 +12,7 @@
 //! robot: Φ is taken at its first row, though its targets were measured some seconds apart. The contest, which decides, takes
 //! every row for itself.
 
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
 use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage};
@@ -31,45 +31,46 @@ pub(crate) struct Tables {
     /// J̃ of all visits.
     jacobian: Arc<DMatrix<f64>>,
     /// The numbers of each visit.
-    numbers: Vec<Range<usize>>,
+    observations: Vec<Range<usize>>,
     /// H, in bands of its rows.
-    along: Vec<Arc<Band>>,
+    along: Vec<Arc<ProjectedSites>>,
     squares: Arc<Vec<f64>>,
     scores: Vec<f64>,
 }
 
 impl Tables {
     pub fn new(
-        scene: &Scene<'_>,
+        linearisation: &Linearisation<'_>,
         whitener: &Whitener,
         (q, residual): (&DMatrix<f64>, &DVector<f64>),
         unit: &[usize],
     ) -> Self {
-        let (sites, rank) = (scene.site_count(), q.ncols());
-        let mut jacobian = DMatrix::from_fn(scene.len(), sites, |at, site| scene.sites(at)[site]);
+        let (sites, rank) = (linearisation.site_count(), q.ncols());
+        let mut jacobian =
+            DMatrix::from_fn(linearisation.len(), sites, |at, site| linearisation.sites(at)[site]);
         whitener.apply(&mut jacobian);
-        let (mut stations, mut numbers) = (Vec::new(), Vec::new());
+        let (mut stations, mut observations) = (Vec::new(), Vec::new());
         let (mut along, mut squares) = (Vec::new(), Vec::new());
         let mut station = 0;
-        for visit in scene.stations().chunk_by(|a, b| a.visit == b.visit) {
-            let own = visit[0].numbers.start..visit[visit.len() - 1].numbers.end;
+        for visit in linearisation.stations().chunk_by(|a, b| a.visit == b.visit) {
+            let own = visit[0].observations.start..visit[visit.len() - 1].observations.end;
             let sees = jacobian.rows(own.start, own.len());
             along.extend_from_slice(cross(&q.rows(own.start, own.len()), &sees).as_slice());
             squares.extend_from_slice(cross(&sees, &sees).as_slice());
             stations.push(station);
-            numbers.push(own);
+            observations.push(own);
             station += visit.len();
         }
-        let unit = numbers.iter().map(|own| unit[own.start]).collect();
-        let scores = scores(&jacobian, residual, &numbers);
+        let unit = observations.iter().map(|own| unit[own.start]).collect();
+        let scores = scores(&jacobian, residual, &observations);
         Tables {
             sites,
             rank,
             stations,
             unit,
             jacobian: Arc::new(jacobian),
-            numbers,
-            along: vec![Arc::new(Band { sites, rank, along })],
+            observations,
+            along: vec![Arc::new(ProjectedSites { sites, rank, along })],
             squares: Arc::new(squares),
             scores,
         }
@@ -78,17 +79,17 @@ impl Tables {
     /// With further columns of Q_1 (m × k), which leave this of r̃.
     pub fn with(&self, new: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
         let mut along = self.along.clone();
-        along.push(Arc::new(self.band(new)));
+        along.push(Arc::new(self.projected_sites(new)));
         Tables {
             sites: self.sites,
             rank: self.rank + new.ncols(),
             stations: self.stations.clone(),
             unit: self.unit.clone(),
             jacobian: Arc::clone(&self.jacobian),
-            numbers: self.numbers.clone(),
+            observations: self.observations.clone(),
             along,
             squares: Arc::clone(&self.squares),
-            scores: scores(&self.jacobian, residual, &self.numbers),
+            scores: scores(&self.jacobian, residual, &self.observations),
         }
     }
 
@@ -98,13 +99,13 @@ impl Tables {
     }
 
     /// H of further columns of Q_1 (m × k): what [`Tables::with`] appends.
-    pub fn band(&self, new: &DMatrix<f64>) -> Band {
-        let mut along = Vec::with_capacity(self.numbers.len() * self.sites * new.ncols());
-        for own in &self.numbers {
+    pub fn projected_sites(&self, new: &DMatrix<f64>) -> ProjectedSites {
+        let mut along = Vec::with_capacity(self.observations.len() * self.sites * new.ncols());
+        for own in &self.observations {
             let sees = self.jacobian.rows(own.start, own.len());
             along.extend_from_slice(cross(&new.rows(own.start, own.len()), &sees).as_slice());
         }
-        Band { sites: self.sites, rank: new.ncols(), along }
+        ProjectedSites { sites: self.sites, rank: new.ncols(), along }
     }
 
     /// Adds what a visit's entries (column, site, value) say.
@@ -112,9 +113,9 @@ impl Tables {
         let scores = &self.scores[visit * self.sites..(visit + 1) * self.sites];
         for (k, &(column, site, value)) in entries.iter().enumerate() {
             let mut along = &mut sums.along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
-            for band in &self.along {
-                let (own, rest) = along.split_at_mut(band.rank);
-                own.iter_mut().zip(band.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
+            for projected in &self.along {
+                let (own, rest) = along.split_at_mut(projected.rank);
+                own.iter_mut().zip(projected.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
                 along = rest;
             }
             sums.by_unit[(self.unit[visit], column)] += value * scores[site];
@@ -145,10 +146,10 @@ impl Tables {
     }
 
     /// What one function of the visit does that acts at these sites (site, share).
-    pub fn pulses(&self, shares: &[(usize, f64)]) -> Pulses<'_> {
+    pub fn unit_response(&self, shares: &[(usize, f64)]) -> UnitResponse<'_> {
         let visits = self.stations.len();
         let mut along = vec![0.0; visits * self.rank];
-        let mut pulses = Pulses {
+        let mut response = UnitResponse {
             unit: &self.unit,
             along: DMatrix::zeros(0, 0),
             score: vec![0.0; visits],
@@ -156,31 +157,31 @@ impl Tables {
         };
         for visit in 0..visits {
             for &(site, share) in shares {
-                let h = self.along.iter().flat_map(|band| band.at(visit, site));
+                let h = self.along.iter().flat_map(|projected| projected.at(visit, site));
                 for (sum, h) in along[visit * self.rank..(visit + 1) * self.rank].iter_mut().zip(h) {
                     *sum += share * h;
                 }
-                pulses.score[visit] += share * self.scores[visit * self.sites + site];
-                pulses.square[visit] += shares
+                response.score[visit] += share * self.scores[visit * self.sites + site];
+                response.square[visit] += shares
                     .iter()
                     .map(|&(other, more)| share * more * self.square(visit, site, other))
                     .sum::<f64>();
             }
         }
-        pulses.along = DMatrix::from_vec(self.rank, visits, along);
-        pulses
+        response.along = DMatrix::from_vec(self.rank, visits, along);
+        response
     }
 }
 
 /// H of some columns of Q_1.
 #[derive(Debug)]
-pub(crate) struct Band {
+pub(crate) struct ProjectedSites {
     sites: usize,
     rank: usize,
     along: Vec<f64>,
 }
 
-impl Band {
+impl ProjectedSites {
     /// Of one site of a visit.
     fn at(&self, visit: usize, site: usize) -> &[f64] {
         let first = (visit * self.sites + site) * self.rank;
@@ -188,9 +189,9 @@ impl Band {
     }
 
     /// The product of these columns with a candidate's, k × width, from its entries (visit, column, site, value).
-    pub fn along(&self, said: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f64> {
+    pub fn along(&self, emitted: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f64> {
         let mut along = DMatrix::zeros(self.rank, width);
-        for &(visit, column, site, value) in said {
+        for &(visit, column, site, value) in emitted {
             let own = &mut along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
             own.iter_mut().zip(self.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
         }
@@ -199,10 +200,10 @@ impl Band {
 }
 
 /// c of every visit.
-fn scores(jacobian: &DMatrix<f64>, residual: &DVector<f64>, numbers: &[Range<usize>]) -> Vec<f64> {
+fn scores(jacobian: &DMatrix<f64>, residual: &DVector<f64>, observations: &[Range<usize>]) -> Vec<f64> {
     let sites = jacobian.ncols();
-    let mut scores = vec![0.0; numbers.len() * sites];
-    for (own, scores) in numbers.iter().zip(scores.chunks_exact_mut(sites)) {
+    let mut scores = vec![0.0; observations.len() * sites];
+    for (own, scores) in observations.iter().zip(scores.chunks_exact_mut(sites)) {
         let left = residual.rows(own.start, own.len());
         for (site, score) in scores.iter_mut().enumerate() {
             *score = jacobian.column(site).rows(own.start, own.len()).dot(&left);
@@ -213,7 +214,7 @@ fn scores(jacobian: &DMatrix<f64>, residual: &DVector<f64>, numbers: &[Range<usi
 
 /// What a function of the visit that acts at fixed sites does, per unit of it.
 #[derive(Debug)]
-pub(crate) struct Pulses<'t> {
+pub(crate) struct UnitResponse<'t> {
     /// The exchangeable unit of each visit.
     unit: &'t [usize],
     /// Q_1ᵀ of each visit's pulse, r × visits.
@@ -224,7 +225,7 @@ pub(crate) struct Pulses<'t> {
     pub square: Vec<f64>,
 }
 
-impl Pulses<'_> {
+impl UnitResponse<'_> {
     /// XᵀX of functions of the visit, visits × k.
     pub fn products<S: Storage<f64, Dyn, Dyn>>(&self, columns: &Matrix<f64, Dyn, Dyn, S>) -> DMatrix<f64> {
         let k = columns.ncols();

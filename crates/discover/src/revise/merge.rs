@@ -11,35 +11,35 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{collect, parametric};
 use crate::accept::model::Model;
-use crate::accept::winner::own_p;
+use crate::accept::winner::family_wise_p;
 use crate::contest::competition::contest;
-use crate::contest::rival::{adopted, cost, losers, odds};
+use crate::contest::competitor::{cost, log_prior_odds, outcompeted, with_estimates};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use crate::policy::TIE;
 use crate::problem::likelihood::Likelihood;
-use crate::problem::linearisation::Scene;
-use crate::screen::candidates::{Questions, Screen};
+use crate::problem::linearisation::Linearisation;
+use crate::screen::candidates::{Screen, TestCounts};
 use nalgebra::DMatrix;
 use std::ops::Range;
 use truepose_errormodel::Visits;
 
 /// The model with one cause in place of one of the findings and any other; none when there is no such cause.
 pub(crate) fn merged(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     model: &Model,
     which: usize,
-    asked: &Questions,
+    test_counts: &TestCounts,
 ) -> Result<Option<Model>, DiscoverError> {
     let findings = &model.findings;
     for other in (0..findings.len()).rev().filter(|&k| k != which) {
-        if !share_a_driver(&findings[which].candidate, &findings[other].candidate) {
+        if !have_common_driver(&findings[which].candidate, &findings[other].candidate) {
             continue;
         }
         let pair = [which.min(other), which.max(other)];
-        if let Some(one) = one_for_both(context, model, pair, asked)? {
+        if let Some(one) = one_for_both(context, model, pair, test_counts)? {
             let mut findings = findings.clone();
             findings[pair[0]] = one;
             findings.remove(pair[1]);
@@ -51,45 +51,46 @@ pub(crate) fn merged(
 
 /// The cause that explains what two findings do.
 fn one_for_both(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     model: &Model,
     pair: [usize; 2],
-    asked: &Questions,
+    test_counts: &TestCounts,
 ) -> Result<Option<Accepted>, DiscoverError> {
     let options = context.options;
     let others = model.others(&pair);
-    let fewer = context.working(others.clone(), &model.current.outliers.suspects)?;
+    let fewer = context.fit_model(others.clone(), &model.current.outliers.suspects)?;
     let both = pair.map(|k| &model.findings[k]);
-    let scene = Scene::new(&fewer.fit, &fewer.data)?;
+    let linearisation = Linearisation::new(&fewer.fit, &fewer.data)?;
     let shortlist: Vec<Candidate> = both.iter().flat_map(|a| a.shortlist.iter().cloned()).collect();
-    let screen = Screen::again(&scene, &options.without, (&shortlist, &others), asked);
-    let contest = contest(&scene, &screen, &others, false)?;
-    let Some(best) = contest.rivals.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else {
+    let screen = Screen::again(&linearisation, &options.without, (&shortlist, &others), test_counts);
+    let contest = contest(&linearisation, &screen, &others, false)?;
+    let Some(best) = contest.competitors.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else {
         return Ok(None);
     };
-    let columns = [scene.columns_of(&both[0].candidate)?, scene.columns_of(&both[1].candidate)?];
+    let columns =
+        [linearisation.columns_of(&both[0].candidate)?, linearisation.columns_of(&both[1].candidate)?];
     let (first, width) = (columns[0].ncols(), columns[0].ncols() + columns[1].ncols());
-    let mut joined = DMatrix::zeros(scene.len(), width);
+    let mut joined = DMatrix::zeros(linearisation.len(), width);
     joined.columns_mut(0, first).copy_from(&columns[0]);
     joined.columns_mut(first, width - first).copy_from(&columns[1]);
-    let likelihood = Likelihood::new(&scene, &joined, &Visits::of(scene.data))?;
+    let likelihood = Likelihood::new(&linearisation, &joined, &Visits::of(linearisation.data))?;
     let pays = |k: usize, columns: Range<usize>| {
         let Accepted { candidate, evidence, .. } = both[k];
-        cost(candidate, &likelihood.law(columns), evidence.unknowns, &scene)
-            + odds(&scene, &screen, candidate)
+        cost(candidate, &likelihood.coefficient_distribution(columns), evidence.unknowns, &linearisation)
+            + log_prior_odds(&linearisation, &screen, candidate)
     };
     let score = likelihood.deviance + pays(0, 0..first) + pays(1, first..width);
     if best.score > score + TIE {
         return Ok(None);
     }
-    let p = (own_p(context, &scene, &others, best), parametric(&screen, best));
-    let evidence = collect(&scene, &contest.present, best, p, options.seed)?;
-    let rivals = losers(&contest.rivals, best);
-    Ok(Some(Accepted { candidate: adopted(best), evidence, rivals, shortlist }))
+    let p = (family_wise_p(context, &linearisation, &others, best), parametric(&screen, best));
+    let evidence = collect(&linearisation, &contest.present, best, p, options.seed)?;
+    let competitors = outcompeted(&contest.competitors, best);
+    Ok(Some(Accepted { candidate: with_estimates(best), evidence, competitors, shortlist }))
 }
 
 /// Whether two causes are driven by the same thing, so that one may be half of the other.
-fn share_a_driver(a: &Candidate, b: &Candidate) -> bool {
+fn have_common_driver(a: &Candidate, b: &Candidate) -> bool {
     let drivers = drivers(a);
     self::drivers(b).iter().any(|driver| drivers.contains(driver))
 }
@@ -127,9 +128,9 @@ mod tests {
             let place = Place { driver: Some(driver.into()), ..at("d3") };
             Candidate::new(Family::Coupling, place, Coupling::of(JointId(3), JointId(1)))
         };
-        assert!(share_a_driver(&rail, &dragged("d1")));
-        assert!(!share_a_driver(&rail, &dragged("d2")));
+        assert!(have_common_driver(&rail, &dragged("d1")));
+        assert!(!have_common_driver(&rail, &dragged("d2")));
         let frame = Candidate::new(Family::Geometric, at("d1"), Guideway::of(JointId(1)));
-        assert!(!share_a_driver(&rail, &frame));
+        assert!(!have_common_driver(&rail, &frame));
     }
 }

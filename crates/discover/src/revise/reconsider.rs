@@ -6,44 +6,44 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Evidence, collect, parametric};
 use crate::accept::model::Model;
-use crate::accept::winner::own_p;
+use crate::accept::winner::family_wise_p;
 use crate::contest::competition::{Contest, contest};
-use crate::contest::rival::{Rival, adopted, losers, rival};
+use crate::contest::competitor::{Competitor, competitor, outcompeted, with_estimates};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
-use crate::model::current::Ground;
+use crate::model::current::Context;
 use crate::policy::TIE;
 use crate::problem::likelihood::without as lacking;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
-use crate::screen::candidates::{Questions, Screen};
+use crate::screen::candidates::{Screen, TestCounts};
 use truepose_errormodel::Visits;
 
 /// Takes each of the first `count` findings out in turn and tests it again beside all others; true when something changed.
 pub(crate) fn reconsidered(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     mut model: Model,
     count: usize,
-    asked: &Questions,
+    test_counts: &TestCounts,
 ) -> Result<(Model, bool), DiscoverError> {
     let (mut at, mut iterations) = (0, 0);
     let mut moved = false;
     while at < count.min(model.findings.len()) && iterations < 2 * count {
         iterations += 1;
         let others = model.others(&[at]);
-        let Defence { contest, winner, evidence } = without(context, &model, at, (&others, asked))?;
+        let Reselection { contest, winner, evidence } = without(context, &model, at, (&others, test_counts))?;
         let mut findings = model.findings.clone();
-        let Some(winner) = winner.map(|k| &contest.rivals[k]) else {
+        let Some(winner) = winner.map(|k| &contest.competitors[k]) else {
             // The others explain it.
             findings.remove(at);
             model = model.refitted(context, findings)?;
             moved = true;
             continue;
         };
-        let next = adopted(winner);
-        let changed = !same_shape(&next, &findings[at].candidate);
-        findings[at].rivals = losers(&contest.rivals, winner);
+        let next = with_estimates(winner);
+        let changed = !same_parameters(&next, &findings[at].candidate);
+        findings[at].competitors = outcompeted(&contest.competitors, winner);
         let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
         let doubt =
             |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.belongs_to_time());
@@ -70,7 +70,7 @@ pub(crate) fn reconsidered(
 }
 
 /// The contest for the place of a find, and how it ended.
-struct Defence {
+struct Reselection {
     contest: Contest,
     /// Number of the rival that has won; none when the others explain the find.
     winner: Option<usize>,
@@ -80,59 +80,61 @@ struct Defence {
 
 /// Holds the contest for the place of a finding.
 fn without(
-    context: &Ground<'_>,
+    context: &Context<'_>,
     model: &Model,
     at: usize,
-    (others, asked): (&[Candidate], &Questions),
-) -> Result<Defence, DiscoverError> {
+    (others, test_counts): (&[Candidate], &TestCounts),
+) -> Result<Reselection, DiscoverError> {
     let Accepted { candidate, shortlist, .. } = &model.findings[at];
     let options = context.options;
-    let held = |scene: &Scene<'_>| {
-        let screen = Screen::again(scene, &options.without, (shortlist, others), asked);
+    let held = |linearisation: &Linearisation<'_>| {
+        let screen = Screen::again(linearisation, &options.without, (shortlist, others), test_counts);
         // The periods of a gear were found while less was known: it may look for them again.
-        let mut contest = contest(scene, &screen, others, candidate.family == Family::Transmission)?;
+        let mut contest = contest(linearisation, &screen, others, candidate.family == Family::Transmission)?;
         // The find as it stands defends its place, and its shape.
-        if let Some(own) = rival(scene, &screen, &Visits::of(scene.data), candidate.clone())? {
-            let same = contest.rivals.iter().position(|r| r.candidate.same_cause(candidate));
+        if let Some(own) =
+            competitor(linearisation, &screen, &Visits::of(linearisation.data), candidate.clone())?
+        {
+            let same = contest.competitors.iter().position(|r| r.candidate.same_cause(candidate));
             match same {
-                Some(k) if contest.rivals[k].score < own.score => {}
-                Some(k) => contest.rivals[k] = own,
-                None => contest.rivals.push(own),
+                Some(k) if contest.competitors[k].score < own.score => {}
+                Some(k) => contest.competitors[k] = own,
+                None => contest.competitors.push(own),
             }
         }
         let winner = winner(&contest, candidate);
-        let another = winner.map(|k| &contest.rivals[k]).filter(|r| !r.candidate.same_cause(candidate));
-        let tested = |best: &Rival| {
+        let another = winner.map(|k| &contest.competitors[k]).filter(|r| !r.candidate.same_cause(candidate));
+        let tested = |best: &Competitor| {
             // Another cause answers for itself, against the whole search.
-            let p = (own_p(context, scene, others, best), parametric(&screen, best));
-            collect(scene, &contest.present, best, p, options.seed)
+            let p = (family_wise_p(context, linearisation, others, best), parametric(&screen, best));
+            collect(linearisation, &contest.present, best, p, options.seed)
         };
         let evidence = another.map(tested).transpose()?;
-        Ok(Defence { contest, winner, evidence })
+        Ok(Reselection { contest, winner, evidence })
     };
-    let now = &*model.current;
+    let current = &*model.current;
     // A corrected load is in the data itself.
-    if !now.found[at].effects().is_empty() {
-        let scene = Scene::new(&now.fit, &now.data)?;
-        if let Some(scene) = lacking(scene, model.effects_of(context, at))? {
-            return held(&scene);
+    if !current.found[at].effects().is_empty() {
+        let linearisation = Linearisation::new(&current.fit, &current.data)?;
+        if let Some(linearisation) = lacking(linearisation, model.effects_of(context, at))? {
+            return held(&linearisation);
         }
     }
-    let fewer = context.working(others.to_vec(), &now.outliers.suspects)?;
-    held(&Scene::new(&fewer.fit, &fewer.data)?)
+    let fewer = context.fit_model(others.to_vec(), &current.outliers.suspects)?;
+    held(&Linearisation::new(&fewer.fit, &fewer.data)?)
 }
 
 /// Who wins: another cause has to be clearly better, the same cause may change its shape. None when nobody is worth its unknowns.
 fn winner(contest: &Contest, mine: &Candidate) -> Option<usize> {
-    let rivals = &contest.rivals;
-    let worth = |&k: &usize| rivals[k].score < contest.present.deviance;
-    let still = rivals.iter().position(|r| r.candidate.same_cause(mine));
-    let best = Some(0).filter(|_| !rivals.is_empty()).filter(worth).or(still.filter(worth))?;
-    Some(still.filter(|&k| rivals[k].score < rivals[best].score + TIE).unwrap_or(best))
+    let competitors = &contest.competitors;
+    let worth = |&k: &usize| competitors[k].score < contest.present.deviance;
+    let still = competitors.iter().position(|r| r.candidate.same_cause(mine));
+    let best = Some(0).filter(|_| !competitors.is_empty()).filter(worth).or(still.filter(worth))?;
+    Some(still.filter(|&k| competitors[k].score < competitors[best].score + TIE).unwrap_or(best))
 }
 
 /// Whether both change the model in the same way.
-fn same_shape(a: &Candidate, b: &Candidate) -> bool {
+fn same_parameters(a: &Candidate, b: &Candidate) -> bool {
     let parameters = |c: &Candidate| -> Vec<_> {
         c.effects().iter().map(|e| (e.kind(), e.parameters().to_string())).collect()
     };

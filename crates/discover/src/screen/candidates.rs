@@ -6,14 +6,14 @@ use crate::hypotheses::library;
 use crate::hypotheses::motion::transmission_at;
 use crate::hypotheses::penalty::by_evidence;
 use crate::hypotheses::place::Place;
-use crate::policy::price;
-use crate::problem::linearisation::Scene;
+use crate::policy::penalty_per_coefficient;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
 use crate::screen::functions::Functions;
 use crate::screen::periodogram;
 use crate::screen::periodogram::Periodogram;
 use crate::significance::sign_flips::{Block, NullDistribution};
-use crate::statistics::surprisal::Surprise;
+use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -28,7 +28,7 @@ pub(crate) struct Screened {
 }
 
 /// How many separate questions were asked of each family.
-pub(crate) type Questions = BTreeMap<Family, usize>;
+pub(crate) type TestCounts = BTreeMap<Family, usize>;
 
 /// All candidates at the present model.
 pub(crate) struct Screen {
@@ -36,7 +36,7 @@ pub(crate) struct Screen {
     pub candidates: Vec<Screened>,
     pub periods: Vec<Periodogram>,
     /// How many separate questions were asked of each family.
-    asked: Questions,
+    test_counts: TestCounts,
 }
 
 /// A cause at a place with its variants, best first.
@@ -60,10 +60,10 @@ fn is_corrected(candidate: &Candidate, found: &[Candidate]) -> bool {
 
 /// Whether a candidate consists of constant errors that the model has already. It would only have a wider prior: a model that lacks nothing
 /// would be told to measure its targets again.
-fn is_declared(candidate: &Candidate, scene: &Scene<'_>) -> bool {
+fn is_declared(candidate: &Candidate, linearisation: &Linearisation<'_>) -> bool {
     let known = |effect: &dyn AnyEffect| {
-        let columns = effect.columns(scene.chain());
-        columns.iter().all(|column| column.site.is_some_and(|site| scene.has_constant(site)))
+        let columns = effect.columns(linearisation.chain());
+        columns.iter().all(|column| column.site.is_some_and(|site| linearisation.has_constant(site)))
     };
     let effects = candidate.effects();
     !effects.is_empty() && effects.iter().all(|effect| known(&**effect))
@@ -71,64 +71,65 @@ fn is_declared(candidate: &Candidate, scene: &Scene<'_>) -> bool {
 
 impl Screen {
     /// Of everything but some families; `found` is in the data and the model already.
-    pub fn new(scene: &Scene<'_>, without: &[Family], found: &[Candidate]) -> Self {
-        let mut all = library::candidates(scene.chain(), scene.data, without);
-        all.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, scene));
-        let mut screen = Screen::of(scene, all, without);
+    pub fn new(linearisation: &Linearisation<'_>, without: &[Family], found: &[Candidate]) -> Self {
+        let mut all = library::candidates(linearisation.chain(), linearisation.data, without);
+        all.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, linearisation));
+        let mut screen = Screen::of(linearisation, all, without);
         let judged = screen.candidates.iter().filter(|s| s.score.is_some());
-        judged.for_each(|s| *screen.asked.entry(s.candidate.family).or_default() += 1);
+        judged.for_each(|s| *screen.test_counts.entry(s.candidate.family).or_default() += 1);
         let waves: usize = screen.periods.iter().map(|p| p.periods.len() / 4).sum();
-        *screen.asked.entry(Family::Transmission).or_default() += waves;
+        *screen.test_counts.entry(Family::Transmission).or_default() += waves;
         screen
     }
 
     /// Of all causes with a name and of a short list of others, as part of a larger search.
     pub fn again(
-        scene: &Scene<'_>,
+        linearisation: &Linearisation<'_>,
         without: &[Family],
         (shortlist, found): (&[Candidate], &[Candidate]),
-        asked: &Questions,
+        test_counts: &TestCounts,
     ) -> Self {
-        let mut candidates = library::named(scene.chain(), scene.data, without);
+        let mut candidates = library::named(linearisation.chain(), linearisation.data, without);
         candidates.extend(shortlist.iter().cloned());
-        candidates.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, scene));
-        Screen { asked: asked.clone(), ..Screen::of(scene, candidates, without) }
+        candidates
+            .retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, linearisation));
+        Screen { test_counts: test_counts.clone(), ..Screen::of(linearisation, candidates, without) }
     }
 
-    fn of(scene: &Scene<'_>, candidates: Vec<Candidate>, without: &[Family]) -> Self {
-        let projection = Projection::new(scene);
+    fn of(linearisation: &Linearisation<'_>, candidates: Vec<Candidate>, without: &[Family]) -> Self {
+        let projection = Projection::new(linearisation);
         // Without them every candidate is taken for itself.
-        let functions = Functions::new(scene, &projection, &candidates).ok();
+        let functions = Functions::new(linearisation, &projection, &candidates).ok();
         let candidates = candidates
             .into_par_iter()
             .map(|candidate| {
                 if let Some(score) =
-                    functions.as_ref().and_then(|functions| functions.score(scene, &candidate))
+                    functions.as_ref().and_then(|functions| functions.score(linearisation, &candidate))
                 {
                     return Screened { candidate, acts: true, score };
                 }
-                let sums = projection.sums(scene, &candidate).ok();
+                let sums = projection.sums(linearisation, &candidate).ok();
                 let acts = sums.as_ref().is_some_and(|sums| sums.raw.trace() > 0.0);
                 Screened { candidate, score: sums.and_then(|sums| projection.score(&sums)), acts }
             })
             .collect();
-        let periods = scene
+        let periods = linearisation
             .chain()
             .movable()
             .iter()
             .filter(|_| !without.contains(&Family::Transmission))
             .filter_map(|&joint| {
-                periodogram::scan(scene, &projection, joint, &periodogram::grid(scene, joint))
+                periodogram::scan(linearisation, &projection, joint, &periodogram::grid(linearisation, joint))
             })
             .collect();
-        Screen { projection, candidates, periods, asked: BTreeMap::new() }
+        Screen { projection, candidates, periods, test_counts: BTreeMap::new() }
     }
 
     /// The largest statistics over everything that was looked at.
-    pub fn largest(&self) -> Surprise {
-        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprise);
-        let waves = self.periods.iter().flat_map(|p| p.surprises.iter().copied());
-        single.chain(waves).fold(Surprise::NONE, Surprise::max)
+    pub fn largest(&self) -> Surprisal {
+        let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprisal);
+        let waves = self.periods.iter().flat_map(|p| p.surprisals.iter().copied());
+        single.chain(waves).fold(Surprisal::NONE, Surprisal::max)
     }
 
     /// What the largest statistic would be if nothing were missing.
@@ -150,14 +151,17 @@ impl Screen {
                 block.columns_mut(column, score.freedom).copy_from(&score.by_unit);
                 column += score.freedom;
             }
-            let each = scores[first..next].iter().map(|score| (score.freedom, score.law)).collect();
+            let each = scores[first..next].iter().map(|score| (score.freedom, score.distribution)).collect();
             joined.push(Block { by_unit: block, each });
         }
         for wave in &self.periods {
             let mut first = 0;
             while first < wave.periods.len() {
                 let count = (WIDTH / 2).min(wave.periods.len() - first);
-                let each = wave.laws[first..first + count].iter().map(|&law| (2, law)).collect();
+                let each = wave.distributions[first..first + count]
+                    .iter()
+                    .map(|&distribution| (2, distribution))
+                    .collect();
                 joined.push(Block { by_unit: wave.by_unit.columns(2 * first, 2 * count).into_owned(), each });
                 first += count;
             }
@@ -166,8 +170,8 @@ impl Screen {
     }
 
     /// Causes, best first: each by the variant whose gain best pays for its unknowns.
-    pub fn causes(&self, scene: &Scene<'_>) -> Vec<Cause> {
-        let price = price(self.projection.len());
+    pub fn causes(&self, linearisation: &Linearisation<'_>) -> Vec<Cause> {
+        let penalty = penalty_per_coefficient(self.projection.len());
         let mut causes: Vec<Cause> = Vec::new();
         let mut known: HashMap<String, usize> = HashMap::new();
         let mut put = |candidate: Candidate, gain: f64, freedom: usize| {
@@ -185,14 +189,14 @@ impl Screen {
         }
         for wave in &self.periods {
             for (period, gain) in wave.peaks(3) {
-                put(transmission_at(scene.chain(), wave.joint, &[period]), gain, 2);
+                put(transmission_at(linearisation.chain(), wave.joint, &[period]), gain, 2);
             }
         }
         let worth = |(candidate, gain, freedom): &(Candidate, f64, usize)| {
             let count = *freedom as f64;
             // By evidence, as if the data knew all of them alike: the law is as wide as they came out.
             let alike = 1.0 + (gain / count).max(1.0).ln();
-            gain - count * if by_evidence(candidate) { price.min(alike) } else { price }
+            gain - count * if by_evidence(candidate) { penalty.min(alike) } else { penalty }
         };
         for cause in &mut causes {
             cause.variants.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
@@ -208,19 +212,19 @@ impl Screen {
     }
 
     /// How many separate questions were asked of a family.
-    pub fn asked(&self, family: Family) -> usize {
-        self.asked.get(&family).copied().unwrap_or_default().max(1)
+    pub fn tests_of(&self, family: Family) -> usize {
+        self.test_counts.get(&family).copied().unwrap_or_default().max(1)
     }
 
     /// The same of all families.
-    pub fn questions(&self) -> &Questions {
-        &self.asked
+    pub fn test_counts(&self) -> &TestCounts {
+        &self.test_counts
     }
 
     /// The best causes without a name, in all their variants: those that may come in for a find when it is looked at again.
-    pub fn shortlist(&self, scene: &Scene<'_>) -> Vec<Candidate> {
+    pub fn shortlist(&self, linearisation: &Linearisation<'_>) -> Vec<Candidate> {
         const LISTED: usize = 60;
-        self.causes(scene)
+        self.causes(linearisation)
             .into_iter()
             .filter(|cause| cause.family == Family::Unmodelled)
             .take(LISTED)

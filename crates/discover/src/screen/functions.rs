@@ -4,7 +4,7 @@
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::nonlinear::seen_as;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -45,7 +45,7 @@ fn series(candidate: &Candidate) -> Option<(&Expansion, FrameId, &[Axis])> {
 impl Functions {
     /// Of all candidates that have this form.
     pub fn new(
-        scene: &Scene<'_>,
+        linearisation: &Linearisation<'_>,
         projection: &Projection,
         candidates: &[Candidate],
     ) -> Result<Self, DiscoverError> {
@@ -62,7 +62,7 @@ impl Functions {
                     at: Place::Frame { frame: FrameId::BASE, components: vec![Axis::ALL[0]] },
                     factors: series.factors.clone(),
                 };
-                let count = AnyEffect::columns(&one, scene.chain()).len();
+                let count = AnyEffect::columns(&one, linearisation.chain()).len();
                 sets.push((series.factors.clone(), width..width + count));
                 together.push(Vec::new());
                 effects.push(Box::new(one));
@@ -74,18 +74,19 @@ impl Functions {
         }
         let stations = projection.tables.stations.iter().copied();
         let mut values = DMatrix::zeros(stations.len(), width);
-        scene.ask(&effects)?.each(stations, &mut |visit, entries| {
+        linearisation.evaluate(&effects)?.each(stations, &mut |visit, entries| {
             for &(column, _, value) in entries {
                 values[(visit, column)] += value;
             }
         })?;
-        let frames: Vec<FrameId> = scene.chain().frames().collect();
+        let frames: Vec<FrameId> = linearisation.chain().frames().collect();
         let scores = frames
             .into_par_iter()
             .map(|frame| {
-                let sites = Axis::ALL.map(|axis| scene.chain().site_index(Site::Frame(frame, axis)));
-                let pulses = sites.map(|site| projection.tables.pulses(&[(site, 1.0)]));
-                let through = pulses.each_ref().map(|pulses| pulses.through(&values, &projection.q_by_unit));
+                let sites = Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis)));
+                let response = sites.map(|site| projection.tables.unit_response(&[(site, 1.0)]));
+                let through =
+                    response.each_ref().map(|response| response.through(&values, &projection.q_by_unit));
                 let part =
                     |m: &DMatrix<f64>, own: &Range<usize>| m.columns(own.start, own.len()).into_owned();
                 sets.iter()
@@ -93,7 +94,7 @@ impl Functions {
                     .map(|((_, own), together)| {
                         let functions = part(&values, own);
                         let single = std::array::from_fn(|k| {
-                            let raw = pulses[k].products(&functions);
+                            let raw = response[k].products(&functions);
                             projection.judged(&raw, &part(&through[k].0, own), &part(&through[k].1, own))
                         });
                         let all = together.contains(&frame).then(|| {
@@ -123,10 +124,10 @@ impl Functions {
     }
 
     /// The score of a candidate; none when it has another form.
-    pub fn score(&self, scene: &Scene<'_>, candidate: &Candidate) -> Option<Option<Score>> {
+    pub fn score(&self, linearisation: &Linearisation<'_>, candidate: &Candidate) -> Option<Option<Score>> {
         let (series, frame, components) = series(candidate)?;
         let set = position(&self.sets, &series.factors)?;
-        let at = scene.chain().frames().position(|known| known == frame)?;
+        let at = linearisation.chain().frames().position(|known| known == frame)?;
         let scores = &self.scores[at][set];
         match components {
             [axis] => Some(scores.single[Axis::ALL.iter().position(|known| known == axis)?].clone()),

@@ -3,10 +3,10 @@
 //! The joint's motion is the same for all periods: it is projected once, and a period costs a product over the visits. Frequencies are as
 //! dense as the visited range can tell apart, four to a cycle over it.
 
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, basis};
-use crate::statistics::beta::Share;
-use crate::statistics::surprisal::Surprise;
+use crate::statistics::beta::FractionDistribution;
+use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -17,9 +17,9 @@ pub(crate) struct Periodogram {
     pub joint: JointId,
     pub periods: Vec<f64>,
     pub gains: Vec<f64>,
-    pub surprises: Vec<Surprise>,
+    pub surprisals: Vec<Surprisal>,
     /// Of the share that each takes by chance.
-    pub laws: Vec<Share>,
+    pub distributions: Vec<FractionDistribution>,
     /// Units × 2 columns a period.
     pub by_unit: DMatrix<f32>,
 }
@@ -31,17 +31,17 @@ const CYCLES_PER_TRAVEL: f64 = 400.0;
 const BATCH: usize = 64;
 
 /// Whether the joint's motion is an angle.
-pub(crate) fn turns(scene: &Scene<'_>, joint: JointId) -> bool {
-    scene.chain().joint(joint).unit() == "rad"
+pub(crate) fn turns(linearisation: &Linearisation<'_>, joint: JointId) -> bool {
+    linearisation.chain().joint(joint).unit() == "rad"
 }
 
 /// The grid of periods of one joint, longest first; rad or m.
-pub(crate) fn grid(scene: &Scene<'_>, joint: JointId) -> Vec<f64> {
-    let Some(range) = scene.travel(joint) else { return Vec::new() };
+pub(crate) fn grid(linearisation: &Linearisation<'_>, joint: JointId) -> Vec<f64> {
+    let Some(range) = linearisation.travel(joint) else { return Vec::new() };
     if range.is_nan() || range < 1e-6 {
         return Vec::new();
     }
-    let turns = turns(scene, joint);
+    let turns = turns(linearisation, joint);
     let (first, last) = if turns { (2.5, CYCLES_PER_TURN) } else { (2.0, CYCLES_PER_TRAVEL) };
     let unit = if turns { TAU } else { range };
     let step = 0.25 * unit / range;
@@ -52,19 +52,19 @@ pub(crate) fn grid(scene: &Scene<'_>, joint: JointId) -> Vec<f64> {
 
 /// The scores of these periods of one joint.
 pub(crate) fn scan(
-    scene: &Scene<'_>,
+    linearisation: &Linearisation<'_>,
     projection: &Projection,
     joint: JointId,
     periods: &[f64],
 ) -> Option<Periodogram> {
-    let shares = scene.motion(joint)?;
-    let pulses = projection.tables.pulses(&shares);
+    let shares = linearisation.motion(joint)?;
+    let response = projection.tables.unit_response(&shares);
     let stations = projection.tables.stations.iter();
-    let values: Vec<f64> = stations.map(|&at| scene.joint_at(at, joint)).collect::<Option<_>>()?;
-    if periods.is_empty() || pulses.square.iter().sum::<f64>() <= 0.0 {
+    let values: Vec<f64> = stations.map(|&at| linearisation.joint_at(at, joint)).collect::<Option<_>>()?;
+    if periods.is_empty() || response.square.iter().sum::<f64>() <= 0.0 {
         return None;
     }
-    let parts: Vec<(Vec<Wave>, DMatrix<f32>)> = periods
+    let parts: Vec<(Vec<PeriodScore>, DMatrix<f32>)> = periods
         .par_chunks(BATCH)
         .map(|batch| {
             let mut waves = DMatrix::zeros(values.len(), 2 * batch.len());
@@ -75,23 +75,23 @@ pub(crate) fn scan(
                     waves[(at, 2 * k + 1)] = cosine;
                 }
             }
-            let (along, sums) = pulses.through(&waves, &projection.q_by_unit);
+            let (along, sums) = response.through(&waves, &projection.q_by_unit);
             let mut told = Vec::with_capacity(batch.len());
             let mut by_unit = DMatrix::<f32>::zeros(projection.units, 2 * batch.len());
             for k in 0..batch.len() {
-                let raw = pulses.products(&waves.columns(2 * k, 2));
+                let raw = response.products(&waves.columns(2 * k, 2));
                 let pair = along.columns(2 * k, 2);
                 let left = &raw - pair.tr_mul(&pair);
                 let Some(turn) = basis(&raw, &left) else {
-                    told.push(Wave::silent());
+                    told.push(PeriodScore::absorbed());
                     continue;
                 };
                 let scores = sums.columns(2 * k, 2) * &turn;
                 let squares: f64 = scores.column_iter().map(|c| c.sum().powi(2)).sum();
-                let law = projection.law(&scores);
+                let distribution = projection.fraction_distribution(&scores);
                 let gain = projection.gain(squares, projection.rss);
-                let surprise = Surprise::of(gain, 2, law.surprise(squares / projection.rss));
-                told.push(Wave { gain, surprise, law });
+                let surprisal = Surprisal::of(gain, 2, distribution.surprisal(squares / projection.rss));
+                told.push(PeriodScore { gain, surprisal, distribution });
                 for (j, column) in scores.column_iter().enumerate() {
                     by_unit.column_mut(2 * k + j).copy_from(&column.map(|v| v as f32));
                 }
@@ -103,41 +103,41 @@ pub(crate) fn scan(
         joint,
         periods: periods.to_vec(),
         gains: Vec::new(),
-        surprises: Vec::new(),
-        laws: Vec::new(),
+        surprisals: Vec::new(),
+        distributions: Vec::new(),
         by_unit: DMatrix::zeros(projection.units, 2 * periods.len()),
     };
     for (told, by_unit) in parts {
         whole.by_unit.columns_mut(2 * whole.gains.len(), by_unit.ncols()).copy_from(&by_unit);
         for wave in told {
             whole.gains.push(wave.gain);
-            whole.surprises.push(wave.surprise);
-            whole.laws.push(wave.law);
+            whole.surprisals.push(wave.surprisal);
+            whole.distributions.push(wave.distribution);
         }
     }
     Some(whole)
 }
 
 /// What one period does.
-struct Wave {
+struct PeriodScore {
     gain: f64,
-    surprise: Surprise,
-    law: Share,
+    surprisal: Surprisal,
+    distribution: FractionDistribution,
 }
 
-impl Wave {
+impl PeriodScore {
     /// Nothing of it is left beside the present model.
-    fn silent() -> Self {
-        Wave { gain: 0.0, surprise: Surprise::NONE, law: Share::none() }
+    fn absorbed() -> Self {
+        PeriodScore { gain: 0.0, surprisal: Surprisal::NONE, distribution: FractionDistribution::none() }
     }
 }
 
 impl Periodogram {
     /// The period that is most surprising among visits: (period, gain, surprise).
     pub fn strongest(&self) -> Option<(f64, f64, f64)> {
-        let surprise = |k: &usize| self.surprises[*k].among_visits;
-        let best = (0..self.periods.len()).max_by(|a, b| surprise(a).total_cmp(&surprise(b)))?;
-        Some((self.periods[best], self.gains[best], surprise(&best)))
+        let surprisal = |k: &usize| self.surprisals[*k].among_poses;
+        let best = (0..self.periods.len()).max_by(|a, b| surprisal(a).total_cmp(&surprisal(b)))?;
+        Some((self.periods[best], self.gains[best], surprisal(&best)))
     }
 
     /// Local maxima, best first: (period, gain).

@@ -6,41 +6,46 @@ use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::motion::{longest, transmission_at};
 use crate::hypotheses::nonlinear::{free_period, rescaled, scale, seen_as};
 use crate::hypotheses::time::instants;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
 use crate::screen::periodogram::turns;
 use truepose_errormodel::effects::{Shift, Transmission};
 
 /// What a shape is worth: the gain in the screen's units.
-fn gain(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
-    projection.judge(scene, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
+fn gain(linearisation: &Linearisation<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
+    projection.judge(linearisation, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
 }
 
 /// The candidate with its shape refined.
-pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Candidate) -> Candidate {
+pub(crate) fn refined(
+    linearisation: &Linearisation<'_>,
+    projection: &Projection,
+    candidate: &Candidate,
+) -> Candidate {
     let [effect] = candidate.effects() else { return candidate.clone() };
-    let chain = scene.chain();
+    let chain = linearisation.chain();
     if let Some(wave) = seen_as::<Transmission>(&**effect) {
         let Some(period) = free_period(wave) else { return candidate.clone() };
-        let Some(range) = scene.travel(wave.joint) else { return candidate.clone() };
+        let Some(range) = linearisation.travel(wave.joint) else { return candidate.clone() };
         // In frequency: a quarter of a cycle over the range to either side, but no longer than a drive's periods are.
-        let slowest = 1.0 / longest(turns(scene, wave.joint), range);
+        let slowest = 1.0 / longest(turns(linearisation, wave.joint), range);
         let centre = (1.0 / period).max(slowest);
         let half = 0.25 / range.max(1e-9);
-        let value =
-            |frequency: f64| gain(scene, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]));
+        let value = |frequency: f64| {
+            gain(linearisation, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]))
+        };
         let best = climb((centre - half).max(slowest), centre + half, value);
         return transmission_at(chain, wave.joint, &[1.0 / best]);
     }
     if let Some(jump) = seen_as::<Shift>(&**effect) {
-        let instants = instants(scene.data);
+        let instants = instants(linearisation.data);
         let at = instants.partition_point(|&t| t < jump.at);
         // The neighbours that the coarse grid left out, and a few more.
         let reach = instants.len().div_ceil(64).max(3) + 2;
         let best = (at.saturating_sub(reach)..(at + reach).min(instants.len()))
             .map(|k| Shift { at: instants[k], ..jump.clone() })
             .map(|jump| Candidate::new(candidate.family, candidate.place.clone(), jump))
-            .map(|candidate| (gain(scene, projection, &candidate), candidate))
+            .map(|candidate| (gain(linearisation, projection, &candidate), candidate))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         return best.map_or_else(|| candidate.clone(), |(_, candidate)| candidate);
     }
@@ -50,7 +55,7 @@ pub(crate) fn refined(scene: &Scene<'_>, projection: &Projection, candidate: &Ca
             Candidate { change: Change::Add(effects), ..candidate.clone() }
         };
         let [lower, upper] = reach.map(|times| (times * value).ln());
-        return at(climb(lower, upper, |log| gain(scene, projection, &at(log))));
+        return at(climb(lower, upper, |log| gain(linearisation, projection, &at(log))));
     }
     candidate.clone()
 }

@@ -2,7 +2,7 @@
 
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +21,7 @@ pub struct Untestable {
 }
 
 /// Causes that this data cannot test, with the size that could have been seen.
-pub(crate) fn untestable(scene: &Scene<'_>, screen: &Screen) -> Vec<Untestable> {
+pub(crate) fn untestable(linearisation: &Linearisation<'_>, screen: &Screen) -> Vec<Untestable> {
     /// Less of a cause than this is left by the declared model.
     const LEFT: f64 = 0.05;
     /// Less than this is left only of what the declared model has itself.
@@ -33,9 +33,10 @@ pub(crate) fn untestable(scene: &Scene<'_>, screen: &Screen) -> Vec<Untestable> 
         let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
         let share = screened.score.as_ref().map_or(0.0, |score| score.share);
         // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
-        let rms =
-            (scene.noise.floor(scene.typical_sd()).powi(2) * POWER / scene.len() as f64 / share.max(1e-9))
-                .sqrt();
+        let rms = (linearisation.noise.floor(linearisation.typical_sd()).powi(2) * POWER
+            / linearisation.len() as f64
+            / share.max(1e-9))
+        .sqrt();
         let detectable = screened.acts.then_some(rms);
         match list.iter_mut().find(|u| u.family == family && u.place == place) {
             Some(known) if known.share < share => (known.share, known.detectable) = (share, detectable),

@@ -14,9 +14,9 @@
 //! Source: Freedman and Lane (1983); Winkler et al. (2014) for exchangeable blocks; Pesarin (2001) for the combination.
 
 use crate::problem::projection::Projection;
-use crate::statistics::beta::{LEAST, Share};
-use crate::statistics::chi_square::surprise;
-use crate::statistics::surprisal::Surprise;
+use crate::statistics::beta::{FractionDistribution, LEAST};
+use crate::statistics::chi_square::surprisal;
+use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,8 +25,8 @@ use rayon::prelude::*;
 /// The distribution of the largest statistics when nothing is missing.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NullDistribution {
-    among_numbers: Ranked,
-    among_visits: Ranked,
+    among_observations: Ranked,
+    among_poses: Ranked,
 }
 
 /// One statistic of all flips.
@@ -60,7 +60,7 @@ impl Ranked {
 pub(crate) struct Block {
     pub by_unit: DMatrix<f32>,
     /// Degrees of freedom of each statistic, in the order of the columns, and the law of the share that it takes by chance.
-    pub each: Vec<(usize, Share)>,
+    pub each: Vec<(usize, FractionDistribution)>,
 }
 
 /// What the flips of some statistics come to.
@@ -68,12 +68,12 @@ struct Largest {
     /// Largest share by number of unknowns: flips × (1 + most unknowns).
     shares: DMatrix<f32>,
     /// Largest surprise among visits of each flip, [`LEAST`] or more.
-    surprises: Vec<f64>,
+    surprisals: Vec<f64>,
 }
 
 impl Largest {
     fn none(flips: usize, widest: usize) -> Self {
-        Largest { shares: DMatrix::zeros(flips, widest + 1), surprises: vec![LEAST; flips] }
+        Largest { shares: DMatrix::zeros(flips, widest + 1), surprisals: vec![LEAST; flips] }
     }
 
     fn of(block: &Block, signs: &DMatrix<f32>, inverse: &[f32], widest: usize) -> Self {
@@ -82,7 +82,7 @@ impl Largest {
         let sums = signs * &block.by_unit;
         let mut squares = vec![0.0f32; flips];
         let mut first = 0;
-        for &(freedom, law) in &block.each {
+        for &(freedom, distribution) in &block.each {
             squares.fill(0.0);
             for column in sums.as_slice()[first * flips..(first + freedom) * flips].chunks_exact(flips) {
                 for (square, v) in squares.iter_mut().zip(column) {
@@ -90,14 +90,14 @@ impl Largest {
                 }
             }
             let most = &mut largest.shares.as_mut_slice()[freedom * flips..(freedom + 1) * flips];
-            let bound = law.bound();
+            let bound = distribution.bound();
             for (((most, surprising), square), inverse) in
-                most.iter_mut().zip(&mut largest.surprises).zip(&squares).zip(inverse)
+                most.iter_mut().zip(&mut largest.surprisals).zip(&squares).zip(inverse)
             {
                 let share = square * inverse;
                 *most = most.max(share);
                 if f64::from(bound.of(share)) > *surprising {
-                    *surprising = surprising.max(law.surprise(f64::from(share)));
+                    *surprising = surprising.max(distribution.surprisal(f64::from(share)));
                 }
             }
             first += freedom;
@@ -106,10 +106,10 @@ impl Largest {
     }
 
     fn with(self, other: Self) -> Self {
-        let pairs = self.surprises.into_iter().zip(other.surprises);
+        let pairs = self.surprisals.into_iter().zip(other.surprisals);
         Largest {
             shares: self.shares.zip_map(&other.shares, f32::max),
-            surprises: pairs.map(|(a, b)| a.max(b)).collect(),
+            surprisals: pairs.map(|(a, b)| a.max(b)).collect(),
         }
     }
 }
@@ -136,25 +136,27 @@ impl NullDistribution {
             .map(|block| Largest::of(block, &signs, &inverse, widest))
             .reduce(|| Largest::none(flips, widest), Largest::with);
         // The surprise grows with the share: only the largest share of each number of unknowns has to be turned into one.
-        let among_numbers = largest.shares.row_iter().map(|row| {
+        let among_observations = largest.shares.row_iter().map(|row| {
             row.iter()
                 .enumerate()
                 .filter(|(_, share)| **share > 0.0)
-                .map(|(freedom, &share)| surprise(projection.gain(f64::from(share), 1.0), freedom))
+                .map(|(freedom, &share)| surprisal(projection.gain(f64::from(share), 1.0), freedom))
                 .fold(f64::NEG_INFINITY, f64::max)
         });
         NullDistribution {
-            among_numbers: Ranked::new(among_numbers.collect()),
-            among_visits: Ranked::new(largest.surprises),
+            among_observations: Ranked::new(among_observations.collect()),
+            among_poses: Ranked::new(largest.surprisals),
         }
     }
 
     /// #{r* ≤ r} / (B + 1), itself counted.
-    pub fn p_value(&self, statistic: Surprise) -> f64 {
-        let parts =
-            [(&self.among_numbers, statistic.among_numbers), (&self.among_visits, statistic.among_visits)];
+    pub fn p_value(&self, statistic: Surprisal) -> f64 {
+        let parts = [
+            (&self.among_observations, statistic.among_observations),
+            (&self.among_poses, statistic.among_poses),
+        ];
         let rank = parts.iter().map(|(ranked, value)| 1 + ranked.above(*value)).min().unwrap_or(1);
-        let flips = self.among_numbers.values.len();
+        let flips = self.among_observations.values.len();
         let as_extreme =
             |&flip: &usize| parts.iter().any(|(ranked, value)| ranked.rank(flip, *value) <= rank);
         (1 + (0..flips).filter(as_extreme).count()) as f64 / (flips + 1) as f64
@@ -162,7 +164,7 @@ impl NullDistribution {
 
     /// The surprise among numbers that is reached by chance with this probability.
     pub fn critical(&self, alpha: f64) -> f64 {
-        let sorted = &self.among_numbers.sorted;
+        let sorted = &self.among_observations.sorted;
         let n = sorted.len();
         let at = ((1.0 - alpha) * n as f64).ceil() as usize;
         sorted.get(at.min(n.saturating_sub(1))).copied().unwrap_or(f64::INFINITY)
@@ -188,11 +190,11 @@ mod tests {
                 };
                 let (numbers, visits): (Vec<f64>, Vec<f64>) = (0..flips).map(|_| pair()).unzip();
                 let null = NullDistribution {
-                    among_numbers: Ranked::new(numbers),
-                    among_visits: Ranked::new(visits),
+                    among_observations: Ranked::new(numbers),
+                    among_poses: Ranked::new(visits),
                 };
-                let (among_numbers, among_visits) = pair();
-                below += usize::from(null.p_value(Surprise { among_numbers, among_visits }) <= 0.1);
+                let (among_observations, among_poses) = pair();
+                below += usize::from(null.p_value(Surprisal { among_observations, among_poses }) <= 0.1);
             }
             let share = below as f64 / trials as f64;
             // Four deviations of a binomial law with 2000 trials.
@@ -204,8 +206,9 @@ mod tests {
     fn the_first_in_either_is_among_the_first_two() {
         let values: Vec<f64> = (0..999).map(f64::from).collect();
         let back: Vec<f64> = values.iter().rev().copied().collect();
-        let null = NullDistribution { among_numbers: Ranked::new(values), among_visits: Ranked::new(back) };
-        let p = |among_numbers, among_visits| null.p_value(Surprise { among_numbers, among_visits });
+        let null =
+            NullDistribution { among_observations: Ranked::new(values), among_poses: Ranked::new(back) };
+        let p = |among_observations, among_poses| null.p_value(Surprisal { among_observations, among_poses });
         let thousandths =
             [p(1e3, 1e3), p(1e3, 500.0), p(-1.0, 1e3), p(-1.0, -1.0)].map(|p| (1e3 * p).round() as usize);
         assert_eq!(thousandths, [1, 2, 2, 1000]);

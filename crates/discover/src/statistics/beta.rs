@@ -10,36 +10,36 @@ pub(crate) const LEAST: f64 = 5.0;
 
 /// A beta law.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Share {
+pub(crate) struct FractionDistribution {
     a: f64,
     b: f64,
     /// ln(b B(a, b)).
     start: f64,
 }
 
-impl Share {
+impl FractionDistribution {
     /// With this mean and variance; no narrower than of so many independent numbers.
-    pub fn new(mean: f64, variance: f64, numbers: usize) -> Self {
+    pub fn new(mean: f64, variance: f64, observations: usize) -> Self {
         /// Parameters below these are a law of nothing but ends.
         const LEAST: (f64, f64) = (0.05, 0.5);
         let mean = mean.clamp(1e-9, 0.999);
         let wide = mean * (1.0 - mean);
-        let sum = (wide / variance.max(1e-300) - 1.0).min(0.5 * numbers as f64);
+        let sum = (wide / variance.max(1e-300) - 1.0).min(0.5 * observations as f64);
         let (a, b) = ((mean * sum).max(LEAST.0), ((1.0 - mean) * sum).max(LEAST.1));
-        Share { a, b, start: b.ln() + ln_beta(a, b) }
+        FractionDistribution { a, b, start: b.ln() + ln_beta(a, b) }
     }
 
     /// Of what is not there.
     pub fn none() -> Self {
-        Share::new(0.5, 1.0 / 12.0, 2)
+        FractionDistribution::new(0.5, 1.0 / 12.0, 2)
     }
 
     /// −ln P(share ≥ x), or what it does not exceed where that is below [`LEAST`]: by the continued fraction of the incomplete beta function (Press
     /// et al., *Numerical Recipes*, 6.4), in logarithms, so that nothing runs out of range.
-    pub fn surprise(self, x: f64) -> f64 {
+    pub fn surprisal(self, x: f64) -> f64 {
         const TERMS: usize = 100;
         const TINY: f64 = 1e-300;
-        let Share { a, b, start } = self;
+        let FractionDistribution { a, b, start } = self;
         let bound = f64::from(self.bound().of(x as f32));
         if bound < LEAST {
             return bound.max(0.0);
@@ -76,7 +76,7 @@ impl Share {
 
     /// What no surprise exceeds, at a price that thousands of candidates can pay for each flip.
     pub fn bound(self) -> Bound {
-        let Share { a, b, start } = self;
+        let FractionDistribution { a, b, start } = self;
         Bound { slope: b as f32, bend: (a - 1.0).max(0.0) as f32, start: start as f32 }
     }
 }
@@ -99,20 +99,20 @@ impl Bound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::chi_square::surprise;
+    use crate::statistics::chi_square::surprisal;
     use statrs::distribution::{Beta, ContinuousCDF};
     use statrs::statistics::Distribution;
 
     #[test]
     fn agrees_with_the_beta_law_and_stays_below_its_bound() {
-        for (freedom, numbers) in [(1, 30.0), (2, 8.0), (2, 810.0), (6, 90.0), (24, 31.0), (40, 400.0)] {
-            let (a, b) = (0.5 * f64::from(freedom), 0.5 * (numbers - f64::from(freedom)));
-            let law = Beta::new(a, b).expect("positive");
-            let (mean, variance) = (law.mean().expect("one"), law.variance().expect("one"));
-            let share = Share::new(mean, variance, 1000);
+        for (freedom, observations) in [(1, 30.0), (2, 8.0), (2, 810.0), (6, 90.0), (24, 31.0), (40, 400.0)] {
+            let (a, b) = (0.5 * f64::from(freedom), 0.5 * (observations - f64::from(freedom)));
+            let distribution = Beta::new(a, b).expect("positive");
+            let (mean, variance) = (distribution.mean().expect("one"), distribution.variance().expect("one"));
+            let share = FractionDistribution::new(mean, variance, 1000);
             assert!((share.a / a - 1.0).abs() < 1e-9 && (share.b / b - 1.0).abs() < 1e-9, "{share:?}");
             for x in [0.001, 0.02, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999] {
-                let (expected, got) = (-law.sf(x).ln(), share.surprise(x));
+                let (expected, got) = (-distribution.sf(x).ln(), share.surprisal(x));
                 if (LEAST..300.0).contains(&expected) {
                     assert!((got - expected).abs() < 1e-5 * expected, "{share:?} {x}: {got} {expected}");
                 } else if expected < LEAST {
@@ -123,9 +123,9 @@ mod tests {
             }
         }
         // Of many numbers it is the law of χ².
-        let (share, numbers) = (1e-3, 1e5);
-        let gain = -(numbers - 2.0) * (1.0f64 - share).ln();
-        let law = Share::new(2.0 / numbers, 4.0 / numbers.powi(2), 100_000);
-        assert!((law.surprise(share) - surprise(gain, 2)).abs() < 1e-2);
+        let (share, observations) = (1e-3, 1e5);
+        let gain = -(observations - 2.0) * (1.0f64 - share).ln();
+        let distribution = FractionDistribution::new(2.0 / observations, 4.0 / observations.powi(2), 100_000);
+        assert!((distribution.surprisal(share) - surprisal(gain, 2)).abs() < 1e-2);
     }
 }

@@ -11,7 +11,7 @@
 use statrs::function::gamma::{gamma_ur, ln_gamma};
 
 /// −ln P(χ² ≥ gain) with so many degrees of freedom; zero or more.
-pub(crate) fn surprise(gain: f64, freedom: usize) -> f64 {
+pub(crate) fn surprisal(gain: f64, freedom: usize) -> f64 {
     let (a, x) = (0.5 * freedom.max(1) as f64, 0.5 * gain.max(0.0));
     if x <= a + 1.0 {
         return if x > 0.0 { -gamma_ur(a, x).ln() } else { 0.0 };
@@ -41,7 +41,7 @@ pub(crate) fn gain_of_one(surprising: f64) -> f64 {
     let (mut lower, mut upper) = (0.0, 2.0 * surprising.max(0.0) + 2.0);
     for _ in 0..100 {
         let middle = 0.5 * (lower + upper);
-        if surprise(middle, 1) < surprising { lower = middle } else { upper = middle }
+        if surprisal(middle, 1) < surprising { lower = middle } else { upper = middle }
     }
     0.5 * (lower + upper)
 }
@@ -54,11 +54,11 @@ mod tests {
     #[test]
     fn agrees_with_the_distribution_where_that_is_in_range() {
         for freedom in [1, 2, 3, 6, 21, 60] {
-            let law = ChiSquared::new(freedom as f64).expect("positive");
+            let distribution = ChiSquared::new(freedom as f64).expect("positive");
             for gain in [0.01, 0.5, 1.0, 3.0, 7.0, 20.0, 61.0, 64.0, 100.0, 300.0] {
-                let expected = -law.sf(gain).ln();
+                let expected = -distribution.sf(gain).ln();
                 if expected < 300.0 {
-                    let got = surprise(gain, freedom);
+                    let got = surprisal(gain, freedom);
                     assert!(
                         (got - expected).abs() < 1e-9 * (1.0 + expected),
                         "{freedom} {gain}: {got} {expected}"
@@ -73,8 +73,8 @@ mod tests {
         // Asymptotics of one degree of freedom: P ≈ √(2/(π x)) e^{−x/2}.
         let x: f64 = 5900.0;
         let expected = 0.5 * x + 0.5 * (std::f64::consts::FRAC_PI_2 * x).ln();
-        assert!((surprise(x, 1) - expected).abs() < 1e-3);
-        assert!(surprise(590.0, 1) > surprise(590.0, 36));
-        assert!((gain_of_one(surprise(34.5, 1)) - 34.5).abs() < 1e-9);
+        assert!((surprisal(x, 1) - expected).abs() < 1e-3);
+        assert!(surprisal(590.0, 1) > surprisal(590.0, 36));
+        assert!((gain_of_one(surprisal(34.5, 1)) - 34.5).abs() < 1e-9);
     }
 }

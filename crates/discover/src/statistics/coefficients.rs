@@ -24,18 +24,18 @@ const WIDEST: f64 = 9.0;
 
 /// A width and what it costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Law {
+pub(crate) struct CoefficientDistribution {
     /// w, expected sizes.
     pub width: f64,
     /// C(w).
-    pub cost: f64,
+    pub penalty: f64,
 }
 
-impl Law {
+impl CoefficientDistribution {
     /// Of estimates with their covariance under the wide prior; of none there is nothing to say.
     pub fn of(coefficients: &DVector<f64>, covariance: &DMatrix<f64>) -> Self {
         if coefficients.is_empty() {
-            return Law { width: 1.0, cost: 0.0 };
+            return CoefficientDistribution { width: 1.0, penalty: 0.0 };
         }
         let eigen = SymmetricEigen::new(covariance.clone());
         let turned = eigen.eigenvectors.tr_mul(coefficients);
@@ -47,11 +47,11 @@ impl Law {
             .filter_map(|(&variance, &value)| {
                 let precision = 1.0 / variance.max(f64::MIN_POSITIVE) - WIDE.powi(-2);
                 // Without the pull of the wide prior.
-                let said = value / (variance * precision);
-                (precision > 1e-3 * WIDE.powi(-2)).then_some((precision, said * said * precision))
+                let emitted = value / (variance * precision);
+                (precision > 1e-3 * WIDE.powi(-2)).then_some((precision, emitted * emitted * precision))
             })
             .collect();
-        let cost = |log: f64| -> f64 {
+        let penalty = |log: f64| -> f64 {
             let square = (2.0 * log).exp();
             let one = |&(p, t): &(f64, f64)| {
                 let held = 1.0 + square * p;
@@ -59,8 +59,8 @@ impl Law {
             };
             directions.iter().map(one).sum()
         };
-        let log = minimum(NARROWEST, WIDEST, cost);
-        Law { width: log.exp(), cost: cost(log) }
+        let log = minimum(NARROWEST, WIDEST, penalty);
+        CoefficientDistribution { width: log.exp(), penalty: penalty(log) }
     }
 }
 
@@ -68,10 +68,10 @@ impl Law {
 mod tests {
     use super::*;
 
-    fn law(values: &[f64], deviations: &[f64]) -> Law {
+    fn distribution(values: &[f64], deviations: &[f64]) -> CoefficientDistribution {
         let variances = deviations.iter().map(|d| 1.0 / (d.powi(-2) + WIDE.powi(-2)));
         let covariance = DMatrix::from_diagonal(&DVector::from_iterator(values.len(), variances));
-        Law::of(&DVector::from_column_slice(values), &covariance)
+        CoefficientDistribution::of(&DVector::from_column_slice(values), &covariance)
     }
 
     #[test]
@@ -79,21 +79,21 @@ mod tests {
         // Eight coefficients of ±3 that are known to 0.1, and two that are not known at all and came out at 70.
         let mut values: Vec<f64> = (0..8).map(|k| 3.0 * [1.0, -1.0][k % 2]).collect();
         let mut deviations = vec![0.1; 8];
-        let few = law(&values, &deviations);
+        let few = distribution(&values, &deviations);
         assert!((few.width - 3.0).abs() < 0.01, "{}", few.width);
         // Each: ln(1 + 900) + 1, but for a trifle.
-        assert!((few.cost - 8.0 * (901f64.ln() + 0.999)).abs() < 0.05, "{}", few.cost);
+        assert!((few.penalty - 8.0 * (901f64.ln() + 0.999)).abs() < 0.05, "{}", few.penalty);
         values.extend([70.0, 70.0]);
         deviations.extend([1e5, 1e5]);
-        let all = law(&values, &deviations);
-        assert!((all.width - few.width).abs() < 0.01 && (all.cost - few.cost).abs() < 0.01);
+        let all = distribution(&values, &deviations);
+        assert!((all.width - few.width).abs() < 0.01 && (all.penalty - few.penalty).abs() < 0.01);
     }
 
     #[test]
     fn what_is_not_there_costs_what_it_gains() {
         // Ten coefficients of one deviation each: nothing to pay for, nothing gained.
-        assert_eq!(law(&[], &[]), Law { width: 1.0, cost: 0.0 });
-        let nothing = law(&[0.1; 10], &[0.1; 10]);
-        assert!(nothing.width < 1e-2 && (nothing.cost - 10.0).abs() < 0.1, "{nothing:?}");
+        assert_eq!(distribution(&[], &[]), CoefficientDistribution { width: 1.0, penalty: 0.0 });
+        let nothing = distribution(&[0.1; 10], &[0.1; 10]);
+        assert!(nothing.width < 1e-2 && (nothing.penalty - 10.0).abs() < 0.1, "{nothing:?}");
     }
 }

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::{PositionSpread, count, significant};
 use std::fmt;
-use truepose_discover::{Check, Doubt, Family, Finding, FloorSource, Stop, Verdict};
+use truepose_discover::{Check, Doubt, Family, Finding, FloorSource, Termination, Verdict};
 
 /// Width of the longest bar of the waterfall.
 const BAR: f64 = 34.0;
@@ -151,19 +151,23 @@ impl DiscoverySummary {
         let p = format!("(p = {})", significant(self.unexplained.p_value, 2));
         let found = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).count();
         let why = match self.stopped {
-            Stop::NothingLeft if found == 0 => {
+            Termination::NothingLeft if found == 0 => {
                 format!("No effect beyond the declared model is significant {p}.")
             }
-            Stop::NothingLeft => format!("No further effect is significant {p}."),
-            Stop::NothingConvincing => {
+            Termination::NothingLeft => format!("No further effect is significant {p}."),
+            Termination::NothingConvincing => {
                 format!("Something is left {p}, but no candidate passed all tests.")
             }
-            Stop::Circling => format!(
+            Termination::Circling => format!(
                 "Something is left {p}, and the search came back to the same candidates: which of them it is stays undecided."
             ),
-            Stop::Withdrawn => self.withdrawn.as_ref().map_or_else(String::new, WithdrawnSummary::words),
-            Stop::Interrupted => "The run was ended before its end; something may be left.".into(),
-            Stop::Limit => format!("As many effects as were allowed were added {p}; something may be left."),
+            Termination::Withdrawn => {
+                self.withdrawn.as_ref().map_or_else(String::new, WithdrawnSummary::words)
+            }
+            Termination::Interrupted => "The run was ended before its end; something may be left.".into(),
+            Termination::Limit => {
+                format!("As many effects as were allowed were added {p}; something may be left.")
+            }
             _ => String::new(),
         };
         let verdict = match (self.verdict, self.unexplained.rms_mm) {
@@ -174,7 +178,7 @@ impl DiscoverySummary {
                 significant(self.after.judged_train().rms_mm, 3)
             ),
             (Verdict::Unexplained, _) => match self.lack_of_fit.after {
-                Some(p) if self.stopped == Stop::NothingLeft => {
+                Some(p) if self.stopped == Termination::NothingLeft => {
                     format!("The lack of fit against repeated poses is significant (p = {}): something is left.", significant(p, 2))
                 }
                 _ => "What is left is more than noise.".into(),

@@ -5,7 +5,7 @@ use super::{Page, Report};
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, trace_figure, unit_words, waterfall};
 use crate::{RunRecord, SpecificationSummary, count, parameter_words, significant};
-use truepose_discover::{Diagnosis, Family, Stop};
+use truepose_discover::{Diagnosis, Family, Termination};
 use truepose_errormodel::Dataset;
 use truepose_identify::IdentifyError;
 
@@ -74,8 +74,8 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     let mm = |v: f64| significant(v, 3);
     let named: Vec<String> = summary.effects.iter().map(FindingSummary::words).collect();
     let answer = match (named.len(), summary.stopped) {
-        (0, Stop::NothingLeft) => "No effect beyond the declared model was found.".to_owned(),
-        (0, Stop::Withdrawn) => {
+        (0, Termination::NothingLeft) => "No effect beyond the declared model was found.".to_owned(),
+        (0, Termination::Withdrawn) => {
             "The declared model stands: what was found did not hold on unseen data.".to_owned()
         }
         (0, _) => "Nothing was found that can be added to the declared model with confidence.".to_owned(),

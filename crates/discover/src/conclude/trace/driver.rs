@@ -1,6 +1,6 @@
 //! What an effect is set against.
 
-use crate::conclude::trace::own::Own;
+use crate::conclude::trace::error_source::ErrorSource;
 use crate::conclude::trace::point::TracePoint;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::covariate::load_word;
@@ -20,7 +20,7 @@ pub(super) enum Driver {
 }
 
 /// What drives a finding.
-pub(super) fn driver(chain: &Chain, data: &Dataset, candidate: &Candidate, own: &Own) -> Driver {
+pub(super) fn driver(chain: &Chain, data: &Dataset, candidate: &Candidate, own: &ErrorSource) -> Driver {
     let place = &candidate.place;
     let joint = |name: &Option<String>| name.as_deref().and_then(|name| chain.joint_named(name));
     let coordinate = |name: &Option<String>| joint(name).and_then(|joint| chain.coordinate(joint));
@@ -40,7 +40,7 @@ pub(super) fn driver(chain: &Chain, data: &Dataset, candidate: &Candidate, own: 
             joint(&place.joint).map_or(when, Driver::JointLoad)
         }
         Family::LinkCompliance | Family::BaseCompliance => match own {
-            Own::Site(Site::Frame(frame, _)) => Driver::Wrench(*frame),
+            ErrorSource::Site(Site::Frame(frame, _)) => Driver::Wrench(*frame),
             _ => when,
         },
         Family::Coupling => coordinate(&place.driver).map_or(when, Driver::Joint),

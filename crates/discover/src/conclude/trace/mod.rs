@@ -11,13 +11,13 @@
 //! scatter widely in e; `lever` is their weight.
 
 mod driver;
+mod error_source;
 mod load;
-mod own;
 pub(crate) mod point;
 
 use crate::conclude::trace::driver::{Driver, driver, strongest};
+use crate::conclude::trace::error_source::error_source;
 use crate::conclude::trace::load::load_trace;
-use crate::conclude::trace::own::own;
 use crate::conclude::trace::point::{Trace, TracePoint};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -40,7 +40,7 @@ pub(crate) fn trace(
     let model = fit.fitted.model();
     let chain = model.chain();
     let columns = model.columns_of(first).start..model.columns_of(first + count - 1).end;
-    let Some(own) = own(fit, data, candidate, columns.clone())? else { return Ok(None) };
+    let Some(own) = error_source(fit, data, candidate, columns.clone())? else { return Ok(None) };
     let driver = driver(chain, data, candidate, &own);
     let joint = candidate.place.joint.as_deref().and_then(|name| chain.joint_named(name));
     let approach = joint

@@ -9,12 +9,12 @@ use truepose_identify::Fit;
 use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
 
 /// Whose error it is.
-pub(super) enum Own {
+pub(super) enum ErrorSource {
     Motion(JointMotion),
     Site(Site),
 }
 
-impl Own {
+impl ErrorSource {
     /// How the position moves with a unit of the error, and the error per unit of each coefficient.
     pub fn read(
         &self,
@@ -25,7 +25,7 @@ impl Own {
         let mut shape = DVector::zeros(columns.len());
         let mut moved = Vector3::zeros();
         match self {
-            Own::Site(site) => {
+            ErrorSource::Site(site) => {
                 moved = jacobian.position(*site);
                 for entry in emission.entries() {
                     if columns.contains(&entry.column) && entry.site == *site {
@@ -33,7 +33,7 @@ impl Own {
                     }
                 }
             }
-            Own::Motion(motion) => {
+            ErrorSource::Motion(motion) => {
                 let first = first_axis(motion);
                 for k in 0..3 {
                     moved +=
@@ -56,8 +56,8 @@ impl Own {
 
     pub fn words(&self, chain: &Chain) -> String {
         match self {
-            Own::Site(site) => chain.site_word(*site),
-            Own::Motion(motion) => {
+            ErrorSource::Site(site) => chain.site_word(*site),
+            ErrorSource::Motion(motion) => {
                 let how = if motion.kind == JointKind::Prismatic { "along" } else { "about" };
                 format!("{} {how} its axis", chain.joint(motion.joint).name)
             }
@@ -66,9 +66,9 @@ impl Own {
 
     pub fn unit(&self) -> &'static str {
         let turning = match self {
-            Own::Motion(motion) => motion.kind != JointKind::Prismatic,
-            Own::Site(Site::Frame(_, axis)) => axis.index() >= 3,
-            Own::Site(Site::Target(..)) => false,
+            ErrorSource::Motion(motion) => motion.kind != JointKind::Prismatic,
+            ErrorSource::Site(Site::Frame(_, axis)) => axis.index() >= 3,
+            ErrorSource::Site(Site::Target(..)) => false,
         };
         if turning { "rad" } else { "m" }
     }
@@ -79,12 +79,12 @@ fn first_axis(motion: &JointMotion) -> usize {
 }
 
 /// The joint's own motion where the cause is one of a joint, else the site whose error moves the target most.
-pub(super) fn own(
+pub(super) fn error_source(
     fit: &Fit,
     data: &Dataset,
     candidate: &Candidate,
     columns: std::ops::Range<usize>,
-) -> Result<Option<Own>, DiscoverError> {
+) -> Result<Option<ErrorSource>, DiscoverError> {
     /// Rows that are asked.
     const ASKED: usize = 300;
     let model: &ErrorModel = fit.fitted.model();
@@ -105,7 +105,7 @@ pub(super) fn own(
         .and_then(|name| chain.joint_named(name))
         .and_then(|joint| chain.joint_motion(joint));
     if let Some(motion) = motion {
-        return Ok(Some(Own::Motion(motion)));
+        return Ok(Some(ErrorSource::Motion(motion)));
     }
     let bound = model.bind(&data.schema)?;
     let mut rest = Rest::new(model);
@@ -122,5 +122,5 @@ pub(super) fn own(
         }
     }
     let best = (0..energy.len()).max_by(|&a, &b| energy[a].total_cmp(&energy[b]));
-    Ok(best.filter(|&k| energy[k] > 0.0).map(|k| Own::Site(chain.site_at(k))))
+    Ok(best.filter(|&k| energy[k] > 0.0).map(|k| ErrorSource::Site(chain.site_at(k))))
 }

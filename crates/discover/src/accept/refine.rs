@@ -5,10 +5,10 @@
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::nonlinear::has_shape;
-use crate::model::current::{Ground, Working};
+use crate::hypotheses::nonlinear::has_nonlinear;
+use crate::model::current::{Context, ModelFit};
 use crate::problem::likelihood::without;
-use crate::problem::linearisation::Scene;
+use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
 use crate::screen::refine::refined;
 use rayon::prelude::*;
@@ -17,39 +17,42 @@ use rayon::prelude::*;
 const SWEEPS: usize = 2;
 
 /// The find with its shapes looked for again; none when it has none, or nothing was gained.
-pub(crate) fn polished(
-    ground: &Ground<'_>,
-    now: &Working,
+pub(crate) fn refined_in_model(
+    context: &Context<'_>,
+    current: &ModelFit,
     which: usize,
 ) -> Result<Option<Candidate>, DiscoverError> {
-    let mut parts: Vec<Candidate> = now.found[which]
+    let mut parts: Vec<Candidate> = current.found[which]
         .effects()
         .iter()
-        .map(|effect| Candidate { change: Change::Add(vec![effect.clone()]), ..now.found[which].clone() })
+        .map(|effect| Candidate { change: Change::Add(vec![effect.clone()]), ..current.found[which].clone() })
         .collect();
-    if !parts.iter().any(has_shape) {
+    if !parts.iter().any(has_nonlinear) {
         return Ok(None);
     }
-    let own = ground.effects_of(&now.found, which);
-    let Some(mut scene) = without(Scene::new(&now.fit, &now.data)?, own)? else { return Ok(None) };
-    scene.noise = now.fit.noise;
-    let present = Projection::new(&scene);
+    let own = context.effects_of(&current.found, which);
+    let Some(mut linearisation) = without(Linearisation::new(&current.fit, &current.data)?, own)? else {
+        return Ok(None);
+    };
+    linearisation.noise = current.fit.noise;
+    let present = Projection::new(&linearisation);
     let mut gained = false;
     for _ in 0..if parts.len() > 1 { SWEEPS } else { 1 } {
         let better: Vec<Option<Candidate>> = (0..parts.len())
             .into_par_iter()
             .map(|k| -> Result<Option<Candidate>, DiscoverError> {
-                if !has_shape(&parts[k]) {
+                if !has_nonlinear(&parts[k]) {
                     return Ok(None);
                 }
                 let others: Vec<_> =
                     (0..parts.len()).filter(|&l| l != k).flat_map(|l| parts[l].effects().to_vec()).collect();
-                let with = if others.is_empty() { None } else { present.with(&scene.columns(&others)?) };
+                let with =
+                    if others.is_empty() { None } else { present.with(&linearisation.columns(&others)?) };
                 let projection = with.as_ref().unwrap_or(&present);
                 let gain = |candidate: &Candidate| {
-                    projection.judge(&scene, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
+                    projection.judge(&linearisation, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
                 };
-                let better = refined(&scene, projection, &parts[k]);
+                let better = refined(&linearisation, projection, &parts[k]);
                 Ok((gain(&better) > gain(&parts[k])).then_some(better))
             })
             .collect::<Result<_, _>>()?;
@@ -61,5 +64,5 @@ pub(crate) fn polished(
         }
     }
     let effects = parts.iter().flat_map(|part| part.effects().to_vec()).collect();
-    Ok(gained.then(|| Candidate { change: Change::Add(effects), ..now.found[which].clone() }))
+    Ok(gained.then(|| Candidate { change: Change::Add(effects), ..current.found[which].clone() }))
 }
