@@ -1,4 +1,4 @@
-//! The loop: screen, compare, test, add, revise; again, until no further effect is significant.
+//! The search: screen, compare, test, add, revise; repeated until no further effect is significant.
 
 use crate::accept::admit::{admitted, without_insignificant};
 use crate::accept::evidence::Refused;
@@ -15,10 +15,10 @@ use crate::screen::untestable::untestable;
 use crate::significance::sign_flips::NullDistribution;
 use crate::termination::{History, Termination};
 
-/// With more findings than this they are reconsidered only at the end.
+/// With more findings than this they are reconsidered only at the end of the search.
 const FEW: usize = 4;
 
-/// Adds effects until none is left that passes all tests. `interim` sees the outcome after each finding.
+/// Adds effects until no candidate passes all tests. `interim` is called with the outcome after each finding.
 pub(crate) fn search(
     context: &Context<'_>,
     declared: Model,
@@ -65,7 +65,7 @@ pub(crate) fn search(
             let changed;
             (outcome.model, changed) = reconsidered_once(context, outcome.model, test_counts)?;
             if changed {
-                // There may be more to find.
+                // The revised model may have further significant candidates.
                 continue;
             }
         }
@@ -75,7 +75,8 @@ pub(crate) fn search(
     }
 }
 
-/// Adds the best candidate that passes all tests, also as part of the refitted model; whether there was one.
+/// Adds the best candidate that passes the tests of the linearised problem and those of the refitted model;
+/// whether there was one.
 fn add(
     context: &Context<'_>,
     outcome: &mut Outcome,
@@ -83,7 +84,7 @@ fn add(
     screened: (&Linearisation<'_>, &Screen, &NullDistribution),
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<bool, DiscoverError> {
-    /// Candidates that may fail as part of the model before the search gives up.
+    /// Candidates that may fail the tests of the refitted model before the search gives up.
     const FAILURES: usize = 3;
     for _ in 0..FAILURES {
         let current = &outcome.model.current;

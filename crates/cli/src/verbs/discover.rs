@@ -108,7 +108,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
 /// An error with the file that it is about, where it is about the data.
 fn refused(args: &Discover, error: DiscoverError) -> Failure {
     match error {
-        DiscoverError::TooFewVisits { .. }
+        DiscoverError::TooFewPoses { .. }
         | DiscoverError::Identify(
             IdentifyError::NothingMeasured { .. }
             | IdentifyError::Placement { .. }

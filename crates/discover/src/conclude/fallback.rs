@@ -1,17 +1,19 @@
-//! The enlarged model against the declared one, on data that the search has not seen.
+//! Fallback: the enlarged model is compared with the declared one on data that the search has not used.
 //!
-//! A search selects, and what was selected fits the rows that selected it. So before anything is written, the whole of what was found is held
-//! against the declared model where no choice has looked:
+//! Selection is biased towards the rows that were used for it. Before a model is written, all findings
+//! together are compared with the declared model on other rows:
 //!
 //! | check | rows | when |
 //! | --- | --- | --- |
-//! | [`Check::Refits`] | training rows, each predicted by a refit without its fold | the search had all training rows |
-//! | [`Check::UnsearchedRows`] | training rows outside of the sample that was searched | the search had a sample |
-//! | [`Check::NestedFolds`] | training rows, each predicted by a whole run of the loop without its fold | fewer than [`FEW`] poses |
-//! | [`Check::TestSet`] | the held-out test set | the run drew it itself |
+//! | [`Check::Refits`] | training rows, each predicted by a refit without its fold | the search used all training rows |
+//! | [`Check::UnsearchedRows`] | training rows outside of the sample that was searched | the search used a sample |
+//! | [`Check::NestedFolds`] | training rows, each predicted by a run of the whole search without its fold | fewer than [`FEW`] poses |
+//! | [`Check::TestSet`] | the held-out test set | the run has a test set of its own |
 //!
-//! A model that fails one of them is withdrawn as a whole: the declared model stands. Single effects were judged when they were added
-//! ([`crate::model::refits`]). The last check makes a choice of two by the test set; its figure is the smaller of two, which is told.
+//! A check fails when Σ ‖e/σ‖² of the enlarged model is larger. Then all findings are withdrawn and the
+//! declared model is the result. Single effects were tested when they were added ([`crate::model::refits`]).
+//! The last check selects one of two models by the test set, so that its error is the smaller of two; the
+//! report says so.
 
 use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
@@ -26,7 +28,8 @@ use nalgebra::Vector3;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{Fit, Folds, Residuals, Split};
 
-/// With fewer training poses than this the loop itself is validated: a search that a handful of poses can lead astray has to be seen as a whole.
+/// With fewer training poses than this the whole search is cross-validated: a few influential poses can then
+/// change its findings.
 pub(crate) const FEW: usize = 100;
 /// Folds of that validation.
 const FOLDS: usize = 5;
@@ -34,27 +37,29 @@ const FOLDS: usize = 5;
 /// Which checks a run makes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Checks {
-    /// The test set is the run's own; in a validation from outside it has to stay unseen.
+    /// The test set belongs to this run; inside a cross-validation it belongs to the outer loop and stays
+    /// unused.
     pub test_set: bool,
-    /// The loop is validated where poses are few.
+    /// The whole search is cross-validated where poses are few.
     pub nested: bool,
 }
 
 impl Checks {
-    /// Of a run that a user starts.
+    /// Of a run of its own.
     pub const ALL: Checks = Checks { test_set: true, nested: true };
-    /// Of a run whose test rows belong to a validation from outside.
+    /// Of a run inside a cross-validation of the search.
     pub const UNSEEN: Checks = Checks { test_set: false, nested: true };
-    /// Of a run inside such a run.
+    /// Of a run inside the cross-validation of such a run: ends the recursion.
     const INNERMOST: Checks = Checks { test_set: false, nested: false };
 }
 
-/// Another run of the loop on other parts (training, test) of the training rows.
+/// Runs the search on another partition (training, test) of the training rows.
 pub(crate) type Again<'a> =
     dyn Fn((Vec<usize>, Vec<usize>), Checks) -> Result<Diagnosis, DiscoverError> + Sync + 'a;
 
-/// Holds what was found against the declared model and takes it back where it is worse; `train` are the training rows, with the residuals of
-/// [`unsearched`] where only a sample of them was searched.
+/// Compares the model with the declared one; returns the findings with the failed check when they have to be
+/// withdrawn. `train` are the training rows, `unsearched` the residuals of [`unsearched`] where only a sample
+/// of them was searched.
 pub(crate) fn withdrawn(
     context: &Context<'_>,
     model: &Model,
@@ -75,7 +80,7 @@ pub(crate) fn withdrawn(
     Ok(Some(Withdrawn { check, declared, enlarged, findings }))
 }
 
-/// (check, RMS of the declared model, RMS of the enlarged one).
+/// (check, 3-D RMS of the declared model, 3-D RMS of the enlarged one), m.
 type Failed = (Check, f64, f64);
 
 fn failed(
@@ -101,7 +106,7 @@ fn failed(
         return Ok(Some(failed));
     }
     if checks.nested && Visits::of(train).len() < FEW {
-        // A fold or two that find nothing leave both alike: no loss.
+        // In a fold without findings both models are equal.
         let pair = nested(train, context.options.seed, again)?;
         if let Some(failed) = loss(Check::NestedFolds, &blank(pair, out), &any_loss) {
             return Ok(Some(failed));
@@ -120,7 +125,8 @@ fn failed(
     Ok(None)
 }
 
-/// Both models, as the sample made them, on the training rows that are not in it; a row in the sample is blank.
+/// Residuals of the declared and of the enlarged model, fitted to the sample, on the training rows outside of
+/// it; NaN in rows of the sample.
 pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[Residuals; 2], DiscoverError> {
     let sampled = crate::data::sample::sampled(train, seed);
     let rows: Vec<usize> = (0..train.len()).filter(|&row| sampled[row]).collect();
@@ -130,7 +136,8 @@ pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[R
     Ok(blank([first, current], &rows))
 }
 
-/// Both models on the training rows, each row by a run of the loop that has not seen it.
+/// Residuals of the declared and of the enlarged model on the training rows, each row by a run of the search
+/// without its fold.
 fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2], DiscoverError> {
     let count = configurations(train).iter().max().map_or(0, |last| last + 1);
     let folds = Folds::new(train, &Split::Random { folds: FOLDS.min(count), seed })?;
@@ -143,7 +150,7 @@ fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2
         let rows: (Vec<usize>, Vec<usize>) =
             (0..train.len()).partition(|&row| folds.of_visit[train.visit[row]] != fold);
         let held = rows.1.clone();
-        // Without a fold there may be too few poses for a search: then there is nothing to compare.
+        // Without a fold there may be too few poses for a search: then its rows are not compared.
         let Ok(run) = again(rows, Checks::INNERMOST) else { continue };
         for (all, part) in pair.iter_mut().zip([&run.before.holdout, &run.after.holdout]) {
             for (k, &row) in held.iter().enumerate() {
@@ -155,7 +162,7 @@ fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2
     Ok(pair)
 }
 
-/// Held-out rows, counted within the test set, that nothing explains: a gross error is neither model's.
+/// Outliers of the test set, as indices into it: gross errors decide for neither model.
 fn gross(model: &Model, partition: &Partition<'_>) -> Result<Vec<usize>, DiscoverError> {
     let all = with_loads(partition.data, &model.current.found);
     let judged = Linearisation::new(&model.current.fit, &all)?;
@@ -165,7 +172,7 @@ fn gross(model: &Model, partition: &Partition<'_>) -> Result<Vec<usize>, Discove
     Ok(held.filter(|(_, row)| suspects.contains(row)).map(|(k, _)| k).collect())
 }
 
-/// Residuals without those of some rows.
+/// The residuals with NaN in these rows.
 fn blank(mut pair: [Residuals; 2], rows: &[usize]) -> [Residuals; 2] {
     for residuals in &mut pair {
         let count = residuals.position.len();

@@ -1,6 +1,8 @@
-//! The second look: the best causes of the screen against each other, each in its best shape and with its own noise.
+//! Comparison of the best candidates of a screen, each with its nonlinear parameters optimised and its noise
+//! estimated.
 //!
-//! The smallest score wins; among those that the data cannot tell from it, the simplest one.
+//! The smallest score ([`crate::contest::competitor`]) wins; of the competitors whose scores are not
+//! distinguishable from it, the simplest one.
 
 use crate::contest::competitor::{Competitor, competitor, plausible};
 use crate::contest::look_ahead;
@@ -22,28 +24,29 @@ use rayon::prelude::*;
 use truepose_errormodel::Visits;
 use truepose_errormodel::effects::Transmission;
 
-/// Who is behind by more than this will not win by other components.
+/// Largest distance from the best score at which other sets of components are tried.
 const FAR: f64 = 120.0;
-/// The same of curves in all components that have no name: each set of components has many coefficients to fit.
+/// The same for unnamed curves, of which each set of components has many coefficients.
 const NEAR: f64 = 30.0;
-/// What a set of components has to be better by.
+/// Least decrease of the score for another set of components.
 const WORTH: f64 = 1.0;
-/// Causes that get a second look, and variants of each.
+/// Groups of candidates (family and place) that are compared, and variants of each.
 const CAUSES: usize = 10;
 const VARIANTS: usize = 3;
-/// Gears that may grow in one contest.
+/// Transmissions to which further periods may be added in one contest.
 const GEARS: usize = 2;
-/// Frequencies that one gear may have.
+/// Periods that may be added to one transmission.
 const MOST_PERIODS: usize = 12;
 
-/// The rivals, the one that should be believed first, and the present model's own likelihood.
+/// The competitors, best first, and the likelihood of the present model without any of them.
 pub(crate) struct Contest {
     pub present: Likelihood,
     pub competitors: Vec<Competitor>,
 }
 
-/// Holds the contest between the best causes of a screen, leaving out those that are barred. The most promising gears may grow further
-/// periods, where a new cause is looked for or a gear defends its place.
+/// Compares the best candidates of a screen, except those that are barred. With `more_periods_allowed`
+/// further periods are added to the best transmissions: in a search for a new finding, and in the
+/// reconsideration of a transmission.
 pub(crate) fn contest(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -79,7 +82,7 @@ pub(crate) fn contest(
     Ok(Contest { present, competitors })
 }
 
-/// The best causes, and the best of every named family: each gets its chance.
+/// The best groups of candidates, and the best group of every named family that has none among them.
 fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
     let penalty = penalty_per_coefficient(linearisation.len());
     let mut selected: Vec<&Cause> = causes.iter().take(CAUSES).collect();
@@ -93,7 +96,7 @@ fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&
     selected
 }
 
-/// A cause in its shapes, one of each richness.
+/// The variants of a group, one for each number of coefficients, with their nonlinear parameters optimised.
 fn refined_variants(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -116,7 +119,7 @@ fn refined_variants(
     Ok(competitors)
 }
 
-/// Gears with several periods: the most promising ones get the chance to grow.
+/// Adds further periods to the best transmissions.
 fn add_periods(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -142,7 +145,7 @@ fn add_periods(
     Ok(())
 }
 
-/// The simplest of a cause's shapes that cannot be told from the best one.
+/// The variant with the fewest coefficients among those whose score is within half of [`TIE`] of the best.
 fn simplest(mut shapes: Vec<Competitor>) -> Option<Competitor> {
     shapes.retain(|r| plausible(r) && r.score.is_finite());
     let best = least(&shapes);
@@ -150,7 +153,7 @@ fn simplest(mut shapes: Vec<Competitor>) -> Option<Competitor> {
     tied.min_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)))
 }
 
-/// Best first; of those that cannot be told from the best one, the simplest.
+/// Sorts by score; those within [`TIE`] of the best by simplicity: family, number of unknowns, score.
 fn rank(competitors: &mut [Competitor]) {
     competitors.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = least(competitors);
@@ -161,7 +164,7 @@ fn rank(competitors: &mut [Competitor]) {
     });
 }
 
-/// How far behind the best a rival may be to try other components.
+/// Largest distance from the best score at which other sets of components of a competitor are tried.
 fn component_margin(competitor: &Competitor) -> f64 {
     if competitor.candidate.family == Family::Unmodelled { NEAR } else { FAR }
 }
@@ -170,7 +173,8 @@ fn least(competitors: &[Competitor]) -> f64 {
     competitors.iter().map(|r| r.score).fold(f64::INFINITY, f64::min)
 }
 
-/// The rival with the components that pay for themselves.
+/// The competitor with the set of components of the smallest score: greedy descent, one component more or
+/// fewer at a time.
 fn with_best_components(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -192,7 +196,8 @@ fn with_best_components(
     }
 }
 
-/// The same gear with further periods, as long as each pays for itself.
+/// The same transmission with further periods, added by forward selection as long as each is significant on
+/// the grid of periods and exceeds its penalty.
 fn more_periods(
     linearisation: &Linearisation<'_>,
     present: &Projection,
@@ -211,7 +216,8 @@ fn more_periods(
     while added < MOST_PERIODS {
         let wave = periodogram::scan(linearisation, &projection, joint, &grid)?;
         let (period, gain, surprisal) = wave.strongest()?;
-        // What visits alone, of which some are off for other reasons, would show somewhere on the grid by chance is no period.
+        // The surprisal among poses has to exceed ln(periods on the grid): Bonferroni's bound at one expected
+        // false period, valid while other effects are missing.
         if gain < threshold || surprisal < log_tests {
             break;
         }

@@ -1,10 +1,16 @@
-//! A cause in a contest, and what it scores.
+//! A candidate in a contest, and its score.
 //!
 //! ```text
-//! score = −2 ln L + C + 2 ln(questions asked of the family) + shapes · ln m [+ what a structure without a name costs]
+//! score = −2 ln L + C + π,     π = 2 n_θ ln(tests of the family) + n_s ln m [+ 25 for an unnamed structure]
 //! ```
 //!
-//! C is what its coefficients cost: ln m each (Schwarz 1978), or, of curves and moving frames, what the evidence says ([`crate::statistics::coefficients`]).
+//! | symbol | here | |
+//! | --- | --- | --- |
+//! | C | [`coefficient_penalty`] | k ln m (Schwarz 1978); for curves and moving frames the marginal likelihood ([`crate::statistics::coefficients`]) where that is smaller |
+//! | π | [`log_prior_odds`] | −2 × log prior odds: multiplicity, nonlinear parameters, prior against unnamed structures |
+//! | n_θ | number of periods, at least one | each period is an answer of its own to all tests of the family |
+//! | n_s | nonlinear parameters with a coarse grid, optimised continuously | each counts as a coefficient |
+//! | m | number of observations | |
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
@@ -20,48 +26,51 @@ use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
 
-/// What a structure without a name has to be better by than any named cause.
+/// Penalty of an unnamed structure beside a named family.
 const UNNAMED: f64 = 25.0;
 
-/// A cause in its best shape.
+/// A candidate with optimised nonlinear parameters, and its likelihood.
 pub(crate) struct Competitor {
     pub candidate: Candidate,
     /// Raw columns, m × k.
     pub columns: DMatrix<f64>,
-    /// Directions that the data can judge.
+    /// Degrees of freedom: directions that the present model does not absorb.
     pub freedom: usize,
-    /// The screen's gain of this shape, and how surprising it is.
+    /// Score statistic of the screen with these nonlinear parameters, and its surprisal.
     pub gain: f64,
     pub surprisal: Surprisal,
     pub score: f64,
-    /// What of the score is neither likelihood nor coefficients.
+    /// π: the part of the score that is neither likelihood nor coefficient penalty.
     pub log_prior_odds: f64,
-    /// What of the odds the data has no part in: for the questions that were asked of its family, and for having no name.
+    /// The part of π that does not depend on the data: tests of the family, and the prior against unnamed
+    /// structures.
     prior_penalty: f64,
-    /// Of the law from which its coefficients look drawn, expected sizes.
+    /// Standard deviation w of the distribution of its coefficients, in expected sizes.
     pub width: f64,
     pub likelihood: Likelihood,
 }
 
 impl Competitor {
-    /// What had to be found out: coefficients that the data judges, and shapes.
+    /// Number of estimated parameters: degrees of freedom and nonlinear parameters.
     pub fn unknowns(&self) -> usize {
         self.freedom + nonlinear_count(&self.candidate)
     }
 
-    /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes: twice that of the law from which they look
-    /// drawn.
+    /// Prior standard deviation of its coefficients in the model, in expected sizes: 2 w, twice the most
+    /// likely one.
     pub fn prior_width(&self) -> f64 {
         2.0 * self.width.max(1e-3)
     }
 
-    /// By how much less likely it makes the data than another, whatever one would rather believe.
+    /// Difference of score from another competitor without the part that does not depend on the data;
+    /// positive: less likely.
     fn deficit(&self, other: &Competitor) -> f64 {
         (self.score - self.prior_penalty) - (other.score - other.prior_penalty)
     }
 }
 
-/// A candidate with its likelihood; none when the data cannot judge it.
+/// A candidate with its likelihood and score; `None` when the present model absorbs it or the data lacks a
+/// covariate.
 pub(crate) fn competitor(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -92,14 +101,16 @@ pub(crate) fn competitor(
     }))
 }
 
-/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none,
-/// but where its name says no more than what it follows: a curve over time may be a slow drift or a jump, one over a load a spring that
-/// hardens or play.
+/// The competing hypotheses of a winner, with their difference of score: smallest first. An unnamed structure
+/// that fits the data like the winner, with as many degrees of freedom, is the winner itself and is left out;
+/// except beside a curve over time (a drift or a jump) or over a load (nonlinear compliance or backlash),
+/// where the family is the question.
 pub(crate) fn outcompeted<'a>(
     competitors: impl IntoIterator<Item = &'a Competitor>,
     winner: &Competitor,
 ) -> Vec<(Candidate, f64)> {
-    /// Of −2 ln L, within which two explanations of as many unknowns are the same one: their wide priors differ by as much.
+    /// Difference of −2 ln L within which two candidates with equal degrees of freedom span the same space:
+    /// their wide priors differ by as much.
     const SAME: f64 = 0.05;
     let a_curve = matches!(winner.candidate.family, Family::Drift | Family::LoadNonlinearity);
     let itself = |r: &Competitor| {
@@ -113,8 +124,8 @@ pub(crate) fn outcompeted<'a>(
     outcompeted
 }
 
-/// What the coefficients of a candidate cost, so many of which the data judges: those of a curve over time or travel, of a frame that moves,
-/// or of something without a name that follows the load, as the evidence says; all others their number.
+/// C: penalty of a candidate's coefficients, in units of −2 ln L. `freedom` ln m; for curves over time or
+/// travel, moving frames and unnamed functions of load the marginal likelihood, where that is smaller.
 pub(crate) fn cost(
     candidate: &Candidate,
     distribution: &CoefficientDistribution,
@@ -125,8 +136,8 @@ pub(crate) fn cost(
     if by_evidence(candidate) { distribution.penalty.min(counted) } else { counted }
 }
 
-/// What a candidate pays for the questions that are asked of its family, for its shapes, and for having no name. A shape on a fine grid
-/// pays by the questions that the grid asks, one that was climbed for as an unknown.
+/// π: −2 × log prior odds of a candidate. A nonlinear parameter on a fine grid is penalised by the tests of
+/// the grid; one that was optimised continuously from a coarse grid counts as a coefficient, ln m.
 pub(crate) fn log_prior_odds(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -136,20 +147,22 @@ pub(crate) fn log_prior_odds(
         + penalty_per_coefficient(linearisation.len()) * climbed(candidate) as f64
 }
 
-/// What a candidate pays before the data is looked at: every period of a gear is an answer of its own to the questions asked.
+/// The part of π that does not depend on the data: 2 ln(tests of the family) for each period, and the prior
+/// against unnamed structures.
 fn prior_penalty(screen: &Screen, candidate: &Candidate) -> f64 {
     let unnamed = if candidate.family == Family::Unmodelled { UNNAMED } else { 0.0 };
     2.0 * found_periods(candidate).max(1) as f64 * (screen.tests_of(candidate.family) as f64).ln() + unnamed
 }
 
-/// Whether size and sign are such as nature has.
+/// Whether size and sign of the coefficients are physical.
 pub(crate) fn plausible(competitor: &Competitor) -> bool {
     let first = (competitor.likelihood.coefficients[0], competitor.likelihood.deviation(0));
     is_physical(competitor.candidate.family, competitor.width, first)
 }
 
-/// A link that five hundred newtons bend by a tenth of its length is none ([`WIDE`] times the expected size); and what yields, yields
-/// with its load: `first` is the first coefficient with its standard deviation.
+/// A link compliance is at most [`WIDE`] expected sizes (500 N would bend the link by a tenth of its length).
+/// A compliance is positive: its first coefficient, `first` = (value, standard deviation), is above −2
+/// standard deviations.
 fn is_physical(family: Family, width: f64, first: (f64, f64)) -> bool {
     let (value, deviation) = first;
     let paper = family == Family::LinkCompliance && width > WIDE;
@@ -157,7 +170,7 @@ fn is_physical(family: Family, width: f64, first: (f64, f64)) -> bool {
     !paper && !pushes_back
 }
 
-/// The candidate with what the contest found out about its change.
+/// The candidate with the estimates of the contest: prior width, and mass of a corrected payload.
 pub(crate) fn with_estimates(competitor: &Competitor) -> Candidate {
     let mut candidate = competitor.candidate.clone();
     candidate.width = Some(competitor.prior_width());
@@ -172,10 +185,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn links_are_no_paper_and_springs_do_not_push_back() {
+    fn a_link_compliance_is_bounded_and_a_compliance_is_not_negative() {
         assert!(is_physical(Family::LinkCompliance, 20.0, (20.0, 1.0)));
         assert!(!is_physical(Family::LinkCompliance, 600.0, (600.0, 5.0)));
-        // What a joint's expected size is worth depends on the robot.
+        // The expected size of a joint compliance depends on the robot: no upper bound.
         assert!(is_physical(Family::JointCompliance, 600.0, (600.0, 5.0)));
         assert!(!is_physical(Family::JointCompliance, 3.0, (-3.0, 1.0)));
         assert!(is_physical(Family::JointCompliance, 3.0, (-1.0, 1.0)));

@@ -1,16 +1,17 @@
-//! Derived channels: temperatures that a body follows late, for a grid of time constants, and the mass that is carried.
+//! Derived channels: first-order lags of temperatures on a grid of time constants, and the carried mass.
 
 use truepose_errormodel::{Dataset, is_derived};
 
 /// Time constants tried for each temperature.
 const LAGS: usize = 12;
 
-/// Longest time constant, of the length of the record: what follows later than that hardly turns when the temperature does, and cannot be
-/// told from a drift.
+/// Longest time constant, as a fraction of the length of the record: with a longer one the lagged temperature
+/// has no turning point in the record and is not distinguishable from a drift.
 const LONGEST: f64 = 1.0 / 3.0;
 
-/// The data with the mass that is carried, and with each temperature channel as bodies of several time constants follow it: from the pace of
-/// the visits to a part of the length of the record, in equal ratios.
+/// The data with the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
+/// constants in equal ratios, from twice the mean interval between poses to [`LONGEST`] of the length of the
+/// record.
 pub(crate) fn with_derived(data: &Dataset) -> Dataset {
     let mut more = data.clone();
     more.add_carried();

@@ -1,6 +1,7 @@
-//! Much data is searched on a sample: what is found there is fitted to everything at the end.
+//! Large data sets are searched on a sample of their poses; the findings are fitted to all rows at the end.
 //!
-//! A cause that matters shows in a few thousand numbers.
+//! In 1000 rows (3000 observations) an effect that explains 2 % of the RMS, 4 % of the sum of squares, has a
+//! score statistic of 3000 · 0.04 = 120.
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -8,10 +9,10 @@ use rand_chacha::ChaCha8Rng;
 use std::borrow::Cow;
 use truepose_errormodel::{Dataset, Visits};
 
-/// Rows that are searched at once.
+/// Rows of a sample.
 const ROWS: usize = 1000;
 
-/// The data, or whole visits of it, in their order.
+/// The data, or a random sample of its poses, in their order. All rows of a pose are in the sample or none.
 pub(crate) fn sample(data: &Dataset, seed: u64) -> Cow<'_, Dataset> {
     if data.len() <= ROWS + ROWS / 4 {
         return Cow::Borrowed(data);

@@ -1,16 +1,17 @@
-//! Whether an effect, as it was fitted, is one that nature has and the data shows.
+//! Significance and physical bounds of a fitted effect.
 //!
 //! ```text
 //! W = γᵀ C⁻¹ γ ~ χ²_k          γ the effect's coefficients in the fit, C their covariance, k how many there are
 //! ```
 //!
-//! The contest judges candidates in the linearised problem; here the coefficients are those of the refitted model, with all other effects beside
-//! them. Source of W: Wald (1943), as in Draper and Smith, *Applied Regression Analysis*, 3rd ed., §5.1.
+//! The contest compares candidates in the linearised problem; here the coefficients are those of the refitted
+//! model, jointly with all other effects. Source of W: Wald (1943), as in Draper and Smith, *Applied
+//! Regression Analysis*, 3rd ed., §5.1.
 //!
 //! | family | what is refused | why |
 //! | --- | --- | --- |
-//! | any | a coefficient outside of its column's bounds by more than its 95 % interval | a gap and a compliance are not negative: the link lags behind its motor, what yields, yields with its load |
-//! | backlash, transmission | a coefficient above 10 mrad | five times the worn gears of the literature (1–2 mrad): a mistake of the description |
+//! | any | a coefficient outside of its column's bounds by more than its 95 % interval | backlash and compliance are not negative: a link lags behind its motor and deflects in the direction of its load |
+//! | backlash, transmission | a coefficient above 10 mrad | five times the backlash of worn gears in the literature (1–2 mrad); a larger one is an error of the robot description |
 //! | coupling | more than 10 mrad of this joint for a radian of the other | belts and wrist gears couple by parts in a thousand once their ratio is declared |
 
 use crate::hypotheses::candidate::Candidate;
@@ -20,21 +21,22 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
 use truepose_identify::{Fit, Warning};
 
-/// Probability above which the coefficients of a finding are taken for zero. The search has its own, family-wise one; this is a single test.
+/// Level of the Wald test: a single test of a finding that the family-wise test has selected.
 const SIGNIFICANT: f64 = 0.01;
-/// The largest angle of a joint that a drive is believed to err by, rad, or rad for each rad of the joint that drags it.
+/// Largest error of a drive, rad; of a coupling, rad per rad of the other joint.
 const LARGEST_ANGLE: f64 = 1e-2;
 
-/// What speaks against an effect as it was fitted.
+/// Why a fitted effect is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Objection {
-    /// Its coefficients are not significant.
+    /// Its coefficients are not significant (Wald test).
     NotSignificant,
-    /// Their sign or size is none that nature has.
+    /// A coefficient is outside of its physical bounds.
     NotPhysical,
 }
 
-/// Judges a finding whose effects have these numbers in the model of a fit. A corrected load has no effects and is judged by its own deviation.
+/// Tests a finding whose effects have these indices in the model of a fit. `None` when it passes; a corrected
+/// payload has no effects and passes.
 pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Option<Objection> {
     let model = fit.fitted.model();
     let columns: Vec<usize> = effects
@@ -61,7 +63,7 @@ pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> 
     is_nothing(&values, own).then_some(Objection::NotSignificant)
 }
 
-/// Whether all coefficients together may be zero.
+/// Whether the hypothesis that all coefficients are zero is accepted: p(W) above [`SIGNIFICANT`].
 fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>) -> bool {
     // In standard deviations: the units of the columns differ by many powers of ten.
     let sizes: DVector<f64> = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
@@ -83,7 +85,7 @@ mod tests {
     fn coefficients_within_their_intervals_may_still_be_significant_together() {
         let values = DVector::from_vec(vec![1.5, 1.5]);
         assert!(is_nothing(&values, DMatrix::identity(2, 2)));
-        // Of a sum that is known ten times better than each of them.
+        // The sum is known ten times better than each coefficient.
         let together = DMatrix::from_row_slice(2, 2, &[1.0, -0.98, -0.98, 1.0]);
         assert!(!is_nothing(&values, together));
         assert!(is_nothing(&DVector::from_vec(vec![1e-9]), DMatrix::from_element(1, 1, 1e-18)));

@@ -1,7 +1,8 @@
-//! The shapes of all finds together.
+//! Joint optimisation of the nonlinear parameters of all findings.
 //!
-//! A period, an instant or a time constant was found while causes that came later were not yet in the model. With all of them in, the
-//! shapes go down together to the bottom of the valley in which they lie (variable projection, [`truepose_identify::descend_shapes`]).
+//! A period, change point or time constant was estimated before later findings were in the model. With all of
+//! them in it, the nonlinear parameters are optimised jointly, to the local minimum next to their values
+//! (variable projection, [`truepose_identify::descend_shapes`]).
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
@@ -11,10 +12,11 @@ use truepose_errormodel::effects::{Shift, Thermal};
 use truepose_errormodel::{AnyEffect, Dataset, Shape};
 use truepose_identify::{Fit, descend_shapes};
 
-/// With more shapes than this they stay where the search found them: going down together would take minutes.
+/// With more nonlinear parameters than this they keep their values: the joint optimisation would take
+/// minutes.
 const MOST: usize = 24;
 
-/// (Effect of the model, parameter at its value with the range in which it is looked for) of every find.
+/// (index of the effect in the model, parameter with its value and search range) of every finding.
 pub(crate) fn nonlinear_parameters(
     context: &Context<'_>,
     found: &[Candidate],
@@ -28,8 +30,8 @@ pub(crate) fn nonlinear_parameters(
         .collect()
 }
 
-/// The finds with their shapes where all of them together explain most; none when there is none to move. A lag stays where it is: the
-/// data has the history of a channel for the lags of a grid.
+/// The findings at the joint optimum of their nonlinear parameters; `None` when none can move. A first-order
+/// lag keeps its value: the data has lagged channels for a grid of time constants.
 pub(crate) fn descended(
     context: &Context<'_>,
     found: &[Candidate],
@@ -44,7 +46,7 @@ pub(crate) fn descended(
     if free.is_empty() || free.len() > MOST {
         return Ok(None);
     }
-    // Shapes that the data cannot tell from others stay.
+    // Nonlinear parameters that are not identifiable keep their values.
     let Ok(values) = descend_shapes(fit, data, &free) else { return Ok(None) };
     if free.iter().zip(&values).all(|((_, shape), value)| (value - shape.value).abs() <= 0.0) {
         return Ok(None);
@@ -63,7 +65,8 @@ pub(crate) fn descended(
     Ok(Some(next))
 }
 
-/// The finds with what the data says of when something jumped: between which rows, and in the middle of them.
+/// The findings with each change point in the middle of the gap between the rows before and after it, and
+/// with that gap.
 pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate> {
     let mut next = found.to_vec();
     for candidate in &mut next {
@@ -82,7 +85,7 @@ pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate
     next
 }
 
-/// Between which instants the jumps of a find are known to lie, s.
+/// The gaps (start, end) in which the change points of a finding lie, s.
 pub(crate) fn gaps(found: &Candidate) -> Vec<[f64; 2]> {
     found.effects().iter().filter_map(|effect| seen_as::<Shift>(&**effect)?.gap).collect()
 }

@@ -1,16 +1,17 @@
-//! Effects with a prior that the data has set: as wide as their coefficients turned out to be.
+//! Effects with rescaled expected sizes, which carry a prior width that was estimated from the data.
 //!
-//! The expected sizes of an effect's columns are stretched so that the prior's standard deviation is that of a fit, or of a contest. Of the
-//! declared effects each column gets the width of its kind (its family, in its unit) from the fit of the declared model: how far declared
-//! errors lie from what was expected of them is not for the findings to say. Of a finding all columns get one width: many weakly
-//! determined coefficients (a spline) are held together, a single clear one is left alone.
+//! The expected sizes of an effect's columns are multiplied by the ratio of the estimated prior standard
+//! deviation to the nominal one. Each column of a declared effect gets the width of its variance group from
+//! the fit of the declared model, so that findings do not change the prior of declared errors. All columns of
+//! a finding get one width, 2 w of the contest: many weakly determined coefficients (a spline) are shrunk
+//! towards zero, a single well determined one is not.
 
 use truepose_errormodel::lanes::{LaneEmission, LanePosture};
 use truepose_errormodel::{AnyEffect, Column, Emission, ModelError, Shape, Signal};
 use truepose_identify::Fit;
 use truepose_kinematics::{Chain, JointId, Posture};
 
-/// The declared effects with the widths that the fit of the declared model gave to their columns, on top of its κ.
+/// The declared effects with the prior widths of the fit of the declared model, relative to its κ.
 pub(crate) fn as_fitted(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Vec<Box<dyn AnyEffect>> {
     let model = fit.fitted.model();
     let widths = fit.prior.widths_of_columns(model);
@@ -22,16 +23,16 @@ pub(crate) fn as_fitted(declared: &[Box<dyn AnyEffect>], fit: &Fit) -> Vec<Box<d
     wide
 }
 
-/// How the expected sizes of columns are stretched.
+/// Factors of the expected sizes of columns.
 #[derive(Debug, Clone)]
 pub(crate) enum Stretches {
-    /// All alike.
+    /// One factor for all columns.
     All(f64),
-    /// Column by column.
+    /// One factor for each column.
     Each(Vec<f64>),
 }
 
-/// An effect whose expected sizes are stretched.
+/// An effect with scaled expected sizes.
 #[derive(Debug, Clone)]
 pub(crate) struct Wide {
     pub effect: Box<dyn AnyEffect>,
@@ -95,7 +96,7 @@ mod tests {
         let count = plain.columns(&chain).len();
         let each: Vec<f64> = (1..=count).map(|k| k as f64).collect();
         let wide = Wide { effect: plain.clone(), stretches: Stretches::Each(each.clone()) };
-        // In a file it is the same effect, and batches of rows take the same path.
+        // It is written as the same effect, and is evaluated in batches like it.
         assert_eq!((wide.kind(), wide.parameters()), (plain.kind(), plain.parameters()));
         assert_eq!(wide.springs(&chain), plain.springs(&chain));
         for ((wide, plain), stretch) in wide.columns(&chain).iter().zip(plain.columns(&chain)).zip(each) {
