@@ -47,8 +47,8 @@ impl CoefficientDistribution {
             .filter_map(|(&variance, &value)| {
                 let precision = 1.0 / variance.max(f64::MIN_POSITIVE) - WIDE.powi(-2);
                 // Without the pull of the wide prior.
-                let emitted = value / (variance * precision);
-                (precision > 1e-3 * WIDE.powi(-2)).then_some((precision, emitted * emitted * precision))
+                let unshrunk = value / (variance * precision);
+                (precision > 1e-3 * WIDE.powi(-2)).then_some((precision, unshrunk * unshrunk * precision))
             })
             .collect();
         let penalty = |log: f64| -> f64 {
