@@ -13,7 +13,7 @@ use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, Riv
 use truepose_errormodel::{FittedModel, ModelError};
 use truepose_identify::IdentifyError;
 use truepose_io::{check_writable, make_folder, read_measurements, write_fit, write_whole};
-use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
+use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
 /// Runs the verb.
 pub fn run(args: &Discover) -> Result<(), Failure> {
@@ -44,7 +44,8 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
-    let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let settings =
+        DiscoverySettings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner();
     let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
@@ -78,7 +79,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         summary.nested = Some(NestedSummary::new(&judged, split_words(&split)));
     }
     if let Some(limit) = args.spec {
-        summary = summary.against(limit, &found, &data);
+        summary = summary.with_specification(limit, &found, &data);
     }
     watch::whole();
     if args.json {
@@ -184,7 +185,7 @@ fn write_ledger(ledger: &Path, summary: &DiscoverySummary) -> bool {
 /// Writes what was found before the run ended, marked as incomplete; each file whole or not at all. Says which were written.
 fn incomplete(
     mut found: Diagnosis,
-    settings: Settings,
+    settings: DiscoverySettings,
     origin: &Origin,
     out: Option<PathBuf>,
     ledger: Option<PathBuf>,

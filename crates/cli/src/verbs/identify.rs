@@ -62,7 +62,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         None => Vec::new(),
     };
     if let Some(limit) = args.spec {
-        summary = summary.against(limit, &found, &data, &locked);
+        summary = summary.with_specification(limit, &found, &data, &locked);
     }
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
@@ -84,7 +84,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         terminal::log(&format!("wrote {}", out.display()));
     }
     let Some(last) = summary.stages.last() else { return Ok(()) };
-    met(args, last.locked.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
+    met(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
 }
 
 /// Where a fit comes from.

@@ -16,7 +16,7 @@ use truepose_io::{
 };
 use truepose_kinematics::nalgebra::Matrix3;
 use truepose_kinematics::{Chain, Conditions};
-use truepose_report::{PositionSpread, RotationSpread, count, significant};
+use truepose_report::{OrientationStatistics, PositionStatistics, count, significant};
 
 /// Files from this size on, bytes, are read block by block where the model allows it.
 const LARGE: u64 = 32 << 20;
@@ -173,7 +173,7 @@ impl Said {
             }
             _ => {}
         }
-        let (position, orientation): (PositionSpread, RotationSpread) =
+        let (position, orientation): (PositionStatistics, OrientationStatistics) =
             (self.position.into(), orientation.into());
         if args.json {
             return print_json(&serde_json::json!({

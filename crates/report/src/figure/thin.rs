@@ -1,6 +1,6 @@
-//! What is drawn of many points: all that stand out, and of the rest as many as can be told apart.
+//! The points of a large scatter that are drawn: all extreme ones, and every k-th of the others.
 
-/// Indices that are drawn, ascending: all whose `size` is among the largest hundredth or that `keep` names, and of the rest
+/// Indices that are drawn, ascending: all whose `size` is among the largest 1 % or that `keep` names, and of the rest
 /// every k-th, so that about `most` are drawn.
 pub(crate) fn thin(sizes: &[f64], most: usize, keep: impl Fn(usize) -> bool) -> Vec<usize> {
     if sizes.len() <= most {
@@ -23,14 +23,14 @@ pub(crate) fn thin(sizes: &[f64], most: usize, keep: impl Fn(usize) -> bool) -> 
         .collect()
 }
 
-/// Quantile of what is finite; NaN of nothing.
-pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+/// Quantile of the finite values; NaN where there are none.
+pub(crate) fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);
     if values.is_empty() {
         return f64::NAN;
     }
-    values[((values.len() - 1) as f64 * share).round() as usize]
+    values[((values.len() - 1) as f64 * fraction).round() as usize]
 }
 
 /// A bin of points: weighted mean of x and y.

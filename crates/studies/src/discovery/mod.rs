@@ -27,7 +27,7 @@ use record::Record;
 use std::error::Error;
 use std::path::Path;
 use trial::Task;
-use truepose_report::{DiscoverySummary, Settings};
+use truepose_report::{DiscoverySettings, DiscoverySummary};
 
 /// Multiples of the detectable size.
 const MULTIPLES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
@@ -130,7 +130,8 @@ fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let (made, diagnosis) = task.diagnosed()?;
     let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
     say(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
-    let settings = Settings { seed: plants::HOLDOUT.1, holdout: plants::HOLDOUT.0, flips: 999, alpha: 0.005 };
+    let settings =
+        DiscoverySettings { seed: plants::HOLDOUT.1, holdout: plants::HOLDOUT.0, flips: 999, alpha: 0.005 };
     let summary = DiscoverySummary::new(&diagnosis, settings);
     say(&summary.to_string());
     say(&serde_json::to_string_pretty(&summary)?);

@@ -13,7 +13,7 @@ use truepose_identify::{
 use truepose_identify::{cross_validate, fit, fit_again, refit, repeats};
 use truepose_kinematics::Conditions;
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_report::{SpecificationSummary, worst_of_poses};
+use truepose_report::{SpecificationSummary, largest_error_by_pose};
 use truepose_solvers::PivotedQr;
 
 /// Configurations at which predictions and commands are held against the plant.
@@ -212,12 +212,12 @@ fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
     let position = rows.iter().map(|&row| held.residuals.position[row]).collect();
     let orientation = rows.iter().map(|&row| held.residuals.orientation[row]).collect();
     let seen = Residuals { position, orientation };
-    let stated = SpecificationSummary::new(limit, &worst_of_poses(&made.data, &rows, &seen));
+    let stated = SpecificationSummary::new(limit, &largest_error_by_pose(&made.data, &rows, &seen));
     let all =
         made.plant.measure(&made.fresh(POPULATION, record.seed + 4_000_000)?, record.seed + 5_000_000)?;
     let rows: Vec<usize> = (0..all.len()).collect();
     let worst = |fit: &Fit| -> Result<Vec<f64>, Box<dyn Error>> {
-        Ok(worst_of_poses(&all, &rows, &Residuals::of(&fit.fitted, &all)?))
+        Ok(largest_error_by_pose(&all, &rows, &Residuals::of(&fit.fitted, &all)?))
     };
     let share =
         |worst: &[f64], limit: f64| worst.iter().filter(|v| **v <= limit).count() as f64 / worst.len() as f64;
