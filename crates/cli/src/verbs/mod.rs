@@ -37,7 +37,7 @@ fn robot(args: &Robot) -> Result<Chain, Failure> {
     Ok(chain)
 }
 
-/// What looks like a mistake in a table, in words that begin with its file.
+/// Suspected mistakes in a table, with the name of its file.
 fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Vec<String> {
     let words = |found| format!("{}: {}", file.display(), suspicion_text(chain, &found, &data.line));
     suspicions(chain, data).into_iter().map(words).collect()

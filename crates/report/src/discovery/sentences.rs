@@ -9,8 +9,9 @@ use truepose_discover::{Check, Family, FloorSource, Stop, Verdict};
 impl DiscoverySummary {
     /// The verdict: what the declared model lacks.
     pub(crate) fn answer(&self) -> String {
-        let names: Vec<String> = self.effects.iter().map(FindingSummary::name).collect();
-        match (names.len(), self.stopped) {
+        let named = |effect: &&FindingSummary| effect.family != Family::Outlier.word();
+        let names: Vec<String> = self.effects.iter().filter(named).map(FindingSummary::name).collect();
+        let answer = match (names.len(), self.stopped) {
             (0, Stop::NothingLeft) => "No effect beyond the declared model was found.".to_owned(),
             (0, Stop::Withdrawn) => {
                 "The declared model is kept: the findings did not hold on unseen data.".to_owned()
@@ -20,6 +21,13 @@ impl DiscoverySummary {
             }
             (1, _) => format!("The declared model lacks one effect: {}.", names.join(", ")),
             (count, _) => format!("The declared model lacks {count} effects: {}.", names.join(", ")),
+        };
+        let outliers =
+            self.effects.iter().filter(|effect| !named(effect)).map(|effect| effect.rows.len()).sum();
+        match outliers {
+            0 => answer,
+            1 => format!("{answer} 1 row is reported as an outlier."),
+            rows => format!("{answer} {rows} rows are reported as outliers."),
         }
     }
 
