@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mislabelled {
-    /// What the data says, kg.
+    /// Declared mass, kg.
     pub declared_kg: f64,
-    /// What hangs there, kg.
+    /// True mass, kg.
     pub true_kg: f64,
 }
 
-/// Wrong payloads at some of the loaded visits.
+/// Wrong payloads at some of the loaded pose measurements.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WrongPayloads {
-    /// Share of the loaded visits.
+    /// Fraction of the loaded pose measurements.
     pub share: f64,
     /// True mass over declared mass.
     pub factor: f64,
@@ -68,7 +68,7 @@ fn share(value: f64) -> Result<f64, SimulateError> {
     if (0.0..=1.0).contains(&value) {
         Ok(value)
     } else {
-        Err(SimulateError::Size { what: "a share", value, need: "between 0 and 1" })
+        Err(SimulateError::Size { what: "a fraction", value, need: "between 0 and 1" })
     }
 }
 

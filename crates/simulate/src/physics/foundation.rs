@@ -1,4 +1,4 @@
-//! The floor under the robot: it sinks and tilts under what it carries.
+//! The elastic foundation of the robot: it sinks and tilts under load.
 //!
 //! ```text
 //! u = F / k_u       φ = M / k_φ        for each of x, y, z of the base
@@ -14,7 +14,7 @@
 
 use truepose_kinematics::Wrench;
 
-/// Springs under the base.
+/// Stiffness of the foundation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foundation {
     /// Translation, N/m.

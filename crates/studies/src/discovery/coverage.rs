@@ -6,7 +6,7 @@ use super::record::Interval;
 use truepose_discover::Finding;
 use truepose_kinematics::{Chain, JointKind};
 use truepose_simulate::physics::changes::{Amount, Mover};
-use truepose_simulate::physics::gear::Gear;
+use truepose_simulate::physics::transmission::TransmissionError;
 
 /// Intervals of a find at the right place, each with its truth.
 pub fn intervals(cause: Cause, made: &Made, found: &Finding) -> Vec<Interval> {
@@ -33,9 +33,9 @@ fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
     let errors = at.and_then(|at| truth.joints.get(at));
     let one = |name: String, truth: Option<f64>| truth.map(|truth| (name, truth)).into_iter().collect();
     match cause {
-        Cause::JointCompliance => one(format!("compliance {word}"), errors.map(|e| 1.0 / e.bearing.drive)),
+        Cause::JointCompliance => one(format!("compliance {word}"), errors.map(|e| 1.0 / e.stiffness.drive)),
         Cause::BacklashApproach | Cause::BacklashLoad => {
-            one(format!("gap {word}"), errors.and_then(|e| e.play).map(|play| play.width))
+            one(format!("gap {word}"), errors.and_then(|e| e.backlash).map(|play| play.width))
         }
         Cause::Coupling => {
             let driver = place.driver.clone().unwrap_or_default();
@@ -43,17 +43,17 @@ fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
             let ratio = errors.and_then(|e| e.couplings.first()).filter(|c| c.eccentricity.abs() < 1e-12);
             one(format!("coupling {word} by {driver}"), ratio.map(|coupling| coupling.ratio))
         }
-        Cause::Eccentric => match errors.and_then(|e| e.gears.first()) {
+        Cause::Eccentric => match errors.and_then(|e| e.transmission.first()) {
             // ε sin(q − φ), to the first order in ε.
-            Some(Gear::Eccentric { ratio, phase }) => vec![
+            Some(TransmissionError::Eccentric { ratio, phase }) => vec![
                 (format!("transmission {word} sin1"), ratio * phase.cos()),
                 (format!("transmission {word} cos1"), -ratio * phase.sin()),
             ],
             _ => Vec::new(),
         },
         // A wheel's n-th tooth: whatever is not a sine in it repeats as often.
-        Cause::Mesh => match errors.and_then(|e| e.gears.first()) {
-            Some(Gear::Mesh { cycles, .. }) => {
+        Cause::Mesh => match errors.and_then(|e| e.transmission.first()) {
+            Some(TransmissionError::Mesh { cycles, .. }) => {
                 let slides = at.is_some_and(|at| chain.joints()[at].kind == JointKind::Prismatic);
                 let turn = if slides { 1.0 } else { std::f64::consts::TAU };
                 vec![("period".to_owned(), turn / cycles)]

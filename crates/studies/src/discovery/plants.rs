@@ -18,7 +18,7 @@ use std::error::Error;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel};
 use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, fit, hold_out};
 use truepose_kinematics::{Chain, Conditions, JointId, Placement};
-use truepose_simulate::physics::rail::Rail;
+use truepose_simulate::physics::guideway::GuidewayProfile;
 use truepose_simulate::{Campaign, Observation, Plant};
 use truepose_solvers::PivotedQr;
 
@@ -163,12 +163,12 @@ impl Ground<'_> {
         let wandering = hidden.iter().find_map(|(hidden, size)| Some((hidden.wobbles?, *size)));
         let Some((joint, size)) = wandering else { return Ok(plant) };
         let mut truth = plant.truth().clone();
-        truth.joints[joint.index()].rail = Some(self.wobble(joint, 1e-4 * size)?);
+        truth.joints[joint.index()].guideway = Some(self.wobble(joint, 1e-4 * size)?);
         Ok(plant.with_truth(truth)?)
     }
 
     /// The wandering of a turn's axis: sideways and in direction, m and rad.
-    fn wobble(&self, joint: JointId, size: f64) -> Result<Rail, Box<dyn Error>> {
+    fn wobble(&self, joint: JointId, size: f64) -> Result<GuidewayProfile, Box<dyn Error>> {
         let described = self.chain.joint(joint);
         let axis = match described.placement {
             Placement::Origin { axis, .. } => axis.into_inner(),
@@ -177,7 +177,12 @@ impl Ground<'_> {
         let (lower, upper) = described.limits.unwrap_or((-std::f64::consts::PI, std::f64::consts::PI));
         let across = |k: usize| if axis[k % 3].abs() > 0.5 { 0.0 } else { size };
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ 0x77);
-        Ok(Rail::draw((lower, upper), (upper - lower) / 7.0, std::array::from_fn(across), &mut rng)?)
+        Ok(GuidewayProfile::draw(
+            (lower, upper),
+            (upper - lower) / 7.0,
+            std::array::from_fn(across),
+            &mut rng,
+        )?)
     }
 
     /// The largest load of each movable joint of the robot as described, N·m or N.

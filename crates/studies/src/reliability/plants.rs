@@ -25,7 +25,7 @@ use truepose_kinematics::{Chain, Conditions, JointId, JointKind, TargetId};
 use truepose_simulate::description::PlantOptions;
 use truepose_simulate::physics::changes::{Amount, Change, Mover};
 use truepose_simulate::physics::curve::SmoothCurve;
-use truepose_simulate::physics::gear::Gear;
+use truepose_simulate::physics::transmission::TransmissionError;
 use truepose_simulate::{Campaign, Plant, flaws};
 
 /// What a robot has besides constant errors and springs.
@@ -139,15 +139,16 @@ pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> 
     let mut plant = Plant::random(&chain, &options, seed)?;
     let mut truth = plant.truth().clone();
     truth.changes.extend(change);
-    for gear in truth.joints.iter_mut().flat_map(|joint| &mut joint.gears) {
-        if let Gear::Mesh { runout, .. } = gear {
+    for gear in truth.joints.iter_mut().flat_map(|joint| &mut joint.transmission) {
+        if let TransmissionError::Mesh { runout, .. } = gear {
             *runout = 0.0;
         }
     }
     plant = plant.with_truth(truth)?;
     let mut effects = Undeclared::default().effects(&chain);
     let mut coefficients = constants(&plant, extra.keeps_constants());
-    coefficients.extend(chain.movable().iter().map(|j| 1.0 / plant.truth().joints[j.index()].bearing.drive));
+    coefficients
+        .extend(chain.movable().iter().map(|j| 1.0 / plant.truth().joints[j.index()].stiffness.drive));
     effects.extend(declared.effect);
     coefficients.extend(declared.coefficients);
     let model = ErrorModel::new(chain, effects)?;
