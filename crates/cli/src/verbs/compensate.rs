@@ -8,8 +8,8 @@ use crate::progress::Progress;
 use crate::terminal;
 use rayon::prelude::*;
 use truepose_compensate::{
-    Command, CompensateError, Compensator, CompensatorOptions, Status, Target, Wanted, correction_helps,
-    radius_95,
+    Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
+    correction_helps, radius_95,
 };
 use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
@@ -204,10 +204,10 @@ fn views(poses: &Poses, commands: &[Command], expected: &[Expected]) -> Vec<Comm
 }
 
 /// The request of one row.
-fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> Wanted<'a> {
+fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandRequest<'a> {
     let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
     target.orientation = poses.rows.measured_rotation(row);
-    Wanted { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
+    CommandRequest { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
 }
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
@@ -233,7 +233,7 @@ fn commands(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<Ve
                     inputs.conditions_into(row, conditions);
                 }
                 let wanted = |(conditions, &row): (_, &usize)| wanted(poses, conditions, row);
-                let wanted: Vec<Wanted<'_>> = conditions.iter().zip(rows).map(wanted).collect();
+                let wanted: Vec<CommandRequest<'_>> = conditions.iter().zip(rows).map(wanted).collect();
                 compensator.commands(&wanted, &mut commands);
             }
             commands

@@ -5,8 +5,8 @@ use crate::args::{Export, ExportFormat};
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{
-    Accuracy, AxisConvention, AxisTableOptions, Comparison, ErrorLeft, ExportOptions, Exported, JointOrigins,
-    axis_table, error_tables, joint_origins,
+    Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
+    RemainingError, axis_table, error_tables, joint_origins,
 };
 use truepose_errormodel::{EffectRegistry, FittedModel, TargetKnown};
 use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
@@ -17,7 +17,7 @@ use truepose_kinematics::nalgebra::Vector3;
 struct Written {
     text: String,
     left_out: Vec<&'static str>,
-    error_left: ErrorLeft,
+    remaining_error: RemainingError,
     comparison: Comparison,
     statement: Vec<String>,
 }
@@ -53,7 +53,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         let rms = |a: Accuracy| serde_json::json!({"aligned_mm": 1e3 * a.aligned, "as_written_mm": 1e3 * a.as_written});
         return print_json(&serde_json::json!({
             "left_out": written.left_out,
-            "error_left": {"rms_mm": 1e3 * written.error_left.rms, "max_mm": 1e3 * written.error_left.max},
+            "error_left": {"rms_mm": 1e3 * written.remaining_error.rms, "max_mm": 1e3 * written.remaining_error.max},
             "rms": {
                 "nominal": rms(nominal), "export": rms(export), "model": rms(model),
                 "rows": rows, "drawn_from": drawn_from, "measured": measured,
@@ -68,8 +68,8 @@ pub fn run(args: &Export) -> Result<(), Failure> {
 }
 
 fn written<T>(text: String, exported: Exported<T>, statement: Vec<String>) -> Written {
-    let Exported { left_out, error_left, comparison, .. } = exported;
-    Written { text, left_out, error_left, comparison, statement }
+    let Exported { left_out, remaining_error, comparison, .. } = exported;
+    Written { text, left_out, remaining_error, comparison, statement }
 }
 
 /// The statement at the top of the file; the terminal shows it without the first line.

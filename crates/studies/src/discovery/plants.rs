@@ -9,7 +9,7 @@
 //! unknown among the thousands that are asked for is found about four times in five. Outliers are no effect: each is m √30
 //! standard deviations of one coordinate long.
 
-use super::causes::{CAUSES, Cause, Hidden};
+use super::hidden_effects::{HIDDEN_EFFECTS, Hidden, HiddenEffect};
 use super::robots::{self, Robot, Undeclared};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -46,18 +46,18 @@ pub struct Made {
 }
 
 /// Causes of which several may be hidden in one plant: all that the declared model is the same for.
-const TOGETHER: [Cause; 11] = [
-    Cause::LinkCompliance,
-    Cause::BaseCompliance,
-    Cause::LoadNonlinearity,
-    Cause::Eccentric,
-    Cause::Mesh,
-    Cause::BacklashApproach,
-    Cause::Coupling,
-    Cause::Guideway,
-    Cause::Thermal,
-    Cause::Drift,
-    Cause::Shift,
+const TOGETHER: [HiddenEffect; 11] = [
+    HiddenEffect::LinkCompliance,
+    HiddenEffect::BaseCompliance,
+    HiddenEffect::LoadNonlinearity,
+    HiddenEffect::Eccentric,
+    HiddenEffect::Mesh,
+    HiddenEffect::BacklashApproach,
+    HiddenEffect::Coupling,
+    HiddenEffect::Guideway,
+    HiddenEffect::Thermal,
+    HiddenEffect::Drift,
+    HiddenEffect::Shift,
 ];
 
 /// Everything of a plant but the size of what is hidden.
@@ -71,8 +71,8 @@ struct Ground<'a> {
 }
 
 /// Draws a plant; without a cause it is a null.
-pub fn make(cause: Option<Cause>, multiple: f64, seed: u64) -> Result<Made, Box<dyn Error>> {
-    let number = cause.map_or(0, |cause| 1 + CAUSES.iter().position(|c| c.0 == cause).unwrap_or(0));
+pub fn make(cause: Option<HiddenEffect>, multiple: f64, seed: u64) -> Result<Made, Box<dyn Error>> {
+    let number = cause.map_or(0, |cause| 1 + HIDDEN_EFFECTS.iter().position(|c| c.0 == cause).unwrap_or(0));
     let kinds = robots::all();
     for place in 0..PLACES {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -103,13 +103,13 @@ pub fn make(cause: Option<Cause>, multiple: f64, seed: u64) -> Result<Made, Box<
             return ground.measured(plant, hidden, lambda);
         }
     }
-    Err(format!("no place where {} can be that large", cause.map_or("", Cause::word)).into())
+    Err(format!("no place where {} can be that large", cause.map_or("", HiddenEffect::word)).into())
 }
 
 /// A plant with several causes, measured; of the plant itself none is noted as hidden.
 pub struct Several {
     pub made: Made,
-    pub causes: Vec<(Cause, Hidden)>,
+    pub causes: Vec<(HiddenEffect, Hidden)>,
 }
 
 /// Draws a plant with two or three causes, each as large as it would be alone.
@@ -125,12 +125,12 @@ pub fn several(multiple: f64, seed: u64) -> Result<Several, Box<dyn Error>> {
     let ground = Ground { robot, chain, campaign, heavy: false, hours, seed };
     let (loads, duration) = (ground.loads()?, ground.campaign.duration_s());
     let wanted = rng.random_range(2..=3);
-    let mut found: Vec<(Cause, Hidden, f64)> = Vec::new();
+    let mut found: Vec<(HiddenEffect, Hidden, f64)> = Vec::new();
     for _ in 0..PLACES {
         if found.len() == wanted {
             break;
         }
-        let cause = *TOGETHER.choose(&mut rng).unwrap_or(&Cause::Shift);
+        let cause = *TOGETHER.choose(&mut rng).unwrap_or(&HiddenEffect::Shift);
         let known = found.iter().any(|(other, ..)| *other == cause);
         let drawn = cause.draw(&ground.chain, robot.payloads, &loads, duration, &mut rng);
         let Some(hidden) = drawn.filter(|_| !known) else { continue };
@@ -235,13 +235,13 @@ impl Ground<'_> {
     /// The size at which λ is what is asked for, and λ there; none when no size is.
     fn size(
         &self,
-        cause: Option<Cause>,
+        cause: Option<HiddenEffect>,
         hidden: Option<&Hidden>,
         multiple: f64,
     ) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
         let goal = DETECTABLE * multiple * multiple;
         let Some(cause) = cause else { return Ok(Some((0.0, self.lambda(None, 0.0)?))) };
-        if cause == Cause::Outliers {
+        if cause == HiddenEffect::Outliers {
             let sd = self.robot.noise[0].hypot(self.robot.noise[1]);
             return Ok(Some((1e-3 * sd * goal.sqrt(), goal)));
         }
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn a_cause_is_as_large_as_was_asked_for() {
-        for (cause, seed) in [(Cause::Shift, 1), (Cause::JointCompliance, 2)] {
+        for (cause, seed) in [(HiddenEffect::Shift, 1), (HiddenEffect::JointCompliance, 2)] {
             let made = make(Some(cause), 2.0, seed).expect("a plant");
             // λ = 30 · 2², reached within five per cent.
             assert!((made.lambda / 120.0).ln().abs() < 0.05, "{}: {}", cause.word(), made.lambda);

@@ -3,8 +3,8 @@
 use super::plants::{HOLDOUT, Several, several};
 use super::record::Record;
 use super::trial::{is_named, is_there, plain, ratios};
-use crate::ledger::Ledger;
-use crate::say;
+use crate::journal::Journal;
+use crate::print;
 use std::error::Error;
 use std::fmt::Write;
 use std::time::Instant;
@@ -17,12 +17,12 @@ pub const MULTIPLE: f64 = 8.0;
 const WORD: &str = "several";
 
 /// Runs what is not yet in the table.
-pub fn work(ledger: &mut Ledger<Record>, robots: u64) -> Result<(), Box<dyn Error>> {
+pub fn work(journal: &mut Journal<Record>, robots: u64) -> Result<(), Box<dyn Error>> {
     for seed in 0..robots {
-        if !ledger.records.iter().any(|known| known.is(WORD, MULTIPLE, seed)) {
+        if !journal.records.iter().any(|known| known.is(WORD, MULTIPLE, seed)) {
             let record = run(seed);
-            say(&format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio));
-            ledger.add(record)?;
+            print(&format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio));
+            journal.add(record)?;
         }
     }
     Ok(())

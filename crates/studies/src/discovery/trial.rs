@@ -1,7 +1,7 @@
 //! One robot through the loop, and what became of it.
 
-use super::causes::Cause;
 use super::coverage;
+use super::hidden_effects::HiddenEffect;
 use super::plants::{HOLDOUT, Made, make};
 use super::record::Record;
 use std::error::Error;
@@ -14,7 +14,7 @@ use truepose_solvers::PivotedQr;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Task {
     /// None is a null.
-    pub cause: Option<Cause>,
+    pub cause: Option<HiddenEffect>,
     pub multiple: f64,
     pub seed: u64,
     /// The cause's family is taken out of the library.
@@ -24,7 +24,7 @@ pub struct Task {
 impl Task {
     /// What to type for it alone.
     pub fn words(&self) -> String {
-        let cause = self.cause.map_or("none", Cause::word);
+        let cause = self.cause.map_or("none", HiddenEffect::word);
         let without = if self.without { " --without" } else { "" };
         format!("{cause} {} {}{without}", self.seed, self.multiple)
     }
@@ -81,7 +81,7 @@ impl Task {
 
     fn blank(&self) -> Record {
         Record {
-            cause: self.cause.map_or("none", Cause::word).into(),
+            cause: self.cause.map_or("none", HiddenEffect::word).into(),
             multiple: self.multiple,
             seed: self.seed,
             first: "none".into(),
@@ -138,7 +138,7 @@ pub(super) fn ratios(made: &Made, diagnosis: &Diagnosis) -> (f64, f64) {
 }
 
 /// Whether the family is a right word for a cause.
-pub(super) fn is_named(cause: Cause, family: Family) -> bool {
+pub(super) fn is_named(cause: HiddenEffect, family: Family) -> bool {
     family == cause.family()
 }
 

@@ -1,6 +1,6 @@
 //! One line a robot.
 
-use crate::ledger::Line;
+use crate::journal::Line;
 
 /// What is measured; RMS in mm unless another unit stands in the name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,12 +19,12 @@ pub enum Figure {
     Export,
     /// The exported geometry as it is written.
     Written,
-    /// The plant, driven with nominal inverse kinematics after best base, tool and targets.
+    /// The plant, executing nominal inverse kinematics after best base, tool and targets.
     DriveNominal,
     DriveConstants,
     DriveDiscover,
-    /// How many of the fresh configurations could be driven.
-    Driven,
+    /// How many of the fresh configurations could be executed.
+    Executed,
     /// Nested folds of `discover`: the declared model, and what was found.
     NestedBefore,
     NestedAfter,
@@ -48,7 +48,7 @@ pub const FIGURES: [Figure; 19] = [
     Figure::DriveNominal,
     Figure::DriveConstants,
     Figure::DriveDiscover,
-    Figure::Driven,
+    Figure::Executed,
     Figure::NestedBefore,
     Figure::NestedAfter,
     Figure::SecondsIdentify,

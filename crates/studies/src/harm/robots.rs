@@ -45,8 +45,8 @@ pub struct Robot {
     plant: Plant,
     unnamed: Unnamed,
     fresh: Campaign,
-    /// The target that is driven.
-    pub driven: Option<TargetId>,
+    /// The target that is executed.
+    pub executed: Option<TargetId>,
 }
 
 /// Even numbers are there to be worked with, odd ones to be looked at when the work is done.
@@ -117,7 +117,7 @@ impl Robot {
         let measured: Vec<usize> =
             (0..truth.len()).filter(|&row| data.target.contains(&truth.target[row])).collect();
         let truth = truth.select(&measured);
-        let driven = data.target.iter().copied().min_by_key(|t| t.map(|t| t.0)).flatten();
+        let executed = data.target.iter().copied().min_by_key(|t| t.map(|t| t.0)).flatten();
         Ok(Robot {
             number,
             make,
@@ -133,23 +133,23 @@ impl Robot {
             plant,
             unnamed,
             fresh,
-            driven,
+            executed,
         })
     }
 
-    /// Conditions of the fresh configurations as the verbs are told them: rows of the driven target, one a configuration.
+    /// Conditions of the fresh configurations as the verbs are told them: rows of the executed target, one a configuration.
     pub fn asked(&self) -> Vec<usize> {
-        (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.driven).collect()
+        (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.executed).collect()
     }
 
-    /// Where the driven target really ends when these joint values are commanded in place of the fresh configurations, m.
+    /// Where the executed target really ends when these joint values are commanded in place of the fresh configurations, m.
     pub fn ends(&self, commands: Vec<Vec<f64>>) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
         let mut campaign = self.fresh.clone();
         for (visit, joints) in campaign.visits.iter_mut().zip(commands) {
             visit.joints = joints;
         }
         let targets = self.described.targets().len().max(1);
-        let place = self.driven.map_or(0, |target| target.0);
+        let place = self.executed.map_or(0, |target| target.0);
         let (_, positions) = observed(&self.plant, &self.unnamed, &campaign, None, seed(self.number) + 1)?;
         Ok(positions.into_iter().skip(place).step_by(targets).collect())
     }

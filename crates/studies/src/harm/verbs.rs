@@ -105,7 +105,7 @@ pub fn run(robot: &Robot, asked: Asked) -> Record {
         }
     }
     if asked.compensate {
-        super::driven::drive(robot, &fits, &mut record);
+        super::executed::execute(robot, &fits, &mut record);
     }
     record
 }

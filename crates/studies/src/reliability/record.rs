@@ -1,6 +1,6 @@
 //! One line a robot.
 
-use crate::ledger::Line;
+use crate::journal::Line;
 use std::collections::BTreeMap;
 
 /// Of so many intervals, how many hold the truth.

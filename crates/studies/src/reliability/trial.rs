@@ -184,16 +184,16 @@ fn bands(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Er
     for row in 0..seen.data.len() {
         campaign.visits[seen.data.visit[row]].approach = Some(seen.data.conditions(row).approach);
     }
-    let driven = made.plant.observe(&campaign, record.seed + 3_000_000)?;
-    for row in 0..driven.data.len() {
-        let visit = driven.data.visit[row];
-        if row > 0 && driven.data.visit[row - 1] == visit {
+    let executed = made.plant.observe(&campaign, record.seed + 3_000_000)?;
+    for row in 0..executed.data.len() {
+        let visit = executed.data.visit[row];
+        if row > 0 && executed.data.visit[row - 1] == visit {
             continue;
         }
         let Some((wanted, commanded)) = &commands[visit] else { continue };
-        let band = predicted_error(fitted, &mut predictor, commanded, driven.data.target[row]);
-        record.count(WHAT[16], (driven.true_positions[row] - wanted).norm() <= band.model_95);
-        record.count(WHAT[17], (driven.data.measured_position(row) - wanted).norm() <= band.measured_95);
+        let band = predicted_error(fitted, &mut predictor, commanded, executed.data.target[row]);
+        record.count(WHAT[16], (executed.true_positions[row] - wanted).norm() <= band.model_95);
+        record.count(WHAT[17], (executed.data.measured_position(row) - wanted).norm() <= band.measured_95);
     }
     Ok(())
 }

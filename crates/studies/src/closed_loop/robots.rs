@@ -11,7 +11,7 @@ use truepose_errormodel::{AnyEffect, EffectRegistry, ErrorModel};
 use truepose_kinematics::{Axis, Chain, FrameId, Joint, JointId};
 use truepose_simulate::{ChannelPlan, Plant, SimulateError, robots};
 
-/// A plant, and how it is identified and driven.
+/// A plant, with its model and its campaign.
 pub struct Robot {
     /// For the table.
     pub name: &'static str,
@@ -28,7 +28,7 @@ pub struct Robot {
     pub channels: fn() -> Vec<ChannelPlan>,
     /// Configurations that are measured.
     pub visits: usize,
-    /// How many times its repeatability the driven plant may end from the desired positions. 1.1 is the goal; what is above
+    /// How many times its repeatability the plant may deviate from the desired positions. 1.1 is the goal; what is above
     /// it is what this study found, held so that it grows no worse.
     pub within: f64,
 }
