@@ -203,7 +203,7 @@ mod tests {
     use truepose_kinematics::{Payload, samples};
 
     #[test]
-    fn what_lies_beyond_is_said_by_how_much() {
+    fn extrapolation_is_reported_with_its_size() {
         let chain = samples::scara();
         let domain = Domain {
             joints: vec![Interval { lower: -1.0, upper: 1.0 }; 4],

@@ -195,7 +195,7 @@ fn ok_means_that_the_model_is_there() {
 
 /// Springs whose weights are unknowns are asked posture by posture; the answer is as exact.
 #[test]
-fn models_that_cannot_be_asked_side_by_side_are_answered_as_well() {
+fn models_without_batch_evaluation_give_commands_as_well() {
     let chain = samples::heavy();
     let free = JointCompliance { own_weight: OwnWeight::Free, ..JointCompliance::default() };
     let fit = fits::of(&chain, vec![Box::new(Geometric::default()), Box::new(free)], 3);

@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_said() {
+    fn places_are_reported() {
         let cell = IoError::Cell {
             file: "data.csv".into(),
             line: 12,

@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_utf8_is_said() {
+    fn what_is_not_utf8_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("robot.toml");
         std::fs::write(&path, b"name = \"a\"\nx = \"\xfc\"\n").unwrap();

@@ -7,6 +7,7 @@ mod identification;
 mod layout;
 mod page;
 mod plan;
+mod poses;
 mod run;
 mod specification;
 mod statistics;
@@ -27,9 +28,10 @@ pub use identification::{
 pub use layout::{Alignment, table};
 pub use page::{
     CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,
-    identification_report, largest_error_by_pose,
+    identification_report,
 };
 pub use plan::PlanSummary;
+pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};
 pub use statistics::{OrientationStatistics, PositionStatistics};

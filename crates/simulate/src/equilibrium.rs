@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn a_soft_arm_comes_to_rest_where_its_spring_holds_it() {
+    fn a_compliant_arm_reaches_static_equilibrium() {
         // k θ = m g L cos θ, not m g L: at 1 kN·m/rad the difference is five millimetres of two hundred.
         let chain = pendulum(1.0, 25.0);
         let mut truth = Truth::of(&chain);
@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn springs_hold_the_slope_of_the_potential_energy() {
+    fn joint_torques_equal_the_slope_of_the_potential_energy() {
         // At rest every drive carries −∂V/∂q of the deflected posture: V from the rigid robot's tool alone.
         let chain = Chain::new(
             "two",

@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_values_are_rejected() {
         assert!(Instrument { sd: -1.0, ..Instrument::default() }.checked().is_err());
         let student = Tail::Student { freedom: 2.0 };
         assert!(Instrument { tail: student, ..Instrument::default() }.checked().is_err());

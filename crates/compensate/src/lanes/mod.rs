@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn who_can_be_asked_side_by_side() {
+    fn models_that_support_batch_evaluation() {
         for chain in samples::all() {
             let can = kernel(&chain, elastic()).is_some();
             assert_eq!(can, chain.movable().len() == 6, "{}", chain.name());

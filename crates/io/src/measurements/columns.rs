@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_headers_are_said() {
+    fn bad_headers_are_reported() {
         for (header, message) in [
             ("", "has no name; name the column in the header, or remove it"),
             ("[mm]", "has no name; name the column in the header, or remove it"),

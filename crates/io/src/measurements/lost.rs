@@ -70,7 +70,7 @@ impl Lost {
         Some((
             first,
             format!(
-                "x, y and z are all 0{others}: taken as not measured, as an instrument writes that has lost its target; leave the cells empty"
+                "x, y and z are all 0{others}: read as not measured: instruments write this when the target is lost; leave the cells empty"
             ),
         ))
     }

@@ -44,7 +44,7 @@ pub fn corrected_urdf(
     let robot = tags
         .first()
         .filter(|tag| tag.element == "robot")
-        .ok_or_else(|| text.error(0, "is no URDF: it does not begin with <robot>"))?;
+        .ok_or_else(|| text.error(0, "is not a URDF: it does not begin with <robot>"))?;
     let described = urdf_rs::read_from_string(&text.text).map_err(|error| {
         text.error(0, format!("is not a valid URDF: {}", error.to_string().replace('\n', "; ")))
     })?;

@@ -50,7 +50,10 @@ pub(super) fn tags(text: &str) -> Result<Vec<Tag<'_>>, (usize, String)> {
             if !inner.ends_with('/') {
                 depth += 1;
                 if depth > DEEPEST {
-                    return Err((start, format!("elements nest more than {DEEPEST} deep; this is no URDF")));
+                    return Err((
+                        start,
+                        format!("elements nest more than {DEEPEST} deep; this is not a URDF"),
+                    ));
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Candidates that were tested and not added, and hypotheses that the data cannot test.
 
-use super::BeforeAfter;
+use super::effects::BeforeAfter;
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Place, Refused, Untestable};
 

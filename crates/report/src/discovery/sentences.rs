@@ -47,10 +47,11 @@ impl DiscoverySummary {
         }
     }
 
-    /// Before and after on the held-out test set, with the repeatability limit.
+    /// Position error before and after, on the held-out test set.
     pub(crate) fn result(&self) -> String {
-        let pair = |before: PositionStatistics, after: PositionStatistics| {
-            format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3))
+        let pair = |before: PositionStatistics, after: PositionStatistics| match self.effects.is_empty() {
+            true => format!("{} mm", significant(after.rms_mm, 3)),
+            false => format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3)),
         };
         let all = pair(self.before.holdout, self.after.holdout);
         let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
@@ -62,14 +63,14 @@ impl DiscoverySummary {
             ),
             _ => format!("{all} on the held-out test set"),
         };
-        format!("Position error (3-D RMS): {figures}. {}", self.noise_floor.sentence())
+        format!("Position error (3-D RMS): {figures}.")
     }
 
-    /// Why the search ended, and whether the model is adequate.
+    /// Why the search ended.
     pub(crate) fn termination(&self) -> String {
         let p = format!("(p = {})", significant(self.unexplained.p_value, 2));
         let found = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).count();
-        let why = match self.stopped {
+        match self.stopped {
             Stop::NothingLeft if found == 0 => {
                 format!("No effect beyond the declared model is significant {p}.")
             }
@@ -90,11 +91,11 @@ impl DiscoverySummary {
                 )
             }
             _ => String::new(),
-        };
-        format!("{why} {}", self.adequacy()).trim().to_owned()
+        }
     }
 
-    fn adequacy(&self) -> String {
+    /// Whether the model is adequate.
+    pub(crate) fn adequacy(&self) -> String {
         match (self.verdict, self.unexplained.rms_mm) {
             (Verdict::Adequate, _) => {
                 "The model is adequate: the remaining residual is not significant against repeatability.".into()

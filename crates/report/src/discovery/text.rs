@@ -38,11 +38,15 @@ impl fmt::Display for DiscoverySummary {
 
 impl DiscoverySummary {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\n{}\n{}", self.answer(), self.result())?;
+        writeln!(f, "\n{}\n{}\n{}", self.answer(), self.result(), self.noise_floor.sentence())?;
         if let Some(specification) = &self.specification {
             writeln!(f, "{}", specification.sentence())?;
         }
-        writeln!(f, "{}", self.termination())?;
+        let termination = self.termination();
+        if !termination.is_empty() {
+            writeln!(f, "{termination}")?;
+        }
+        writeln!(f, "{}", self.adequacy())?;
         if let Some(nested) = &self.nested {
             writeln!(f, "{}", nested.sentence())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {

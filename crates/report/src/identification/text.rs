@@ -165,7 +165,7 @@ impl IdentificationSummary {
             write!(
                 f,
                 "repeated pose measurements: {}, pure error {} mm RMS (3-D)",
-                count(repeats.groups, "configuration"),
+                count(repeats.groups, "group"),
                 significant(repeats.rms * 1e3, 3)
             )?;
             match &repeats.lack_of_fit {
@@ -261,7 +261,7 @@ impl IdentificationSummary {
         let prefix = if self.converged { "" } else { "NOT CONVERGED: " };
         match (before, after) {
             (Some(before), Some(after)) => format!(
-                "{prefix}Position error (3-D RMS) {rows}: {} → {} mm. {}",
+                "{prefix}Position error (3-D RMS) {rows}: {} → {} mm.\n{}",
                 significant(before, 3),
                 significant(after, 3),
                 self.limit

@@ -32,7 +32,7 @@ pub fn discovery_report(
     if !summary.effects.is_empty() {
         page.section("Error budget");
         error_budget(&mut page, summary);
-        page.section("Each effect");
+        page.section("Findings");
     }
     for (number, effect) in (1..).zip(&summary.effects) {
         finding(&mut page, number, effect, found, summary.after.holdout_used().rms_mm);
@@ -72,9 +72,9 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
 fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     let (before, after) = (summary.before.holdout_used(), summary.after.holdout_used());
     let mm = |v: f64| significant(v, 3);
-    let sentence = format!("{} {}", summary.answer(), summary.result());
+    let sentence = format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence());
     page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&sentence)));
-    page.text(&summary.termination());
+    page.text(format!("{} {}", summary.termination(), summary.adequacy()).trim());
     page.raw("<div class=\"numbers4\">");
     let tail = [
         (mm(after.p95_mm), "mm: 95th percentile, held-out test set"),

@@ -2,7 +2,7 @@
 
 use crate::figure::unit_text;
 use std::collections::BTreeSet;
-use truepose_errormodel::{Dataset, configurations, is_derived};
+use truepose_errormodel::{Dataset, is_derived};
 use truepose_identify::Residuals;
 use truepose_kinematics::{Chain, Load};
 
@@ -97,20 +97,6 @@ impl Rows {
 /// Length of an error.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// The largest error of each configuration among these rows, m: the quantity that a specification limits.
-pub fn largest_error_by_pose(data: &Dataset, rows: &[usize], errors: &Residuals) -> Vec<f64> {
-    let configuration = configurations(data);
-    let mut largest = vec![f64::NAN; configuration.iter().max().map_or(0, |last| last + 1)];
-    for (k, &row) in rows.iter().enumerate() {
-        if let Some(distance) = errors.distance(k) {
-            let at = &mut largest[configuration[data.visit[row]]];
-            *at = at.max(distance);
-        }
-    }
-    largest.retain(|v| v.is_finite());
-    largest
 }
 
 /// Inputs that vary (joints, payload, time or order, channels), and how many of them are joints.

@@ -80,7 +80,7 @@ mod tests {
     use truepose_kinematics::samples;
 
     #[test]
-    fn shares_are_shares() {
+    fn fractions_are_between_zero_and_one() {
         let flaws = |share| Flaws {
             outliers: Some(Outliers { share, size_mm: 2.0 }),
             payload: vec![Mislabelled { declared_kg: 50.0, true_kg: 60.0 }],

@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rail_under_a_turn_is_refused() {
+    fn a_guideway_of_a_revolute_joint_is_rejected() {
         let flaws = Flaws {
             guideway: vec![Guideway { joint: "r1".into(), ..Guideway::default() }],
             ..Flaws::default()

@@ -68,20 +68,20 @@ mod tests {
     }
 
     #[test]
-    fn a_pushed_link_lags_behind() {
+    fn by_approach_the_link_lags_behind() {
         check(Side::Approach, 1.0, 500.0, -1.0);
         check(Side::Approach, -1.0, 500.0, 1.0);
         check(Side::Approach, 0.0, 500.0, 0.0);
     }
 
     #[test]
-    fn a_hanging_link_lies_on_the_flank_of_its_load() {
+    fn by_load_the_link_lies_on_the_flank_of_its_load() {
         check(Side::Load { flank_load: 20.0 }, 1.0, -500.0, -1.0);
         check(Side::Load { flank_load: 20.0 }, 1.0, 5.0, 0.25);
     }
 
     #[test]
-    fn a_light_load_leaves_it_to_the_last_move() {
+    fn under_a_light_load_the_last_move_determines_the_flank() {
         let side = Side::LoadThenApproach { flank_load: 20.0 };
         check(side, 1.0, 0.0, -1.0);
         check(side, 1.0, 10.0, 0.0);

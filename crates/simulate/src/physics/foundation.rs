@@ -43,7 +43,7 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn it_sinks_and_tilts_by_its_springs() {
+    fn it_sinks_and_tilts_by_its_stiffness() {
         let floor = Foundation { sink: [1e8, 1e8, 2e8], tilt: [1e6, 2e6, f64::INFINITY] };
         let wrench = Wrench { force: Vector3::new(0.0, 0.0, -2e4), moment: Vector3::new(1e3, -1e3, 1e3) };
         let by = floor.settling(&wrench);

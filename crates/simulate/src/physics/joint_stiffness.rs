@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn each_direction_has_its_spring() {
+    fn each_direction_has_its_stiffness() {
         let joint = JointStiffness { drive: 1e6, tilt: 4e6, radial: 2e8, ..JointStiffness::default() };
         let axis = Unit::new_normalize(Vector3::new(0.0, 0.0, -1.0));
         let wrench = Wrench { force: Vector3::new(0.0, 20.0, 40.0), moment: Vector3::new(8.0, 0.0, 5.0) };

@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_screw_repeats_each_lead() {
+    fn a_lead_screw_error_repeats_with_each_lead() {
         let screw = TransmissionError::mesh(5e-6, 100.0, 0.0);
         let at = |q| screw.error(JointKind::Prismatic, q);
         assert!((at(0.1234) - at(0.1334)).abs() < 1e-17);

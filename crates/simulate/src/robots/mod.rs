@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn the_couch_yields_nearly_in_proportion() {
+    fn the_deflection_of_the_couch_is_nearly_proportional() {
         // The paper fits a line to 0…300 lb within 0.1 mm.
         let plant = pps_plant(3).expect("a plant");
         let sag: Vec<f64> = Campaign::paper_linearity()

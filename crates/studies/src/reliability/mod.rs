@@ -126,7 +126,7 @@ mod tests {
 
     /// A short form of the study: two robots with each extra; of what there are few, all together.
     #[test]
-    fn what_is_stated_holds_about_as_often_as_it_says() {
+    fn coverage_is_near_its_nominal_value() {
         let records: Vec<Record> = (0..20).map(trial::run).collect();
         for record in &records {
             assert!(record.ended(), "robot {}: {}", record.seed, record.story);
@@ -147,6 +147,6 @@ mod tests {
     fn holds(what: &str, counts: &[(usize, usize)]) {
         let c = table::Coverage::of(counts);
         let wide = 4.0 * (0.95f64 * 0.05 / c.robots as f64).sqrt();
-        assert!(c.share > 0.95 - wide, "{what}: {c:?}");
+        assert!(c.fraction > 0.95 - wide, "{what}: {c:?}");
     }
 }
