@@ -129,18 +129,22 @@ fn page_json_and_terminal_have_the_same_shapes() {
         assert_eq!(shape["cut"], serde_json::json!(cut), "{range}: {shape}");
         let number = |pointer: &str| significant(shape.pointer(pointer).unwrap().as_f64().unwrap(), 6);
         let (value, ends) = (number("/value"), format!("[{}, {}]", number("/ci95/0"), number("/ci95/1")));
-        let words = if cut[1] { "above, only its range ends" } else { "" };
+        let words = if cut[1] { "upper end limited by the search range" } else { "" };
         let line = format!(" period = {value} rad  {ends}  (effect 2, transmission)");
         assert!(terminal.contains(&line) && terminal.contains(words), "{line}\n{terminal}");
         let row = format!(
             "<tr><th scope=\"row\">period</th><td>{value}</td><td>{ends}</td><td>rad</td><td>effect 2, transmission</td>"
         );
         assert!(page.contains(&row) && page.contains(words), "{row}");
-        assert_eq!(page.contains("<th scope=\"col\">the interval</th>"), cut[1], "a column of nothing");
+        assert_eq!(
+            page.contains("<th scope=\"col\">limits of the interval</th>"),
+            cut[1],
+            "a column of nothing"
+        );
     }
     // Where nothing was looked for there is no table.
     folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--report", "plain"]).ended(0);
-    assert!(!folder.read("plain/index.html").contains("Found within their ranges"));
+    assert!(!folder.read("plain/index.html").contains("Nonlinear parameters"));
 }
 
 #[test]
@@ -186,10 +190,10 @@ fn names_are_shown_and_not_run() {
 }
 
 #[test]
-fn a_run_repeats_and_a_changed_file_is_told() {
+fn a_run_repeats_and_a_changed_file_is_detected() {
     let folder = discovered("small", "j1");
     let said = folder.run(&["verify", "page/run.json"]).ended(0).out;
-    assert!(said.contains("the same on repetition"), "{said}");
+    assert!(said.contains("reproduced"), "{said}");
     let before = folder.names();
 
     let ledger = folder.read("page/discovery.json");
