@@ -95,13 +95,13 @@ fn findings_before_a_limit_are_kept_and_marked_as_incomplete() {
     assert!(run.out.starts_with("INCOMPLETE: "), "{}", run.out);
     assert!(run.log.contains("fit.json and page/discovery.json, marked as incomplete"), "{}", run.log);
     let json = |name: &str| -> serde_json::Value { serde_json::from_str(&folder.read(name)).unwrap() };
-    let (fit, ledger) = (json("fit.json"), json("page/discovery.json"));
-    assert!(ledger["incomplete"].as_str().unwrap().starts_with("the time limit was reached"), "{ledger}");
+    let (fit, result) = (json("fit.json"), json("page/discovery.json"));
+    assert!(result["incomplete"].as_str().unwrap().starts_with("the time limit was reached"), "{result}");
     // On a machine that came to the end of the search the finished run is shown as well, without its validation.
-    let finished = ledger["stopped"] != "interrupted";
+    let finished = result["stopped"] != "interrupted";
     assert_eq!(run.out.contains("on the held-out test set"), finished, "{}", run.out);
-    assert!(!ledger["effects"].as_array().unwrap().is_empty(), "{ledger}");
-    assert!(ledger["after"]["holdout"]["rms_mm"].as_f64() < ledger["before"]["holdout"]["rms_mm"].as_f64());
+    assert!(!result["effects"].as_array().unwrap().is_empty(), "{result}");
+    assert!(result["after"]["holdout"]["rms_mm"].as_f64() < result["before"]["holdout"]["rms_mm"].as_f64());
     assert_eq!(fit["provenance"]["incomplete"] == "the time limit was reached", !finished, "{fit}");
     assert!(folder.names().iter().all(|name| !name.starts_with(".truepose")), "{:?}", folder.names());
     // It is a fit like any other.

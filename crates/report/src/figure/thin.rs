@@ -68,8 +68,8 @@ pub(crate) fn bins(points: &[(f64, f64, f64)], count: usize) -> Vec<Bin> {
             let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
             let spread = mean(&|p| (p.1 - y).powi(2)).sqrt();
             // Kish: as many equal weights as would know the mean as well.
-            let worth = weight * weight / part.iter().map(|p| p.2 * p.2).sum::<f64>();
-            let error = if worth > 1.5 { spread / (worth - 1.0).sqrt() } else { f64::NAN };
+            let effective = weight * weight / part.iter().map(|p| p.2 * p.2).sum::<f64>();
+            let error = if effective > 1.5 { spread / (effective - 1.0).sqrt() } else { f64::NAN };
             Bin { x, y, error, spread, count: part.len() }
         })
         .collect()

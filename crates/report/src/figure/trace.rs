@@ -49,7 +49,7 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
         None if x_unit.is_empty() => name,
         None => format!("{name}, {x_unit}"),
     };
-    // Rows with a short lever say little and scatter much.
+    // Rows with a short lever have little information and a large scatter.
     let lever = quantile(trace.points.iter().map(|p| p.lever).collect(), 0.9);
     let strong: Vec<usize> =
         (0..trace.points.len()).filter(|&k| trace.points[k].lever >= 0.25 * lever).collect();
@@ -118,7 +118,11 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
         panels.push(plot);
     }
     if outside > 0 {
-        notes.push(format!("{outside} points outside of the scale are drawn at its edge."));
+        notes.push(format!(
+            "{} outside of the scale {} drawn at its edge.",
+            crate::count(outside, "point"),
+            if outside == 1 { "is" } else { "are" }
+        ));
     }
     notes.dedup();
     let about =

@@ -1,6 +1,6 @@
 //! An identification as text for a terminal: verdict first, then figures, noise and groups.
 
-use super::IdentificationSummary;
+use super::{IdentificationSummary, StageSummary};
 use crate::layout::Alignment::{Left, Right};
 use crate::{count, significant, table, value_with_interval};
 use std::fmt;
@@ -251,19 +251,21 @@ impl IdentificationSummary {
 
     /// Position error before and after, and what limits the accuracy.
     pub fn verdict(&self) -> String {
-        let pick = |k: usize| self.stages.get(k).map(|s| s.test_set.or(s.held_out).unwrap_or(s.train).rms_mm);
-        let (before, after) = (pick(0), pick(self.stages.len().saturating_sub(1)));
+        let stage = |stage: &StageSummary| {
+            let rms = stage.test_set.or(stage.held_out).unwrap_or(stage.train).rms_mm;
+            format!("{} mm ({})", significant(rms, 3), stage.name)
+        };
         let rows = match self.stages.last() {
             Some(s) if s.test_set.is_some() => "on the held-out test set",
             Some(s) if s.held_out.is_some() => "on held-out configurations",
             _ => "on the data of the fit",
         };
         let prefix = if self.converged { "" } else { "NOT CONVERGED: " };
-        match (before, after) {
+        match (self.stages.first(), self.stages.last()) {
             (Some(before), Some(after)) => format!(
-                "{prefix}Position error (3-D RMS) {rows}: {} → {} mm.\n{}",
-                significant(before, 3),
-                significant(after, 3),
+                "{prefix}Position error (3-D RMS) {rows}: {} → {}.\n{}",
+                stage(before),
+                stage(after),
                 self.limit
             ),
             _ => format!("{prefix}{}", self.limit),

@@ -42,7 +42,7 @@ pub fn discovery_report(
     page.title("Residuals against inputs");
     page.against_inputs(&rows, TITLES);
     page.title("Comparison with the normal distribution");
-    page.quantiles(&rows, found.fit.noise.floor(f64::NAN) / 3f64.sqrt());
+    page.quantiles(&rows, 1e3 * found.fit.noise.floor(f64::NAN) / 3f64.sqrt());
     page.title("Pose measurements with the largest errors");
     page.largest_errors(&rows, 8);
     page.section("Identifiability");

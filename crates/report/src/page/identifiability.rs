@@ -15,11 +15,16 @@ impl Page {
     pub(crate) fn identifiability(&mut self, fit: &Fit, data: &Dataset) -> Result<(), IdentifyError> {
         let visits = truepose_errormodel::Visits::of(data).len();
         let (weak, advice) = excitation(fit, data)?;
+        let weak = match weak {
+            0 => String::new(),
+            1 => " In 1 direction the standard deviation exceeds that of the prior.".to_owned(),
+            n => format!(" In {n} directions the standard deviation exceeds that of the prior."),
+        };
         let indices = observability(fit, visits)?;
         let model = fit.fitted.model();
         self.text(&format!(
             "{} of {} unknowns are identifiable with this robot, this kind of measurement and this data; each is a group of errors that act \
-             alike. In {weak} directions the standard deviation exceeds that of the prior.",
+             alike.{weak}",
             fit.reduction.rank(),
             model.columns().len(),
         ));
@@ -73,19 +78,19 @@ impl Page {
         }
         let columns = fit.fitted.model().columns();
         let names: Vec<String> = shown.iter().map(|&c| columns[c].name.clone()).collect();
-        let words = if shown.len() < kept.len() {
+        let caption = if shown.len() < kept.len() {
             format!("The {} of {} coefficients with the largest correlations.", shown.len(), kept.len())
         } else {
             "Correlations of all coefficients.".into()
         };
         let svg =
             heat_map("Correlations between coefficients", &names, |a, b| correlation(shown[a], shown[b]));
-        self.figure("correlations", &svg, &words);
+        self.figure("correlations", &svg, &caption);
     }
 
     fn indices(&mut self, o: &Observability, fit: &Fit) {
-        let row = |name: &str, value: f64, words: &str| {
-            vec![name.to_owned(), significant(value, 3), words.to_owned()]
+        let row = |name: &str, value: f64, meaning: &str| {
+            vec![name.to_owned(), significant(value, 3), meaning.to_owned()]
         };
         let rows = [
             row(
@@ -108,7 +113,7 @@ impl Page {
         let weakest: Vec<String> = o
             .weakest
             .iter()
-            .filter_map(|(c, share)| Some(format!("{} ({share:.2})", columns.get(*c)?.name)))
+            .filter_map(|(c, fraction)| Some(format!("{} ({fraction:.2})", columns.get(*c)?.name)))
             .collect();
         if !weakest.is_empty() {
             self.note(&format!("The weakest direction is mostly: {}.", weakest.join(", ")));

@@ -140,12 +140,13 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
         })
         .collect();
     if let [.., before, after] = &summary.stages[..] {
+        let (from, to) = (&before.name, &after.name);
         let (before, after) = (judged(before), judged(after));
         let word = if summary.converged { "" } else { "NOT CONVERGED, no figure is final. " };
         page.raw(&format!(
             "<p class=\"verdict\">{}</p>",
             escape(&format!(
-                "{word}Position error (3-D RMS) {seen}: {} → {} mm with the declared model; 95th percentile {} mm, largest {} mm.",
+                "{word}Position error (3-D RMS) {seen}: {} mm ({from}) → {} mm ({to}); 95th percentile {} mm, largest {} mm.",
                 mm(before.rms_mm),
                 mm(after.rms_mm),
                 mm(after.p95_mm),

@@ -1,4 +1,4 @@
-//! Residuals by axis, against every input, against the normal distribution, and the worst visits.
+//! Residuals by axis, against every input, against the normal distribution, and the pose measurements with the largest errors.
 
 use super::Page;
 use super::rows::{Input, Rows, length};
@@ -161,13 +161,13 @@ impl Page {
         let mut order: Vec<usize> = (0..rows.len()).filter(|&k| length(&rows.after[k]).is_finite()).collect();
         order.sort_by(|&a, &b| length(&rows.after[b]).total_cmp(&length(&rows.after[a])).then(a.cmp(&b)));
         let mut seen: Vec<&str> = Vec::new();
-        let mut worst = Vec::new();
+        let mut largest = Vec::new();
         for k in order {
             if !seen.contains(&rows.visit[k].as_str()) {
                 seen.push(&rows.visit[k]);
-                worst.push(k);
+                largest.push(k);
             }
-            if worst.len() == count {
+            if largest.len() == count {
                 break;
             }
         }
@@ -177,7 +177,7 @@ impl Page {
             self.raw(&format!("<th scope=\"col\">{head}</th>"));
         }
         self.raw("</tr></thead><tbody>");
-        for &k in &worst {
+        for &k in &largest {
             let number = rows.row[k] + 1;
             self.raw(&format!(
                 "<tr><th scope=\"row\">{}</th><td><a href=\"#row-{number}\">{number}</a></td>{}<td>{}</td><td>{}</td></tr>",
@@ -192,7 +192,7 @@ impl Page {
             ));
         }
         self.raw("</tbody></table></div><ul>");
-        for &k in &worst {
+        for &k in &largest {
             let inputs: Vec<String> = rows
                 .inputs
                 .iter()
