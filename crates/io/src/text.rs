@@ -74,7 +74,7 @@ impl Text {
     }
 }
 
-/// A message when the first bytes say that the file is in another encoding than UTF-8.
+/// A message when the first bytes show another encoding than UTF-8.
 pub(crate) fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16; save the file as UTF-8"),

@@ -1,4 +1,4 @@
-//! A TOML document that knows where each of its values stands.
+//! A TOML document with the place of each value.
 
 use crate::IoError;
 use crate::nearest::{listed, meant};

@@ -8,13 +8,13 @@
 //! | --- | --- | --- |
 //! | D | constant displacement | nothing |
 //! | δ | backlash, transmission, coupling, drift of the joint's motion | q, approach, load, t |
-//! | R | the carriage on its rail | q |
+//! | R | the carriage on its guideway | q |
 //! | S | foundation; drive and bearing | the wrench that they carry |
 //! | G, K | growth of the link; the link as a beam | t; the wrench at its tip, its own weight |
 //!
 //! The outward pass composes the transforms with the deflections as they are; the inward pass sums the weights
 //! (force, and moment about the *measurement frame's origin*), which give new deflections. That is repeated until
-//! nothing moves. Each step leaves the share (load × compliance / arm ≈ 1e-2) of the change before, so that
+//! nothing moves. Each step leaves the fraction (load × compliance / arm ≈ 1e-2) of the change before, so that
 //! seven steps reach round-off. Source: the fixed-point form of K(x) x = w(x), any text on structural mechanics.
 
 use crate::SimulateError;

@@ -35,7 +35,7 @@ pub enum Tail {
 /// An instrument that measures points, and perhaps the tool's orientation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instrument {
-    /// Where it stands in the measurement frame, m.
+    /// Its position in the measurement frame, m.
     pub station: Vector3<f64>,
     /// Standard deviation an axis at range zero, m.
     pub sd: f64,

@@ -142,7 +142,7 @@ impl Plant {
         }
     }
 
-    /// What really hangs on the tool when this is declared.
+    /// The true load of the tool when this is declared.
     fn really_carried(&self, declared: Load, rng: &mut ChaCha8Rng) -> Load {
         let chance = rng.random::<f64>();
         let Load::Payload(payload) = declared else { return declared };

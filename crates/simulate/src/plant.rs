@@ -70,7 +70,7 @@ impl Plant {
     }
 
     /// True pose of the tool in the measurement frame under these conditions, without any noise. The load is taken
-    /// to be what really hangs there; temperatures follow from the time alone, not from the channels.
+    /// to be the true load; temperatures follow from the time alone, not from the channels.
     ///
     /// # Errors
     /// [`SimulateError::Shape`] for a wrong number of joint values, [`SimulateError::NoEquilibrium`] for a robot

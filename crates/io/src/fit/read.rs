@@ -11,7 +11,7 @@ use truepose_errormodel::{EffectRegistry, FittedModel};
 /// A covariance of a few thousand coefficients fits in here.
 const LARGEST_FIT: u64 = 1 << 30;
 
-/// What a file says about itself, in any format.
+/// Heading of a file, in any format.
 #[derive(Deserialize)]
 struct Heading {
     format: Option<u64>,

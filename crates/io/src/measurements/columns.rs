@@ -42,7 +42,7 @@ pub(crate) enum Cells {
 /// A column with its unit.
 #[derive(Debug, Clone)]
 pub(crate) struct Column {
-    /// The header as it stands in the file.
+    /// The header as in the file.
     pub header: String,
     pub name: String,
     /// The unit of the file.

@@ -1,4 +1,4 @@
-//! Joint values that are plainly in another unit than their header says.
+//! Joint values that are evidently in another unit than that of their header.
 
 use super::columns::Column;
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! What is not wrong in a table but looks as if something were.
+//! Warnings about tables that are valid but implausible.
 
 use super::columns::Cells;
 use super::copies::copies;
@@ -75,7 +75,7 @@ pub(super) fn look(
     }
 }
 
-/// What a row says to a person.
+/// A warning about a row.
 fn told(reader: &MeasurementsReader, line: u64, column: Option<usize>, message: String) -> Warning {
     let header = &reader.rows.header;
     Warning {

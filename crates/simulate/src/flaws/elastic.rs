@@ -18,7 +18,7 @@ pub struct JointCompliance {
     pub joint: String,
     /// Of the drive: N·m/rad for a turn, N/m for a slide.
     pub stiffness: Option<f64>,
-    /// Deflection at which the drive carries twice what its stiffness says: mrad for a turn.
+    /// Deflection at which the load of the drive is twice the linear one: mrad for a revolute joint.
     pub hardens_at_mrad: Option<f64>,
     /// The same for a slide, mm.
     pub hardens_at_mm: Option<f64>,

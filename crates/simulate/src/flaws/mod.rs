@@ -1,4 +1,4 @@
-//! Errors as people speak of them: families, places, sizes with units. What is not said (a phase, a curve, the
+//! Errors in everyday units: families, places, sizes with units. What is not specified (a phase, a curve, the
 //! direction of a displacement) is drawn from the seed.
 //!
 //! Every item draws from a stream of its own, so that one more error leaves the others as they were.

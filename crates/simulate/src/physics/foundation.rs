@@ -10,7 +10,7 @@
 //! | k_φ | `tilt` | N·m/rad | base (frame 0) |
 //!
 //! The wrench is that of everything above the base at the *deflected* posture, about the base's origin.
-//! Source: a rigid plate on springs, e.g. Richart, Hall and Woods, *Vibrations of Soils and Foundations*, table 10-13.
+//! Source: a rigid plate on elastic supports, e.g. Richart, Hall and Woods, *Vibrations of Soils and Foundations*, table 10-13.
 
 use truepose_kinematics::Wrench;
 

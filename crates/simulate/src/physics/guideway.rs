@@ -9,8 +9,8 @@
 //! | x y z | straightness; along the axis, positioning | m | that of the axis, on the carriage |
 //! | rx ry rz | pitch, yaw and roll | rad | that of the axis, on the carriage |
 //!
-//! Each of the six is a [`SmoothCurve`] over the travel. What a point far from the rail does follows from the turn
-//! of the carriage (Abbe); no separate term says so. Source: Slocum, *Precision Machine Design*, section 2.3.
+//! Each of the six is a [`SmoothCurve`] over the travel. The displacement of a point far from the guideway follows from the rotation
+//! of the carriage (Abbe); there is no separate term. Source: Slocum, *Precision Machine Design*, section 2.3.
 
 use super::curve::{Centred, SmoothCurve};
 use crate::SimulateError;
@@ -26,7 +26,7 @@ pub struct GuidewayProfile {
 impl GuidewayProfile {
     /// A random guideway: root mean squares of the six components, m and rad, and one correlation length, m.
     ///
-    /// Mean and slope of each curve are taken out: they are the rail's place, its direction and its scale.
+    /// Mean and slope of each curve are taken out: they are the position, the direction and the scale of the guideway.
     ///
     /// # Errors
     /// Those of [`SmoothCurve::draw`].

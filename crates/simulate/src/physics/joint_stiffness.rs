@@ -9,7 +9,7 @@
 //! | symbol | here | unit | frame |
 //! | --- | --- | --- | --- |
 //! | k | `drive` | N·m/rad or N/m | about or along the axis |
-//! | θ_h | `hardens_at` | rad or m | at this deflection the load is twice what k θ says |
+//! | θ_h | `hardens_at` | rad or m | at this deflection the load is twice k θ |
 //! | k_t, k_r | `tilt`, `radial` | N·m/rad, N/m | across the axis |
 //!
 //! Gear teeth, harmonic drives and ball bearings stiffen as more of their surface touches; the cubic is the first

@@ -1,6 +1,6 @@
 //! The plants of `simulate`, each with the effects that its causes ask for: the words of a model file, as JSON.
 //!
-//! The plants are not the model: springs harden by their own law, rails are smooth random curves, wheels are eccentric by
+//! The plants are not the model: compliances harden by their own equation, guideways are smooth random curves, wheels are eccentric by
 //! exact geometry, teeth are no sines.
 
 use serde_json::{Value, json};
@@ -167,7 +167,7 @@ fn teeth(cycles: u32) -> Vec<u32> {
 }
 
 impl Robot {
-    /// The robot as the identification is told: its description, with the weights that its maker publishes.
+    /// The robot as the identification receives it: its description, with the weights that its maker publishes.
     pub fn described(&self, plant: &Plant) -> Result<Chain, Box<dyn Error>> {
         let chain = plant.chain();
         let weights = &plant.truth().joints;

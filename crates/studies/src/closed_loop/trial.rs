@@ -61,7 +61,7 @@ pub struct Counts {
     pub unreachable: usize,
     pub limit: usize,
     pub not_converged: usize,
-    /// Of the ok: largest distance and angle between where the model says that the command ends and the pose.
+    /// Of the ok: largest distance and angle between the model's prediction at the command and the pose.
     pub position: f64,
     pub orientation: f64,
     /// Of the ok: how many commands lie beyond a limit.
@@ -86,7 +86,7 @@ impl Counts {
     }
 }
 
-/// Which poses are asked for.
+/// Which poses are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// Where the model is at joints within their limits.

@@ -8,7 +8,7 @@ use truepose_kinematics::{Chain, JointKind};
 use truepose_simulate::physics::changes::{Amount, Mover};
 use truepose_simulate::physics::transmission::TransmissionError;
 
-/// Intervals of a find at the right place, each with its truth.
+/// Intervals of a finding at the right place, each with its truth.
 pub fn intervals(cause: HiddenEffect, made: &Made, found: &Finding) -> Vec<Interval> {
     truths(cause, made, found)
         .into_iter()

@@ -1,6 +1,6 @@
 //! The closed loop of `discover`, calibrated on simulated robots: false alarms, power, names, intervals.
 //!
-//! | part | plants | asked |
+//! | part | plants | question |
 //! | --- | --- | --- |
 //! | nulls | nothing hidden; distractors, correlated visits, a third with heavy tails | how often is something found? |
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
@@ -36,7 +36,7 @@ const SEVERAL: u64 = 6;
 /// At which a family is taken out.
 const WITHOUT: f64 = 4.0;
 
-/// What was asked for.
+/// The options of the run.
 struct Asked {
     nulls: u64,
     robots: u64,
@@ -126,7 +126,7 @@ pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) ->
     Ok(())
 }
 
-/// One robot, with all that the loop has to say.
+/// One robot, with all results of the search.
 fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let (made, diagnosis) = task.diagnosed()?;
     let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! λ is the noncentrality that the declared model leaves: what any test could see of the cause. At 30 a single
-//! unknown among the thousands that are asked for is found about four times in five. Outliers are no effect: each is m √30
+//! unknown among the thousands that are tested is found about four times in five. Outliers are no effect: each is m √30
 //! standard deviations of one coordinate long.
 
 use super::hidden_effects::{HIDDEN_EFFECTS, Hidden, HiddenEffect};
@@ -232,7 +232,7 @@ impl Ground<'_> {
         Ok(fit(&model, &data, &PivotedQr::default(), &options)?.chi_square)
     }
 
-    /// The size at which λ is what is asked for, and λ there; none when no size is.
+    /// The size with the required λ, and its λ; none where there is no such size.
     fn size(
         &self,
         cause: Option<HiddenEffect>,

@@ -16,7 +16,7 @@ impl Interval {
         (self.ci95[0]..=self.ci95[1]).contains(&self.truth)
     }
 
-    /// An interval without a width says nothing.
+    /// An interval without a width has no information.
     pub fn empty(&self) -> bool {
         self.ci95[1] - self.ci95[0] <= 1e-12 * self.value.abs()
     }
@@ -51,7 +51,7 @@ pub struct Record {
     /// Held-out RMS over that of the true plant, after and before.
     pub ratio: f64,
     pub ratio_before: f64,
-    /// On the wall, and of the processor where the system says so.
+    /// On the wall, and of the processor where the system reports it.
     pub seconds: f64,
     pub processor: f64,
     pub intervals: Vec<Interval>,

@@ -13,7 +13,7 @@ use truepose_solvers::PivotedQr;
 
 /// Each cause is this many times as large as it would have to be alone to be detected.
 pub const MULTIPLE: f64 = 8.0;
-/// What the lines say in place of a cause.
+/// Text of the records in place of an effect.
 const WORD: &str = "several";
 
 /// Runs what is not yet in the table.
@@ -28,7 +28,7 @@ pub fn work(journal: &mut Journal<Record>, robots: u64) -> Result<(), Box<dyn Er
     Ok(())
 }
 
-/// One robot: `found` when every cause was told with its name and place, `extras` those that are none of them.
+/// One robot: `found` when every effect was found with its name and place; `extras` counts other findings.
 fn run(seed: u64) -> Record {
     let blank =
         Record { cause: WORD.into(), multiple: MULTIPLE, seed, first: "none".into(), ..Record::default() };

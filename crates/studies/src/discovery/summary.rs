@@ -197,7 +197,7 @@ pub fn coverage(records: &[Record]) -> Result<String, Error> {
     Ok(text)
 }
 
-/// One family taken out: what the loop says instead.
+/// Findings with one family removed from the library.
 pub fn without(records: &[Record]) -> Result<String, Error> {
     let mut text = String::from("The hidden cause's family taken out of the library\n");
     let ended: Vec<&Record> = records.iter().filter(|r| r.ended()).collect();

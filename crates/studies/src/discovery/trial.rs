@@ -29,7 +29,7 @@ impl Task {
         format!("{cause} {} {}{without}", self.seed, self.multiple)
     }
 
-    /// The plant and what the loop says of it.
+    /// The plant and the results of the search.
     pub fn diagnosed(&self) -> Result<(Made, Diagnosis), Box<dyn Error>> {
         let made = make(self.cause, self.multiple, self.seed)?;
         let diagnosis = self.look(&made)?;
@@ -142,7 +142,7 @@ pub(super) fn is_named(cause: HiddenEffect, family: Family) -> bool {
     family == cause.family()
 }
 
-/// Whether a place agrees with the truth in everything that the truth says.
+/// Whether a place agrees with the truth in all keys of the truth.
 pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
     let agrees = |truth: &Option<String>, place: &Option<String>| truth.is_none() || truth == place;
     let level = match (truth.level, place.level) {
@@ -157,7 +157,7 @@ pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
         && level
 }
 
-/// What this process has taken of the processors, s; NaN where the system does not say it as Linux does.
+/// What this process has taken of the processors, s; NaN where the system does not report it as Linux does.
 pub fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = text.rsplit(')').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! First, do no harm: every verb that writes a model or commands, on robots as unlike as can be, held against the truth.
+//! First, do no harm: every verb that writes a model or commands, on a wide variety of robots, compared with the truth.
 //!
 //! A robot's number decides everything: its kind and dimensions, what is wrong with it, how it is measured, what goes wrong
 //! with the record. Even numbers are there to be worked with; odd ones are locked: nothing is tuned to them.
@@ -26,13 +26,13 @@ use std::error::Error;
 use std::ops::Range;
 use verbs::Asked;
 
-/// Robots unless told otherwise; with nested folds.
+/// Default number of robots; with nested folds.
 const ROBOTS: Range<u64> = 0..220;
 const NESTED: Range<u64> = 0..60;
 
 const ALL: Asked = Asked { solvers: true, discover: true, export: true, compensate: true };
 
-/// What was asked for.
+/// The options of the run.
 struct Options {
     robots: Option<Range<u64>>,
     half: Option<bool>,

@@ -2,7 +2,7 @@
 
 use crate::journal::Line;
 
-/// What is measured; RMS in mm unless another unit stands in the name.
+/// What is measured; RMS in mm unless the name has another unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
     /// Nominal robot after best base, tool and targets.
@@ -72,7 +72,7 @@ pub struct Record {
     /// `base`, `tool`, `targets`, as far as they were unknown; `turns` where orientations were measured.
     pub given: String,
     pub noise_mm: f64,
-    /// NaN where it was not asked for, or refused.
+    /// NaN where it was not requested, or rejected.
     pub figures: [f64; FIGURES.len()],
     /// What was found.
     pub finds: String,

@@ -1,4 +1,4 @@
-//! One robot of this study: drawn from its number, measured, its record spoiled; and the truth where nobody measured.
+//! One robot of this study: drawn from its number, measured, with blunders in its record; and the truth at other configurations.
 
 use super::draw::{Draw, Stream};
 use super::hidden::{HIDDEN, Hidden};
@@ -14,7 +14,7 @@ use truepose_simulate::description::{InstrumentSize, PlantOptions, Repeatability
 use truepose_simulate::flaws::{Flaws, Geometric};
 use truepose_simulate::{Campaign, ChannelPlan, Plant, Visit};
 
-/// Configurations at which a result is held against the plant.
+/// Configurations at which a result is compared with the plant.
 const FRESH: usize = 100;
 /// Least and most poses that are measured.
 const POSES: (f64, f64) = (15.0, 200.0);
@@ -31,13 +31,13 @@ pub struct Robot {
     pub hidden: Hidden,
     pub style: Style,
     pub spoil: Spoil,
-    /// As the verbs are told.
+    /// As the verbs receive it.
     pub described: Chain,
-    /// As the verbs are told.
+    /// As the verbs receive it.
     pub data: Dataset,
     /// The record without what went wrong with it, where there is such a one.
     pub clean: Option<Dataset>,
-    /// Rows at configurations that nobody measured, with the true positions, free of noise, of the targets that were measured.
+    /// Rows at configurations that are not measured, with the true positions, free of noise, of the targets that were measured.
     pub truth: Dataset,
     /// Standard deviation of a measured coordinate, instrument and repeatability, m.
     pub noise: f64,
@@ -49,7 +49,7 @@ pub struct Robot {
     pub executed: Option<TargetId>,
 }
 
-/// Even numbers are there to be worked with, odd ones to be looked at when the work is done.
+/// Even numbers are for development, odd ones are a test set.
 pub fn locked(number: u64) -> bool {
     number % 2 == 1
 }
@@ -137,7 +137,7 @@ impl Robot {
         })
     }
 
-    /// Conditions of the fresh configurations as the verbs are told them: rows of the executed target, one a configuration.
+    /// Conditions of the fresh configurations as the verbs receive them: rows of the executed target, one a configuration.
     pub fn asked(&self) -> Vec<usize> {
         (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.executed).collect()
     }
@@ -155,7 +155,7 @@ impl Robot {
     }
 }
 
-/// The robot where it stands, with its tool and targets.
+/// The robot with its base, tool and targets.
 fn placed(make: Make, spoil: Spoil, shape: &mut Draw, place: &mut Draw) -> Result<Chain, Box<dyn Error>> {
     let reach = make.class().reach;
     let chain = make.chain(shape)?;

@@ -1,11 +1,11 @@
-//! What the program states with 95 %, held against robots whose truth is known; p-values where nothing is missing.
+//! Coverage of 95 % intervals on robots with known truth; p-values where the model is adequate.
 //!
-//! | part | robots | held against the truth |
+//! | part | robots | compared with the truth |
 //! | --- | --- | --- |
 //! | robots | everything declared, shapes left free | coefficients, shapes, bands of predictions and commands, statements about all poses, lack of fit |
 //! | nulls | those of the study `discovery` | the family-wise p of its first screen |
 //! | precision | none: ten ill-conditioned problems | solutions, covariances, ranks and relations, in sixty digits |
-//! | power | the same with a hidden cause, at 4 and 8 times the detectable size | sizes and shapes that `discover` tells |
+//! | power | the same with a hidden effect, at 4 and 8 times the detectable size | sizes and nonlinear parameters of `discover` |
 //!
 //! `study reliability [--short] [--robots N] [--nulls N] [--finds N] [--folder NAME]` runs what is not yet in its tables, one line a robot,
 //! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.

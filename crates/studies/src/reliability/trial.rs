@@ -1,4 +1,4 @@
-//! One robot: what the program states about it, held against the plant.
+//! One robot: the statements of the program, compared with the plant.
 
 use super::plants::{Extra, Made, kinds, make};
 use super::record::Record;
@@ -16,13 +16,13 @@ use truepose_kinematics::nalgebra::Vector3;
 use truepose_report::{SpecificationSummary, largest_error_by_pose};
 use truepose_solvers::PivotedQr;
 
-/// Configurations at which predictions and commands are held against the plant.
+/// Configurations at which predictions and commands are compared with the plant.
 const FRESH: usize = 24;
 /// Configurations that stand for all poses, of every so many robots without an extra.
 const POPULATION: usize = 4000;
 const EVERY: u64 = 3;
 
-/// What is held against the truth, in the order of the table.
+/// The statements that are compared with the truth, in the order of the table.
 pub const WHAT: [&str; 21] = [
     "constant errors, lengths",
     "constant errors, angles",

@@ -21,7 +21,7 @@ pub struct Record {
     pub solver: String,
     /// RMS error at rows that took no part and are not wrong; in standard deviations, for robots in mm.
     pub held_out: f64,
-    /// The same of least squares that is told which rows are wrong.
+    /// The same of least squares without the outlying rows.
     pub oracle: f64,
     /// RMS error of the parameters in true sizes; NaN where there is no truth.
     pub parameters: f64,
