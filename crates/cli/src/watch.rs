@@ -116,7 +116,7 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
     } else {
         let found = match so_far.found.as_slice() {
             [] => "none".to_owned(),
-            found => format!("{} (not yet evaluated on the held-out test set)", found.join(", ")),
+            found => format!("{} (not yet evaluated on held-out rows)", found.join(", ")),
         };
         terminal::print(&format!(
             "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Findings so far: {found}.\n{}",
