@@ -5,7 +5,7 @@
 //! T(s) = C_0 M(q_1) C_1 …    see `arm`: only frames whose ε some effect moves are computed anew
 //! ```
 //!
-//! What yields is asked where the robot comes to rest, as at fit time ([`Rest`]). The result is that of
+//! Compliances are evaluated in static equilibrium, as at fit time ([`Rest`]). The result is that of
 //! `Predictor::predict`, to round-off.
 
 use crate::arm::{Arm, Reached};
@@ -19,7 +19,7 @@ use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId, sin_cos};
 pub(crate) struct RealArm<'m> {
     fitted: &'m FittedModel,
     bound: BoundModel<'m>,
-    /// Effects that have to be asked at every posture.
+    /// Effects that have to be evaluated at every posture.
     moving: Vec<usize>,
     /// ε_0, in the order of `Chain::site_index`.
     constant: Vec<f64>,

@@ -313,7 +313,7 @@ driver = "d2"
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn what_is_wrong_is_reported() {
         let error = |rest: &str| read(&format!("[[effects]]\n{rest}\n")).unwrap_err();
         let cases = [
             (

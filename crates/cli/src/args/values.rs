@@ -1,4 +1,4 @@
-//! Values that are typed in a form of their own.
+//! Parsers of option values with a unit or a format of their own.
 
 /// `evidence`, `none`, or κ.
 pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {

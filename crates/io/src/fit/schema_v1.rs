@@ -1,4 +1,4 @@
-//! The fit file, format 1, as it stands in JSON. What stands here does not change; a new format is a new file.
+//! The fit file, format 1, in JSON. This schema does not change; a new format is a new file.
 
 use super::robot_v1::RobotV1;
 use super::sample_v1::{self, RowV1, SampleOfV1};

@@ -1,4 +1,4 @@
-//! What is hidden from the declared model: one cause at a place that is drawn, of a size that is chosen later.
+//! Effects that the declared model lacks: one effect at a random place, of a size that is chosen later.
 
 use super::robots::Undeclared;
 use rand::RngExt;
@@ -9,9 +9,9 @@ use truepose_kinematics::{Chain, JointId, JointKind, TargetId};
 use truepose_simulate::description::PlantOptions;
 use truepose_simulate::{flaws, span};
 
-/// The kinds of causes that a plant can have.
+/// The effects that a plant can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
+pub enum HiddenEffect {
     Geometric,
     JointCompliance,
     LinkCompliance,
@@ -30,31 +30,31 @@ pub enum Cause {
     Payload,
     Target,
     Outliers,
-    /// The axis of a turn wanders as it turns: no family has that.
+    /// Error motion of a revolute axis, which no named family describes.
     Wobble,
 }
 
-/// All of them with their words.
-pub const CAUSES: [(Cause, &str); 19] = [
-    (Cause::Geometric, "geometric"),
-    (Cause::JointCompliance, "joint_compliance"),
-    (Cause::LinkCompliance, "link_compliance"),
-    (Cause::BaseCompliance, "base_compliance"),
-    (Cause::LoadNonlinearity, "load_nonlinearity"),
-    (Cause::Eccentric, "eccentric"),
-    (Cause::Mesh, "mesh"),
-    (Cause::BacklashApproach, "backlash_approach"),
-    (Cause::BacklashLoad, "backlash_load"),
-    (Cause::Coupling, "coupling"),
-    (Cause::Guideway, "guideway"),
-    (Cause::Thermal, "thermal"),
-    (Cause::ThermalLate, "thermal_late"),
-    (Cause::Drift, "drift"),
-    (Cause::Shift, "shift"),
-    (Cause::Payload, "payload"),
-    (Cause::Target, "target"),
-    (Cause::Outliers, "outliers"),
-    (Cause::Wobble, "wobble"),
+/// All effects with their names.
+pub const HIDDEN_EFFECTS: [(HiddenEffect, &str); 19] = [
+    (HiddenEffect::Geometric, "geometric"),
+    (HiddenEffect::JointCompliance, "joint_compliance"),
+    (HiddenEffect::LinkCompliance, "link_compliance"),
+    (HiddenEffect::BaseCompliance, "base_compliance"),
+    (HiddenEffect::LoadNonlinearity, "load_nonlinearity"),
+    (HiddenEffect::Eccentric, "eccentric"),
+    (HiddenEffect::Mesh, "mesh"),
+    (HiddenEffect::BacklashApproach, "backlash_approach"),
+    (HiddenEffect::BacklashLoad, "backlash_load"),
+    (HiddenEffect::Coupling, "coupling"),
+    (HiddenEffect::Guideway, "guideway"),
+    (HiddenEffect::Thermal, "thermal"),
+    (HiddenEffect::ThermalLate, "thermal_late"),
+    (HiddenEffect::Drift, "drift"),
+    (HiddenEffect::Shift, "shift"),
+    (HiddenEffect::Payload, "payload"),
+    (HiddenEffect::Target, "target"),
+    (HiddenEffect::Outliers, "outliers"),
+    (HiddenEffect::Wobble, "wobble"),
 ];
 
 /// One size of the cause, added to a plant: of unit size it is a bit more than machines of the kind have.
@@ -69,34 +69,34 @@ pub struct Hidden {
     pub wobbles: Option<JointId>,
 }
 
-impl Cause {
+impl HiddenEffect {
     pub fn word(self) -> &'static str {
-        CAUSES.iter().find(|(cause, _)| *cause == self).map_or("", |(_, word)| word)
+        HIDDEN_EFFECTS.iter().find(|(cause, _)| *cause == self).map_or("", |(_, word)| word)
     }
 
     pub fn named(word: &str) -> Option<Self> {
-        CAUSES.iter().find(|(_, known)| *known == word).map(|(cause, _)| *cause)
+        HIDDEN_EFFECTS.iter().find(|(_, known)| *known == word).map(|(cause, _)| *cause)
     }
 
     /// What it should be called.
     pub fn family(self) -> Family {
         match self {
-            Cause::Geometric => Family::Geometric,
-            Cause::JointCompliance => Family::JointCompliance,
-            Cause::LinkCompliance => Family::LinkCompliance,
-            Cause::BaseCompliance => Family::BaseCompliance,
-            Cause::LoadNonlinearity => Family::LoadNonlinearity,
-            Cause::Eccentric | Cause::Mesh => Family::Transmission,
-            Cause::BacklashApproach | Cause::BacklashLoad => Family::Backlash,
-            Cause::Coupling => Family::Coupling,
-            Cause::Guideway => Family::Guideway,
-            Cause::Thermal | Cause::ThermalLate => Family::Thermal,
-            Cause::Drift => Family::Drift,
-            Cause::Shift => Family::Shift,
-            Cause::Payload => Family::Payload,
-            Cause::Target => Family::Target,
-            Cause::Outliers => Family::Outlier,
-            Cause::Wobble => Family::Unmodelled,
+            HiddenEffect::Geometric => Family::Geometric,
+            HiddenEffect::JointCompliance => Family::JointCompliance,
+            HiddenEffect::LinkCompliance => Family::LinkCompliance,
+            HiddenEffect::BaseCompliance => Family::BaseCompliance,
+            HiddenEffect::LoadNonlinearity => Family::LoadNonlinearity,
+            HiddenEffect::Eccentric | HiddenEffect::Mesh => Family::Transmission,
+            HiddenEffect::BacklashApproach | HiddenEffect::BacklashLoad => Family::Backlash,
+            HiddenEffect::Coupling => Family::Coupling,
+            HiddenEffect::Guideway => Family::Guideway,
+            HiddenEffect::Thermal | HiddenEffect::ThermalLate => Family::Thermal,
+            HiddenEffect::Drift => Family::Drift,
+            HiddenEffect::Shift => Family::Shift,
+            HiddenEffect::Payload => Family::Payload,
+            HiddenEffect::Target => Family::Target,
+            HiddenEffect::Outliers => Family::Outlier,
+            HiddenEffect::Wobble => Family::Unmodelled,
         }
     }
 
@@ -129,7 +129,7 @@ impl Cause {
             })
         };
         match self {
-            Cause::Geometric => {
+            HiddenEffect::Geometric => {
                 let frame = *chain.frames().collect::<Vec<_>>().choose(rng)?;
                 let word = chain.frame_word(frame).to_owned();
                 let way: [f64; 6] = std::array::from_fn(|_| 2.0 * rng.random::<f64>() - 1.0);
@@ -147,7 +147,7 @@ impl Cause {
                     wobbles: None,
                 })
             }
-            Cause::JointCompliance => {
+            HiddenEffect::JointCompliance => {
                 let k = *loaded.choose(rng)?;
                 let (joint, load) = (chain.movable()[k], loads[k]);
                 let word = name(joint);
@@ -163,7 +163,7 @@ impl Cause {
                 found.undeclared.spring = Some(joint);
                 Some(found)
             }
-            Cause::LinkCompliance => {
+            HiddenEffect::LinkCompliance => {
                 let long = |&joint: &JointId| {
                     let (root, tip) = span(chain, joint);
                     (tip - root).norm() > 0.08
@@ -185,7 +185,7 @@ impl Cause {
                 };
                 hidden(joint, Box::new(install))
             }
-            Cause::BaseCompliance => {
+            HiddenEffect::BaseCompliance => {
                 let largest = loads.iter().copied().fold(1.0, f64::max);
                 let uneven: [f64; 3] = std::array::from_fn(|_| 0.7 + 0.6 * rng.random::<f64>());
                 let install = move |options: &mut PlantOptions, size: f64| {
@@ -198,7 +198,7 @@ impl Cause {
                 found.place = Place { joint: Some("base".into()), ..Place::default() };
                 Some(found)
             }
-            Cause::LoadNonlinearity => {
+            HiddenEffect::LoadNonlinearity => {
                 let joint = chain.movable()[*loaded.choose(rng)?];
                 let (word, slide) = (name(joint), slides(joint));
                 let install = move |options: &mut PlantOptions, size: f64| {
@@ -210,10 +210,10 @@ impl Cause {
                 };
                 hidden(joint, Box::new(install))
             }
-            Cause::Eccentric | Cause::Mesh => {
-                let joint = if self == Cause::Mesh { any } else { *turns.choose(rng)? };
+            HiddenEffect::Eccentric | HiddenEffect::Mesh => {
+                let joint = if self == HiddenEffect::Mesh { any } else { *turns.choose(rng)? };
                 let (word, slide) = (name(joint), slides(joint));
-                let cycles = (self == Cause::Mesh).then(|| (6.0 + 74.0 * rng.random::<f64>()).round());
+                let cycles = (self == HiddenEffect::Mesh).then(|| (6.0 + 74.0 * rng.random::<f64>()).round());
                 let lead_mm = *[5.0, 10.0, 20.0].choose(rng)?;
                 let install = move |options: &mut PlantOptions, size: f64| {
                     if slide {
@@ -239,8 +239,8 @@ impl Cause {
                 };
                 hidden(joint, Box::new(install))
             }
-            Cause::BacklashApproach | Cause::BacklashLoad => {
-                let by_load = self == Cause::BacklashLoad;
+            HiddenEffect::BacklashApproach | HiddenEffect::BacklashLoad => {
+                let by_load = self == HiddenEffect::BacklashLoad;
                 let k = if by_load { *loaded.choose(rng)? } else { chain.coordinate(any)? };
                 let joint = chain.movable()[k];
                 let flank_load = by_load.then(|| loads[k] * (0.02 + 0.2 * rng.random::<f64>()));
@@ -261,7 +261,7 @@ impl Cause {
                 };
                 hidden(joint, Box::new(install))
             }
-            Cause::Coupling => {
+            HiddenEffect::Coupling => {
                 let driver =
                     *chain.movable().iter().copied().filter(|j| *j != any).collect::<Vec<_>>().choose(rng)?;
                 let share = if rng.random::<bool>() || slides(driver) { 0.0 } else { rng.random::<f64>() };
@@ -278,7 +278,7 @@ impl Cause {
                 found.place.driver = Some(name(driver));
                 Some(found)
             }
-            Cause::Guideway => {
+            HiddenEffect::Guideway => {
                 let joint = *of_kind(JointKind::Prismatic).choose(rng)?;
                 let share: [f64; 6] = std::array::from_fn(|_| {
                     if rng.random::<f64>() < 0.6 { 0.3 + rng.random::<f64>() } else { 0.0 }
@@ -297,7 +297,7 @@ impl Cause {
                 };
                 hidden(joint, Box::new(install))
             }
-            Cause::Thermal | Cause::ThermalLate => {
+            HiddenEffect::Thermal | HiddenEffect::ThermalLate => {
                 let (at, grows, place) = match rng.random_range(0..4) {
                     0 => ("base".to_owned(), flaws::Growing::Frame, None),
                     1 => ("tool".to_owned(), flaws::Growing::Frame, None),
@@ -305,8 +305,11 @@ impl Cause {
                     2 => (name(any), flaws::Growing::Length, Some(any)),
                     _ => (name(any), flaws::Growing::Motion, Some(any)),
                 };
-                let lag_s =
-                    if self == Cause::Thermal { 0.0 } else { duration * (0.05 + 0.3 * rng.random::<f64>()) };
+                let lag_s = if self == HiddenEffect::Thermal {
+                    0.0
+                } else {
+                    duration * (0.05 + 0.3 * rng.random::<f64>())
+                };
                 let word = at.clone();
                 let install = move |options: &mut PlantOptions, size: f64| {
                     let per_kelvin = 100.0 * size;
@@ -316,7 +319,7 @@ impl Cause {
                 found.place = Place { joint: Some(word), ..Place::default() }.following("temperature");
                 Some(found)
             }
-            Cause::Drift | Cause::Shift => {
+            HiddenEffect::Drift | HiddenEffect::Shift => {
                 let at = match rng.random_range(0..3) {
                     0 => "base".to_owned(),
                     1 => "tool".to_owned(),
@@ -324,7 +327,7 @@ impl Cause {
                 };
                 let when_s = duration * (0.15 + 0.7 * rng.random::<f64>());
                 let correlation_s = duration * (0.25 + 0.5 * rng.random::<f64>());
-                let (word, jumps) = (at.clone(), self == Cause::Shift);
+                let (word, jumps) = (at.clone(), self == HiddenEffect::Shift);
                 let install = move |options: &mut PlantOptions, size: f64| {
                     let at = at.clone();
                     if jumps {
@@ -339,7 +342,7 @@ impl Cause {
                 found.place = Place { joint: Some(word), ..Place::default() };
                 Some(found)
             }
-            Cause::Payload => {
+            HiddenEffect::Payload => {
                 let levels: Vec<f64> = payloads.iter().copied().filter(|mass| *mass > 0.0).collect();
                 let declared_kg = *levels.choose(rng)?;
                 let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
@@ -352,7 +355,7 @@ impl Cause {
                 found.place = Place { level: Some(declared_kg), ..Place::default() };
                 Some(found)
             }
-            Cause::Target => {
+            HiddenEffect::Target => {
                 let count = chain.targets().len();
                 let target = TargetId((count > 0).then(|| rng.random_range(0..count))?);
                 let way: [f64; 3] = std::array::from_fn(|_| 2.0 * rng.random::<f64>() - 1.0);
@@ -370,7 +373,7 @@ impl Cause {
                     wobbles: None,
                 })
             }
-            Cause::Outliers => {
+            HiddenEffect::Outliers => {
                 let share = 0.005 + 0.015 * rng.random::<f64>();
                 let install = move |options: &mut PlantOptions, size: f64| {
                     options.errors.outliers = Some(flaws::Outliers { share, size_mm: size });
@@ -379,7 +382,7 @@ impl Cause {
                 found.place = Place::default();
                 Some(found)
             }
-            Cause::Wobble => {
+            HiddenEffect::Wobble => {
                 let joint = *turns.choose(rng)?;
                 let mut found = hidden(joint, Box::new(|_, _| ()))?;
                 found.wobbles = Some(joint);

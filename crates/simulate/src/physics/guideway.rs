@@ -9,8 +9,8 @@
 //! | x y z | straightness; along the axis, positioning | m | that of the axis, on the carriage |
 //! | rx ry rz | pitch, yaw and roll | rad | that of the axis, on the carriage |
 //!
-//! Each of the six is a [`SmoothCurve`] over the travel. What a point far from the rail does follows from the turn
-//! of the carriage (Abbe); no separate term says so. Source: Slocum, *Precision Machine Design*, section 2.3.
+//! Each of the six is a [`SmoothCurve`] over the travel. The displacement of a point far from the guideway follows from the rotation
+//! of the carriage (Abbe); there is no separate term. Source: Slocum, *Precision Machine Design*, section 2.3.
 
 use super::curve::{Centred, SmoothCurve};
 use crate::SimulateError;
@@ -18,15 +18,15 @@ use rand::Rng;
 
 /// The error curves of one guideway; none stands for a perfect component.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Rail {
+pub struct GuidewayProfile {
     /// x, y, z (m), rx, ry, rz (rad) over the travel (m).
     pub curves: [Option<SmoothCurve>; 6],
 }
 
-impl Rail {
+impl GuidewayProfile {
     /// A random guideway: root mean squares of the six components, m and rad, and one correlation length, m.
     ///
-    /// Mean and slope of each curve are taken out: they are the rail's place, its direction and its scale.
+    /// Mean and slope of each curve are taken out: they are the position, the direction and the scale of the guideway.
     ///
     /// # Errors
     /// Those of [`SmoothCurve::draw`].
@@ -36,7 +36,7 @@ impl Rail {
         rms: [f64; 6],
         rng: &mut impl Rng,
     ) -> Result<Self, SimulateError> {
-        let mut rail = Rail::default();
+        let mut rail = GuidewayProfile::default();
         for (curve, size) in rail.curves.iter_mut().zip(rms) {
             if size > 0.0 {
                 *curve = Some(SmoothCurve::draw(travel, correlation, size, Centred::MeanAndSlope, rng)?);
@@ -60,7 +60,8 @@ mod tests {
     #[test]
     fn only_what_was_asked_for_moves() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
-        let rail = Rail::draw((0.0, 2.0), 0.4, [0.0, 2e-5, 0.0, 1e-5, 0.0, 0.0], &mut rng).expect("a rail");
+        let rail = GuidewayProfile::draw((0.0, 2.0), 0.4, [0.0, 2e-5, 0.0, 1e-5, 0.0, 0.0], &mut rng)
+            .expect("a rail");
         let at = rail.displacement(0.9);
         assert!(at[1] != 0.0 && at[3] != 0.0);
         assert_eq!(vec![at[0], at[2], at[4], at[5]], [0.0; 4]);

@@ -1,4 +1,4 @@
-//! Verbs that learn from measurements.
+//! Options of the verbs that fit measurements: identify, discover, compare.
 
 use super::values::{parse_count, parse_length, parse_prior, parse_whole};
 use super::{Grouped, Robot};
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use truepose_identify::FitOptions;
 use truepose_solvers::SolverSpec;
 
-/// What was measured of which robot, and what is declared of it.
+/// Robot, measurements and declared model.
 #[derive(Debug, clap::Args)]
 pub struct Measured {
     #[command(flatten)]
@@ -38,41 +38,41 @@ pub struct Identify {
     /// How configurations are divided into folds
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
     pub split: SplitKind,
-    /// Draw the random folds this often, and report mean and spread
+    /// Repeat the cross-validation with this many random splits, and report mean and standard deviation
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub repeat: u16,
-    /// Folds of your own: a channel of the data whose values number them, one value a visit
+    /// Channel of the data that numbers the folds, one value for each pose measurement
     #[arg(long, value_name = "CHANNEL", conflicts_with_all = ["split", "repeat"])]
     pub fold_by: Option<String>,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
-    /// Share of the configurations to lock away first and judge by
-    #[arg(long, value_name = "SHARE")]
+    /// Fraction of the configurations for a held-out test set, drawn before anything is fitted
+    #[arg(long, value_name = "FRACTION")]
     pub holdout: Option<f64>,
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]
     pub positions_only: bool,
-    /// How coefficients are held to their expected sizes: evidence, none, or a number of expected sizes
+    /// Scale of the prior standard deviations towards which coefficients are shrunk: evidence (from the marginal likelihood), none, or
+    /// a factor
     #[arg(long, default_value = "evidence", value_parser = parse_prior)]
     pub prior: truepose_identify::PriorStrength,
-    /// The paper's single linear step, without refinement at the exact model
+    /// A single linear least-squares step, as in the paper, without iteration at the exact model
     #[arg(long)]
     pub linear: bool,
-    /// Decide once, at the nominal robot, which errors can be told apart, as the paper does; otherwise the robot as it is found is looked at
-    /// again
+    /// Determine the identifiable errors once, at the nominal robot, as in the paper [default: again at the fitted robot]
     #[arg(long)]
     pub reduce_once: bool,
-    /// Rounds of the refinement at most
+    /// Largest number of iterations
     #[arg(long, value_name = "ROUNDS", default_value_t = FitOptions::default().max_rounds, value_parser = parse_count)]
     pub rounds: usize,
-    /// Read the data block by block, in memory that does not grow with it: for files larger than memory
+    /// Read the data block by block, for files larger than memory
     #[arg(long, conflicts_with_all = ["split", "repeat", "fold_by", "holdout", "report", "spec"])]
     pub stream: bool,
     /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Specification to hold poses against that the fit did not see, e.g. 0.5mm
+    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
@@ -84,7 +84,7 @@ pub struct Identify {
 }
 
 impl Identify {
-    /// How to fit.
+    /// Options of the fit.
     pub fn fit(&self) -> FitOptions {
         FitOptions {
             refine: !self.linear,
@@ -120,34 +120,34 @@ pub struct Discover {
     /// Folder for the report: `index.html`, its figures, `discovery.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Specification to hold held-out poses against, e.g. 0.5mm
+    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
-    /// Folder for fits of the explanations that the data cannot tell from what was found: rivals for `truepose plan`
+    /// Folder for fits of the competing hypotheses that are not distinguishable from the findings, for `truepose plan --rival`
     #[arg(long, value_name = "DIR")]
     pub rivals: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
-    /// Share of the configurations that is drawn first and takes part in nothing
-    #[arg(long, value_name = "SHARE", default_value_t = 0.2)]
+    /// Fraction of the configurations in the held-out test set, drawn before anything is fitted
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.2)]
     pub holdout: f64,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
-    /// Family-wise probability above which a find is taken for chance
+    /// Family-wise significance level: a candidate with a larger p-value is not added
     #[arg(long, default_value_t = 0.002)]
     pub alpha: f64,
-    /// Sign flips behind each p-value
+    /// Sign flips of the resampling test for each p-value
     #[arg(long, default_value_t = 999, value_parser = parse_whole::<usize>)]
     pub flips: usize,
-    /// Judge the loop itself as well: run the whole of it with each of so many folds left out
+    /// Nested cross-validation: repeat the whole search with each of this many folds left out
     #[arg(long, value_name = "FOLDS", value_parser = clap::value_parser!(u16).range(2..=100))]
     pub nested: Option<u16>,
-    /// How configurations are divided into those folds
+    /// How configurations are divided into the folds of --nested
     #[arg(long, value_enum, default_value_t = SplitKind::Random)]
     pub split: SplitKind,
-    /// Effects to find at most
+    /// Largest number of effects to add
     #[arg(long, default_value_t = 24, value_parser = parse_whole::<usize>)]
     pub most: usize,
     /// Use measured positions alone, even where orientations were measured
@@ -163,7 +163,7 @@ pub struct Discover {
 pub struct Compare {
     #[command(flatten)]
     pub measured: Measured,
-    /// A strategy; give the option once for each
+    /// A solver strategy; repeat the option for each
     #[arg(long = "solver", value_name = "SOLVER",
           default_values = ["qr", "svd", "normal", "ridge(gcv)", "ridge(map)", "lasso(cv)", "huber(qr)", "tukey(qr)"])]
     pub solvers: Vec<SolverSpec>,
@@ -182,7 +182,7 @@ pub struct Compare {
     /// Folder for the report: `index.html`, its figures, `comparison.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// A prior on top of every strategy: evidence, none, or a number of expected sizes
+    /// Scale of the prior standard deviations, for every strategy: evidence (from the marginal likelihood), none, or a factor
     #[arg(long, default_value = "none", value_parser = parse_prior)]
     pub prior: truepose_identify::PriorStrength,
     /// Print JSON instead of text

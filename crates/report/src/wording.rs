@@ -1,4 +1,4 @@
-//! Numbers and findings in words.
+//! Numbers, parameters, warnings and advice as text.
 
 use truepose_discover::Parameter;
 use truepose_identify::{Advice, Refusal, Warning};
@@ -53,9 +53,9 @@ pub fn value_with_interval(value: f64, half_width: f64, unit: &str) -> (String, 
     (format!("{value:.decimals$}"), format!("{half:.decimals$}"), shown)
 }
 
-/// A size of a find with its interval, and its unit: `0.21 ± 0.02`, or `3014 (3002 to 3027)` where the interval is not centred. Periods
-/// of a turning joint are in degrees.
-pub fn parameter_words(parameter: &Parameter) -> (String, String) {
+/// A parameter with its interval, and its unit: `0.21 ± 0.02`, or `3014 (3002 to 3027)` where the interval is not centred.
+/// Periods of a revolute joint are in degrees.
+pub fn parameter_text(parameter: &Parameter) -> (String, String) {
     let degrees = parameter.name.starts_with("period") && parameter.unit == "rad";
     let factor = if degrees { 180.0 / std::f64::consts::PI } else { 1.0 };
     let unit = if degrees { "°" } else { &parameter.unit };
@@ -71,8 +71,8 @@ pub fn parameter_words(parameter: &Parameter) -> (String, String) {
     (format!("{value} ({} to {})", ends[0], ends[1]), shown)
 }
 
-/// A warning of a fit as a sentence that says what to do.
-pub fn warning_words(warning: &Warning) -> String {
+/// A warning of a fit as a sentence, with what to do.
+pub fn warning_text(warning: &Warning) -> String {
     match warning {
         Warning::UnclearRank { structural: true, gap } => format!(
             "the singular values over the whole workspace show no clear gap where the rank was cut (ratio {}): the \
@@ -81,20 +81,20 @@ pub fn warning_words(warning: &Warning) -> String {
         ),
         Warning::UnclearRank { structural: false, gap } => format!(
             "the singular values of this data show no clear gap where the rank was cut (ratio {}): which errors count \
-             as not excited depends on the tolerance; more varied configurations would settle it",
+             as not excited depends on the tolerance; measure more varied configurations",
             significant(*gap, 2)
         ),
         Warning::FewerRowsThanUnknowns { observations, unknowns } => format!(
-            "{} for {}: errors that cannot be told apart were reduced to groups, and what is left is held by the prior; \
+            "{} for {}: errors that are not distinguishable were reduced to groups, and weakly determined groups are shrunk by the prior; \
              measure more configurations",
-            count(*observations, "measured number"),
+            count(*observations, "scalar observation"),
             count(*unknowns, "unknown")
         ),
         Warning::NotConverged { rounds } => {
             format!(
                 "NOT CONVERGED: the fit still moved after {}; no figure of it is final, and coefficients and intervals may be far off. \
                  Measure more varied configurations, declare fewer effects, or raise --rounds",
-                count(*rounds, "round")
+                count(*rounds, "iteration")
             )
         }
         Warning::NoEffect { column } => format!(
@@ -102,40 +102,40 @@ pub fn warning_words(warning: &Warning) -> String {
              changes): it stays zero"
         ),
         Warning::ShapeAtBound { effect, name, value } => format!(
-            "the best `{name}` of effect `{effect}` is {}, at an end of the range in which it was looked for: widen the range, or \
-             doubt the effect",
+            "the best `{name}` of effect `{effect}` is {}, at an end of its search range: widen the range, or \
+             remove the effect",
             significant(*value, 6)
         ),
         Warning::OutOfBounds { column, value, bounds: [lower, upper] } => format!(
-            "`{column}` is {}, outside of [{lower}, {upper}] by more than its interval: `--solver bounded(qr)` holds it, and \
-             something else in the model may be missing",
+            "`{column}` is {}, outside of [{lower}, {upper}] by more than its interval: `--solver bounded(qr)` enforces the bounds; \
+             the model may lack another effect",
             significant(*value, 3)
         ),
         Warning::LeftOut { effect, column } => {
-            format!("the solver left the effect `{effect}` out as a whole (`{column}` …)")
+            format!("the solver removed the whole effect `{effect}` (`{column}` …)")
         }
         Warning::FellBack { solver, why: Refusal::Objective } => format!(
-            "`{solver}` was refused: by a robust measure it leaves more of this data than plain least squares does; this is the fit of `qr`"
+            "`{solver}` was rejected: its residual by a robust measure is larger than that of ordinary least squares; this is the fit of `qr`"
         ),
         Warning::FellBack { solver, why: Refusal::HeldOut(ratio) } => format!(
-            "`{solver}` was refused: it predicts configurations that it did not see worse than plain least squares, by a factor of {} \
-             (errors beyond three medians bounded); this is the fit of `qr`",
+            "`{solver}` was rejected: it predicts held-out configurations worse than ordinary least squares, by a factor of {} \
+             (errors limited to three medians); this is the fit of `qr`",
             significant(*ratio, 3)
         ),
         Warning::WorseThanPlain { solver, ratio } => format!(
-            "`{solver}` predicts configurations that it did not see worse than plain least squares (`qr`), by a factor of {} (errors \
-             beyond three medians bounded)",
+            "`{solver}` predicts held-out configurations worse than ordinary least squares (`qr`), by a factor of {} (errors \
+             limited to three medians)",
             significant(*ratio, 3)
         ),
         Warning::NoRedundancy => {
-            "there are no more measured numbers than grouped errors: the residual says nothing about the accuracy".into()
+            "there are no more scalar observations than grouped errors: the residual does not estimate the accuracy".into()
         }
         other => format!("{other:?}"),
     }
 }
 
 /// `move j5 over more than 12° (it can move over 350°)`.
-pub fn advice_words(chain: &Chain, advice: &Advice) -> String {
+pub fn advice_text(chain: &Chain, advice: &Advice) -> String {
     let joint = chain.joint(advice.joint);
     let show = |width: f64| {
         if joint.unit() == "m" {
@@ -149,13 +149,13 @@ pub fn advice_words(chain: &Chain, advice: &Advice) -> String {
     let gain = count(advice.gains, "more direction");
     if seen < 1e-9 {
         return format!(
-            "move {}: it never moved in this data (it can over {}); determines {gain}",
+            "move {}: it never moves in this data (possible: {}); makes {gain} identifiable",
             joint.name,
             show(possible)
         );
     }
     format!(
-        "move {} over more than {} (up to {} is possible); determines {gain}",
+        "move {} over more than {} (possible: {}); makes {gain} identifiable",
         joint.name,
         show(seen),
         show(possible)
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_read_well() {
+    fn numbers_have_significant_digits_and_units() {
         assert_eq!(significant(0.11234, 4), "0.1123");
         assert_eq!(significant(1234.5, 4), "1234");
         assert_eq!(significant(0.0, 4), "0");

@@ -1,4 +1,4 @@
-//! Lines of a study, written down as soon as they are done, so that a run may be taken up again.
+//! The journal of a study: each record is written as soon as it is done, so that an interrupted run can be continued.
 
 use std::error::Error;
 use std::fs;
@@ -19,12 +19,12 @@ pub trait Line: Sized {
 }
 
 /// The lines of one part of a study.
-pub struct Ledger<L> {
+pub struct Journal<L> {
     path: PathBuf,
     pub records: Vec<L>,
 }
 
-impl<L: Line> Ledger<L> {
+impl<L: Line> Journal<L> {
     /// Takes up what is there; a line that was cut off is dropped.
     pub fn open(folder: &Path, part: &str, commit: &str) -> Result<Self, Box<dyn Error>> {
         let path = folder.join(format!("{part}.csv"));
@@ -34,7 +34,7 @@ impl<L: Line> Ledger<L> {
         if !text.ends_with('\n') {
             fs::write(&path, format!("# commit {commit}\n{}\n{rows}", L::HEADER))?;
         }
-        Ok(Ledger { path, records })
+        Ok(Journal { path, records })
     }
 
     /// Writes one line.

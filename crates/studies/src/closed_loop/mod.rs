@@ -1,4 +1,4 @@
-//! The plants, identified and then driven with the commands: do they end where they should?
+//! Closed-loop verification: the plants are identified, then execute compensated commands. How accurate are they?
 //!
 //! | figure | of |
 //! | --- | --- |
@@ -14,11 +14,11 @@ mod trial;
 
 pub use robots::Robot;
 
-use crate::{folder, say};
+use crate::{folder, print};
 use std::error::Error;
 use std::fmt::Write;
 use std::time::Instant;
-use trial::{Asked, Counts, Driven, Trial};
+use trial::{Asked, Counts, Executed, Trial};
 
 /// Plants of each kind, and poses of each round trip.
 const PLANTS: u64 = 3;
@@ -29,10 +29,10 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let after = |name: &str| arguments.iter().skip_while(|a| *a != name).nth(1);
     let only = after("--only").cloned().unwrap_or_default();
     let visits: Option<usize> = after("--visits").map(|n| n.parse()).transpose()?;
-    let driven = arguments.iter().any(|a| a == "--driven");
-    let folder = folder("drive")?;
-    let (mut drives, mut trips) = (String::new(), String::new());
-    let (mut drive_csv, mut trip_csv) = (
+    let executed = arguments.iter().any(|a| a == "--driven");
+    let folder = folder("closed-loop")?;
+    let (mut executions, mut trips) = (String::new(), String::new());
+    let (mut execution_csv, mut trip_csv) = (
         String::from(
             "robot,plant,visits,ok,before_mm,after_mm,after_max_mm,repeatability_mm,ratio_before,ratio,rows,in_band\n",
         ),
@@ -41,7 +41,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         ),
     );
     writeln!(
-        drives,
+        executions,
         "{:8} {:>6} {:>9} {:>10} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}",
         "robot",
         "plant",
@@ -63,15 +63,15 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     for robot in robots::all().into_iter().filter(|robot| robot.name.contains(&only)) {
         for plant in 0..PLANTS {
             let trial = Trial::new(&robot, 40 + 10 * plant, visits.unwrap_or(robot.visits))?;
-            let d = trial.drive()?;
-            drive_line(&mut drives, &mut drive_csv, robot.name, plant, &d)?;
-            say(drives.lines().last().unwrap_or_default());
+            let d = trial.execute()?;
+            execution_line(&mut executions, &mut execution_csv, robot.name, plant, &d)?;
+            print(executions.lines().last().unwrap_or_default());
             if d.ratio() > robot.within {
-                say(&format!("{}: more than {} times its repeatability", robot.name, robot.within));
+                print(&format!("{}: more than {} times its repeatability", robot.name, robot.within));
             }
             rows += d.rows;
             within += d.within;
-            if plant > 0 || driven {
+            if plant > 0 || executed {
                 continue;
             }
             for (asked, words, poses, seeded) in [
@@ -84,21 +84,27 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
                 let counts = trial.round_trip(asked, poses, seeded)?;
                 let seconds = begun.elapsed().as_secs_f64();
                 trip_line(&mut trips, &mut trip_csv, (robot.name, words, seeded), &counts, seconds)?;
-                say(trips.lines().last().unwrap_or_default());
+                print(trips.lines().last().unwrap_or_default());
             }
         }
     }
-    writeln!(drives, "in band, all: {:.2} % of {rows} rows", 100.0 * within as f64 / rows as f64)?;
-    let text = format!("{drives}\n{trips}");
-    say(&text);
+    writeln!(executions, "in band, all: {:.2} % of {rows} rows", 100.0 * within as f64 / rows as f64)?;
+    let text = format!("{executions}\n{trips}");
+    print(&text);
     std::fs::write(folder.join("table.txt"), &text)?;
-    std::fs::write(folder.join("drive.csv"), drive_csv)?;
+    std::fs::write(folder.join("execution.csv"), execution_csv)?;
     std::fs::write(folder.join("round_trip.csv"), trip_csv)?;
-    say(&format!("tables in {}", folder.display()));
+    print(&format!("tables in {}", folder.display()));
     Ok(())
 }
 
-fn drive_line(text: &mut String, csv: &mut String, robot: &str, plant: u64, d: &Driven) -> std::fmt::Result {
+fn execution_line(
+    text: &mut String,
+    csv: &mut String,
+    robot: &str,
+    plant: u64,
+    d: &Executed,
+) -> std::fmt::Result {
     let band = d.within as f64 / d.rows as f64;
     writeln!(
         text,
@@ -169,7 +175,7 @@ mod tests {
         let (mut rows, mut within) = (0, 0);
         for robot in robots::all() {
             let trial = Trial::new(&robot, 40, robot.visits).expect("a trial");
-            let d = trial.drive().expect("a drive");
+            let d = trial.execute().expect("an execution");
             assert!(d.ok * 10 >= d.of * 8, "{}: {} of {}", robot.name, d.ok, d.of);
             assert!(
                 d.ratio() < robot.within && d.ratio_before() > 5.0,

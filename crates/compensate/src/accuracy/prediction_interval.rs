@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use truepose_errormodel::{FittedModel, Predictor};
 use truepose_kinematics::{Conditions, TargetId, rotation_log};
 
-/// What the model says about one pose.
+/// The prediction of the model for one pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictedError {
     /// Real minus nominal position of the target, m, in the measurement frame.
@@ -35,7 +35,7 @@ pub struct PredictedError {
     pub measured_95: f64,
 }
 
-/// The error of the nominal robot under these conditions, and the band around its prediction.
+/// The error of the nominal robot under these conditions, and the interval around its prediction.
 pub fn predicted_error(
     fitted: &FittedModel,
     predictor: &mut Predictor<'_>,

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use truepose_errormodel::{Domain, FittedModel, Interval};
 use truepose_kinematics::{Chain, Conditions, Pose, TargetId};
 
-/// Under which conditions, and where, an export is held against the model.
+/// Under which conditions, and where, an export is compared with the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOptions {
     /// Load, time, approach and channels (in the order of the fit's); joints are not read. None takes those of the fit's rows;
@@ -31,7 +31,7 @@ impl Default for ExportOptions {
 
 /// Distance between the fitted model and an export, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ErrorLeft {
+pub struct RemainingError {
     /// Root of the mean square.
     pub rms: f64,
     /// Largest.
@@ -46,8 +46,8 @@ pub struct Exported<T> {
     /// Families of the model's effects that it does not carry, each once.
     pub left_out: Vec<&'static str>,
     /// The error left without them.
-    pub error_left: ErrorLeft,
-    /// What it is worth beside the nominal robot and the model.
+    pub remaining_error: RemainingError,
+    /// Its accuracy beside the nominal robot and the model.
     pub comparison: Comparison,
 }
 
@@ -62,9 +62,9 @@ impl<T> Exported<T> {
                 self.left_out.join(", ")
             )
         };
-        let ErrorLeft { rms, max } = self.error_left;
+        let RemainingError { rms, max } = self.remaining_error;
         let left = format!(
-            "error left over the range of the fit: RMS {}, max {}",
+            "remaining error over the range of the fit: RMS {}, max {}",
             in_millimetres(rms),
             in_millimetres(max)
         );
@@ -86,7 +86,7 @@ pub(super) fn judged(
     fitted: &FittedModel,
     reference: &Reference,
     mut exported: impl FnMut(&Row) -> (Pose, Vector3<f64>),
-) -> Result<(ErrorLeft, Comparison), CompensateError> {
+) -> Result<(RemainingError, Comparison), CompensateError> {
     let comparison = compared(fitted.chain(), reference, &mut exported);
     if comparison.worse() {
         let Comparison { nominal, export, .. } = comparison;
@@ -100,7 +100,7 @@ pub(super) fn judged(
         max = f64::max(max, off);
     }
     let rms = (sum / reference.rows.len().max(1) as f64).sqrt();
-    Ok((ErrorLeft { rms, max }, comparison))
+    Ok((RemainingError { rms, max }, comparison))
 }
 
 /// The caller's conditions, else the middle of the fit's domain.
@@ -116,7 +116,7 @@ pub fn middle_conditions(fitted: &FittedModel) -> Conditions {
     conditions
 }
 
-/// Time and channels at a share of their ranges.
+/// Time and channels at a fraction of their ranges.
 pub(super) fn within(domain: &Domain, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
     let at = |range: &Interval, k: usize| range.lower + (range.upper - range.lower) * share(k);
     conditions.time = domain.time.as_ref().map_or(0.0, |range| at(range, 0));

@@ -5,7 +5,7 @@ use truepose_identify::Spread;
 
 /// Statistics of 3-D position errors, mm.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct PositionSpread {
+pub struct PositionStatistics {
     /// How many rows.
     pub count: usize,
     /// Mean distance.
@@ -20,7 +20,7 @@ pub struct PositionSpread {
 
 /// Statistics of orientation errors, mrad.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct RotationSpread {
+pub struct OrientationStatistics {
     /// How many rows.
     pub count: usize,
     /// Mean angle.
@@ -33,9 +33,9 @@ pub struct RotationSpread {
     pub max_mrad: f64,
 }
 
-impl From<Spread> for PositionSpread {
+impl From<Spread> for PositionStatistics {
     fn from(s: Spread) -> Self {
-        PositionSpread {
+        PositionStatistics {
             count: s.count,
             mean_mm: s.mean * 1e3,
             rms_mm: s.rms * 1e3,
@@ -45,9 +45,9 @@ impl From<Spread> for PositionSpread {
     }
 }
 
-impl From<Spread> for RotationSpread {
+impl From<Spread> for OrientationStatistics {
     fn from(s: Spread) -> Self {
-        RotationSpread {
+        OrientationStatistics {
             count: s.count,
             mean_mrad: s.mean * 1e3,
             rms_mrad: s.rms * 1e3,
@@ -57,14 +57,14 @@ impl From<Spread> for RotationSpread {
     }
 }
 
-impl PositionSpread {
+impl PositionStatistics {
     /// Mean, RMS, 95 % and maximum, as cells of a table.
     pub fn cells(&self) -> Vec<String> {
         cells(self.rms_mm, [self.mean_mm, self.rms_mm, self.p95_mm, self.max_mm])
     }
 }
 
-impl RotationSpread {
+impl OrientationStatistics {
     /// Mean, RMS, 95 % and maximum, as cells of a table.
     pub fn cells(&self) -> Vec<String> {
         cells(self.rms_mrad, [self.mean_mrad, self.rms_mrad, self.p95_mrad, self.max_mrad])

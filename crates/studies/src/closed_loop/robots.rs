@@ -1,6 +1,6 @@
 //! The plants of `simulate`, each with the effects that its causes ask for: the words of a model file, as JSON.
 //!
-//! The plants are not the model: springs harden by their own law, rails are smooth random curves, wheels are eccentric by
+//! The plants are not the model: compliances harden by their own equation, guideways are smooth random curves, wheels are eccentric by
 //! exact geometry, teeth are no sines.
 
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ use truepose_errormodel::{AnyEffect, EffectRegistry, ErrorModel};
 use truepose_kinematics::{Axis, Chain, FrameId, Joint, JointId};
 use truepose_simulate::{ChannelPlan, Plant, SimulateError, robots};
 
-/// A plant, and how it is identified and driven.
+/// A plant, with its model and its campaign.
 pub struct Robot {
     /// For the table.
     pub name: &'static str,
@@ -28,7 +28,7 @@ pub struct Robot {
     pub channels: fn() -> Vec<ChannelPlan>,
     /// Configurations that are measured.
     pub visits: usize,
-    /// How many times its repeatability the driven plant may end from the desired positions. 1.1 is the goal; what is above
+    /// How many times its repeatability the plant may deviate from the desired positions. 1.1 is the goal; what is above
     /// it is what this study found, held so that it grows no worse.
     pub within: f64,
 }
@@ -167,7 +167,7 @@ fn teeth(cycles: u32) -> Vec<u32> {
 }
 
 impl Robot {
-    /// The robot as the identification is told: its description, with the weights that its maker publishes.
+    /// The robot as the identification receives it: its description, with the weights that its maker publishes.
     pub fn described(&self, plant: &Plant) -> Result<Chain, Box<dyn Error>> {
         let chain = plant.chain();
         let weights = &plant.truth().joints;

@@ -1,4 +1,4 @@
-//! Verbs that use what was learned.
+//! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
 use super::Grouped;
 use super::values::{parse_position, parse_three, parse_whole};
@@ -10,7 +10,7 @@ pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
     #[arg(long, value_name = "FILE")]
     pub fit: PathBuf,
-    /// Another explanation of the same robot: plan the visits that tell the two apart
+    /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
     #[arg(long, value_name = "FILE", alias = "discriminate")]
     pub rival: Option<PathBuf>,
     /// Joints, loads and channels (CSV) where accuracy matters [default: spread over the joints' ranges]
@@ -18,22 +18,22 @@ pub struct Plan {
     pub at: Option<PathBuf>,
     #[command(flatten)]
     pub grouped: Grouped,
-    /// Where to write the plan (CSV, in the columns of measurements)
+    /// Where to write the plan (CSV, with the columns of measurements)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Visits
+    /// Number of pose measurements
     #[arg(long, default_value_t = 30, value_parser = parse_whole::<usize>)]
     pub count: usize,
-    /// Payloads that can be put on, kg [default: none]
+    /// Available payloads, kg [default: none]
     #[arg(long, value_name = "KG", value_delimiter = ',', allow_negative_numbers = true)]
     pub loads: Vec<f64>,
     /// Their centre of gravity in the tool frame, mm
     #[arg(long, value_name = "MM", num_args = 3, value_delimiter = ',', allow_negative_numbers = true, default_values_t = [0.0, 0.0, 0.0])]
     pub com: Vec<f64>,
-    /// Configurations among which is chosen
+    /// Number of candidate configurations
     #[arg(long, default_value_t = 400, value_parser = parse_whole::<usize>)]
     pub pool: usize,
-    /// Seed of those configurations
+    /// Seed of the candidate configurations
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
     /// Print JSON instead of text
@@ -66,7 +66,7 @@ pub struct Compensate {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE")]
     pub fit: PathBuf,
-    /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joints as the seed
+    /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
     #[arg(long, value_name = "FILE")]
     pub poses: PathBuf,
     /// Where to write the commands
@@ -86,7 +86,7 @@ pub struct Export {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE")]
     pub fit: PathBuf,
-    /// What to write
+    /// Format of the file
     #[arg(long, value_enum)]
     pub format: ExportFormat,
     /// Where to write it
@@ -95,13 +95,13 @@ pub struct Export {
     /// The URDF that the fit was made from: its joint origins are corrected, everything else stays as it is
     #[arg(long, value_name = "FILE")]
     pub urdf: Option<PathBuf>,
-    /// Refuse nearly parallel axes in dh and mdh, instead of using Hayati's parameter (beta)
+    /// Reject nearly parallel axes in dh and mdh, instead of using Hayati's parameter (beta)
     #[arg(long)]
     pub no_hayati: bool,
-    /// Values of each joint in iso230
+    /// Number of values of each joint in iso230
     #[arg(long, default_value_t = 181, value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub entries: u32,
-    /// The target at which the error left is judged [default: the tool's origin]
+    /// Target at which the remaining error is computed [default: the tool's origin]
     #[arg(long, value_name = "NAME")]
     pub target: Option<String>,
     /// Print JSON instead of text
@@ -120,7 +120,7 @@ pub enum ExportFormat {
     Mdh,
     /// Kinematics file of ROS drivers (YAML): x y z roll pitch yaw of each joint
     Ros,
-    /// Component errors of each joint in the way of ISO 230-1 (CSV)
+    /// Component errors of each joint, named as in ISO 230-1 (CSV)
     Iso230,
 }
 
@@ -133,7 +133,7 @@ pub struct Map {
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// A corner of a box in the measurement frame, e.g. -500mm,0mm,200mm [default: a grid of joint values]
+    /// Corner of a box in the measurement frame, e.g. -500mm,0mm,200mm [default: a grid of joint values]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "to", allow_hyphen_values = true)]
     pub from: Option<[f64; 3]>,
     /// The opposite corner
@@ -142,7 +142,7 @@ pub struct Map {
     /// Orientation of the tool in the box: roll, pitch, yaw about the fixed axes, degrees [default: any]
     #[arg(long, value_name = "R,P,Y", value_parser = parse_three, requires = "from", allow_hyphen_values = true)]
     pub rpy: Option<[f64; 3]>,
-    /// Values of each joint, or of each coordinate of the box
+    /// Number of values of each joint, or of each coordinate of the box
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub points: u16,
     /// Mass carried, kg
@@ -151,7 +151,7 @@ pub struct Map {
     /// Its centre of gravity in the tool's frame, e.g. 0mm,0mm,80mm
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "payload", allow_hyphen_values = true)]
     pub com: Option<[f64; 3]>,
-    /// The target that is mapped [default: the tool's origin]
+    /// Target that is mapped [default: the tool's origin]
     #[arg(long, value_name = "NAME")]
     pub target: Option<String>,
     /// Print JSON instead of text

@@ -1,4 +1,4 @@
-//! A joint's drive and bearing as springs: it yields about its axis, tilts across it and gives sideways.
+//! The stiffness of a joint's drive and bearing: torsional, tilting and radial deflection.
 //!
 //! ```text
 //! τ = k θ (1 + (θ/θ_h)²)          about or along the axis: the drive
@@ -9,7 +9,7 @@
 //! | symbol | here | unit | frame |
 //! | --- | --- | --- | --- |
 //! | k | `drive` | N·m/rad or N/m | about or along the axis |
-//! | θ_h | `hardens_at` | rad or m | at this deflection the load is twice what k θ says |
+//! | θ_h | `hardens_at` | rad or m | at this deflection the load is twice k θ |
 //! | k_t, k_r | `tilt`, `radial` | N·m/rad, N/m | across the axis |
 //!
 //! Gear teeth, harmonic drives and ball bearings stiffen as more of their surface touches; the cubic is the first
@@ -22,7 +22,7 @@ use truepose_kinematics::{JointKind, Wrench};
 
 /// Stiffness of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bearing {
+pub struct JointStiffness {
     /// About or along the axis, N·m/rad or N/m.
     pub drive: f64,
     /// Deflection of the drive at which its load is twice the linear one, rad or m.
@@ -33,10 +33,10 @@ pub struct Bearing {
     pub radial: f64,
 }
 
-impl Default for Bearing {
+impl Default for JointStiffness {
     /// A rigid joint.
     fn default() -> Self {
-        Bearing {
+        JointStiffness {
             drive: f64::INFINITY,
             hardens_at: f64::INFINITY,
             tilt: f64::INFINITY,
@@ -45,13 +45,13 @@ impl Default for Bearing {
     }
 }
 
-impl Bearing {
+impl JointStiffness {
     /// A linear drive in an otherwise rigid joint.
     pub fn drive(stiffness: f64) -> Self {
-        Bearing { drive: stiffness, ..Bearing::default() }
+        JointStiffness { drive: stiffness, ..JointStiffness::default() }
     }
 
-    /// How far the drive yields under this load about or along its axis, rad or m.
+    /// Deflection of the drive under this load about or along its axis, rad or m.
     pub fn wind_up(&self, load: f64) -> f64 {
         let linear = load / self.drive;
         let ratio = (linear / self.hardens_at).abs();
@@ -65,7 +65,7 @@ impl Bearing {
     }
 
     /// Displacement `[tx ty tz rx ry rz]` under a wrench about the axis' point, both in the axis' frame.
-    pub fn yielding(&self, kind: JointKind, axis: &Unit<Vector3<f64>>, wrench: &Wrench) -> [f64; 6] {
+    pub fn deflection(&self, kind: JointKind, axis: &Unit<Vector3<f64>>, wrench: &Wrench) -> [f64; 6] {
         let axis = axis.into_inner();
         let along = |v: &Vector3<f64>| axis * axis.dot(v);
         let (force, moment) = (&wrench.force, &wrench.moment);
@@ -90,27 +90,30 @@ mod tests {
 
     #[test]
     fn the_wind_up_carries_the_load() {
-        let bearing = Bearing { hardens_at: 1e-3, ..Bearing::drive(2e6) };
+        let joint = JointStiffness { hardens_at: 1e-3, ..JointStiffness::drive(2e6) };
         for load in [-9000.0, -1.0, 0.0, 1e-9, 300.0, 4000.0] {
-            let theta = bearing.wind_up(load);
+            let theta = joint.wind_up(load);
             let carried = 2e6 * theta * (1.0 + (theta / 1e-3).powi(2));
             assert!((carried - load).abs() < 1e-12 * load.abs().max(1e-12), "{carried} against {load}");
         }
         // At θ_h the load is twice the linear one: k θ_h (1 + 1) = 4000 N·m.
-        assert!((bearing.wind_up(4000.0) - 1e-3).abs() < 1e-15);
-        assert!((Bearing::drive(2e6).wind_up(4000.0) - 2e-3).abs() < 1e-18);
+        assert!((joint.wind_up(4000.0) - 1e-3).abs() < 1e-15);
+        assert!((JointStiffness::drive(2e6).wind_up(4000.0) - 2e-3).abs() < 1e-18);
     }
 
     #[test]
-    fn each_direction_has_its_spring() {
-        let bearing = Bearing { drive: 1e6, tilt: 4e6, radial: 2e8, ..Bearing::default() };
+    fn each_direction_has_its_stiffness() {
+        let joint = JointStiffness { drive: 1e6, tilt: 4e6, radial: 2e8, ..JointStiffness::default() };
         let axis = Unit::new_normalize(Vector3::new(0.0, 0.0, -1.0));
         let wrench = Wrench { force: Vector3::new(0.0, 20.0, 40.0), moment: Vector3::new(8.0, 0.0, 5.0) };
-        let turn = bearing.yielding(JointKind::Revolute, &axis, &wrench);
-        let slide = bearing.yielding(JointKind::Prismatic, &axis, &wrench);
+        let turn = joint.deflection(JointKind::Revolute, &axis, &wrench);
+        let slide = joint.deflection(JointKind::Prismatic, &axis, &wrench);
         let close = |a: [f64; 6], b: [f64; 6]| a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-18);
         assert!(close(turn, [0.0, 1e-7, 2e-7, 2e-6, 0.0, 5e-6]), "{turn:?}");
         assert!(close(slide, [0.0, 1e-7, 4e-5, 2e-6, 0.0, 1.25e-6]), "{slide:?}");
-        assert_eq!(Bearing::default().yielding(JointKind::Revolute, &axis, &wrench).to_vec(), [0.0; 6]);
+        assert_eq!(
+            JointStiffness::default().deflection(JointKind::Revolute, &axis, &wrench).to_vec(),
+            [0.0; 6]
+        );
     }
 }

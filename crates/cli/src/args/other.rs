@@ -1,4 +1,4 @@
-//! Verbs beside the work: looking at files, making them up, repeating a run.
+//! Options of the verbs that fit nothing: check, effects, simulate, verify.
 
 use super::values::parse_whole;
 use super::{Grouped, Robot};
@@ -33,16 +33,16 @@ pub struct Effects {
 /// `truepose simulate`
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// The robot's file, what is wrong with it, and what is measured (TOML)
+    /// Plant (TOML): the robot's file, its error sources, and the measurement campaign
     #[arg(long, value_name = "FILE")]
     pub plant: PathBuf,
     /// Where to write the measurements (CSV, mm and degrees)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Another seed than the plant's own
+    /// Seed of every random choice [default: that of the plant]
     #[arg(long, value_parser = parse_whole::<u64>)]
     pub seed: Option<u64>,
-    /// Visit other configurations than the plant's own, drawn from this seed; the robot stays the same
+    /// Draw other configurations from this seed; the robot stays the same
     #[arg(long, value_name = "SEED", value_parser = parse_whole::<u64>)]
     pub campaign_seed: Option<u64>,
 }
@@ -50,7 +50,7 @@ pub struct Simulate {
 /// `truepose verify`
 #[derive(Debug, clap::Args)]
 pub struct Verify {
-    /// The record of the run, `run.json` in its report's folder; run it in the folder in which the run was made
+    /// Record of the run, `run.json` in the folder of its report; to be used in the folder in which the run was made
     #[arg(value_name = "FILE")]
     pub run: PathBuf,
 }

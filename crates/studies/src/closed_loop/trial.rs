@@ -1,4 +1,4 @@
-//! One plant: measured, identified, driven with commands; and the commands of its model held against the model.
+//! One plant: measured, identified, and executing commands; and the commands of its model compared with the model.
 
 use super::robots::{Robot, TURN};
 use nalgebra::Vector3;
@@ -13,7 +13,7 @@ use truepose_kinematics::{Chain, JointKind, Load, Payload, Pose, TargetId, nalge
 use truepose_simulate::{Campaign, Plant};
 use truepose_solvers::PivotedQr;
 
-/// Share of the visits that is locked away: driven, and held against the bands.
+/// Fraction of the pose measurements in the held-out test set: commanded, and compared with the intervals.
 const LOCKED: usize = 4;
 
 /// An identified plant.
@@ -27,7 +27,7 @@ pub struct Trial {
 }
 
 /// How far from the desired positions the plant ended, m.
-pub struct Driven {
+pub struct Executed {
     /// Root mean square without compensation, and with it; without what differs each time.
     pub before: f64,
     pub after: f64,
@@ -42,7 +42,7 @@ pub struct Driven {
     pub within: usize,
 }
 
-impl Driven {
+impl Executed {
     /// Distance from the desired position with everything, over the robot's repeatability.
     pub fn ratio(&self) -> f64 {
         self.after.hypot(self.repeatability) / self.repeatability
@@ -61,7 +61,7 @@ pub struct Counts {
     pub unreachable: usize,
     pub limit: usize,
     pub not_converged: usize,
-    /// Of the ok: largest distance and angle between where the model says that the command ends and the pose.
+    /// Of the ok: largest distance and angle between the model's prediction at the command and the pose.
     pub position: f64,
     pub orientation: f64,
     /// Of the ok: how many commands lie beyond a limit.
@@ -86,7 +86,7 @@ impl Counts {
     }
 }
 
-/// Which poses are asked for.
+/// Which poses are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asked {
     /// Where the model is at joints within their limits.
@@ -117,12 +117,12 @@ impl Trial {
     }
 
     /// Sends the plant to where the nominal robot would be at each locked visit.
-    pub fn drive(&self) -> Result<Driven, Box<dyn Error>> {
+    pub fn execute(&self) -> Result<Executed, Box<dyn Error>> {
         let chain = self.fitted.chain();
         let schema = &self.data.schema;
         let mut compensator = Compensator::bind(&self.fitted, schema, CompensatorOptions::default())?;
         let mut predictor = self.fitted.bind(schema)?;
-        let mut driven = Driven {
+        let mut executed = Executed {
             before: 0.0,
             after: 0.0,
             after_max: 0.0,
@@ -146,10 +146,10 @@ impl Trial {
                 let mut commanded = conditions.clone();
                 commanded.joints = command.joints.to_vec();
                 let off = (self.plant.true_position(&commanded, target)? - position).norm();
-                driven.after += off * off;
-                driven.after_max = driven.after_max.max(off);
-                driven.before += (self.plant.true_position(&conditions, target)? - position).norm_squared();
-                driven.ok += 1;
+                executed.after += off * off;
+                executed.after_max = executed.after_max.max(off);
+                executed.before += (self.plant.true_position(&conditions, target)? - position).norm_squared();
+                executed.ok += 1;
             }
             for &row in rows {
                 let conditions = self.data.conditions(row);
@@ -157,14 +157,14 @@ impl Trial {
                 let band = predicted_error(&self.fitted, &mut predictor, &conditions, target);
                 let predicted = predictor.predict(&conditions, target).translation;
                 let off = (self.data.measured_position(row) - predicted).norm();
-                driven.rows += 1;
-                driven.within += usize::from(off <= band.measured_95);
+                executed.rows += 1;
+                executed.within += usize::from(off <= band.measured_95);
             }
         }
-        let count = driven.ok.max(1) as f64;
-        driven.before = (driven.before / count).sqrt();
-        driven.after = (driven.after / count).sqrt();
-        Ok(driven)
+        let count = executed.ok.max(1) as f64;
+        executed.before = (executed.before / count).sqrt();
+        executed.after = (executed.after / count).sqrt();
+        Ok(executed)
     }
 
     /// Commands to many poses, half of them with the heaviest payload, from the nominal joints or from nowhere.

@@ -1,4 +1,4 @@
-//! Transmissions: what a joint does beyond what its motor says, once or many times a turn.
+//! Transmission errors: periodic deviations of a joint from its commanded motion, once or many times per turn.
 //!
 //! ```text
 //! eccentric    δ = atan2( ε sin(q − φ), 1 − ε cos(q − φ) )                 ε = eccentricity / radius
@@ -21,7 +21,7 @@ use truepose_kinematics::JointKind;
 
 /// An error of a joint that is periodic in its own motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Gear {
+pub enum TransmissionError {
     /// A wheel or encoder disc that is mounted beside the axis.
     Eccentric {
         /// Eccentricity over radius, 1.
@@ -48,10 +48,10 @@ pub enum Gear {
     },
 }
 
-impl Gear {
+impl TransmissionError {
     /// A mesh of a usual shape: flanks somewhat steeper than a sine's, ten per cent of runout.
     pub fn mesh(amplitude: f64, cycles: f64, phase: f64) -> Self {
-        Gear::Mesh {
+        TransmissionError::Mesh {
             amplitude,
             cycles,
             phase,
@@ -65,11 +65,11 @@ impl Gear {
     /// The joint's error at this value of its variable, rad or m.
     pub fn error(&self, kind: JointKind, q: f64) -> f64 {
         match *self {
-            Gear::Eccentric { ratio, phase } => {
+            TransmissionError::Eccentric { ratio, phase } => {
                 let x = q - phase;
                 (ratio * x.sin()).atan2(1.0 - ratio * x.cos())
             }
-            Gear::Mesh { amplitude, cycles, phase, sharpness, lean, runout, runout_phase } => {
+            TransmissionError::Mesh { amplitude, cycles, phase, sharpness, lean, runout, runout_phase } => {
                 let turn = kind == JointKind::Revolute;
                 let x = cycles * q * if turn { 1.0 } else { std::f64::consts::TAU } - phase;
                 let swell = if turn { 1.0 + runout * (q - runout_phase).cos() } else { 1.0 };
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn an_eccentric_disc_reads_the_angle_of_its_own_centre() {
-        let gear = Gear::Eccentric { ratio: 0.02, phase: 0.4 };
+        let gear = TransmissionError::Eccentric { ratio: 0.02, phase: 0.4 };
         for k in 0..12 {
             let q = 0.5 * f64::from(k) - 3.0;
             let (x, y) = (q.cos() - 0.02 * 0.4f64.cos(), q.sin() - 0.02 * 0.4f64.sin());
@@ -103,8 +103,8 @@ mod tests {
 
     #[test]
     fn a_mesh_repeats_and_is_no_sine() {
-        let gear = Gear::mesh(1e-4, 100.0, 0.3);
-        let plain = Gear::Mesh {
+        let gear = TransmissionError::mesh(1e-4, 100.0, 0.3);
+        let plain = TransmissionError::Mesh {
             amplitude: 1e-4,
             cycles: 100.0,
             phase: 0.3,
@@ -113,12 +113,12 @@ mod tests {
             runout: 0.0,
             runout_phase: 0.0,
         };
-        let at = |gear: &Gear, q| gear.error(JointKind::Revolute, q);
+        let at = |gear: &TransmissionError, q| gear.error(JointKind::Revolute, q);
         assert!((at(&gear, 0.7) - at(&gear, 0.7 + TAU)).abs() < 1e-15);
         assert!((at(&plain, 0.7) - 1e-4 * (70.0 - 0.3f64).sin()).abs() < 1e-12);
         // The part of the mesh that its own sine and cosine do not explain.
         let samples: Vec<f64> = (0..1000).map(|k| TAU * f64::from(k) / 1000.0 / 100.0).collect();
-        let flat = Gear::Mesh {
+        let flat = TransmissionError::Mesh {
             runout: 0.0,
             amplitude: 1e-4,
             cycles: 100.0,
@@ -136,8 +136,8 @@ mod tests {
     }
 
     #[test]
-    fn a_screw_repeats_each_lead() {
-        let screw = Gear::mesh(5e-6, 100.0, 0.0);
+    fn a_lead_screw_error_repeats_with_each_lead() {
+        let screw = TransmissionError::mesh(5e-6, 100.0, 0.0);
         let at = |q| screw.error(JointKind::Prismatic, q);
         assert!((at(0.1234) - at(0.1334)).abs() < 1e-17);
         assert!((at(0.0025) - at(0.0075 - 0.0)).abs() > 5e-6);

@@ -1,4 +1,4 @@
-//! The plant, driven with the commands of `compensate`: how far from the desired position does it end?
+//! Closed-loop verification: the plant executes the commands of `compensate`; its distance from the desired positions.
 //!
 //! A desired pose is where the nominal robot, base, tool and targets fitted, is at a fresh configuration: nominal inverse
 //! kinematics commands that configuration. Judged are poses that every model has a command for.
@@ -12,7 +12,7 @@ use truepose_errormodel::FittedModel;
 use truepose_kinematics::nalgebra::Vector3;
 
 /// Drives the plant with each fit's commands.
-pub fn drive(robot: &Robot, fits: &Fits, record: &mut Record) {
+pub fn execute(robot: &Robot, fits: &Fits, record: &mut Record) {
     let Some(nominal) = &fits.nominal else { return };
     let Some(wanted) = attempt(record, "compensate", || wanted(robot, nominal)) else { return };
     let mut reached = vec![true; wanted.len()];
@@ -38,7 +38,7 @@ pub fn drive(robot: &Robot, fits: &Fits, record: &mut Record) {
         }
     }
     let count = reached.iter().filter(|reached| **reached).count();
-    record.set(Figure::Driven, count as f64);
+    record.set(Figure::Executed, count as f64);
     for (figure, ends) in ends {
         let square = |k: usize| (ends[k] - wanted[k].position).norm_squared();
         let sum: f64 = (0..wanted.len()).filter(|&k| reached[k]).map(square).sum();
@@ -56,8 +56,8 @@ fn wanted(robot: &Robot, nominal: &FittedModel) -> Result<Vec<Target>, Box<dyn E
     // With fewer joints than six not every orientation can be had.
     let turned = nominal.chain().movable().len() >= 6;
     let one = |row: usize| {
-        let pose = predictor.predict(&inputs.conditions(row), robot.driven);
-        let at = Target::at(pose.translation).of(robot.driven);
+        let pose = predictor.predict(&inputs.conditions(row), robot.executed);
+        let at = Target::at(pose.translation).of(robot.executed);
         if turned { at.turned(pose.rotation) } else { at }
     };
     Ok(robot.asked().into_iter().map(one).collect())

@@ -1,8 +1,8 @@
-//! Play: a dead band in which the joint is held by nothing, and the side on which it ends up.
+//! Backlash: a dead band, and the flank on which the joint lies.
 //!
 //! ```text
-//! δ = (w/2) · side,      side = −approach                          pushed: the link lags behind its motor
-//!                        side = sat(τ/τ_f)                         hanging: the load lays it on one flank
+//! δ = (w/2) · side,      side = −approach                          by approach: the link lags behind the motor
+//!                        side = sat(τ/τ_f)                         by load: the load determines the flank
 //!                        side = sat(τ/τ_f) where |τ| ≥ τ_f, else a mixture of both
 //! ```
 //!
@@ -12,10 +12,10 @@
 //! | τ_f | `flank_load` | N·m or N: the load that presses the joint against its flank |
 //! | approach | the direction of the last move | −1, 0, +1 |
 //!
-//! Inside the band friction and seals act as a weak spring: below τ_f the joint floats in proportion to its load.
+//! Inside the band, friction and seals act as a low stiffness: below τ_f the position is proportional to the load.
 //! Source: Nordin and Gutman, *Controlling mechanical systems with backlash – a survey* (2002), section 2.
 
-/// What decides the side on which the joint lies.
+/// What determines the flank on which the joint lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Side {
     /// The direction of the last move.
@@ -32,16 +32,16 @@ pub enum Side {
     },
 }
 
-/// Play in one joint.
+/// The dead band of one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Play {
+pub struct DeadBand {
     /// The whole dead band, rad or m.
     pub width: f64,
-    /// What decides the side.
+    /// What determines the flank.
     pub side: Side,
 }
 
-impl Play {
+impl DeadBand {
     /// The joint's error, rad or m, for the direction of its last move and the load about or along its axis.
     pub fn error(&self, approach: f64, load: f64) -> f64 {
         let pressed = |flank_load: f64| (load / flank_load).clamp(-1.0, 1.0);
@@ -63,25 +63,25 @@ mod tests {
 
     #[track_caller]
     fn check(side: Side, approach: f64, load: f64, expected: f64) {
-        let got = Play { width: 2.0, side }.error(approach, load);
+        let got = DeadBand { width: 2.0, side }.error(approach, load);
         assert!((got - expected).abs() < 1e-15, "{got} against {expected}");
     }
 
     #[test]
-    fn a_pushed_link_lags_behind() {
+    fn by_approach_the_link_lags_behind() {
         check(Side::Approach, 1.0, 500.0, -1.0);
         check(Side::Approach, -1.0, 500.0, 1.0);
         check(Side::Approach, 0.0, 500.0, 0.0);
     }
 
     #[test]
-    fn a_hanging_link_lies_on_the_flank_of_its_load() {
+    fn by_load_the_link_lies_on_the_flank_of_its_load() {
         check(Side::Load { flank_load: 20.0 }, 1.0, -500.0, -1.0);
         check(Side::Load { flank_load: 20.0 }, 1.0, 5.0, 0.25);
     }
 
     #[test]
-    fn a_light_load_leaves_it_to_the_last_move() {
+    fn under_a_light_load_the_last_move_determines_the_flank() {
         let side = Side::LoadThenApproach { flank_load: 20.0 };
         check(side, 1.0, 0.0, -1.0);
         check(side, 1.0, 10.0, 0.0);
