@@ -1,6 +1,6 @@
 //! The seam: what a solver is given, what it hands back, and how it ended.
 
-use crate::{LeastSquares, RankDecision, SolveError};
+use crate::{LeastSquares, Need, RankDecision, SolveError};
 use nalgebra::DVector;
 
 /// A strategy for linear least squares. A stranger's needs these three methods, and passes
@@ -47,6 +47,21 @@ pub trait Solver: Send + Sync {
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError>;
 }
 
+impl LeastSquares<'_> {
+    /// [`validate`](Self::validate), and whether `solver` supports what this problem brings. Every backend calls
+    /// it first.
+    pub fn admit(&self, solver: &dyn Solver) -> Result<(), SolveError> {
+        let refuse = |need| Err(SolveError::Unsupported { solver: solver.name().to_owned(), need });
+        if self.is_bounded() && !solver.supports(Need::Bounds) {
+            return refuse(Need::Bounds);
+        }
+        if self.weights.is_some() && !solver.supports(Need::Weights) {
+            return refuse(Need::Weights);
+        }
+        self.validate()
+    }
+}
+
 impl<S: Solver + ?Sized> Solver for Box<S> {
     fn name(&self) -> &str {
         (**self).name()
@@ -56,37 +71,6 @@ impl<S: Solver + ?Sized> Solver for Box<S> {
     }
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {
         (**self).solve(problem)
-    }
-}
-
-/// What a problem may ask of a solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Need {
-    /// Columns that depend on each other.
-    RankDeficient,
-    /// Weights of rows.
-    Weights,
-    /// Box constraints.
-    Bounds,
-    /// Resistance to wrong rows.
-    Outliers,
-    /// Columns that enter or stay out together.
-    ColumnGroups,
-    /// No penalty on the unknowns: the gradient of the squares (as weighted in the end) vanishes.
-    Unpenalised,
-}
-
-impl std::fmt::Display for Need {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Need::RankDeficient => "a deficient rank",
-            Need::Weights => "weights",
-            Need::Bounds => "bounds",
-            Need::Outliers => "outliers",
-            Need::ColumnGroups => "groups of columns",
-            Need::Unpenalised => "the absence of a penalty",
-        })
     }
 }
 

@@ -6,7 +6,8 @@
 //! Driessen (2006), FAST-LTS. Begun from the plain fit, from a Huber fit and from random handfuls; the best of them
 //! wins.
 
-use super::{Loss, Visits};
+use super::Loss;
+use super::visits::Visits;
 use crate::folds::shuffle;
 use crate::{Fallback, Solution, SolveError, Solver};
 

@@ -1,6 +1,6 @@
 //! A solver into the shortest text that reads back the same.
 
-use super::{ROUNDS, SolverSpec};
+use super::tree::{ROUNDS, SolverSpec};
 use crate::{Choice, GroupedFolds, Loss, NormalEquations, RankRule, RidgeStrength, Start, Trimming};
 #[cfg(feature = "clarabel")]
 use crate::{ElasticNet, ExactHuber, Strength};
