@@ -173,6 +173,8 @@ pub enum Fallback {
     IndefiniteGram,
     /// A start from a trimmed fit was not possible; the plain fit was the start.
     PlainStart,
+    /// The data gives no evidence of wrong visits: the answer is that of the inner solver, with every weight as it was.
+    NoContamination,
 }
 
 impl Solution {

@@ -61,6 +61,7 @@ impl Solver for ExactHuber {
                 let mut rounds = Robust::huber(PivotedQr::default());
                 rounds.loss = crate::Loss::Huber { k: self.k };
                 rounds.tolerance = 1e-6;
+                rounds.only_where_contaminated = false;
                 rounds.solve(problem)?.info.noise.unwrap_or(0.0)
             }
         };

@@ -30,6 +30,9 @@ pub struct Robust<S> {
     pub rounds: usize,
     /// Ends when a round changes the residuals by less than this, relative to their norm.
     pub tolerance: f64,
+    /// Whether the answer of the inner solver stands where the data gives no evidence of wrong visits; otherwise visits are weighted in any
+    /// case, as textbooks do.
+    pub only_where_contaminated: bool,
 }
 
 impl<S: Solver> Robust<S> {
@@ -38,7 +41,7 @@ impl<S: Solver> Robust<S> {
         let name = format!("{}({})", loss.name(), inner.name());
         // A penalty whose strength is chosen anew in each round moves by the resolution of that choice.
         let tolerance = if inner.supports(Need::Unpenalised) { 1e-10 } else { 1e-6 };
-        Self { name, inner, loss, start, rounds: 200, tolerance }
+        Self { name, inner, loss, start, rounds: 200, tolerance, only_where_contaminated: true }
     }
 
     /// Huber's loss with k = 1.345: keeps every visit, limits its pull.
@@ -65,14 +68,15 @@ impl<S: Solver> Robust<S> {
         self.loss.validate()
     }
 
-    fn begin(&self, visits: &Visits<'_>) -> Result<(Solution, Option<Fallback>), SolveError> {
+    fn begin(
+        &self,
+        visits: &Visits<'_>,
+        plain: &Solution,
+    ) -> Result<(Solution, Option<Fallback>), SolveError> {
         match self.start {
-            Start::Plain => Ok((self.inner.solve(visits.problem)?, None)),
-            Start::Huber => {
-                let first = self.inner.solve(visits.problem)?;
-                Ok((visits.iterate(&self.inner, Loss::huber(), first, 30, 1e-4)?, None))
-            }
-            Start::Trimmed(trimming) => trimming.start(&self.inner, visits),
+            Start::Plain => Ok((plain.clone(), None)),
+            Start::Huber => Ok((visits.iterate(&self.inner, Loss::huber(), plain.clone(), 30, 1e-4)?, None)),
+            Start::Trimmed(trimming) => trimming.start(&self.inner, visits, plain.clone()),
         }
     }
 }
@@ -99,13 +103,26 @@ impl<S: Solver> Solver for Robust<S> {
             });
         }
         let visits = Visits::of(problem);
-        let (start, fallback) = self.begin(&visits)?;
+        let plain = self.inner.solve(problem)?;
+        if !plain.status.is_success() {
+            return Ok(plain);
+        }
+        let (start, fallback) = self.begin(&visits, &plain)?;
         if !start.status.is_success() {
             return Ok(start);
         }
-        let mut solution = visits.iterate(&self.inner, self.loss, start, self.rounds, self.tolerance)?;
-        solution.info.fallback = solution.info.fallback.or(fallback);
-        Ok(solution)
+        let iterate = |start| visits.iterate(&self.inner, self.loss, start, self.rounds, self.tolerance);
+        let mut robust = iterate(start)?;
+        robust.info.fallback = robust.info.fallback.or(fallback);
+        if !self.only_where_contaminated {
+            return Ok(robust);
+        }
+        let mut candidates = vec![robust];
+        if self.start != Start::Plain {
+            // A loss that descends has several minima; that of the other start may be a worse one.
+            candidates.push(iterate(plain.clone())?);
+        }
+        visits.best(plain, candidates)
     }
 }
 

@@ -11,9 +11,15 @@
 //!
 //! Source: Huber and Ronchetti, *Robust Statistics* (2009), ch. 7; Maronna, Martin, Yohai and Salibián-Barrera, *Robust
 //! Statistics* (2019), §5. The scale follows the residuals for the first rounds and is then held, so that the rounds
-//! converge. Whole visits are weighted because a bad visit (a bumped target, a wrong pose) spoils all of its rows.
+//! converge.
+//!
+//! Weights cost efficiency where no visit is wrong, and a loss that descends may end in a minimum that leaves good visits out. So the robust fit
+//! is taken only where the visits are contaminated and it predicts those that it did not see better than the plain fit does: `best` in
+//! `visits`. Whole visits are weighted because a bad visit (a bumped target, a wrong pose) spoils all of its rows.
 
 mod composed;
+mod contamination;
+mod left_out;
 mod loss;
 mod scale;
 mod trimmed;

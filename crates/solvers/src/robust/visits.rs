@@ -1,9 +1,14 @@
 //! The visits of a problem and the reweighting of their rows.
 
+use super::contamination::{contaminated, normal};
+use super::left_out::{LeftOut, left_out};
 use super::{Loss, scale};
 use crate::dense::norm;
-use crate::{LeastSquares, Solution, SolveError, Solver, Status};
+use crate::{Fallback, LeastSquares, Solution, SolveError, Solver, Status};
 use nalgebra::DVector;
+
+/// Logarithm of the odds from which contamination counts as shown: 20 to 1, "strong evidence" (Kass and Raftery 1995).
+const EVIDENCE: f64 = 2.995_732_273_553_991;
 
 /// The visits of a problem.
 pub(super) struct Visits<'a> {
@@ -96,5 +101,55 @@ impl<'a> Visits<'a> {
         }
         solution.status = Status::MaxIterations;
         Ok(solution)
+    }
+
+    /// The plain fit, unless the visits are contaminated and one of the robust fits predicts visits that it did not see with a higher density
+    /// than the plain one does, under a contaminated normal distribution; of the robust fits the best by that measure.
+    pub fn best(&self, mut plain: Solution, robust: Vec<Solution>) -> Result<Solution, SolveError> {
+        let mut left = vec![self.left_out(&plain)?];
+        for candidate in &robust {
+            left.push(self.left_out(candidate)?);
+        }
+        let common: Vec<usize> =
+            (0..self.groups.len()).filter(|&g| left.iter().all(|of_fit| of_fit[g].is_some())).collect();
+        let of =
+            |fit: &Vec<Option<LeftOut>>| -> Vec<LeftOut> { common.iter().filter_map(|&g| fit[g]).collect() };
+        let of_plain = of(&left[0]);
+        let (regular, mut best) = (normal(&of_plain), contaminated(&of_plain));
+        let mut winner = None;
+        for (candidate, left) in robust.into_iter().zip(&left[1..]) {
+            let left = of(left);
+            let score = contaminated(&left);
+            let evident = score > regular.max(normal(&left)) + EVIDENCE;
+            if candidate.status.is_success() && self.redundant(&candidate) && evident && score > best {
+                (best, winner) = (score, Some(candidate));
+            }
+        }
+        Ok(winner.unwrap_or_else(|| {
+            plain.info.noise = Some(self.noise(&self.residuals(&plain.x), plain.rank));
+            plain.info.row_weights = Some(vec![1.0; self.problem.rows()]);
+            plain.info.fallback = plain.info.fallback.or(Some(Fallback::NoContamination));
+            plain
+        }))
+    }
+
+    /// Whether the weighted rows leave as many degrees of freedom as they determine unknowns: with fewer, some handful of visits agrees
+    /// with itself by chance, and what the fit without one of them leaves depends on all others.
+    fn redundant(&self, fit: &Solution) -> bool {
+        let believed: f64 = match &fit.info.row_weights {
+            Some(factors) => self.groups.iter().flatten().map(|&row| factors[row]).sum(),
+            None => self.groups.iter().map(Vec::len).sum::<usize>() as f64,
+        };
+        believed >= 2.0 * fit.rank as f64
+    }
+
+    /// Each visit as the fit without it leaves it.
+    fn left_out(&self, fit: &Solution) -> Result<Vec<Option<LeftOut>>, SolveError> {
+        let factor = |group: &Vec<usize>| match (&fit.info.row_weights, group.first()) {
+            (Some(weights), Some(&row)) => weights[row],
+            _ => 1.0,
+        };
+        let factors: Vec<f64> = self.groups.iter().map(factor).collect();
+        left_out(self.problem, &self.groups, &self.problem.residual(&fit.x), &factors)
     }
 }
