@@ -26,9 +26,7 @@ pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
 pub use nalgebra;
 pub use need::Need;
-#[cfg(feature = "argmin")]
-pub use nonlinear::LevenbergMarquardt;
-pub use nonlinear::{NonlinearLeastSquares, NonlinearSolution};
+pub use nonlinear::{LevenbergMarquardt, NonlinearLeastSquares, NonlinearSolution};
 pub use problem::{Bounds, LeastSquares};
 pub use rank::{RankDecision, RankRule, decide_rank};
 pub use ridge::{Ridge, RidgeStrength};

@@ -87,6 +87,16 @@ mod tests {
         refused("ridge(cv, folds=2.5)", "folds = 2.5");
     }
 
+    #[cfg(not(feature = "clarabel"))]
+    #[test]
+    fn solvers_that_are_not_built_in_are_refused_with_the_name_of_their_feature() {
+        for text in
+            ["lasso", "elastic_net(mix=0.9)", "group_lasso", "bounded(qr)", "huber_exact", "huber(lasso)"]
+        {
+            refused(text, "feature `clarabel`");
+        }
+    }
+
     #[test]
     fn everything_that_is_known_builds_and_passes_on_its_name() {
         for (name, about) in SolverSpec::known() {
