@@ -1,4 +1,4 @@
-//! What a problem may demand of a solver.
+//! Properties of a problem that not every solver supports.
 
 /// A property of a problem that not every solver supports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

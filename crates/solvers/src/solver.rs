@@ -1,9 +1,9 @@
-//! The seam: what a solver is given, what it hands back, and how it ended.
+//! The `Solver` trait, its `Solution` and the termination `Status`.
 
 use crate::{LeastSquares, Need, RankDecision, SolveError};
 use nalgebra::DVector;
 
-/// A strategy for linear least squares. A stranger's needs these three methods, and passes
+/// A strategy for linear least squares. A third-party solver implements these three methods, and passes
 /// [`testkit::check_solver`](crate::testkit::check_solver).
 ///
 /// ```
@@ -41,7 +41,7 @@ use nalgebra::DVector;
 pub trait Solver: Send + Sync {
     /// The name by which it is chosen and reported.
     fn name(&self) -> &str;
-    /// Whether it can deal with this; asked before any work.
+    /// Whether it supports this property of a problem; checked before any work.
     fn supports(&self, need: Need) -> bool;
     /// Solves. Not converging, or a deficient rank, is a [`Status`], not an error.
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError>;
@@ -105,7 +105,7 @@ pub enum Status {
     NotStarted,
     /// The arithmetic broke down; `x` is NaN.
     NumericalFailure,
-    /// The caller asked to stop.
+    /// The caller cancelled the run.
     Interrupted,
 }
 
@@ -125,11 +125,11 @@ pub struct Solution {
     pub rank: usize,
     /// How it ended.
     pub status: Status,
-    /// On what the answer rests.
+    /// Diagnostics.
     pub info: SolverInfo,
 }
 
-/// On what an answer rests. Fields that a solver does not have stay at their default.
+/// Diagnostics of a solution. Fields that a solver does not compute stay at their default.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SolverInfo {
     /// ‖W^{1/2} (A x − y)‖.

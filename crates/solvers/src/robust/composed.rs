@@ -4,7 +4,7 @@ use super::visits::Visits;
 use super::{Loss, Trimming};
 use crate::{Fallback, LeastSquares, Need, Solution, SolveError, Solver};
 
-/// Where the rounds begin.
+/// Where the iterations start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Start {
@@ -24,11 +24,11 @@ pub struct Robust<S> {
     inner: S,
     /// What a large residual costs.
     pub loss: Loss,
-    /// Where the rounds begin.
+    /// Where the iterations start.
     pub start: Start,
-    /// Largest number of rounds.
-    pub rounds: usize,
-    /// Ends when a round changes the residuals by less than this, relative to their norm.
+    /// Largest number of iterations.
+    pub max_iterations: usize,
+    /// Ends when an iteration changes the residuals by less than this, relative to their norm.
     pub tolerance: f64,
     /// Whether the answer of the inner solver stands where the data gives no evidence of wrong visits; otherwise visits are weighted in any
     /// case, as textbooks do.
@@ -36,12 +36,12 @@ pub struct Robust<S> {
 }
 
 impl<S: Solver> Robust<S> {
-    /// `inner` under a loss, begun where it should be.
+    /// `inner` under a loss, from a start.
     pub fn new(inner: S, loss: Loss, start: Start) -> Self {
         let name = format!("{}({})", loss.name(), inner.name());
-        // A penalty whose strength is chosen anew in each round moves by the resolution of that choice.
+        // A penalty whose strength is chosen anew in each iteration moves by the resolution of that choice.
         let tolerance = if inner.supports(Need::Unpenalised) { 1e-10 } else { 1e-6 };
-        Self { name, inner, loss, start, rounds: 200, tolerance, only_where_contaminated: true }
+        Self { name, inner, loss, start, max_iterations: 200, tolerance, only_where_contaminated: true }
     }
 
     /// Huber's loss with k = 1.345: keeps every visit, limits its pull.
@@ -56,7 +56,7 @@ impl<S: Solver> Robust<S> {
 
     fn validate(&self) -> Result<(), SolveError> {
         let bad = |option, value, expected| Err(SolveError::BadOption { option, value, expected });
-        if self.rounds == 0 {
+        if self.max_iterations == 0 {
             return bad("rounds", 0.0, "at least 1");
         }
         if self.tolerance <= 0.0 || self.tolerance.is_nan() {
@@ -111,7 +111,8 @@ impl<S: Solver> Solver for Robust<S> {
         if !start.status.is_success() {
             return Ok(start);
         }
-        let iterate = |start| visits.iterate(&self.inner, self.loss, start, self.rounds, self.tolerance);
+        let iterate =
+            |start| visits.iterate(&self.inner, self.loss, start, self.max_iterations, self.tolerance);
         let mut robust = iterate(start)?;
         robust.info.fallback = robust.info.fallback.or(fallback);
         if !self.only_where_contaminated {
@@ -122,7 +123,7 @@ impl<S: Solver> Solver for Robust<S> {
             // A loss that descends has several minima; that of the other start may be a worse one.
             candidates.push(iterate(plain.clone())?);
         }
-        visits.best(plain, candidates)
+        visits.best(self.loss, plain, candidates)
     }
 }
 

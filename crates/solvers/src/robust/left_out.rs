@@ -1,17 +1,20 @@
-//! Residuals of visits by the weighted fit of all others, without solving again.
+//! Residuals of visits by the robust fit of all others, without solving again.
 //!
-//! e_g = (I − w_g M_g)⁻¹ r_g,  V_g = I + M_g (I − w_g M_g)⁻¹,  M_g = A_g (Aᵀ W A)⁻¹ A_gᵀ
+//! e_g = r_g + P_g w_g r_g,  V_g = I + P_g,  P_g = M_g (I − K_g M_g)⁻¹,  M_g = A_g D⁻¹ A_gᵀ
+//! D = Σ A_gᵀ K_g A_g,  K_g = w_g I + (w'(t_g) / (t_g n_g σ²)) r_g r_gᵀ
 //!
 //! | symbol | name | shape | unit |
 //! | --- | --- | --- | --- |
 //! | r_g, A_g | whitened residuals and rows of a visit | n_g, n_g × p | 1 |
-//! | w_g | factor that the loss put on the weights of its rows | 1 | 1 |
-//! | W | weights of all rows with these factors | m, diagonal | 1 |
-//! | e_g | residuals of the visit by the fit without it, all other factors as they are | n_g | 1 |
+//! | w_g, t_g | factor that the loss put on the weights of its rows, and where it was taken: u_g / σ | 1 | 1 |
+//! | D, K_g | second derivative of the sum of losses, and what a visit adds to it | p × p, n_g × n_g | 1 |
+//! | e_g | residuals of the visit by the fit without it, to first order of the change in all other weights | n_g | 1 |
 //! | V_g | covariance of e_g over σ²: noise of the visit and uncertainty of the fit | n_g × n_g | 1 |
 //!
-//! Source: Cook and Weisberg, *Residuals and Influence in Regression* (1982), §2.2 and §5.1. A visit of weight 0 was left out already: its
-//! residual is larger than the noise by the leverage, that of a visit that the fit rests on is smaller.
+//! Without a loss, K_g = I, and this is the exact formula of Cook and Weisberg, *Residuals and Influence in Regression* (1982), §2.2; with one it
+//! is one Newton step of the estimate (Huber and Ronchetti 2009, §7.6). A visit of weight 0 was left out already: its residual is larger than the
+//! noise by the leverage, that of a visit that the fit rests on is smaller. Where D is not positive definite the fit is no minimum that
+//! the data determines.
 
 use crate::accumulator::{ColumnScale, Factor};
 use crate::dense::solve_upper_transposed;
@@ -29,49 +32,79 @@ pub(super) struct LeftOut {
     pub rows: usize,
 }
 
+/// How a loss weighs a visit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Weighting {
+    /// w_g.
+    pub factor: f64,
+    /// w'(t_g) / (t_g n_g σ²), at most zero.
+    pub slope: f64,
+}
+
+impl Weighting {
+    /// As measured.
+    pub const PLAIN: Self = Self { factor: 1.0, slope: 0.0 };
+}
+
 /// Each group of rows as the fit without it leaves it; none for a visit without which a direction is lost, or without rows that count.
-/// `residual` holds W^{1/2} (A x − y), `factors` what the loss put on each group.
+/// Nothing where the fit is no minimum. `residual` holds W^{1/2} (A x − y).
 pub(super) fn left_out(
     problem: &LeastSquares<'_>,
     groups: &[Vec<usize>],
     residual: &DVector<f64>,
-    factors: &[f64],
-) -> Result<Vec<Option<LeftOut>>, SolveError> {
+    weighting: &[Weighting],
+) -> Result<Option<Vec<Option<LeftOut>>>, SolveError> {
     let mut weights: Vec<f64> = (0..problem.rows()).map(|row| problem.root_weight(row).powi(2)).collect();
-    for (group, factor) in groups.iter().zip(factors) {
-        group.iter().for_each(|row| weights[*row] *= factor);
+    for (group, by) in groups.iter().zip(weighting) {
+        group.iter().for_each(|row| weights[*row] *= by.factor);
     }
     let factor = Factor::of(&problem.with_weights(&weights))?;
     let pivoted = factor.solve_pivoted(0, ColumnScale::Norms, RankRule::Default)?;
     let kept = pivoted.info.kept.unwrap_or_else(|| (0..problem.columns()).collect());
     let triangle = factor.select(&kept).r;
-    let leave = |(group, &factor): (&Vec<usize>, &f64)| {
-        let rows: Vec<usize> = group.iter().copied().filter(|row| problem.root_weight(*row) > 0.0).collect();
-        let mut reached = DMatrix::zeros(kept.len(), rows.len());
-        for (k, &row) in rows.iter().enumerate() {
-            let of_row: Vec<f64> =
-                kept.iter().map(|&column| problem.root_weight(row) * problem.a[(row, column)]).collect();
-            reached.set_column(k, &solve_upper_transposed(&triangle, &of_row));
-        }
-        let residual = DVector::from_fn(rows.len(), |k, _| residual[rows[k]]);
-        without(&reached.tr_mul(&reached), &residual, factor)
+    // In coordinates in which Aᵀ W A is one.
+    let visits: Vec<(DMatrix<f64>, DVector<f64>)> = groups
+        .iter()
+        .map(|group| {
+            let rows: Vec<usize> =
+                group.iter().copied().filter(|row| problem.root_weight(*row) > 0.0).collect();
+            let mut reached = DMatrix::zeros(kept.len(), rows.len());
+            for (k, &row) in rows.iter().enumerate() {
+                let of_row: Vec<f64> =
+                    kept.iter().map(|&column| problem.root_weight(row) * problem.a[(row, column)]).collect();
+                reached.set_column(k, &solve_upper_transposed(&triangle, &of_row));
+            }
+            (reached, DVector::from_fn(rows.len(), |k, _| residual[rows[k]]))
+        })
+        .collect();
+    let mut second = DMatrix::identity(kept.len(), kept.len());
+    for ((reached, residual), by) in visits.iter().zip(weighting).filter(|(_, by)| by.slope < 0.0) {
+        let pulled = reached * residual;
+        second.ger(by.slope, &pulled, &pulled, 1.0);
+    }
+    let Some(second) = second.cholesky() else { return Ok(None) };
+    let leave = |((reached, residual), &by): (&(DMatrix<f64>, DVector<f64>), &Weighting)| {
+        let leverage = reached.tr_mul(&second.solve(reached));
+        without(&leverage, residual, by)
     };
-    Ok(groups.iter().zip(factors).map(leave).collect())
+    Ok(Some(visits.iter().zip(weighting).map(leave).collect()))
 }
 
-fn without(leverage: &DMatrix<f64>, residual: &DVector<f64>, factor: f64) -> Option<LeftOut> {
+fn without(leverage: &DMatrix<f64>, residual: &DVector<f64>, by: Weighting) -> Option<LeftOut> {
     /// Share of a direction that has to be known without the visit: half the digits.
     const LEAST: f64 = 1e-8;
     let rows = residual.len();
     if rows == 0 {
         return None;
     }
-    let split = (DMatrix::identity(rows, rows) - leverage * factor).cholesky()?;
-    if split.l_dirty().diagonal().iter().any(|d| d * d < LEAST) {
+    let own = DMatrix::identity(rows, rows) * by.factor + residual * residual.transpose() * by.slope;
+    let split = (DMatrix::identity(rows, rows) - own * leverage).lu();
+    if split.determinant().abs() < LEAST {
         return None;
     }
-    let error = split.solve(residual);
-    let spread = (DMatrix::identity(rows, rows) + leverage * split.inverse()).cholesky()?;
+    let reach = leverage * split.try_inverse()?;
+    let error = residual + &reach * residual * by.factor;
+    let spread = (DMatrix::identity(rows, rows) + reach).cholesky()?;
     let log_determinant = 2.0 * spread.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
     Some(LeftOut { square: error.dot(&spread.solve(&error)), log_determinant, rows })
 }
@@ -92,7 +125,9 @@ mod tests {
         let weights: Vec<f64> = (0..24).map(|i| factors[i / 3]).collect();
         let problem = LeastSquares::new(&a, &y);
         let x = PivotedQr::default().solve(&problem.with_weights(&weights)).unwrap().x;
-        let found = left_out(&problem, &groups, &problem.residual(&x), &factors).unwrap();
+        let weighting: Vec<Weighting> =
+            factors.iter().map(|&factor| Weighting { factor, slope: 0.0 }).collect();
+        let found = left_out(&problem, &groups, &problem.residual(&x), &weighting).unwrap().unwrap();
         for (g, group) in groups.iter().enumerate() {
             let mut others = weights.clone();
             group.iter().for_each(|i| others[*i] = 0.0);

@@ -1,4 +1,4 @@
-//! Robustness as composition: any solver, asked again and again with the weights of suspicious visits lowered.
+//! Robustness as composition: any solver, run repeatedly with the weights of suspicious visits lowered (iteratively reweighted least squares).
 //!
 //! u_g = ‖W^{1/2} (A x − y)‖_g / √n_g,  w_g = ψ(u_g / σ̂) / (u_g / σ̂),  solve with W · w, repeat
 //!
@@ -10,8 +10,8 @@
 //! | w_g | factor on the weights of that visit's rows | visits | 1 |
 //!
 //! Source: Huber and Ronchetti, *Robust Statistics* (2009), ch. 7; Maronna, Martin, Yohai and Salibián-Barrera, *Robust
-//! Statistics* (2019), §5. The scale follows the residuals for the first rounds and is then held, so that the rounds
-//! converge.
+//! Statistics* (2019), §5. The scale is re-estimated in the first iterations and then fixed, so that the
+//! iterations converge.
 //!
 //! Weights cost efficiency where no visit is wrong, and a loss that descends may end in a minimum that leaves good visits out. So the robust fit
 //! is taken only where the visits are contaminated and it predicts those that it did not see better than the plain fit does: `best` in

@@ -1,7 +1,7 @@
 //! The visits of a problem and the reweighting of their rows.
 
 use super::contamination::{contaminated, normal};
-use super::left_out::{LeftOut, left_out};
+use super::left_out::{LeftOut, Weighting, left_out};
 use super::{Loss, scale};
 use crate::dense::norm;
 use crate::{Fallback, LeastSquares, Solution, SolveError, Solver, Status};
@@ -68,19 +68,19 @@ impl<'a> Visits<'a> {
         inner: &dyn Solver,
         loss: Loss,
         start: Solution,
-        rounds: usize,
+        max_iterations: usize,
         tolerance: f64,
     ) -> Result<Solution, SolveError> {
-        const FOLLOWING: usize = 20;
+        const RESCALED: usize = 20;
         let mut solution = start;
         let mut noise = 0.0;
-        let mut settled = false;
+        let mut scale_converged = false;
         let mut before = self.problem.residual(&solution.x);
-        for round in 1..=rounds {
+        for iteration in 1..=max_iterations {
             let residuals = self.residuals(&solution.x);
-            if round <= FOLLOWING && !settled {
+            if iteration <= RESCALED && !scale_converged {
                 let next = self.noise(&residuals, solution.rank);
-                settled = (next - noise).abs() <= 1e-4 * next;
+                scale_converged = (next - noise).abs() <= 1e-4 * next;
                 noise = next;
             }
             let factors: Vec<f64> = residuals.iter().map(|(u, _)| loss.weight(u / noise)).collect();
@@ -92,7 +92,7 @@ impl<'a> Visits<'a> {
             let moved = norm((&after - &before).as_slice());
             let size = norm(after.as_slice());
             solution = next;
-            solution.info.iterations = round;
+            solution.info.iterations = iteration;
             solution.info.noise = Some(noise);
             before = after;
             if moved <= tolerance * size + self.floor {
@@ -105,24 +105,39 @@ impl<'a> Visits<'a> {
 
     /// The plain fit, unless the visits are contaminated and one of the robust fits predicts visits that it did not see with a higher density
     /// than the plain one does, under a contaminated normal distribution; of the robust fits the best by that measure.
-    pub fn best(&self, mut plain: Solution, robust: Vec<Solution>) -> Result<Solution, SolveError> {
-        let mut left = vec![self.left_out(&plain)?];
-        for candidate in &robust {
-            left.push(self.left_out(candidate)?);
-        }
-        let common: Vec<usize> =
-            (0..self.groups.len()).filter(|&g| left.iter().all(|of_fit| of_fit[g].is_some())).collect();
-        let of =
-            |fit: &Vec<Option<LeftOut>>| -> Vec<LeftOut> { common.iter().filter_map(|&g| fit[g]).collect() };
-        let of_plain = of(&left[0]);
-        let (regular, mut best) = (normal(&of_plain), contaminated(&of_plain));
+    pub fn best(
+        &self,
+        loss: Loss,
+        mut plain: Solution,
+        robust: Vec<Solution>,
+    ) -> Result<Solution, SolveError> {
         let mut winner = None;
-        for (candidate, left) in robust.into_iter().zip(&left[1..]) {
-            let left = of(left);
-            let score = contaminated(&left);
-            let evident = score > regular.max(normal(&left)) + EVIDENCE;
-            if candidate.status.is_success() && self.redundant(&candidate) && evident && score > best {
-                (best, winner) = (score, Some(candidate));
+        if let Some(of_plain) = self.left_out(&plain, |_| Weighting::PLAIN)? {
+            let mut least = f64::NEG_INFINITY;
+            for candidate in robust {
+                let noise = candidate.info.noise.unwrap_or(1.0);
+                let weighting = |(u, n): (f64, usize)| Weighting {
+                    factor: loss.weight(u / noise),
+                    slope: loss.slope(u / noise) / (n.max(1) as f64 * noise * noise),
+                };
+                let Some(of_robust) = self.left_out(&candidate, weighting)? else { continue };
+                let (mut before, mut after) = (Vec::new(), Vec::new());
+                for (a, b) in of_plain.iter().zip(&of_robust) {
+                    if let (Some(a), Some(b)) = (a, b) {
+                        before.push(*a);
+                        after.push(*b);
+                    }
+                }
+                let score = contaminated(&after);
+                let evident = score > normal(&before).max(normal(&after)) + EVIDENCE;
+                let gain = score - contaminated(&before);
+                if candidate.status.is_success()
+                    && self.redundant(&candidate)
+                    && evident
+                    && gain > least.max(0.0)
+                {
+                    (least, winner) = (gain, Some(candidate));
+                }
             }
         }
         Ok(winner.unwrap_or_else(|| {
@@ -136,20 +151,20 @@ impl<'a> Visits<'a> {
     /// Whether the weighted rows leave as many degrees of freedom as they determine unknowns: with fewer, some handful of visits agrees
     /// with itself by chance, and what the fit without one of them leaves depends on all others.
     fn redundant(&self, fit: &Solution) -> bool {
-        let believed: f64 = match &fit.info.row_weights {
+        let effective: f64 = match &fit.info.row_weights {
             Some(factors) => self.groups.iter().flatten().map(|&row| factors[row]).sum(),
             None => self.groups.iter().map(Vec::len).sum::<usize>() as f64,
         };
-        believed >= 2.0 * fit.rank as f64
+        effective >= 2.0 * fit.rank as f64
     }
 
-    /// Each visit as the fit without it leaves it.
-    fn left_out(&self, fit: &Solution) -> Result<Vec<Option<LeftOut>>, SolveError> {
-        let factor = |group: &Vec<usize>| match (&fit.info.row_weights, group.first()) {
-            (Some(weights), Some(&row)) => weights[row],
-            _ => 1.0,
-        };
-        let factors: Vec<f64> = self.groups.iter().map(factor).collect();
-        left_out(self.problem, &self.groups, &self.problem.residual(&fit.x), &factors)
+    /// Each visit as the fit without it leaves it; nothing where the fit is no minimum.
+    fn left_out(
+        &self,
+        fit: &Solution,
+        weighting: impl Fn((f64, usize)) -> Weighting,
+    ) -> Result<Option<Vec<Option<LeftOut>>>, SolveError> {
+        let weighting: Vec<Weighting> = self.residuals(&fit.x).into_iter().map(weighting).collect();
+        left_out(self.problem, &self.groups, &self.problem.residual(&fit.x), &weighting)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::grammar::{Argument, Call, Value, parse};
 use super::names::{NAMES, Name, nearest};
-use super::tree::{ROUNDS, SolverSpec};
+use super::tree::{MAX_ITERATIONS, SolverSpec};
 use crate::{
     Choice, GroupedFolds, Loss, NormalEquations, PivotedQr, RankRule, Ridge, RidgeStrength, SolveError,
     Start, Svd, Trimming,
@@ -214,8 +214,8 @@ impl Options {
             trimming.seed = self.count("seed")?.map_or(trimming.seed, |s| s as u64);
             trimming.validate()?;
         }
-        let rounds = self.count("rounds")?.unwrap_or(ROUNDS).max(1);
-        Ok(SolverSpec::Robust { inner: Box::new(self.inner()?), loss, start, rounds })
+        let max_iterations = self.count("rounds")?.unwrap_or(MAX_ITERATIONS).max(1);
+        Ok(SolverSpec::Robust { inner: Box::new(self.inner()?), loss, start, max_iterations })
     }
 
     fn finish(self) -> Result<(), SolveError> {

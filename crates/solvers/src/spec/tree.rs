@@ -29,7 +29,7 @@ pub enum SolverSpec {
     /// `bounded`
     #[cfg(feature = "clarabel")]
     Bounded {
-        /// Asked first; the bounds are imposed on what it minimises.
+        /// Run first; the bounds are imposed on what it minimises.
         inner: Box<SolverSpec>,
     },
     /// `huber_exact`
@@ -37,19 +37,19 @@ pub enum SolverSpec {
     ExactHuber(ExactHuber),
     /// `huber` and `tukey`
     Robust {
-        /// Asked in every round.
+        /// Run in every iteration.
         inner: Box<SolverSpec>,
         /// Which loss.
         loss: Loss,
-        /// Where the rounds begin.
+        /// Where the iterations start.
         start: Start,
-        /// Largest number of rounds.
-        rounds: usize,
+        /// Largest number of iterations (option `rounds`).
+        max_iterations: usize,
     },
 }
 
-/// Rounds of a robust solver unless told otherwise.
-pub(crate) const ROUNDS: usize = 200;
+/// Largest number of iterations of a robust solver by default.
+pub(crate) const MAX_ITERATIONS: usize = 200;
 
 impl Default for SolverSpec {
     fn default() -> Self {
@@ -75,9 +75,9 @@ impl SolverSpec {
             SolverSpec::Bounded { inner } => Box::new(Bounded::new(inner.build())),
             #[cfg(feature = "clarabel")]
             SolverSpec::ExactHuber(s) => Box::new(*s),
-            SolverSpec::Robust { inner, loss, start, rounds } => {
+            SolverSpec::Robust { inner, loss, start, max_iterations } => {
                 let mut robust = Robust::new(inner.build(), *loss, *start);
-                robust.rounds = *rounds;
+                robust.max_iterations = *max_iterations;
                 Box::new(robust)
             }
         }
