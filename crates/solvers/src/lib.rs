@@ -28,8 +28,16 @@ pub use nalgebra;
 pub use need::Need;
 pub use nonlinear::{LevenbergMarquardt, NonlinearLeastSquares, NonlinearSolution};
 pub use problem::{Bounds, LeastSquares};
-pub use rank::{RankDecision, RankRule, decide_rank};
+pub(crate) use rank::decide_rank;
+pub use rank::{RankDecision, RankRule};
 pub use ridge::{Ridge, RidgeStrength};
 pub use robust::{Loss, Robust, Start, Trimming};
 pub use solver::{Fallback, Solution, Solver, SolverInfo, Status};
 pub use spec::SolverSpec;
+
+/// What most programs need: `use truepose_solvers::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Bounds, LeastSquares, Need, PivotedQr, Robust, Solution, SolveError, Solver, SolverSpec, Status,
+    };
+}

@@ -131,6 +131,7 @@ pub struct Solution {
 
 /// Diagnostics of a solution. Fields that a solver does not compute stay at their default.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct SolverInfo {
     /// ‖W^{1/2} (A x − y)‖.
     pub residual_norm: f64,
@@ -150,7 +151,7 @@ pub struct SolverInfo {
     pub effective_parameters: Option<f64>,
     /// Residual of the optimality conditions, relative, measured by us and not by the backend.
     pub optimality: Option<f64>,
-    /// Factors by which a robust fit multiplied the weights of the rows.
+    /// Factors by which a robust fit multiplied the weights of the rows; all 1 where it found no contamination.
     pub row_weights: Option<Vec<f64>>,
     /// Robust estimate of the standard deviation of a whitened row.
     pub noise: Option<f64>,

@@ -121,7 +121,7 @@ impl<S: Solver> Solver for Robust<S> {
         let mut candidates = vec![robust];
         if self.start != Start::Plain {
             // A loss that descends has several minima; that of the other start may be a worse one.
-            candidates.push(iterate(plain.clone())?);
+            candidates.insert(0, iterate(plain.clone())?);
         }
         visits.best(self.loss, plain, candidates)
     }

@@ -104,7 +104,7 @@ impl<'a> Visits<'a> {
     }
 
     /// The plain fit, unless the visits are contaminated and one of the robust fits predicts visits that it did not see with a higher density
-    /// than the plain one does, under a contaminated normal distribution; of the robust fits the best by that measure.
+    /// than the plain one does, under a contaminated normal distribution; of the robust fits, the one nearest to the plain fit first, the best by that measure.
     pub fn best(
         &self,
         loss: Loss,
@@ -114,7 +114,9 @@ impl<'a> Visits<'a> {
         let mut winner = None;
         if let Some(of_plain) = self.left_out(&plain, |_| Weighting::PLAIN)? {
             let mut least = f64::NEG_INFINITY;
-            for candidate in robust {
+            for (place, candidate) in robust.into_iter().enumerate() {
+                // Another minimum than the one nearest to the plain fit has to show that as well.
+                let least_gain = least.max(0.0) + if place > 0 { EVIDENCE } else { 0.0 };
                 let noise = candidate.info.noise.unwrap_or(1.0);
                 let weighting = |(u, n): (f64, usize)| Weighting {
                     factor: loss.weight(u / noise),
@@ -131,10 +133,7 @@ impl<'a> Visits<'a> {
                 let score = contaminated(&after);
                 let evident = score > normal(&before).max(normal(&after)) + EVIDENCE;
                 let gain = score - contaminated(&before);
-                if candidate.status.is_success()
-                    && self.redundant(&candidate)
-                    && evident
-                    && gain > least.max(0.0)
+                if candidate.status.is_success() && self.redundant(&candidate) && evident && gain > least_gain
                 {
                     (least, winner) = (gain, Some(candidate));
                 }
