@@ -8,6 +8,7 @@ mod dense;
 mod error;
 mod folds;
 pub mod kernels;
+mod need;
 pub mod nonlinear;
 mod problem;
 mod rank;
@@ -24,12 +25,19 @@ pub use conic::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
 pub use nalgebra;
-#[cfg(feature = "argmin")]
-pub use nonlinear::LevenbergMarquardt;
-pub use nonlinear::{NonlinearLeastSquares, NonlinearSolution};
+pub use need::Need;
+pub use nonlinear::{LevenbergMarquardt, NonlinearLeastSquares, NonlinearSolution};
 pub use problem::{Bounds, LeastSquares};
-pub use rank::{RankDecision, RankRule, decide_rank};
+pub(crate) use rank::decide_rank;
+pub use rank::{RankDecision, RankRule};
 pub use ridge::{Ridge, RidgeStrength};
 pub use robust::{Loss, Robust, Start, Trimming};
-pub use solver::{Fallback, Need, Solution, Solver, SolverInfo, Status};
+pub use solver::{Fallback, Solution, Solver, SolverInfo, Status};
 pub use spec::SolverSpec;
+
+/// What most programs need: `use truepose_solvers::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Bounds, LeastSquares, Need, PivotedQr, Robust, Solution, SolveError, Solver, SolverSpec, Status,
+    };
+}

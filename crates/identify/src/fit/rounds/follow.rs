@@ -73,7 +73,9 @@ impl<'a> State<'a> {
                 converged = true;
                 break;
             }
-            if robust && share >= 1.0 && looks < LOOKS {
+            // Where the solver left every weight as it was, noise and prior are those of the plain fit.
+            let weighed = weights.iter().any(|weight| *weight < 1.0);
+            if robust && weighed && share >= 1.0 && looks < LOOKS {
                 looks += 1;
                 self.look_by_weights(reduction, &rows, &solution, &weights)?;
             }

@@ -151,7 +151,7 @@ pub fn gram(
     })?;
     let mut parts = parts.into_iter();
     let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
-    whole.settle();
+    whole.flush();
     for part in parts {
         whole.merge(&part)?;
     }

@@ -11,7 +11,7 @@ struct ConjugateGradients {
 
 impl Solver for ConjugateGradients {
     fn name(&self) -> &str {
-        "stranger/cgls"
+        "third_party/cgls"
     }
 
     fn supports(&self, need: Need) -> bool {
@@ -55,13 +55,13 @@ impl Solver for ConjugateGradients {
 }
 
 #[test]
-fn a_strangers_solver_passes_the_kit() {
+fn a_third_party_solver_passes_the_kit() {
     check_solver(&ConjugateGradients { iterations: 300 });
 }
 
 #[test]
 fn a_lazy_one_does_not() {
     let outcomes = examine(&ConjugateGradients { iterations: 0 });
-    assert!(outcomes.iter().any(|o| o.case == "full rank" && o.complaint.is_some()));
-    assert!(outcomes.iter().any(|o| o.case == "what is not finite is refused" && o.complaint.is_none()));
+    assert!(outcomes.iter().any(|o| o.case == "full rank" && o.failure.is_some()));
+    assert!(outcomes.iter().any(|o| o.case == "what is not finite is refused" && o.failure.is_none()));
 }
