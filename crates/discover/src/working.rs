@@ -4,12 +4,11 @@ use crate::candidate::{Candidate, Change};
 use crate::likelihood::Likelihood;
 use crate::outliers::{Outliers, outliers};
 use crate::scene::Scene;
-use crate::wide::{Stretches, Wide};
 use crate::{DiscoverError, payload};
 use nalgebra::DMatrix;
 use std::borrow::Cow;
 use std::ops::Range;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Term, Visits};
 use truepose_identify::{Fit, FitOptions, PriorStrength, fit, fit_again};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
@@ -106,9 +105,7 @@ impl Ground<'_> {
         for candidate in found {
             for effect in candidate.effects() {
                 effects.push(match candidate.width {
-                    Some(width) => {
-                        Box::new(Wide { effect: effect.clone(), stretches: Stretches::All(width / kappa) })
-                    }
+                    Some(width) => Box::new(Term::new(effect.clone()).scaled(width / kappa)),
                     None => effect.clone(),
                 });
             }

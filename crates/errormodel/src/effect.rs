@@ -173,7 +173,8 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
     }
 }
 
-/// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and by nothing else.
+/// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and for [`Term`](crate::Term), which forwards to one;
+/// no method has a default, so that nothing is forgotten when it is forwarded.
 pub trait AnyEffect: Any + Debug + Send + Sync {
     /// [`Effect::KIND`].
     fn kind(&self) -> &'static str;
@@ -182,17 +183,13 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
     /// [`Effect::eval`].
     fn eval(&self, at: &Posture<'_>, out: &mut Emission);
     /// [`Effect::eval_lanes`].
-    fn eval_lanes(&self, _at: &LanePosture<'_>, _out: &mut LaneEmission) -> bool {
-        false
-    }
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool;
     /// [`Effect::needs`].
     fn needs(&self) -> Vec<Signal>;
     /// [`Effect::settles`].
     fn settles(&self) -> bool;
     /// [`Effect::springs`].
-    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
-        None
-    }
+    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>>;
     /// [`Effect::validate`].
     ///
     /// # Errors

@@ -9,11 +9,11 @@ mod fitted;
 mod generalized;
 mod jacobian;
 pub mod lanes;
-mod limited;
 mod model;
 mod real;
 mod registry;
 mod rest;
+mod term;
 pub mod testkit;
 
 pub use dataset::{
@@ -29,8 +29,8 @@ pub use fitted::{
 };
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;
-pub use limited::Limited;
 pub use model::{BoundModel, ErrorModel};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
 pub use rest::Rest;
+pub use term::Term;
