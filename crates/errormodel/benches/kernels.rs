@@ -2,8 +2,9 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use truepose_errormodel::batch::Lanes;
 use truepose_errormodel::effects::{Geometric, JointCompliance, LinkCompliance, Polynomial, WrenchComponent};
-use truepose_errormodel::lanes::{LANES, Lanes, error_jacobians};
+use truepose_errormodel::lanes::{LANES, error_jacobians};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Rest, Schema};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Conditions, Load, Payload, TargetId, samples};

@@ -1,7 +1,9 @@
 //! The seam through which effects enter: the only trait that an author of an effect implements.
 
+use crate::emission::Emission;
+use crate::error::ModelError;
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{Emission, ModelError};
+use crate::signal::Signal;
 use serde::{Serialize, de::DeserializeOwned};
 use std::any::Any;
 use std::fmt::Debug;
@@ -34,28 +36,6 @@ impl Column {
     /// The same, between these values.
     pub fn within(self, lower: f64, upper: f64) -> Self {
         Column { bounds: [lower, upper], ..self }
-    }
-}
-
-/// An input that not every data set has. Asked for by name, resolved once, then read as `at.signal(k)`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Signal {
-    /// The time of the row, s.
-    Time,
-    /// The direction in which a joint last moved: −1, 0, +1.
-    Approach(JointId),
-    /// A channel, by its name.
-    Channel(String),
-}
-
-impl Signal {
-    /// In words.
-    pub fn describe(&self, chain: &Chain) -> String {
-        match self {
-            Signal::Time => "a `time` column".into(),
-            Signal::Approach(joint) => format!("the approach of joint `{}`", chain.joint(*joint).name),
-            Signal::Channel(name) => format!("a channel `{name}`"),
-        }
     }
 }
 

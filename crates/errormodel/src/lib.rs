@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+pub mod batch;
 mod dataset;
+mod derived;
 mod effect;
 pub mod effects;
 mod emission;
@@ -13,6 +15,7 @@ mod model;
 mod real;
 mod registry;
 mod rest;
+mod signal;
 mod term;
 pub mod testkit;
 
@@ -20,7 +23,7 @@ pub use dataset::{
     CARRIED, Channel, Dataset, Dwell, DwellTolerance, Schema, Seen, Visits, approach_from_order,
     configurations, is_derived, late_channel, visits_from_rows,
 };
-pub use effect::{AnyEffect, Column, Effect, Search, Shape, Signal, UNBOUNDED};
+pub use effect::{AnyEffect, Column, Effect, Search, Shape, UNBOUNDED};
 pub use emission::{Emission, Entry};
 pub use error::ModelError;
 pub use fitted::{
@@ -33,4 +36,5 @@ pub use model::{BoundModel, ErrorModel};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
 pub use rest::Rest;
+pub use signal::Signal;
 pub use term::Term;

@@ -109,8 +109,8 @@ impl AnyEffect for Term {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::batch::Lanes;
     use crate::effects::{JointCompliance, Transmission};
-    use crate::lanes::Lanes;
     use crate::{Dataset, Effect, EffectRegistry, ErrorModel, ModelError, Schema, Search};
     use serde::{Deserialize, Serialize};
     use truepose_kinematics::{Load, samples};

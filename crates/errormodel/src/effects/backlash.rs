@@ -16,8 +16,8 @@
 //! τ_f is its shape where `flank_range` is given. Source: Nordin and Gutman, *Controlling mechanical systems with
 //! backlash – a survey* (2002), section 2.
 
+use super::checks::{joint_moves, refused};
 use super::travel::{free, positive};
-use super::{joint_moves, refused};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};

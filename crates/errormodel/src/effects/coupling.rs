@@ -7,8 +7,9 @@
 //! x is q_d mapped from `range` (its limits when absent; q̄ their middle) to [−1, 1], T_k are Chebyshev's polynomials,
 //! which hold their end values outside. c_1 is a ratio: rad or m of this joint a unit of the driving one.
 
+use super::checks::{joint_moves, refused};
+use super::expansion::Basis;
 use super::travel::{ascending, travel};
-use super::{Basis, joint_moves, refused};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};

@@ -7,8 +7,10 @@
 //! What warms up or settles comes to rest: with a time constant τ it is `ε(t) = c (1 − exp(−(t − t_0)/τ))`, one unknown a
 //! component. τ is its shape where `time_constant_range` is given.
 
+use super::checks::refused;
+use super::expansion::Basis;
+use super::spot::Spot;
 use super::travel::{ascending, free, positive};
-use super::{Basis, Spot};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
@@ -105,11 +107,11 @@ impl Effect for Drift {
             Some(constant) => positive(Self::KIND, "time_constant", constant, self.time_constant_range)?,
             None if self.time_constant_range.is_some() => {
                 let reason = "`time_constant_range` stands without `time_constant`";
-                return Err(super::refused(Self::KIND, reason));
+                return Err(refused(Self::KIND, reason));
             }
             None => {}
         }
-        self.basis().check().map_err(|reason| super::refused(Self::KIND, reason))
+        self.basis().check().map_err(|reason| refused(Self::KIND, reason))
     }
 
     fn shape(&self) -> Vec<Shape> {

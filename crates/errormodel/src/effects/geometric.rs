@@ -2,7 +2,7 @@
 //!
 //! `ε_i = c`, one unknown a site.
 
-use super::{frame_exists, target_exists};
+use super::checks::{frame_exists, target_exists};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, UNBOUNDED};
 use serde::{Deserialize, Serialize};

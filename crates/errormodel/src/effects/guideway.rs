@@ -8,9 +8,10 @@
 //! A screw of lead P adds `c_s sin(2πq/P) + c_c cos(2πq/P)` along the axis; the lead is its shape where `screw_range` is
 //! given. Source: Slocum, *Precision Machine Design*, section 2.3.
 
+use super::checks::{joint_moves, refused};
+use super::expansion::Basis;
 use super::spot::distinct;
 use super::travel::{ascending, free, positive, travel};
-use super::{Basis, joint_moves, refused};
 use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};

@@ -17,8 +17,9 @@
 //! The part of h_k along axis k does not turn with joint k: it belongs to the link in front, so that two numbers a turning
 //! link are all there is. A slide k has `q_k (a_k × g)` with its mass, and a slide j that yields, `a_j · g`.
 
+use super::checks::{joint_moves, listed_once, refused};
 use super::geometric::EXPECTED_ANGLE;
-use super::{OwnWeight, joint_moves, listed_once, refused};
+use super::link_compliance::OwnWeight;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};

@@ -16,8 +16,8 @@
 //! per cent while θ stays below θ_h; loaded ten times as far they miss a seventh of it, and a soft range a fiftieth.
 //! Source: Tuttle, *Understanding and modeling the behavior of a harmonic drive* (1992), chapter 4.
 
+use super::checks::{joint_moves, refused};
 use super::travel::{free, positive};
-use super::{joint_moves, refused};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};

@@ -6,7 +6,7 @@
 //! happened with a probability that grows with the time gone by, `c (t − t_−)/(t_+ − t_−)` is what is to be expected, and there is no
 //! prediction with smaller squares.
 
-use super::Spot;
+use super::spot::Spot;
 use super::travel::{ascending, free};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
 use serde::{Deserialize, Serialize};

@@ -15,9 +15,10 @@
 //! alike; [`crate::Dataset::derived_for`] makes it. The lag is its shape where `lag_range` is given: other values ask
 //! for other columns.
 
+use super::checks::refused;
 use super::spot::Part;
+use super::spot::Spot;
 use super::travel::{ascending, free};
-use super::{Spot, refused};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal, late_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};

@@ -3,8 +3,8 @@
 //! `δq_j = Σ_h s_h sin(2πh q_j / P) + c_h cos(2πh q_j / P)`, rad or m; P is one turn unless given, and its shape where
 //! `period_range` is given.
 
-use super::joint_moves;
-use super::refused;
+use super::checks::joint_moves;
+use super::checks::refused;
 use super::travel::{free, positive};
 use crate::{Column, Effect, Emission, ModelError, Search, Shape};
 use serde::{Deserialize, Serialize};

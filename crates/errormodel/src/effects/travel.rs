@@ -1,6 +1,6 @@
 //! Ranges over which an effect is a function of something.
 
-use super::refused;
+use super::checks::refused;
 use crate::{ModelError, Search, Shape};
 use std::f64::consts::PI;
 use truepose_kinematics::{Chain, JointId, JointKind};

@@ -13,7 +13,8 @@ use super::Lineariser;
 use crate::{IdentifyError, NoiseModel};
 use rayon::prelude::*;
 use std::collections::HashMap;
-use truepose_errormodel::lanes::{Component, LANES, Lanes};
+use truepose_errormodel::batch::{Component, Lanes};
+use truepose_errormodel::lanes::LANES;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_kinematics::Load;
 

@@ -18,8 +18,8 @@ mod factor;
 pub use basis::Basis;
 pub use factor::{Factor, Input};
 
+use super::checks::{frame_exists, joint_exists, joint_moves, target_exists};
 use super::geometric::EXPECTED_ANGLE;
-use super::{frame_exists, joint_exists, joint_moves, target_exists};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Signal, UNBOUNDED};
 use serde::{Deserialize, Serialize};

@@ -33,9 +33,9 @@ mod term;
 
 pub use term::WrenchComponent;
 
+use super::checks::{frame_exists, joint_moves, refused};
 use super::geometric::EXPECTED_ANGLE;
 use super::spot::distinct;
-use super::{frame_exists, joint_moves, refused};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Effect, Emission, ModelError, UNBOUNDED};
 use known::Known;

@@ -1,9 +1,11 @@
-use super::*;
+use super::Lanes;
 use crate::effects::{
     BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, JointCompliance, LinkCompliance,
     OwnWeight, Place, Polynomial, Section, Transmission, WrenchComponent,
 };
-use crate::{AnyEffect, ErrorJacobian, ErrorModel, Schema};
+use crate::lanes::LANES;
+use crate::{AnyEffect, Dataset, ErrorJacobian, ErrorModel, Rest, Schema};
+use nalgebra::Vector3;
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{

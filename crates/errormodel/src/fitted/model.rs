@@ -1,13 +1,6 @@
 //! A fitted model: evaluated without the data, the solver or the reduction that made it.
 
-mod coverage;
-mod domain;
-mod sample;
-
-pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
-pub use domain::{Domain, Interval};
-pub use sample::Sample;
-
+use super::domain::Domain;
 use crate::{BoundModel, Channel, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Rest, Schema};
 use nalgebra::{DMatrix, Matrix3, Matrix6};
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
