@@ -4,12 +4,7 @@
 //! since whole columns of a model vanish there: a block has the columns of its kind and no others. Their order is a
 //! function of the data alone. A visit is never cut.
 
-mod sums;
-
-pub(crate) use sums::dense;
-pub use sums::{gram, left_out, left_over, triangular, triangular_of};
-
-use super::Lineariser;
+use super::lineariser::Lineariser;
 use crate::{IdentifyError, NoiseModel};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -25,7 +20,7 @@ const LEAST: usize = 8;
 #[derive(Debug, Clone)]
 pub struct Blocks<'a> {
     lanes: Lanes<'a>,
-    data: &'a Dataset,
+    pub(super) data: &'a Dataset,
     noise: NoiseModel,
     coefficients: &'a [f64],
     places: Vec<Option<usize>>,
@@ -133,7 +128,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// With so many threads where batches are made one after the other.
-    fn on_threads(mut self, threads: usize) -> Self {
+    pub(super) fn on_threads(mut self, threads: usize) -> Self {
         /// Each has memory of its own.
         const MOST: usize = 8;
         self.threads = threads.clamp(1, MOST);
@@ -141,7 +136,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The same rows one by one, for visits that are longer than a block.
-    fn row_by_row(&self) -> Result<Lineariser<'a>, IdentifyError> {
+    pub(super) fn row_by_row(&self) -> Result<Lineariser<'a>, IdentifyError> {
         let model = self.lanes.bound().model();
         let mut columns = vec![0; self.width()];
         for (column, place) in self.places.iter().enumerate().filter_map(|(c, place)| Some((c, (*place)?))) {
@@ -231,7 +226,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The same of some batches.
-    fn wholes(&mut self, batches: &[Batch]) -> Result<Vec<Whole>, IdentifyError> {
+    pub(super) fn wholes(&mut self, batches: &[Batch]) -> Result<Vec<Whole>, IdentifyError> {
         let made = batches.iter().map(|batch| {
             let mut whole = Whole::default();
             self.whole(batch, &mut whole).map(|()| whole)
@@ -240,7 +235,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The same of batch after batch, which are made by all threads and handed on in their order.
-    fn in_turn(
+    pub(super) fn in_turn(
         &self,
         batches: &[Batch],
         mut each: impl FnMut(&Whole) -> Result<(), IdentifyError>,
@@ -325,13 +320,10 @@ fn take_out<const N: usize>(column: &mut [f64], weights: &[f64], shrinks: &[f64]
 
 /// All components of a batch.
 #[derive(Debug, Clone, Default)]
-struct Whole {
-    active: Vec<usize>,
-    rows: usize,
+pub(super) struct Whole {
+    pub(super) active: Vec<usize>,
+    pub(super) rows: usize,
     /// The visit of each row.
-    groups: Vec<usize>,
-    numbers: Vec<f64>,
+    pub(super) groups: Vec<usize>,
+    pub(super) numbers: Vec<f64>,
 }
-
-#[cfg(test)]
-mod tests;

@@ -8,7 +8,8 @@
 //! reduced, which is what a fit does with any model; it reduces those of a grouped error again, since functions may
 //! depend on each other where constants do not.
 
-use super::{Reduction, reduce};
+use super::groups::Reduction;
+use super::reduce::reduce;
 use crate::{IdentifyError, NoiseModel, factorise};
 use std::borrow::Cow;
 use truepose_errormodel::effects::{Geometric, GroupedError, Order, Polynomial, Where};

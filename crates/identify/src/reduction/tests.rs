@@ -1,7 +1,8 @@
 use super::*;
 use truepose_errormodel::effects::{Geometric, Where};
-use truepose_errormodel::{EffectRegistry, Visits};
+use truepose_errormodel::{Dataset, EffectRegistry, ErrorModel, Visits};
 use truepose_kinematics::{Chain, Load, Target, TargetId, nalgebra::Vector3, samples};
+use truepose_solvers::RankRule;
 
 /// Postures spread over ±2.5 rad (m), seen as asked for.
 fn postures(chain: &Chain, count: usize, orientation: bool, targets: &[Option<TargetId>]) -> Dataset {

@@ -8,6 +8,9 @@
 
 use truepose_errormodel::{Dataset, Search, Shape};
 
+/// From, to.
+pub(super) type Range = [f64; 2];
+
 const SMOOTH: usize = 40;
 /// Steps to a valley in 1/P.
 const FINENESS: f64 = 6.0;

@@ -19,19 +19,17 @@
 //! random, and with P(ratio ≤ c) = (1 − e^{−c/2})² it takes c = 7.35 for 95 %. Its interval holds every gap between visits at which the
 //! whitened squares are less than that above the least (Hansen 2000, table I).
 
-use super::FittedShape;
-use super::grid::{gaps, values};
+use super::grid::{Range, gaps, values};
 use super::late::{self, Gains, Moved};
 use super::mixture;
 use super::picture::Picture;
 use super::refine::{Valley, left};
-use crate::{Fit, IdentifyError, student_quantile};
+use crate::IdentifyError;
+use crate::fit::{Fit, FittedShape};
+use crate::student::student_quantile;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use truepose_errormodel::{FittedModel, Search, Shape};
-
-/// From, to.
-pub(super) type Range = [f64; 2];
 
 /// −2 ln(1 − √0.95): 95 % of the likelihood ratio of an instant.
 const RATIO: f64 = 7.352_217_9;

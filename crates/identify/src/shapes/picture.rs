@@ -1,6 +1,6 @@
 //! The linear picture in which shape parameters are looked for: everything but the columns of their effects projected out.
 
-use crate::linearise::{Lineariser, Stations};
+use crate::linearise::{Lineariser, Stations, stand};
 use crate::{Fit, FitOptions, IdentifyError, NoiseModel, NoiseSource};
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
@@ -271,7 +271,7 @@ impl<'a> Picture<'a> {
             return Ok(known);
         }
         let rows = self.used.iter().flat_map(|&visit| self.visits.rows[visit].iter().copied());
-        let stations = Stations::new(&self.at.0, data, &self.at.1, rows)?;
+        let stations = stand(&self.at.0, data, &self.at.1, rows)?;
         Ok(self.stations.get_or_init(|| stations))
     }
 

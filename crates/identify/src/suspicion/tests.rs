@@ -3,7 +3,9 @@
 use super::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truepose_kinematics::{Load, Pose, Target, TargetId, samples};
+use truepose_errormodel::Dataset;
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, JointKind, Load, Placed, Pose, Target, TargetId, samples};
 
 /// A robot with two targets, measured with errors of some millimetres: as a robot before its calibration.
 fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {

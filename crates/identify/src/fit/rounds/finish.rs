@@ -1,8 +1,10 @@
 //! What is made of the last round.
 
-use super::{Outcome, State};
+use super::state::{Outcome, State};
 use crate::IdentifyError;
-use crate::fit::{Fit, Warning, constraints, warnings};
+use crate::fit::result::Fit;
+use crate::fit::warnings::Warning;
+use crate::fit::{constraints, warnings};
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Domain, FittedModel, Noise};

@@ -13,8 +13,8 @@
 //! be held to (with a prior, where the solver has a penalty of its own), finds structure, noise and prior, and leads to where one linear picture holds all that the solver will still change. The
 //! noise that wrong visits have blown up is brought down by the robust scale of the solver, and the prior asked for anew by the weighted rows.
 
-use super::{Outcome, STILL, State, squares_of};
-use crate::fit::NoiseSource;
+use super::state::{Outcome, STILL, State, WORSE, squares_of};
+use crate::fit::options::NoiseSource;
 use crate::linearise::{Rows, collect, left_over_rows};
 use crate::reduction::Reduction;
 use crate::{IdentifyError, Prior};
@@ -123,7 +123,7 @@ impl<'a> State<'a> {
             let to = now + change * share;
             self.coefficients = reduction.expand(to.as_slice(), start.len());
             let found = weighted(&self.rows_at(&self.coefficients)?.residual, weights);
-            let most = expected + 0.5 * (before - expected).abs() + TENTH.max(super::WORSE * before);
+            let most = expected + 0.5 * (before - expected).abs() + TENTH.max(WORSE * before);
             if found <= most {
                 return Ok(Some(share));
             }
