@@ -12,7 +12,6 @@ mod folds;
 mod freedom;
 mod identification;
 mod linearise;
-mod minimum;
 mod noise;
 mod observability;
 mod placement;
@@ -42,8 +41,7 @@ pub use linearise::{
     Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
     left_over, triangular, triangular_of,
 };
-pub use minimum::minimum;
-pub use noise::NoiseModel;
+pub use noise::{NoiseModel, shrinkage};
 pub use observability::{Observability, observability};
 pub use placement::{Placement, Undetermined, place};
 pub use plain::{Plain, Way, plain};

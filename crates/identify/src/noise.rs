@@ -51,6 +51,12 @@ impl NoiseModel {
     }
 }
 
+/// By how much what the rows of a visit share is taken out when they are whitened: `(1 − 1/√(1 + ρ²|d|²)) / |d|²`, of ρ = `shared` and
+/// |d|² = `squares`, the sum of 1/σ² over the rows; zero of no rows.
+pub fn shrinkage(shared: f64, squares: f64) -> f64 {
+    if squares > 0.0 { (1.0 - 1.0 / (1.0 + shared * shared * squares).sqrt()) / squares } else { 0.0 }
+}
+
 fn combine(own: f64, stated: f64) -> f64 {
     let stated = if stated.is_nan() { 0.0 } else { stated };
     own.hypot(stated).max(SMALLEST_SD)
@@ -73,7 +79,7 @@ pub(crate) fn whiten(
         return;
     }
     let squares: f64 = sd.iter().map(|sigma| 1.0 / (sigma * sigma)).sum();
-    let shrink = (1.0 - 1.0 / (1.0 + visit_sd * visit_sd * squares).sqrt()) / squares;
+    let shrink = shrinkage(visit_sd, squares);
     if shrink <= 0.0 {
         return;
     }

@@ -8,7 +8,9 @@ mod dense;
 mod error;
 mod folds;
 pub mod kernels;
+mod minimum;
 pub mod nonlinear;
+pub mod order;
 mod problem;
 mod rank;
 pub mod ridge;
@@ -23,6 +25,7 @@ pub use backends::{NormalEquations, PivotedQr, Svd};
 pub use conic::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
+pub use minimum::{golden_section, minimum};
 pub use nalgebra;
 #[cfg(feature = "argmin")]
 pub use nonlinear::LevenbergMarquardt;

@@ -5,7 +5,8 @@
 //! function of the data alone. A visit is never cut.
 
 use super::lineariser::Lineariser;
-use crate::{IdentifyError, NoiseModel};
+use crate::IdentifyError;
+use crate::noise::{NoiseModel, shrinkage};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use truepose_errormodel::batch::{Component, Lanes};
@@ -273,12 +274,7 @@ impl<'a> Blocks<'a> {
             .windows(2)
             .map(|ends| {
                 let squares: f64 = weights[ends[0]..ends[1]].iter().map(|w| w * w).sum();
-                let shrink = if squares > 0.0 {
-                    (1.0 - 1.0 / (1.0 + rho * rho * squares).sqrt()) / squares
-                } else {
-                    0.0
-                };
-                (ends[0]..ends[1], shrink)
+                (ends[0]..ends[1], shrinkage(rho, squares))
             })
             .collect();
         let size = visits.first().map_or(0, |(lanes, _)| lanes.len());

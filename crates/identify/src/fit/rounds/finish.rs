@@ -9,6 +9,7 @@ use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::{Domain, FittedModel, Noise};
 use truepose_solvers::Need;
+use truepose_solvers::order::high_median;
 
 impl State<'_> {
     pub(in crate::fit) fn finish(self, reduction: Reduction, outcome: Outcome) -> Result<Fit, IdentifyError> {
@@ -23,10 +24,9 @@ impl State<'_> {
         let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
         fitted.channels = self.data.schema.channels.clone();
         fitted.domain = Domain::of(self.data);
-        let typical =
-            median(self.data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect());
+        let typical = high_median(self.data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()));
         fitted.noise = Noise {
-            position_sd: self.noise.position(typical).hypot(self.noise.visit_sd),
+            position_sd: self.noise.position(typical.unwrap_or(f64::NAN)).hypot(self.noise.visit_sd),
             orientation_sd: if self.data.orientation.iter().any(Option::is_some) {
                 self.noise.orientation_sd
             } else {
@@ -74,12 +74,4 @@ fn spread_out(inner: &DMatrix<f64>, kept: &[usize], columns: usize) -> DMatrix<f
         }
     }
     outer
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -20,6 +20,7 @@ use crate::reduction::Reduction;
 use crate::{IdentifyError, Prior};
 use nalgebra::{DMatrix, DVector};
 use truepose_solvers::accumulator::{Factor, Triangular};
+use truepose_solvers::order::high_median;
 use truepose_solvers::{Need, Solution, Solver};
 
 /// Rounds at most, halvings of a step at most, and looks at noise and prior.
@@ -221,9 +222,7 @@ struct Yardstick {
 impl Yardstick {
     fn new(rows: &Rows) -> Self {
         let visits = visits(rows);
-        let mut sizes: Vec<f64> = visits.iter().map(|v| v.0).collect();
-        sizes.sort_by(f64::total_cmp);
-        let scale = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        let scale = high_median(visits.iter().map(|v| v.0)).unwrap_or(1.0).max(f64::MIN_POSITIVE);
         let plain = Self { scale, plain: 0.0 }.of(&visits);
         Yardstick { scale, plain }
     }
