@@ -62,6 +62,14 @@ pub enum ModelError {
         /// Unit at fit time.
         need: String,
     },
+    /// A measurement that does not fit the robot or the rows before it.
+    #[error("measurement {row}: {reason}")]
+    Measurement {
+        /// Its number, from zero.
+        row: usize,
+        /// What is wrong with which value.
+        reason: String,
+    },
     /// A column, coefficient vector or matrix of the wrong size.
     #[error("{what}: {have} where {need} are needed")]
     Shape {

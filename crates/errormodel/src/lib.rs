@@ -12,6 +12,7 @@ mod generalized;
 mod jacobian;
 pub mod lanes;
 mod model;
+mod noise;
 mod real;
 mod registry;
 mod rest;
@@ -20,19 +21,19 @@ mod term;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, Dwell, DwellTolerance, Schema, Seen, Visits, approach_from_order,
-    configurations, is_derived, late_channel, visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, Measurement, Schema, Seen, Visits,
+    approach_from_order, configurations, is_derived, late_channel, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, Search, Shape, UNBOUNDED};
 pub use emission::{Emission, Entry};
 pub use error::ModelError;
 pub use fitted::{
-    Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Noise, Predictor, Sample,
-    TargetKnown,
+    Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Predictor, Sample, TargetKnown,
 };
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;
 pub use model::{BoundModel, ErrorModel};
+pub use noise::{NoiseModel, SMALLEST_SD};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
 pub use rest::Rest;

@@ -111,9 +111,11 @@ mod tests {
     use super::*;
     use crate::batch::Lanes;
     use crate::effects::{JointCompliance, Transmission};
-    use crate::{Dataset, Effect, EffectRegistry, ErrorModel, ModelError, Schema, Search};
+    use crate::{
+        Dataset, DatasetBuilder, Effect, EffectRegistry, ErrorModel, Measurement, ModelError, Search,
+    };
     use serde::{Deserialize, Serialize};
-    use truepose_kinematics::{Load, samples};
+    use truepose_kinematics::samples;
 
     /// An effect no method of which answers as the default does. In a block of rows it emits twice what it emits in a single row, so that a
     /// test sees which of the two was called.
@@ -164,23 +166,14 @@ mod tests {
         }
     }
 
-    /// Rows without a measurement, with a time.
+    /// Rows with a time.
     fn rows(chain: &Chain, count: usize) -> Dataset {
-        let n = chain.movable().len();
-        Dataset {
-            schema: Schema { time: true, ..Schema::default() },
-            joints: (0..n).map(|j| (0..count).map(|k| 0.1 * (k + j) as f64).collect()).collect(),
-            position: vec![[0.0; 3]; count],
-            orientation: vec![None; count],
-            position_sd: vec![[f64::NAN; 3]; count],
-            orientation_sd: vec![[f64::NAN; 3]; count],
-            target: vec![None; count],
-            visit: (0..count).collect(),
-            load: vec![Load::None; count],
-            time: (0..count).map(|k| k as f64).collect(),
-            approach: vec![vec![0.0; count]; n],
-            ..Dataset::default()
+        let mut builder = DatasetBuilder::new(chain);
+        for row in 0..count {
+            let joints: Vec<f64> = (0..chain.movable().len()).map(|j| 0.1 * (row + j) as f64).collect();
+            builder.push(Measurement::at(joints).position([0.0; 3]).time(row as f64)).unwrap();
         }
+        builder.finish()
     }
 
     /// What is left of the measured positions after a model with all coefficients 1e-4, to the bit.

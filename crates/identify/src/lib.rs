@@ -31,17 +31,17 @@ mod variance;
 pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
-pub use excitation::{Advice, excitation};
+pub use excitation::{Advice, Excitation, excitation};
 pub use fit::{Fit, FitOptions, FittedShape, NoiseSource, Refusal, Shapes, Warning, fit_again, refit};
 pub use fit_model::fit;
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
-pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
+pub use identification::{Identification, IdentificationOptions, Stage, Step, TestSet, identify};
 pub use linearise::{
     Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
     left_over, triangular, triangular_of,
 };
-pub use noise::{NoiseModel, shrinkage};
+pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use placement::{Placement, Undetermined, place};
 pub use plain::{Plain, Way, plain};
@@ -54,4 +54,5 @@ pub use shapes::{descend_shapes, judge_shapes};
 pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
 pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};
+pub use truepose_errormodel::NoiseModel;
 pub use variance::estimate_noise;

@@ -57,17 +57,13 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         options.split.as_ref().map(split_words),
     );
     summary.warnings.splice(0..0, suspected);
-    let locked = match args.holdout {
-        Some(share) => hold_out(&data, share, args.seed)?.1,
-        None => Vec::new(),
-    };
     if let Some(limit) = args.spec {
-        summary = summary.against(limit, &found, &data, &locked);
+        summary = summary.against(limit, &found, &data);
     }
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
         folder.write(&summary, &inputs, |run| {
-            Ok(identification_report(&summary, &found, &data, &info.visit_labels, &locked, run)?)
+            Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
     }
     if args.json {

@@ -1,18 +1,22 @@
 //! Measurements, column by column, and which rows belong together.
 
 mod approach;
+mod builder;
 mod derived;
 mod dwell;
 mod late;
 mod matching;
+mod measurement;
 mod schema;
 mod table;
 mod visits;
 
 pub use approach::approach_from_order;
+pub use builder::DatasetBuilder;
 pub use derived::{CARRIED, is_derived};
 pub use dwell::{Dwell, DwellTolerance};
 pub use late::late_channel;
+pub use measurement::Measurement;
 pub use schema::{Channel, Schema};
 pub use table::{Dataset, Seen};
 pub use visits::{Visits, configurations, visits_from_rows};

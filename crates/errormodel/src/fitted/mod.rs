@@ -7,5 +7,5 @@ mod sample;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
-pub use model::{FittedModel, LoadCorrection, Noise, Predictor};
+pub use model::{FittedModel, LoadCorrection, Predictor};
 pub use sample::Sample;

@@ -6,12 +6,12 @@
 
 use super::lineariser::Lineariser;
 use crate::IdentifyError;
-use crate::noise::{NoiseModel, shrinkage};
+use crate::noise::shrinkage;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use truepose_errormodel::batch::{Component, Lanes};
 use truepose_errormodel::lanes::LANES;
-use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_errormodel::{Dataset, ErrorModel, NoiseModel, Visits};
 use truepose_kinematics::Load;
 
 /// A block that is begun with rows of another kind has at least so many.

@@ -120,7 +120,8 @@ mod tests {
     use nalgebra::Vector3;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
-    use truepose_kinematics::{Load, Pose, Target, TargetId, samples};
+    use truepose_errormodel::{DatasetBuilder, Measurement};
+    use truepose_kinematics::{Pose, Target, TargetId, samples};
 
     /// A rotation uniform on SO(3), and a place up to 50 m away.
     fn anywhere(rng: &mut ChaCha8Rng) -> Pose {
@@ -145,28 +146,17 @@ mod tests {
         rng: &mut ChaCha8Rng,
     ) -> Dataset {
         let n = chain.movable().len();
-        let mut data =
-            Dataset { joints: vec![Vec::new(); n], approach: vec![Vec::new(); n], ..Dataset::default() };
+        let mut builder = DatasetBuilder::new(chain);
         for row in 0..rows {
             let joints: Vec<f64> = (0..n).map(|_| rng.random_range(-reach..reach)).collect();
             let target = (!chain.targets().is_empty()).then(|| TargetId(row % chain.targets().len()));
             let tool = chain.forward(&joints);
             let p = target.map_or(tool.translation, |t| tool.apply(&chain.targets()[t.0].position));
             let jitter = Vector3::from_fn(|_, _| sd * rng.random_range(-1.7..1.7));
-            for (k, &q) in joints.iter().enumerate() {
-                data.joints[k].push(q);
-                data.approach[k].push(0.0);
-            }
-            data.position.push((p + jitter).into());
-            data.orientation.push(oriented.then(|| tool.quaternion()));
-            data.position_sd.push([f64::NAN; 3]);
-            data.orientation_sd.push([f64::NAN; 3]);
-            data.target.push(target);
-            data.visit.push(row);
-            data.load.push(Load::None);
-            data.time.push(0.0);
+            let seen = Measurement::at(joints).position(p + jitter).target(target).visit(row as u64);
+            builder.push(if oriented { seen.orientation(tool.quaternion()) } else { seen }).unwrap();
         }
-        data
+        builder.finish()
     }
 
     fn with_targets(count: usize, rng: &mut ChaCha8Rng) -> Vec<Target> {

@@ -29,7 +29,7 @@ use crate::fit::{Fit, FittedShape};
 use crate::student::student_quantile;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use truepose_errormodel::{FittedModel, Search, Shape};
+use truepose_errormodel::{Search, Shape};
 
 /// −2 ln(1 − √0.95): 95 % of the likelihood ratio of an instant.
 const RATIO: f64 = 7.352_217_9;
@@ -214,13 +214,7 @@ pub(super) fn judge(
             covariance[(a, b)] += more[(i, j)];
         }
     }
-    let old = &fit.fitted;
-    let mut fitted = FittedModel::new(old.model().clone(), old.coefficients().to_vec(), covariance)?;
-    fitted.channels.clone_from(&old.channels);
-    fitted.domain = old.domain.clone();
-    fitted.noise = old.noise;
-    fitted.provenance = old.provenance.clone();
-    fit.fitted = fitted;
+    fit.fitted = fit.fitted.clone().with_covariance(covariance)?;
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use crate::figure::{heat_map, unit_words};
 use crate::identification::groups;
 use crate::{advice_words, significant, value_with_interval};
 use truepose_errormodel::Dataset;
-use truepose_identify::{Fit, IdentifyError, Observability, excitation, observability};
+use truepose_identify::{Excitation, Fit, IdentifyError, Observability, excitation, observability};
 
 /// Coefficients of the heat map.
 const SHOWN: usize = 36;
@@ -14,7 +14,7 @@ impl Page {
     /// The part, of a fit on this data.
     pub(crate) fn identifiability(&mut self, fit: &Fit, data: &Dataset) -> Result<(), IdentifyError> {
         let visits = truepose_errormodel::Visits::of(data).len();
-        let (weak, advice) = excitation(fit, data)?;
+        let Excitation { weak_directions: weak, advice, .. } = excitation(fit, data)?;
         let indices = observability(fit, visits)?;
         let model = fit.fitted.model();
         self.text(&format!(

@@ -11,11 +11,10 @@ use truepose_identify::{Identification, IdentifyError, Residuals, Stage};
 const TITLES: [&str; 2] = ["base, tool, targets alone", "declared model"];
 
 impl IdentificationSummary {
-    /// With poses of `data` that the judged fit did not see, against a limit of the 3-D position error (m); `locked` are the rows
-    /// that were locked away, if any were.
-    pub fn against(mut self, limit: f64, found: &Identification, data: &Dataset, locked: &[usize]) -> Self {
-        let (rows, errors) = match (&found.locked, &found.declared.held_out) {
-            (Some((_, errors)), _) => (locked.to_vec(), errors),
+    /// With poses of `data` that the judged fit did not see, against a limit of the 3-D position error (m).
+    pub fn against(mut self, limit: f64, found: &Identification, data: &Dataset) -> Self {
+        let (rows, errors) = match (&found.test_set, &found.declared.held_out) {
+            (Some(test), _) => (test.rows.clone(), &test.declared),
             (None, Some(folds)) => ((0..data.len()).collect(), &folds.residuals),
             // Residuals of a fit on the same rows prove nothing about others.
             (None, None) => return self,
@@ -26,7 +25,7 @@ impl IdentificationSummary {
     }
 }
 
-/// Forms the page; `data` and `labels` are as they were read, `locked` are the rows that were locked away.
+/// Forms the page; `data` and `labels` are as they were read.
 ///
 /// # Errors
 /// When the observability of the fit cannot be worked out.
@@ -35,13 +34,12 @@ pub fn identification_report(
     found: &Identification,
     data: &Dataset,
     labels: &[i64],
-    locked: &[usize],
     run: &RunRecord,
 ) -> Result<Report, IdentifyError> {
     let mut page = Page::new(&format!("{}: identification", summary.robot));
     page.section("Verdict");
     verdict(&mut page, summary);
-    let rows = rows(found, data, labels, locked);
+    let rows = rows(found, data, labels);
     page.section("Errors in space");
     page.note(match found.declared.held_out {
         Some(_) => "Every error is of a model that did not see its row.",
@@ -153,18 +151,20 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
 }
 
 /// Rows in the order of the data; each with the error of a model that did not see it, where there is one.
-fn rows(found: &Identification, data: &Dataset, labels: &[i64], locked: &[usize]) -> Rows {
+fn rows(found: &Identification, data: &Dataset, labels: &[i64]) -> Rows {
     let seen = |stage: &Stage| -> Residuals {
         stage.held_out.as_ref().map_or_else(|| stage.train.clone(), |folds| folds.residuals.clone())
     };
     let (before, after) = (seen(&found.frames_only), seen(&found.declared));
-    let none = (Residuals::default(), Residuals::default());
-    let others = found.locked.as_ref().unwrap_or(&none);
-    let locked = if found.locked.is_some() { locked } else { &[] };
-    let train = complement(data, locked);
+    let none = Residuals::default();
+    let (test, test_before, test_after) = match &found.test_set {
+        Some(test) => (test.rows.as_slice(), &test.frames_only, &test.declared),
+        None => (&[][..], &none, &none),
+    };
+    let train = complement(data, test);
     let mut order: Vec<(usize, bool, usize)> =
         train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
-    order.extend(locked.iter().enumerate().map(|(k, &row)| (row, true, k)));
+    order.extend(test.iter().enumerate().map(|(k, &row)| (row, true, k)));
     order.sort_unstable();
     let chosen: Vec<usize> = order.iter().map(|o| o.0).collect();
     let held: Vec<bool> = order.iter().map(|o| o.1).collect();
@@ -174,7 +174,7 @@ fn rows(found: &Identification, data: &Dataset, labels: &[i64], locked: &[usize]
         labels,
         &chosen,
         &held,
-        &merged(&order, &before, &others.0),
-        &merged(&order, &after, &others.1),
+        &merged(&order, &before, test_before),
+        &merged(&order, &after, test_after),
     )
 }

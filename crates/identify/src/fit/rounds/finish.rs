@@ -7,7 +7,7 @@ use crate::fit::warnings::Warning;
 use crate::fit::{constraints, warnings};
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{Domain, FittedModel, Noise};
+use truepose_errormodel::{Domain, FittedModel, NoiseModel};
 use truepose_solvers::Need;
 use truepose_solvers::order::high_median;
 
@@ -21,18 +21,17 @@ impl State<'_> {
         let inverse =
             joined.inverse_gram().unwrap_or_else(|| DMatrix::zeros(reduction.rank(), reduction.rank()));
         let covariance = spread_out(&inverse, &reduction.kept, columns);
-        let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
-        fitted.channels = self.data.schema.channels.clone();
-        fitted.domain = Domain::of(self.data);
         let typical = high_median(self.data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()));
-        fitted.noise = Noise {
+        let turned = self.data.orientation.iter().any(Option::is_some);
+        let noise = NoiseModel {
             position_sd: self.noise.position(typical.unwrap_or(f64::NAN)).hypot(self.noise.visit_sd),
-            orientation_sd: if self.data.orientation.iter().any(Option::is_some) {
-                self.noise.orientation_sd
-            } else {
-                0.0
-            },
+            visit_sd: 0.0,
+            orientation_sd: if turned { self.noise.orientation_sd } else { 0.0 },
         };
+        let fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?
+            .with_channels(self.data.schema.channels.clone())
+            .with_domain(Domain::of(self.data))
+            .with_noise(noise);
         let mut warnings = warnings::of(self.model, &reduction, self.observations);
         if !outcome.converged {
             warnings.push(Warning::NotConverged { rounds: outcome.rounds });
