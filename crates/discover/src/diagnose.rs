@@ -78,7 +78,7 @@ pub(crate) fn on_split(
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     let wide = wide::as_fitted(&open, &first.fit);
     ground.fit = options.fit.clone();
-    if matches!(ground.fit.prior, PriorStrength::Evidence | PriorStrength::Kinds) {
+    if matches!(ground.fit.prior, PriorStrength::Evidence | PriorStrength::VarianceGroups) {
         ground.declared = &wide;
         ground.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
         first = ground.working(Vec::new(), &first.outliers.suspects)?;

@@ -41,7 +41,7 @@ impl Column {
 
 /// A parameter in which an effect is not linear: a period, a time constant, an instant.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct NonlinearParameter {
     /// Its name.
     pub name: String,
     /// SI unit.
@@ -85,7 +85,7 @@ pub enum Search {
 /// struct EncoderGain { joint: JointId }
 ///
 /// impl Effect for EncoderGain {
-///     const KIND: &'static str = "acme/encoder_gain";
+///     const FAMILY: &'static str = "acme/encoder_gain";
 ///     fn columns(&self, chain: &Chain) -> Vec<Column> {
 ///         vec![Column::new(format!("gain {}", chain.joint(self.joint).name), "1", 1e-3)]
 ///     }
@@ -98,7 +98,7 @@ pub enum Search {
 /// ```
 pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + 'static {
     /// Its tag in files. Third parties prefix theirs: `acme/belt`.
-    const KIND: &'static str;
+    const FAMILY: &'static str;
 
     /// One line for a list of effects.
     const ABOUT: &'static str = "";
@@ -122,14 +122,14 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
     /// Whether what it says depends on frames or wrenches. Then it is asked again where the real robot comes to rest,
     /// since weights act on the posture that they have bent; `false` saves that for what depends on joint values and
     /// signals alone.
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         true
     }
 
     /// The joints that yield, one for each column, when this is all that the effect says: column k is joint k's own motion,
     /// in proportion to the load about (along) it, [`Posture::joint_load`]. Who evaluates many postures at once need not ask
     /// such an effect posture by posture. `None`, which is always right, leaves it to `eval`.
-    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
+    fn compliances(&self, _chain: &Chain) -> Option<Vec<JointId>> {
         None
     }
 
@@ -143,12 +143,12 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
 
     /// Parameters in which it is not linear and that are to be found, with their present values: they are profiled by
     /// the fit (variable projection). Empty when all of them are known.
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         Vec::new()
     }
 
     /// The same effect with other values of those parameters.
-    fn with_shape(&self, _values: &[f64]) -> Self {
+    fn with_nonlinear(&self, _values: &[f64]) -> Self {
         self.clone()
     }
 }
@@ -156,7 +156,7 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
 /// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and for [`Term`](crate::Term), which forwards to one;
 /// no method has a default, so that nothing is forgotten when it is forwarded.
 pub trait AnyEffect: Any + Debug + Send + Sync {
-    /// [`Effect::KIND`].
+    /// [`Effect::FAMILY`].
     fn kind(&self) -> &'static str;
     /// [`Effect::columns`].
     fn columns(&self, chain: &Chain) -> Vec<Column>;
@@ -166,19 +166,19 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool;
     /// [`Effect::needs`].
     fn needs(&self) -> Vec<Signal>;
-    /// [`Effect::settles`].
-    fn settles(&self) -> bool;
-    /// [`Effect::springs`].
-    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>>;
+    /// [`Effect::load_dependent`].
+    fn load_dependent(&self) -> bool;
+    /// [`Effect::compliances`].
+    fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>>;
     /// [`Effect::validate`].
     ///
     /// # Errors
     /// As [`Effect::validate`].
     fn validate(&self, chain: &Chain) -> Result<(), ModelError>;
     /// [`Effect::shape`].
-    fn shape(&self) -> Vec<Shape>;
-    /// [`Effect::with_shape`].
-    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect>;
+    fn shape(&self) -> Vec<NonlinearParameter>;
+    /// [`Effect::with_nonlinear`].
+    fn with_nonlinear(&self, values: &[f64]) -> Box<dyn AnyEffect>;
     /// Its parameters as they stand in a file.
     fn parameters(&self) -> serde_json::Value;
     /// A copy.
@@ -187,7 +187,7 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
 
 impl<E: Effect> AnyEffect for E {
     fn kind(&self) -> &'static str {
-        E::KIND
+        E::FAMILY
     }
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         Effect::columns(self, chain)
@@ -201,20 +201,20 @@ impl<E: Effect> AnyEffect for E {
     fn needs(&self) -> Vec<Signal> {
         Effect::needs(self)
     }
-    fn settles(&self) -> bool {
-        Effect::settles(self)
+    fn load_dependent(&self) -> bool {
+        Effect::load_dependent(self)
     }
-    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
-        Effect::springs(self, chain)
+    fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        Effect::compliances(self, chain)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         Effect::validate(self, chain)
     }
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         Effect::shape(self)
     }
-    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect> {
-        Box::new(Effect::with_shape(self, values))
+    fn with_nonlinear(&self, values: &[f64]) -> Box<dyn AnyEffect> {
+        Box::new(Effect::with_nonlinear(self, values))
     }
     fn parameters(&self) -> serde_json::Value {
         // A struct that serde cannot write as JSON (a map with keys that are not strings) has no parameters in a file.

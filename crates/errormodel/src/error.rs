@@ -8,7 +8,7 @@ use thiserror::Error;
 pub enum ModelError {
     /// A family that the registry does not know.
     #[error("unknown effect family `{kind}`; known families: {}", known.join(", "))]
-    UnknownKind {
+    UnknownFamily {
         /// What was asked for.
         kind: String,
         /// What there is.

@@ -6,6 +6,7 @@ mod derived;
 mod effect;
 pub mod effects;
 mod emission;
+mod equilibrium;
 mod error;
 mod fitted;
 mod generalized;
@@ -15,7 +16,6 @@ mod model;
 mod noise;
 mod real;
 mod registry;
-mod rest;
 mod signal;
 mod term;
 pub mod testkit;
@@ -24,8 +24,9 @@ pub use dataset::{
     CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, Measurement, Schema, Seen, Visits,
     approach_from_order, configurations, is_derived, late_channel, visits_from_rows,
 };
-pub use effect::{AnyEffect, Column, Effect, Search, Shape, UNBOUNDED};
+pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};
+pub use equilibrium::Equilibrium;
 pub use error::ModelError;
 pub use fitted::{
     Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Predictor, Sample, TargetKnown,
@@ -36,6 +37,5 @@ pub use model::{BoundModel, ErrorModel};
 pub use noise::{NoiseModel, SMALLEST_SD};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
-pub use rest::Rest;
 pub use signal::Signal;
 pub use term::Term;

@@ -1,7 +1,7 @@
 //! An effect as it stands in a model: with the prior scale and the bounds of its columns, where they differ from its own.
 
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{AnyEffect, Column, Emission, ModelError, Shape, Signal};
+use crate::{AnyEffect, Column, Emission, ModelError, NonlinearParameter, Signal};
 use truepose_kinematics::{Chain, JointId, Posture};
 
 /// An effect whose columns have another prior standard deviation, other bounds, or both. In every other respect, in files as
@@ -82,20 +82,20 @@ impl AnyEffect for Term {
     fn needs(&self) -> Vec<Signal> {
         self.effect.needs()
     }
-    fn settles(&self) -> bool {
-        self.effect.settles()
+    fn load_dependent(&self) -> bool {
+        self.effect.load_dependent()
     }
-    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
-        self.effect.springs(chain)
+    fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        self.effect.compliances(chain)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         self.effect.validate(chain)
     }
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         self.effect.shape()
     }
-    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect> {
-        let effect = self.effect.with_shape(values);
+    fn with_nonlinear(&self, values: &[f64]) -> Box<dyn AnyEffect> {
+        let effect = self.effect.with_nonlinear(values);
         Box::new(Term { effect, scale: self.scale.clone(), bounds: self.bounds })
     }
     fn parameters(&self) -> serde_json::Value {
@@ -125,7 +125,7 @@ mod tests {
     }
 
     impl Effect for Unusual {
-        const KIND: &'static str = "test/unusual";
+        const FAMILY: &'static str = "test/unusual";
         fn columns(&self, chain: &Chain) -> Vec<Column> {
             let named = |k: usize| Column::new(format!("unusual {k}"), "m", 2.0 + k as f64).within(-3.0, 4.0);
             (0..chain.movable().len()).map(named).collect()
@@ -145,10 +145,10 @@ mod tests {
         fn needs(&self) -> Vec<Signal> {
             vec![Signal::Time]
         }
-        fn settles(&self) -> bool {
+        fn load_dependent(&self) -> bool {
             false
         }
-        fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
             Some(chain.movable().to_vec())
         }
         fn validate(&self, _chain: &Chain) -> Result<(), ModelError> {
@@ -157,11 +157,18 @@ mod tests {
                 false => Err(ModelError::Shape { what: "length", have: 0, need: 1 }),
             }
         }
-        fn shape(&self) -> Vec<Shape> {
+        fn shape(&self) -> Vec<NonlinearParameter> {
             let (name, unit) = ("length".to_owned(), "m".to_owned());
-            vec![Shape { name, unit, value: self.length, lower: 0.1, upper: 9.0, search: Search::Smooth }]
+            vec![NonlinearParameter {
+                name,
+                unit,
+                value: self.length,
+                lower: 0.1,
+                upper: 9.0,
+                search: Search::Smooth,
+            }]
         }
-        fn with_shape(&self, values: &[f64]) -> Self {
+        fn with_nonlinear(&self, values: &[f64]) -> Self {
             Unusual { length: values[0] }
         }
     }
@@ -197,12 +204,12 @@ mod tests {
         assert_eq!(term.kind(), "test/unusual");
         assert_eq!(term.columns(&chain), plain.columns(&chain));
         assert_eq!(term.needs(), [Signal::Time]);
-        assert!(!term.settles());
-        assert_eq!(term.springs(&chain), Some(chain.movable().to_vec()));
+        assert!(!term.load_dependent());
+        assert_eq!(term.compliances(&chain), Some(chain.movable().to_vec()));
         assert!(term.validate(&chain).is_ok());
         assert!(Term::new(Box::new(Unusual { length: 0.0 })).validate(&chain).is_err());
         assert_eq!(term.shape(), plain.shape());
-        assert!((term.with_shape(&[0.75]).shape()[0].value - 0.75).abs() < 1e-15);
+        assert!((term.with_nonlinear(&[0.75]).shape()[0].value - 0.75).abs() < 1e-15);
         assert_eq!(term.parameters(), serde_json::json!({ "length": 0.5 }));
         assert_eq!(term.boxed().parameters(), plain.parameters());
         assert_eq!(term.effect().kind(), plain.kind());
@@ -219,7 +226,7 @@ mod tests {
                 Box::new(Term::new(effect).scaled(3.0).bounded([-1.0, 1.0]).unwrap());
             let back = registry.build(term.kind(), term.parameters(), &chain).unwrap();
             assert_eq!(residual_bits(term.clone(), &chain), residual_bits(back.clone(), &chain));
-            assert_eq!(term.springs(&chain), back.springs(&chain));
+            assert_eq!(term.compliances(&chain), back.compliances(&chain));
         }
     }
 
@@ -236,7 +243,8 @@ mod tests {
         }
         let free = Transmission { period_range: Some([0.1, 2.0]), ..Transmission::of(JointId(2), 1.0) };
         let own = Effect::columns(&free, &chain)[0].scale;
-        let moved = Term::new(Box::new(free)).scaled(2.0).bounded([-1e-3, 1e-3]).unwrap().with_shape(&[0.5]);
+        let moved =
+            Term::new(Box::new(free)).scaled(2.0).bounded([-1e-3, 1e-3]).unwrap().with_nonlinear(&[0.5]);
         assert!((moved.shape()[0].value - 0.5).abs() < 1e-15);
         let column = &moved.columns(&chain)[0];
         assert_eq!(column.bounds.map(f64::to_bits), [-1e-3, 1e-3].map(f64::to_bits));

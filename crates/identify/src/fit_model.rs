@@ -1,6 +1,6 @@
 //! The fit of a model, with the nonlinear parameters that its effects leave free.
 
-use crate::fit::{Fit, FitOptions, Shapes, fit_fixed};
+use crate::fit::{Fit, FitOptions, NonlinearSearch, fit_fixed};
 use crate::reduction::grouped;
 use crate::{IdentifyError, shapes};
 use truepose_errormodel::{Dataset, ErrorModel};
@@ -19,7 +19,7 @@ pub fn fit(
 ) -> Result<Fit, IdentifyError> {
     options.validate()?;
     let model = &*grouped(model, data, options.rank)?;
-    if options.shapes != Shapes::Fixed && shapes::wanted(model) {
+    if options.shapes != NonlinearSearch::Fixed && shapes::wanted(model) {
         return shapes::fit(model, data, solver, options);
     }
     fit_fixed(model, &*data.derived_for(model)?, solver, options)

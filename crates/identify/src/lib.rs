@@ -32,7 +32,9 @@ pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, Excitation, excitation};
-pub use fit::{Fit, FitOptions, FittedShape, NoiseSource, Refusal, Shapes, Warning, fit_again, refit};
+pub use fit::{
+    Fit, FitOptions, FittedNonlinear, NoiseSource, NonlinearSearch, Refusal, Warning, fit_again, refit,
+};
 pub use fit_model::fit;
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
@@ -50,7 +52,7 @@ pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
-pub use shapes::{descend_shapes, judge_shapes};
+pub use shapes::{descend_nonlinear, judge_nonlinear};
 pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
 pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};

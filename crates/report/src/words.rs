@@ -101,7 +101,7 @@ pub fn warning_words(warning: &Warning) -> String {
             "`{column}` has no effect on anything in this data (no load declared, no link weights, or a signal that never \
              changes): it stays zero"
         ),
-        Warning::ShapeAtBound { effect, name, value } => format!(
+        Warning::NonlinearAtBound { effect, name, value } => format!(
             "the best `{name}` of effect `{effect}` is {}, at an end of the range in which it was looked for: widen the range, or \
              doubt the effect",
             significant(*value, 6)

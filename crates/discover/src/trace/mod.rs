@@ -20,7 +20,7 @@ use driver::{Driver, driver, strongest};
 use load::load_trace;
 use nalgebra::Vector3;
 use own::own;
-use truepose_errormodel::{Dataset, ErrorJacobian, Rest};
+use truepose_errormodel::{Dataset, Equilibrium, ErrorJacobian};
 use truepose_identify::Fit;
 
 /// One effect against its driver, row by row.
@@ -84,7 +84,7 @@ pub(crate) fn trace(
         fit.fitted.covariance().view((columns.start, columns.start), (columns.len(), columns.len()));
 
     let bound = model.bind(&data.schema)?;
-    let mut rest = Rest::new(model);
+    let mut rest = Equilibrium::new(model);
     let mut points = Vec::new();
     let mut wrenches: Vec<[f64; 6]> = Vec::new();
     for row in 0..data.len() {

@@ -7,7 +7,7 @@
 //! | J_e | rows of `store`, position and rotation of each site | 6 × sites × `LANES` | m or rad per m or rad |
 //! | P J_e Φ | [`Lanes::columns`], component by component | columns × `LANES` | m or rad per unit |
 //!
-//! The same mathematics as [`crate::Rest`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
+//! The same mathematics as [`crate::Equilibrium`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
 //! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; others row by row, at the frames and weights of
 //! the block. A model whose gravity turns with a base that yields is brought to rest row by row, and only the rest of the arithmetic is wide.
 //! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers. Rows of one standstill
@@ -16,15 +16,15 @@
 use super::fill::Fill;
 use crate::dataset::Dataset;
 use crate::emission::Emission;
+use crate::equilibrium::Equilibrium;
 use crate::lanes::{LANES, LaneEmission, LaneErrors, LaneLoad, LanePosture, Standing, Store};
 use crate::model::{BoundModel, Pace};
-use crate::rest::Rest;
 use nalgebra::Vector3;
 use std::cell::Cell;
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer};
 
-/// How often the weights follow the deflections, as in [`crate::Rest`].
+/// How often the weights follow the deflections, as in [`crate::Equilibrium`].
 const STEPS: usize = 2;
 
 /// A block of rows.
@@ -52,7 +52,7 @@ pub struct Lanes<'m> {
     seat: PostureBuffer,
     said: Emission,
     /// Row by row, where gravity turns.
-    rest: Rest,
+    rest: Equilibrium,
     settles: bool,
     /// Whether some effect asked for frames or weights of the last block: it is likely to ask for those of the next one.
     asks: bool,
@@ -80,8 +80,8 @@ impl<'m> Lanes<'m> {
             wide: Vec::new(),
             seat: PostureBuffer::new(chain),
             said: Emission::new(),
-            rest: Rest::new(model),
-            settles: model.effects().iter().any(|effect| effect.settles()),
+            rest: Equilibrium::new(model),
+            settles: model.effects().iter().any(|effect| effect.load_dependent()),
             asks: true,
             fill: Fill::default(),
             bound,

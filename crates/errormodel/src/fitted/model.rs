@@ -2,7 +2,9 @@
 
 use super::domain::Domain;
 use crate::noise::NoiseModel;
-use crate::{BoundModel, Channel, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Rest, Schema};
+use crate::{
+    BoundModel, Channel, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Schema,
+};
 use nalgebra::{DMatrix, Matrix3, Matrix6};
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
 
@@ -168,7 +170,7 @@ impl FittedModel {
             fitted: self,
             bound: self.model.bind(schema)?,
             nominal: PostureBuffer::new(self.chain()),
-            rest: Rest::new(&self.model),
+            rest: Equilibrium::new(&self.model),
             conditions: Conditions::default(),
         })
     }
@@ -180,7 +182,7 @@ pub struct Predictor<'m> {
     fitted: &'m FittedModel,
     bound: BoundModel<'m>,
     nominal: PostureBuffer,
-    rest: Rest,
+    rest: Equilibrium,
     /// Used where a declared load is wrong.
     conditions: Conditions,
 }

@@ -51,7 +51,7 @@ pub(crate) fn fit_fixed(
     state.prior = Prior::new(model, &reduction, begin.prior);
     let mut outcome = state.rounds(&reduction, factor.select(&reduction.kept))?;
     if options.refine
-        && options.second_look
+        && options.second_reduction
         && let Some(more) = state.looked_at_again(&reduction, &outcome)?
     {
         // The same width as before, until the data is asked again.

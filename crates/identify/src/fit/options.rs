@@ -9,10 +9,10 @@ pub struct FitOptions {
     /// Re-linearise until nothing moves; otherwise the paper's single linear step.
     pub refine: bool,
     /// Rounds at most.
-    pub max_rounds: usize,
+    pub max_iterations: usize,
     /// Look at the reduction again where the rounds end, and take in what the data determines there though not at the nominal robot;
     /// otherwise what is left out at the nominal robot is left out for good, as in the paper.
-    pub second_look: bool,
+    pub second_reduction: bool,
     /// Three rounds in turn that gain less than this of the objective, in units (1 is a standard deviation of one number), end the fit
     /// where no unknown moves by a tenth of its standard deviation any more: the floor of a flat valley.
     pub flat: f64,
@@ -23,7 +23,7 @@ pub struct FitOptions {
     /// Where standard deviations come from.
     pub noise: NoiseSource,
     /// What is done about parameters in which an effect is not linear and that it leaves free.
-    pub shapes: Shapes,
+    pub shapes: NonlinearSearch,
 }
 
 /// Where the standard deviations of the rows come from.
@@ -39,13 +39,13 @@ impl Default for FitOptions {
     fn default() -> Self {
         FitOptions {
             refine: true,
-            max_rounds: 500,
-            second_look: true,
+            max_iterations: 500,
+            second_reduction: true,
             flat: 1e-3,
             rank: RankRule::Default,
-            prior: PriorStrength::Kinds,
+            prior: PriorStrength::VarianceGroups,
             noise: NoiseSource::Estimate,
-            shapes: Shapes::default(),
+            shapes: NonlinearSearch::default(),
         }
     }
 }
@@ -69,8 +69,12 @@ impl FitOptions {
                 expected: "from 0 to below 1",
             });
         }
-        if self.max_rounds == 0 {
-            return Err(IdentifyError::Option { option: "max_rounds", value: 0.0, expected: "at least 1" });
+        if self.max_iterations == 0 {
+            return Err(IdentifyError::Option {
+                option: "max_iterations",
+                value: 0.0,
+                expected: "at least 1",
+            });
         }
         Ok(())
     }
@@ -78,7 +82,7 @@ impl FitOptions {
 
 /// What is done about parameters in which an effect is not linear and that it leaves free ([`truepose_errormodel::Effect::shape`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Shapes {
+pub enum NonlinearSearch {
     /// They are taken as they stand.
     Fixed,
     /// Coefficients are solved for at every trial of them.

@@ -37,7 +37,7 @@ pub struct Fit {
     /// What the solver said last.
     pub solution: Solution,
     /// Parameters in which effects are not linear, where they were looked for; the model of `fitted` holds their values.
-    pub shapes: Vec<FittedShape>,
+    pub shapes: Vec<FittedNonlinear>,
     /// What was left to scatter where the noise was estimated; none where it was given, or comes from other rows.
     pub scatter: Option<Freedom>,
     /// Things that a user should know.
@@ -70,7 +70,7 @@ impl Fit {
 
 /// A parameter that was found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FittedShape {
+pub struct FittedNonlinear {
     /// Which effect of the model.
     pub effect: usize,
     /// Its name.
@@ -85,7 +85,7 @@ pub struct FittedShape {
     pub range: [f64; 2],
 }
 
-impl FittedShape {
+impl FittedNonlinear {
     /// Whether the data leaves it open: the interval is the whole range.
     pub fn open(&self) -> bool {
         self.interval[0] <= self.range[0] && self.interval[1] >= self.range[1]

@@ -32,7 +32,7 @@ pub enum Warning {
         column: String,
     },
     /// The best value of a shape parameter lies at an end of the range in which it was looked for.
-    ShapeAtBound {
+    NonlinearAtBound {
         /// The effect's family.
         effect: String,
         /// The parameter.

@@ -15,7 +15,7 @@ use super::stations::Stations;
 use crate::noise::whiten;
 use crate::{IdentifyError, NoiseModel};
 use nalgebra::Vector3;
-use truepose_errormodel::{BoundModel, Dataset, Emission, ErrorJacobian, ErrorModel, Rest};
+use truepose_errormodel::{BoundModel, Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel};
 use truepose_kinematics::{Conditions, rotation_log};
 
 /// Turns visits into whitened rows of `[A | r]`. Memory is used again from visit to visit.
@@ -28,7 +28,7 @@ pub struct Lineariser<'a> {
     /// Where the robot is, when it is not where these effects put it.
     robot: Option<(BoundModel<'a>, &'a [f64])>,
     conditions: Conditions,
-    rest: Rest,
+    rest: Equilibrium,
     /// Where the robot came to rest in every row, when that was found before.
     stations: Option<&'a Stations>,
     /// The row whose conditions the robot at rest has.
@@ -75,7 +75,7 @@ impl<'a> Lineariser<'a> {
             robot: None,
             stations: None,
             conditions: Conditions::default(),
-            rest: Rest::new(model),
+            rest: Equilibrium::new(model),
             settled: None,
             beside: Emission::new(),
             places: (0..columns as u32).map(Some).collect(),
@@ -103,7 +103,7 @@ impl<'a> Lineariser<'a> {
     /// When the data lacks a signal that the other model needs.
     pub fn beside(self, model: &'a ErrorModel, coefficients: &'a [f64]) -> Result<Self, IdentifyError> {
         let robot = Some((model.bind(&self.data.schema)?, coefficients));
-        Ok(Lineariser { robot, rest: Rest::new(model), ..self })
+        Ok(Lineariser { robot, rest: Equilibrium::new(model), ..self })
     }
 
     /// Takes the columns where a robot came to rest before, row by row; residuals are zero.

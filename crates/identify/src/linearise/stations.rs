@@ -4,12 +4,12 @@
 //! still. Its static equilibrium and the error Jacobian of every row are most of the work.
 
 use nalgebra::Vector3;
-use truepose_errormodel::Rest;
+use truepose_errormodel::Equilibrium;
 
 /// The robot at rest and its error Jacobian, for some rows of a data set.
 #[derive(Debug)]
 pub(crate) struct Stations {
-    pub(super) rests: Vec<Rest>,
+    pub(super) rests: Vec<Equilibrium>,
     /// For each row of the data: its place in `rests` and in `sites`; none of a row that was not asked for.
     pub(super) places: Vec<Option<(usize, usize)>>,
     /// Columns of J_e, position and rotation, sites × rows.
@@ -19,7 +19,7 @@ pub(crate) struct Stations {
 
 impl Stations {
     /// The robot at rest in a row that was asked for.
-    pub fn rest(&self, row: usize) -> &Rest {
+    pub fn rest(&self, row: usize) -> &Equilibrium {
         &self.rests[self.places[row].map_or(0, |(rest, _)| rest)]
     }
 

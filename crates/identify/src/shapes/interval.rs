@@ -25,11 +25,11 @@ use super::mixture;
 use super::picture::Picture;
 use super::refine::{Valley, left};
 use crate::IdentifyError;
-use crate::fit::{Fit, FittedShape};
+use crate::fit::{Fit, FittedNonlinear};
 use crate::student::student_quantile;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use truepose_errormodel::{Search, Shape};
+use truepose_errormodel::{NonlinearParameter, Search};
 
 /// −2 ln(1 − √0.95): 95 % of the likelihood ratio of an instant.
 const RATIO: f64 = 7.352_217_9;
@@ -57,7 +57,11 @@ struct Known {
 }
 
 impl Known {
-    fn of(picture: &Picture<'_>, shapes: &[Shape], theta: &[f64]) -> Result<Self, IdentifyError> {
+    fn of(
+        picture: &Picture<'_>,
+        shapes: &[NonlinearParameter],
+        theta: &[f64],
+    ) -> Result<Self, IdentifyError> {
         let every: Vec<usize> = (0..shapes.len()).collect();
         let valley = Valley::new(picture, shapes, theta, &every)?;
         let smooth = valley.smooth.clone();
@@ -117,7 +121,7 @@ fn least_squares(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, Ide
 /// Standard deviation of each parameter; of an instant the gap in which it lies.
 pub(super) fn deviations(
     picture: &Picture<'_>,
-    shapes: &[Shape],
+    shapes: &[NonlinearParameter],
     theta: &[f64],
 ) -> Result<Vec<f64>, IdentifyError> {
     let known = Known::of(picture, shapes, theta)?;
@@ -131,11 +135,11 @@ pub(super) fn deviations(
 /// Writes intervals into a fit, and what the parameters' uncertainty adds to the covariance.
 pub(super) fn judge(
     picture: &Picture<'_>,
-    free: &[(usize, Shape)],
+    free: &[(usize, NonlinearParameter)],
     theta: &[f64],
     fit: &mut Fit,
 ) -> Result<(), IdentifyError> {
-    let shapes: Vec<Shape> = free.iter().map(|(_, shape)| shape.clone()).collect();
+    let shapes: Vec<NonlinearParameter> = free.iter().map(|(_, shape)| shape.clone()).collect();
     let mut known = Known::of(picture, &shapes, theta)?;
     let moved = known.moved(picture, theta)?;
     // What a part of the visits says, the whole says the better the more there are.
@@ -171,7 +175,7 @@ pub(super) fn judge(
         if one && shape.search == Search::Smooth && interval[0] < interval[1] {
             pieces.push((k, around(interval, theta[k], shape)));
         }
-        fit.shapes.push(FittedShape {
+        fit.shapes.push(FittedNonlinear {
             effect: *effect,
             name: shape.name.clone(),
             unit: match shape.search {
@@ -221,7 +225,7 @@ pub(super) fn judge(
 /// From the first gap that is nearly as good as the best to the last, walking outwards from it until gaps are far worse; and those that are not.
 fn instant(
     picture: &Picture<'_>,
-    shape: &Shape,
+    shape: &NonlinearParameter,
     theta: &[f64],
     k: usize,
 ) -> Result<(Range, Vec<Range>), IdentifyError> {
@@ -250,7 +254,7 @@ fn instant(
 }
 
 /// Pieces of a parameter's range on both sides of its interval, half as long again.
-fn around([low, high]: Range, value: f64, shape: &Shape) -> Vec<Range> {
+fn around([low, high]: Range, value: f64, shape: &NonlinearParameter) -> Vec<Range> {
     const PIECES: usize = 32;
     const BEYOND: f64 = 1.6;
     let low = (value + BEYOND * (low - value)).max(shape.lower);
@@ -269,7 +273,7 @@ fn height(picture: &Picture<'_>, theta: &[f64], k: usize, value: f64) -> Result<
 /// How far up and down one parameter can go within its range before the squares are `allowed` above the least; `half` is about how far.
 fn profile(
     picture: &Picture<'_>,
-    shape: &Shape,
+    shape: &NonlinearParameter,
     theta: &[f64],
     k: usize,
     (half, allowed): (f64, f64),

@@ -3,25 +3,25 @@
 use super::picture::{Picture, Trial};
 use super::{interval, refine};
 use crate::IdentifyError;
-use crate::fit::{Fit, FittedShape};
-use truepose_errormodel::{Dataset, Shape};
+use crate::fit::{Fit, FittedNonlinear};
+use truepose_errormodel::{Dataset, NonlinearParameter};
 
 /// Visits that are looked at where shapes were found elsewhere.
 const MOST_VISITS: usize = 1000;
 
-/// Shape parameters that were found elsewhere, one after the other perhaps, at the bottom of the valley in which they lie together: their
+/// Nonlinear parameters that were found elsewhere, one after the other perhaps, at the bottom of the valley in which they lie together: their
 /// values, in the order of `found`, which are (effect, parameter at its value with the range in which it was looked for).
 ///
 /// # Errors
 /// As [`crate::fit()`].
-pub fn descend_shapes(
+pub fn descend_nonlinear(
     fit: &Fit,
     data: &Dataset,
-    found: &[(usize, Shape)],
+    found: &[(usize, NonlinearParameter)],
 ) -> Result<Vec<f64>, IdentifyError> {
     let trial = Trial::new(fit.fitted.model(), found)?;
     let picture = Picture::on(fit, &trial, data, MOST_VISITS)?;
-    let shapes: Vec<Shape> = found.iter().map(|(_, shape)| shape.clone()).collect();
+    let shapes: Vec<NonlinearParameter> = found.iter().map(|(_, shape)| shape.clone()).collect();
     let theta: Vec<f64> = shapes.iter().map(|shape| shape.value).collect();
     let every: Vec<usize> = (0..theta.len()).collect();
     refine::descend(&picture, &shapes, &theta, &every, false)
@@ -33,9 +33,13 @@ pub fn descend_shapes(
 ///
 /// # Errors
 /// As [`crate::fit()`].
-pub fn judge_shapes(fit: &Fit, data: &Dataset, found: &[(usize, Shape)]) -> Result<Fit, IdentifyError> {
+pub fn judge_nonlinear(
+    fit: &Fit,
+    data: &Dataset,
+    found: &[(usize, NonlinearParameter)],
+) -> Result<Fit, IdentifyError> {
     let mut free = found.to_vec();
-    let mut given_up: Vec<FittedShape> = Vec::new();
+    let mut given_up: Vec<FittedNonlinear> = Vec::new();
     while !free.is_empty() {
         let trial = Trial::new(fit.fitted.model(), &free)?;
         let picture = Picture::on(fit, &trial, data, MOST_VISITS)?;
@@ -43,8 +47,8 @@ pub fn judge_shapes(fit: &Fit, data: &Dataset, found: &[(usize, Shape)]) -> Resu
         let mut judged = fit.clone();
         judged.shapes.clear();
         interval::judge(&picture, &free, &theta, &mut judged)?;
-        let (open, known): (Vec<FittedShape>, Vec<FittedShape>) =
-            judged.shapes.drain(..).partition(FittedShape::open);
+        let (open, known): (Vec<FittedNonlinear>, Vec<FittedNonlinear>) =
+            judged.shapes.drain(..).partition(FittedNonlinear::open);
         if open.is_empty() {
             judged.shapes = known;
             judged.shapes.append(&mut given_up);

@@ -10,5 +10,5 @@ mod profile;
 mod refine;
 mod scan;
 
-pub use judge::{descend_shapes, judge_shapes};
+pub use judge::{descend_nonlinear, judge_nonlinear};
 pub(crate) use profile::{fit, wanted};

@@ -18,9 +18,9 @@
 use super::picture::{Picture, Trial};
 use super::{interval, refine, scan};
 use crate::IdentifyError;
-use crate::fit::{Fit, FitOptions, Shapes, Warning, fit_fixed};
+use crate::fit::{Fit, FitOptions, NonlinearSearch, Warning, fit_fixed};
 use std::collections::BTreeMap;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, NonlinearParameter};
 use truepose_solvers::Solver;
 
 /// Rounds of fit and search at most.
@@ -38,10 +38,10 @@ pub(crate) fn fit(
     solver: &dyn Solver,
     options: &FitOptions,
 ) -> Result<Fit, IdentifyError> {
-    let free: Vec<(usize, Shape)> = (0..model.effects().len())
+    let free: Vec<(usize, NonlinearParameter)> = (0..model.effects().len())
         .flat_map(|k| model.effects()[k].shape().into_iter().map(move |shape| (k, shape)))
         .collect();
-    let shapes: Vec<Shape> = free.iter().map(|(_, shape)| shape.clone()).collect();
+    let shapes: Vec<NonlinearParameter> = free.iter().map(|(_, shape)| shape.clone()).collect();
     let start: Vec<f64> = shapes.iter().map(|s| s.value.clamp(s.lower, s.upper)).collect();
     let trial = Trial::new(model, &free)?;
     let rest: Vec<Box<dyn AnyEffect>> =
@@ -62,7 +62,8 @@ pub(crate) fn fit(
         let derived = data.derived_for(&now)?;
         let mut found = fit_fixed(&now, &derived, solver, options)?;
         let picture = Picture::at(&found, &trial, data)?;
-        let next = refine::descend(&picture, &shapes, &theta, &every, options.shapes == Shapes::Joint)?;
+        let next =
+            refine::descend(&picture, &shapes, &theta, &every, options.shapes == NonlinearSearch::Joint)?;
         let spread = interval::deviations(&picture, &shapes, &theta)?;
         let moved = (0..theta.len()).map(|k| (next[k] - theta[k]).abs() / spread[k]).fold(0.0, f64::max);
         // A hundredth of a standard deviation is nothing; what then still shrinks is taken along.
@@ -71,7 +72,7 @@ pub(crate) fn fit(
             interval::judge(&picture, &free, &theta, &mut found)?;
             let bound = found.shapes.iter().filter(|s| s.at_bound());
             let more: Vec<Warning> = bound
-                .map(|s| Warning::ShapeAtBound {
+                .map(|s| Warning::NonlinearAtBound {
                     effect: now.effects()[s.effect].kind().into(),
                     name: s.name.clone(),
                     value: s.value,
@@ -91,11 +92,15 @@ pub(crate) fn fit(
 }
 
 /// The model with these values of its free parameters.
-fn with(model: &ErrorModel, free: &[(usize, Shape)], theta: &[f64]) -> Result<ErrorModel, IdentifyError> {
+fn with(
+    model: &ErrorModel,
+    free: &[(usize, NonlinearParameter)],
+    theta: &[f64],
+) -> Result<ErrorModel, IdentifyError> {
     let mut values: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     free.iter().zip(theta).for_each(|((effect, _), value)| values.entry(*effect).or_default().push(*value));
     let effects = model.effects().iter().enumerate().map(|(k, effect)| match values.get(&k) {
-        Some(values) => effect.with_shape(values),
+        Some(values) => effect.with_nonlinear(values),
         None => effect.clone(),
     });
     Ok(ErrorModel::new(model.chain().clone(), effects.collect())?)

@@ -2,7 +2,7 @@
 
 use crate::significant;
 use serde::Serialize;
-use truepose_identify::{Fit, FittedShape};
+use truepose_identify::{Fit, FittedNonlinear};
 
 /// A parameter in which an effect is not linear.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,7 +28,7 @@ impl ShapeSummary {
         fit.shapes.iter().map(|shape| ShapeSummary::of(shape, effects[shape.effect].kind())).collect()
     }
 
-    fn of(shape: &FittedShape, family: &str) -> Self {
+    fn of(shape: &FittedNonlinear, family: &str) -> Self {
         ShapeSummary {
             effect: (family.into(), shape.effect + 1),
             name: shape.name.clone(),
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn an_interval_that_its_range_cuts_says_so() {
         let told = |interval: [f64; 2]| {
-            let shape = FittedShape {
+            let shape = FittedNonlinear {
                 effect: 0,
                 name: "period".into(),
                 unit: "rad".into(),

@@ -108,7 +108,7 @@ impl LinkCompliance {
 }
 
 impl Effect for LinkCompliance {
-    const KIND: &'static str = "link_compliance";
+    const FAMILY: &'static str = "link_compliance";
     const ABOUT: &'static str =
         "a link bends and twists under the wrench at its tip and under its own weight";
 
@@ -220,14 +220,14 @@ impl Effect for LinkCompliance {
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         for &joint in self.joints.iter().flatten() {
-            joint_moves(Self::KIND, joint, chain)?;
+            joint_moves(Self::FAMILY, joint, chain)?;
             if chain.link_length(joint) < 1e-6 {
                 let name = &chain.joint(joint).name;
                 let reason = format!("the link behind joint `{name}` has no length, so that it cannot bend");
-                return Err(ModelError::Parameters { kind: Self::KIND.into(), reason });
+                return Err(ModelError::Parameters { kind: Self::FAMILY.into(), reason });
             }
         }
-        listed_once(Self::KIND, self.joints.as_deref(), chain)
+        listed_once(Self::FAMILY, self.joints.as_deref(), chain)
     }
 }
 

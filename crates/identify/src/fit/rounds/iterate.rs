@@ -29,7 +29,7 @@ impl State<'_> {
         // A penalty that only the solver knows, or weights that it changes, make no objective to hold steps against.
         let guarded = self.options.refine && guarded(self.solver);
         let scales: Vec<f64> = reduction.kept.iter().map(|&c| self.model.columns()[c].scale).collect();
-        let mut limit = if self.options.refine { self.options.max_rounds } else { 1 };
+        let mut limit = if self.options.refine { self.options.max_iterations } else { 1 };
         // Noise and prior are looked at when steps have become short.
         let mut settled = false;
         let mut factor = self.first_look(reduction, first)?;

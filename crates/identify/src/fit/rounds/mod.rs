@@ -4,7 +4,7 @@ mod finish;
 mod first_look;
 mod follow;
 mod iterate;
-mod second_look;
+mod second_reduction;
 mod settle;
 mod solve;
 mod state;

@@ -169,9 +169,9 @@ impl<'a> State<'a> {
     ) -> Result<bool, IdentifyError> {
         let before = self.prior.clone();
         self.prior = self.prior.from_evidence(factor)?;
-        if self.options.prior == PriorStrength::Kinds {
+        if self.options.prior == PriorStrength::VarianceGroups {
             let beta = reduction.grouped(&self.coefficients);
-            if let Some(prior) = self.prior.by_kinds(self.model, reduction, factor, &beta) {
+            if let Some(prior) = self.prior.by_variance_groups(self.model, reduction, factor, &beta) {
                 self.prior = prior;
             }
         }
