@@ -74,7 +74,7 @@ pub(crate) fn on_split(
     // The prior widths of declared errors come from the declared model alone; findings do not change them.
     let wide = wide::as_fitted(&open, &first.fit);
     context.fit = options.fit.clone();
-    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::Kinds) {
+    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::VarianceGroups) {
         context.declared = &wide;
         context.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
         first = context.fit_model(Vec::new(), &first.outliers.suspects)?;

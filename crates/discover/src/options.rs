@@ -44,7 +44,7 @@ impl Default for DiscoverOptions {
             most: 24,
             without: Vec::new(),
             competing_fits: false,
-            fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
+            fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
         }
     }
 }

@@ -12,8 +12,8 @@ use crate::model::current::{Context, ModelFit};
 use crate::model::nonlinear::{between_rows, descended, gaps, nonlinear_parameters};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::{Outliers, outliers};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape};
-use truepose_identify::{Fit, FitOptions, NoiseSource, fit, fit_again, judge_shapes};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, NonlinearParameter};
+use truepose_identify::{Fit, FitOptions, NoiseSource, fit, fit_again, judge_nonlinear};
 
 /// The final fit with its data.
 pub(crate) struct Final {
@@ -110,8 +110,8 @@ fn outside(fit: &Fit, all: &Dataset, current: &ModelFit) -> Result<Outliers, Dis
 
 /// The fit with intervals of the nonlinear parameters of the findings, and with their contribution to the
 /// covariance.
-fn with_nonlinear(fit: Fit, data: &Dataset, nonlinear: &[(usize, Shape)]) -> Fit {
+fn with_nonlinear(fit: Fit, data: &Dataset, nonlinear: &[(usize, NonlinearParameter)]) -> Fit {
     // Where columns are linearly dependent no interval is computed; the covariance is that of known nonlinear
     // parameters.
-    if nonlinear.is_empty() { fit } else { judge_shapes(&fit, data, nonlinear).unwrap_or(fit) }
+    if nonlinear.is_empty() { fit } else { judge_nonlinear(&fit, data, nonlinear).unwrap_or(fit) }
 }

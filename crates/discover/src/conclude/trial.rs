@@ -107,7 +107,7 @@ impl<'a> Trial<'a> {
         /// Converges to a tenth of a percent of an RMS.
         const ITERATIONS: usize = 6;
         let noise = NoiseSource::Fixed(self.current.fit.noise);
-        let options = FitOptions { noise, max_rounds: ITERATIONS, ..self.context.fit.clone() };
+        let options = FitOptions { noise, max_iterations: ITERATIONS, ..self.context.fit.clone() };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
         let data = self.context.prepared(&found, &self.current.outliers.suspects);

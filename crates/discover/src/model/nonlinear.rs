@@ -2,15 +2,15 @@
 //!
 //! A period, change point or time constant was estimated before later findings were in the model. With all of
 //! them in it, the nonlinear parameters are optimised jointly, to the local minimum next to their values
-//! (variable projection, [`truepose_identify::descend_shapes`]).
+//! (variable projection, [`truepose_identify::descend_nonlinear`]).
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::nonlinear::seen_as;
 use crate::model::current::Context;
 use truepose_errormodel::effects::{Shift, Thermal};
-use truepose_errormodel::{AnyEffect, Dataset, Shape};
-use truepose_identify::{Fit, descend_shapes};
+use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
+use truepose_identify::{Fit, descend_nonlinear};
 
 /// With more nonlinear parameters than this they keep their values: the joint optimisation would take
 /// minutes.
@@ -21,7 +21,7 @@ pub(crate) fn nonlinear_parameters(
     context: &Context<'_>,
     found: &[Candidate],
     data: &Dataset,
-) -> Vec<(usize, Shape)> {
+) -> Vec<(usize, NonlinearParameter)> {
     (0..found.len())
         .flat_map(|k| context.effects_of(found, k).zip(found[k].effects()))
         .flat_map(|(k, effect)| {
@@ -47,7 +47,7 @@ pub(crate) fn descended(
         return Ok(None);
     }
     // Nonlinear parameters that are not identifiable keep their values.
-    let Ok(values) = descend_shapes(fit, data, &free) else { return Ok(None) };
+    let Ok(values) = descend_nonlinear(fit, data, &free) else { return Ok(None) };
     if free.iter().zip(&values).all(|((_, shape), value)| (value - shape.value).abs() <= 0.0) {
         return Ok(None);
     }
@@ -58,7 +58,7 @@ pub(crate) fn descended(
             let own: Vec<f64> =
                 free.iter().zip(&values).filter(|((e, _), _)| *e == at).map(|(_, v)| *v).collect();
             if !own.is_empty() {
-                *effect = effect.with_shape(&own);
+                *effect = effect.with_nonlinear(&own);
             }
         }
     }
