@@ -1,7 +1,7 @@
 //! How to look.
 
 use crate::error::DiscoverError;
-use crate::hypotheses::family::Family;
+use crate::hypotheses::library::Library;
 use truepose_identify::{FitOptions, PriorStrength};
 
 /// Sign flips beyond this many say nothing that fewer do not, and have to be kept in memory.
@@ -20,9 +20,8 @@ pub struct DiscoverOptions {
     pub alpha: f64,
     /// Effects at most.
     pub most: usize,
-    /// Families that are not looked for: to see what the loop makes of a cause that it has no word for. Outliers are always
-    /// looked for, since they stand in the way of everything else.
-    pub without: Vec<Family>,
+    /// What is looked for: the hypotheses that are tested.
+    pub library: Library,
     /// Whether explanations that the data cannot tell from a find are fitted as well: what a plan needs that is to tell them apart.
     pub rival_fits: bool,
     /// How models are fitted.
@@ -41,7 +40,7 @@ impl Default for DiscoverOptions {
             flips: 999,
             alpha: 0.002,
             most: 24,
-            without: Vec::new(),
+            library: Library::standard(),
             rival_fits: false,
             fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
         }

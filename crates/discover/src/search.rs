@@ -32,7 +32,7 @@ pub(crate) fn search(
         progress(Progress::Screening(outcome.model.findings.len()));
         let current = outcome.model.current.clone();
         let scene = Scene::new(&current.fit, &current.data)?;
-        let screen = Screen::new(&scene, &options.without, &current.found);
+        let screen = Screen::new(&scene, &options.library, &current.found);
         let asked = screen.questions();
         if history.first() {
             outcome.untestable = untestable(&scene, &screen);

@@ -409,15 +409,16 @@ impl FindingSummary {
             periods: if periods.len() > 1 { periods } else { Vec::new() },
             at,
             rows: finding.rows.iter().map(|row| row + 1).collect(),
-            p_value: finding.evidence.p_value,
-            p_parametric: finding.evidence.p_parametric,
+            p_value: finding.p_value,
+            p_parametric: finding.evidence.as_ref().map_or(finding.p_value, |evidence| evidence.p_parametric),
             holdout_rms_mm: mm(finding.holdout),
             train_rms_mm: mm(finding.train),
-            cross_validated_rms_mm: cross_validated(&finding.evidence),
-            stability: finding.evidence.stability,
+            // Excluded rows are not selected by a search: with them and without.
+            cross_validated_rms_mm: finding.evidence.as_ref().map_or(mm(finding.train), cross_validated),
+            stability: finding.evidence.as_ref().map_or(1.0, |evidence| evidence.stability),
             parameters: finding.shape.iter().chain(&finding.parameters).cloned().collect(),
             alternatives: finding.alternatives.iter().map(AlternativeSummary::from).collect(),
-            meaning: text::meaning(finding),
+            meaning: candidate.meaning(),
         }
     }
 

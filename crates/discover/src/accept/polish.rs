@@ -4,8 +4,7 @@
 //! for again near where it is, everything else of the model, and of the find, projected out.
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::nonlinear::has_shape;
+use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Ground, Working};
 use crate::problem::likelihood::without;
 use crate::problem::linearisation::Scene;
@@ -25,9 +24,9 @@ pub(crate) fn polished(
     let mut parts: Vec<Candidate> = now.found[which]
         .effects()
         .iter()
-        .map(|effect| Candidate { change: Change::Add(vec![effect.clone()]), ..now.found[which].clone() })
+        .map(|effect| now.found[which].with_effects(vec![effect.clone()]))
         .collect();
-    if !parts.iter().any(has_shape) {
+    if !parts.iter().any(Candidate::is_refinable) {
         return Ok(None);
     }
     let own = ground.effects_of(&now.found, which);
@@ -39,7 +38,7 @@ pub(crate) fn polished(
         let better: Vec<Option<Candidate>> = (0..parts.len())
             .into_par_iter()
             .map(|k| -> Result<Option<Candidate>, DiscoverError> {
-                if !has_shape(&parts[k]) {
+                if !parts[k].is_refinable() {
                     return Ok(None);
                 }
                 let others: Vec<_> =
@@ -61,5 +60,5 @@ pub(crate) fn polished(
         }
     }
     let effects = parts.iter().flat_map(|part| part.effects().to_vec()).collect();
-    Ok(gained.then(|| Candidate { change: Change::Add(effects), ..now.found[which].clone() }))
+    Ok(gained.then(|| now.found[which].with_effects(effects)))
 }

@@ -39,7 +39,7 @@ pub(crate) fn winner(
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
             } else {
-                evidence.doubt(options.alpha, floor, best.candidate.belongs_to_time())
+                evidence.doubt(options.alpha, floor, best.candidate.follows_time())
             };
             let Some(doubt) = doubt else {
                 return Ok(Some(Accepted {
@@ -64,6 +64,6 @@ pub(crate) fn seen_from(null: &NullDistribution, alpha: f64) -> f64 {
 /// Family-wise p of a candidate for the place of a finding: `scene` is the model without that finding, `others` are the other findings.
 pub(crate) fn own_p(context: &Ground<'_>, scene: &Scene<'_>, others: &[Candidate], rival: &Rival) -> f64 {
     let options = context.options;
-    let screen = Screen::new(scene, &options.without, others);
+    let screen = Screen::new(scene, &options.library, others);
     screen.null(options.flips, options.seed).p_value(rival.surprise)
 }

@@ -59,8 +59,10 @@ pub struct Diagnosis {
 pub struct Finding {
     /// The cause and the change that takes it in.
     pub candidate: Candidate,
-    /// What speaks for it.
-    pub evidence: Evidence,
+    /// Family-wise p of the test that found it.
+    pub p_value: f64,
+    /// What speaks for an effect or a corrected load; none of excluded rows, which no search selects.
+    pub evidence: Option<Evidence>,
     /// RMS on the held-out rows before and after it was added, m.
     pub holdout: (f64, f64),
     /// RMS on the training rows before and after it was added, m.
@@ -92,7 +94,7 @@ pub struct Parameter {
 }
 
 /// Another explanation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alternative {
     /// What kind of cause.
     pub family: Family,

@@ -13,7 +13,7 @@ use crate::conclude::whole::Whole;
 use crate::data::payload;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::Change;
+use crate::hypotheses::change::Change;
 use crate::model::current::{Ground, Working};
 use crate::termination::Stop;
 use truepose_errormodel::Dataset;
@@ -56,7 +56,8 @@ impl SoFar {
         at_run_time(&mut fit, &now.found, whole.data);
         let finding = |(k, accepted): (usize, &crate::accept::accepted::Accepted)| Finding {
             candidate: accepted.candidate.clone(),
-            evidence: accepted.evidence.clone(),
+            p_value: accepted.evidence.p_value,
+            evidence: Some(accepted.evidence.clone()),
             train: (self.steps[k].0, self.steps[k + 1].0),
             holdout: (self.steps[k].1, self.steps[k + 1].1),
             parameters: parameters(&fit, &accepted.candidate, context.effects_of(&now.found, k)),
@@ -64,7 +65,7 @@ impl SoFar {
             alternatives: Vec::new(),
             rows: match accepted.candidate.change {
                 Change::CorrectLoad { level, .. } => payload::rows_at(whole.data, level),
-                Change::Add(_) => Vec::new(),
+                Change::Add(_) | Change::Exclude { .. } => Vec::new(),
             },
             trace: None,
         };

@@ -5,11 +5,8 @@
 use crate::contest::look_ahead;
 use crate::contest::rival::{Rival, plausible, rival};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::components::neighbours;
-use crate::hypotheses::family::Family;
-use crate::hypotheses::nonlinear::seen_as;
-use crate::hypotheses::unmodelled::richer;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::policy::{TIE, price};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;
@@ -20,7 +17,6 @@ use crate::screen::refine::refined;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
-use truepose_errormodel::effects::Transmission;
 
 /// Who is behind by more than this will not win by other components.
 const FAR: f64 = 120.0;
@@ -80,7 +76,7 @@ fn invited<'a>(scene: &Scene<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
     for cause in causes.iter().skip(CAUSES) {
         let (_, gain, freedom) = &cause.variants[0];
         let known = invited.iter().any(|other| other.family == cause.family);
-        if cause.family != Family::Unmodelled && !known && gain - price * *freedom as f64 > 0.0 {
+        if cause.family.is_named() && !known && gain - price * *freedom as f64 > 0.0 {
             invited.push(cause);
         }
     }
@@ -104,7 +100,7 @@ fn shaped(
         let shaped = refined(scene, &screen.projection, candidate);
         rivals.extend(rival(scene, screen, visits, shaped)?);
     }
-    if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| richer(candidate)) {
+    if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| candidate.richer()) {
         rivals.extend(rival(scene, screen, visits, more)?);
     }
     Ok(rivals)
@@ -118,7 +114,7 @@ fn grow(
     found: &mut [Vec<Rival>],
 ) -> Result<(), DiscoverError> {
     let mut gears: Vec<usize> = (0..found.len())
-        .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
+        .filter(|&k| found[k].first().is_some_and(|r| r.candidate.periodic_in(scene.chain()).is_some()))
         .collect();
     gears.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
     gears.truncate(GEARS);
@@ -150,14 +146,14 @@ fn rank(rivals: &mut [Rival]) {
     let best = least(rivals);
     let tied = rivals.iter().take_while(|r| r.score < best + TIE).count();
     rivals[..tied].sort_by(|a, b| {
-        let family = a.candidate.family.rank().cmp(&b.candidate.family.rank());
+        let family = a.candidate.hypothesis().rank().cmp(&b.candidate.hypothesis().rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
     });
 }
 
 /// How far behind the best a rival may be to try other components.
 fn reach(rival: &Rival) -> f64 {
-    if rival.candidate.family == Family::Unmodelled { NEAR } else { FAR }
+    if rival.candidate.family.is_named() { FAR } else { NEAR }
 }
 
 fn least(rivals: &[Rival]) -> f64 {
@@ -173,7 +169,7 @@ fn fitted_out(
 ) -> Result<Rival, DiscoverError> {
     loop {
         let mut best: Option<Rival> = None;
-        for candidate in neighbours(&now.candidate) {
+        for candidate in now.candidate.neighbours() {
             let Some(other) = rival(scene, screen, visits, candidate)? else { continue };
             if other.score < best.as_ref().map_or(now.score - WORTH, |best| best.score) {
                 best = Some(other);
@@ -188,10 +184,7 @@ fn fitted_out(
 
 /// The same gear with further periods, as long as each pays for itself.
 fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) -> Option<Candidate> {
-    if candidate.family != Family::Transmission {
-        return None;
-    }
-    let joint = seen_as::<Transmission>(&**candidate.effects().first()?)?.joint;
+    let joint = candidate.periodic_in(scene.chain())?;
     let grid = periodogram::grid(scene, joint);
     let questions = (grid.len().max(2) as f64).ln();
     let threshold = 2.0 * questions + 2.0 * price(scene.len()) + TIE;
@@ -205,11 +198,7 @@ fn more_periods(scene: &Scene<'_>, present: &Projection, candidate: &Candidate) 
         if gain < threshold || surprise < questions {
             break;
         }
-        let one = refined(
-            scene,
-            &projection,
-            &crate::hypotheses::motion::transmission_at(scene.chain(), joint, &[period]),
-        );
+        let one = refined(scene, &projection, &candidate.at_period(joint, period)?);
         let more = projection.with(&scene.columns_of(&one).ok()?);
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);

@@ -12,7 +12,6 @@
 use crate::contest::rival::{Rival, cost, odds};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
 use crate::policy::{TIE, price};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;
@@ -41,7 +40,7 @@ pub(crate) fn first(
     let price = price(scene.len());
     let first: Vec<&Candidate> = causes
         .iter()
-        .filter(|cause| cause.family != Family::Unmodelled)
+        .filter(|cause| cause.family.is_named())
         .take(PARTNERS)
         .map(|cause| &cause.variants[0].0)
         .collect();
@@ -49,10 +48,8 @@ pub(crate) fn first(
         .into_par_iter()
         .map(|candidate| Ok((candidate, screen.projection.hear(scene, candidate)?)))
         .collect::<Result<_, DiscoverError>>()?;
-    let named: Vec<usize> = (0..rivals.len())
-        .filter(|&k| k == 0 || rivals[k].candidate.family != Family::Unmodelled)
-        .take(RIVALS)
-        .collect();
+    let named: Vec<usize> =
+        (0..rivals.len()).filter(|&k| k == 0 || rivals[k].candidate.family.is_named()).take(RIVALS).collect();
     let pairs: Vec<Option<(f64, Candidate, f64)>> = named
         .par_iter()
         .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {

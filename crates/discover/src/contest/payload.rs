@@ -2,7 +2,8 @@
 
 use crate::contest::rival::{Rival, adopted};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::model::current::{Ground, Working};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;

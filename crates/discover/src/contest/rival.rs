@@ -7,10 +7,9 @@
 //! C is what its coefficients cost: ln m each (Schwarz 1978), or, of curves and moving frames, what the evidence says ([`crate::statistics::coefficients`]).
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::family::Family;
-use crate::hypotheses::nonlinear::{climbed, found_periods, shapes};
-use crate::hypotheses::penalty::by_evidence;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
+use crate::hypotheses::limits::Limit;
 use crate::policy::{WIDE, price};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;
@@ -46,7 +45,7 @@ pub(crate) struct Rival {
 impl Rival {
     /// What had to be found out: coefficients that the data judges, and shapes.
     pub fn unknowns(&self) -> usize {
-        self.freedom + shapes(&self.candidate)
+        self.freedom + self.candidate.nonlinear().count()
     }
 
     /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes: twice that of the law from which they look
@@ -99,10 +98,10 @@ pub(crate) fn losers<'a>(
 ) -> Vec<(Candidate, f64)> {
     /// Of −2 ln L, within which two explanations of as many unknowns are the same one: their wide priors differ by as much.
     const SAME: f64 = 0.05;
-    let a_curve = matches!(winner.candidate.family, Family::Drift | Family::LoadNonlinearity);
+    let a_curve = winner.candidate.hypothesis().is_curve();
     let itself = |r: &Rival| {
         let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
-        let nameless = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
+        let nameless = !r.candidate.family.is_named() && r.freedom == winner.freedom && alike;
         (nameless && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
     let others = rivals.into_iter().filter(|r| !itself(r));
@@ -115,33 +114,33 @@ pub(crate) fn losers<'a>(
 /// or of something without a name that follows the load, as the evidence says; all others their number.
 pub(crate) fn cost(candidate: &Candidate, law: &Law, freedom: usize, scene: &Scene<'_>) -> f64 {
     let counted = price(scene.len()) * freedom as f64;
-    if by_evidence(candidate) { law.cost.min(counted) } else { counted }
+    if candidate.by_evidence() { law.cost.min(counted) } else { counted }
 }
 
 /// What a candidate pays for the questions that are asked of its family, for its shapes, and for having no name. A shape on a fine grid
 /// pays by the questions that the grid asks, one that was climbed for as an unknown.
 pub(crate) fn odds(scene: &Scene<'_>, screen: &Screen, candidate: &Candidate) -> f64 {
-    preference(screen, candidate) + price(scene.len()) * climbed(candidate) as f64
+    preference(screen, candidate) + price(scene.len()) * candidate.scales() as f64
 }
 
 /// What a candidate pays before the data is looked at: every period of a gear is an answer of its own to the questions asked.
 fn preference(screen: &Screen, candidate: &Candidate) -> f64 {
-    let nameless = if candidate.family == Family::Unmodelled { NAMELESS } else { 0.0 };
-    2.0 * found_periods(candidate).max(1) as f64 * (screen.asked(candidate.family) as f64).ln() + nameless
+    let nameless = if candidate.family.is_named() { 0.0 } else { NAMELESS };
+    2.0 * candidate.periods().max(1) as f64 * (screen.asked(candidate.family) as f64).ln() + nameless
 }
 
 /// Whether size and sign are such as nature has.
 pub(crate) fn plausible(rival: &Rival) -> bool {
     let first = (rival.likelihood.coefficients[0], rival.likelihood.deviation(0));
-    natural(rival.candidate.family, rival.width, first)
+    natural(|limit| rival.candidate.has_limit(limit), rival.width, first)
 }
 
 /// A link that five hundred newtons bend by a tenth of its length is none ([`WIDE`] times the expected size); and what yields, yields
 /// with its load: `first` is the first coefficient with its standard deviation.
-fn natural(family: Family, width: f64, first: (f64, f64)) -> bool {
+fn natural(has: impl Fn(Limit) -> bool, width: f64, first: (f64, f64)) -> bool {
     let (value, deviation) = first;
-    let paper = family == Family::LinkCompliance && width > WIDE;
-    let pushes_back = family.is_compliance() && value <= -2.0 * deviation;
+    let paper = has(Limit::BoundedWidth) && width > WIDE;
+    let pushes_back = has(Limit::FirstNotNegative) && value <= -2.0 * deviation;
     !paper && !pushes_back
 }
 
@@ -158,15 +157,21 @@ pub(crate) fn adopted(rival: &Rival) -> Candidate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hypotheses::compliance::{OfJoints, OfLinks};
+    use crate::hypotheses::coupling::Drag;
+    use crate::hypotheses::hypothesis::Hypothesis;
 
     #[test]
     fn links_are_no_paper_and_springs_do_not_push_back() {
-        assert!(natural(Family::LinkCompliance, 20.0, (20.0, 1.0)));
-        assert!(!natural(Family::LinkCompliance, 600.0, (600.0, 5.0)));
+        let natural = |hypothesis: &dyn Hypothesis, width, first| {
+            natural(|limit| hypothesis.limits().contains(&limit), width, first)
+        };
+        assert!(natural(&OfLinks, 20.0, (20.0, 1.0)));
+        assert!(!natural(&OfLinks, 600.0, (600.0, 5.0)));
         // What a joint's expected size is worth depends on the robot.
-        assert!(natural(Family::JointCompliance, 600.0, (600.0, 5.0)));
-        assert!(!natural(Family::JointCompliance, 3.0, (-3.0, 1.0)));
-        assert!(natural(Family::JointCompliance, 3.0, (-1.0, 1.0)));
-        assert!(natural(Family::Coupling, 3.0, (-3.0, 1.0)));
+        assert!(natural(&OfJoints, 600.0, (600.0, 5.0)));
+        assert!(!natural(&OfJoints, 3.0, (-3.0, 1.0)));
+        assert!(natural(&OfJoints, 3.0, (-1.0, 1.0)));
+        assert!(natural(&Drag, 3.0, (-3.0, 1.0)));
     }
 }

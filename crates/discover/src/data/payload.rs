@@ -3,7 +3,8 @@
 //! A wrong mass at one level and another stiffness look much alike from afar: the product of both is what is seen. So levels are held
 //! against each other by whole fits, in which masses and stiffnesses move together.
 
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use truepose_errormodel::{Dataset, LoadCorrection};
 use truepose_kinematics::{Conditions, Load};
 
@@ -50,7 +51,7 @@ pub(crate) fn rows_at(data: &Dataset, level: f64) -> Vec<usize> {
 pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     found.iter().fold(data.clone(), |data, candidate| match candidate.change {
         Change::CorrectLoad { level, mass, .. } => corrected(&data, level, mass),
-        Change::Add(_) => data,
+        Change::Add(_) | Change::Exclude { .. } => data,
     })
 }
 

@@ -2,7 +2,8 @@
 
 use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::model::wide::{Stretches, Wide};
 use crate::options::DiscoverOptions;
 use crate::problem::likelihood::Likelihood;

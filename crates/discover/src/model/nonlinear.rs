@@ -4,11 +4,11 @@
 //! shapes go down together to the bottom of the valley in which they lie (variable projection, [`truepose_identify::descend_shapes`]).
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::nonlinear::seen_as;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::model::current::Ground;
-use truepose_errormodel::effects::{Shift, Thermal};
-use truepose_errormodel::{AnyEffect, Dataset, Shape};
+use truepose_errormodel::{Dataset, Shape};
 use truepose_identify::{Fit, descend_shapes};
 
 /// With more shapes than this they stay where the search found them: going down together would take minutes.
@@ -16,12 +16,15 @@ const MOST: usize = 24;
 
 /// (Effect of the model, parameter at its value with the range in which it is looked for) of every find.
 pub(crate) fn shapes(ground: &Ground<'_>, found: &[Candidate], data: &Dataset) -> Vec<(usize, Shape)> {
-    (0..found.len())
-        .flat_map(|k| ground.effects_of(found, k).zip(found[k].effects()))
-        .flat_map(|(k, effect)| {
-            crate::hypotheses::nonlinear::found(&**effect, data).into_iter().map(move |shape| (k, shape))
-        })
-        .collect()
+    let of = |(which, candidate): (usize, &Candidate)| -> Vec<(usize, Shape)> {
+        let effects = ground.effects_of(found, which).zip(candidate.effects());
+        effects
+            .flat_map(|(k, effect)| {
+                candidate.shapes_of(&**effect, data).into_iter().map(move |shape| (k, shape))
+            })
+            .collect()
+    };
+    found.iter().enumerate().flat_map(of).collect()
 }
 
 /// The finds with their shapes where all of them together explain most; none when there is none to move. A lag stays where it is: the
@@ -32,11 +35,14 @@ pub(crate) fn descended(
     fit: &Fit,
     data: &Dataset,
 ) -> Result<Option<Vec<Candidate>>, DiscoverError> {
-    let lags = |effect: &dyn AnyEffect| seen_as::<Thermal>(effect).is_some();
-    let effects: Vec<Box<dyn AnyEffect>> = found.iter().flat_map(|c| c.effects().to_vec()).collect();
+    let on_a_grid: Vec<bool> = found
+        .iter()
+        .flat_map(|c| c.effects().iter().map(|effect| c.hypothesis().nonlinear(&**effect)))
+        .map(|found| found.is_some_and(|found| found.search == Refinement::Grid))
+        .collect();
     let first = ground.declared.len();
     let mut free = shapes(ground, found, data);
-    free.retain(|(k, _)| !lags(&*effects[k - first]));
+    free.retain(|(k, _)| !on_a_grid[k - first]);
     if free.is_empty() || free.len() > MOST {
         return Ok(None);
     }
@@ -62,16 +68,24 @@ pub(crate) fn descended(
 /// The finds with what the data says of when something jumped: between which rows, and in the middle of them.
 pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate> {
     let mut next = found.to_vec();
-    for candidate in &mut next {
+    for (candidate, before) in next.iter_mut().zip(found) {
+        let hypothesis = before.hypothesis();
         let Change::Add(effects) = &mut candidate.change else { continue };
         for effect in effects {
-            let Some(jump) = seen_as::<Shift>(&**effect) else { continue };
+            let Some(Nonlinear { value: at, search: Refinement::Instant { .. }, .. }) =
+                hypothesis.nonlinear(&**effect)
+            else {
+                continue;
+            };
             let times = || data.time.iter().copied();
-            let before = times().filter(|t| *t < jump.at).fold(f64::NEG_INFINITY, f64::max);
-            let after = times().filter(|t| *t >= jump.at).fold(f64::INFINITY, f64::min);
-            if before.is_finite() && after.is_finite() && before < after {
-                let middle = 0.5 * (before + after);
-                *effect = Box::new(Shift { at: middle, gap: Some([before, after]), ..jump.clone() });
+            let before = times().filter(|t| *t < at).fold(f64::NEG_INFINITY, f64::max);
+            let after = times().filter(|t| *t >= at).fold(f64::INFINITY, f64::min);
+            if before.is_finite()
+                && after.is_finite()
+                && before < after
+                && let Some(placed) = hypothesis.between(&**effect, [before, after])
+            {
+                *effect = placed;
             }
         }
     }
@@ -80,5 +94,11 @@ pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate
 
 /// Between which instants the jumps of a find are known to lie, s.
 pub(crate) fn gaps(found: &Candidate) -> Vec<[f64; 2]> {
-    found.effects().iter().filter_map(|effect| seen_as::<Shift>(&**effect)?.gap).collect()
+    found
+        .nonlinear()
+        .filter_map(|found| match found.search {
+            Refinement::Instant { gap } => gap,
+            _ => None,
+        })
+        .collect()
 }

@@ -11,7 +11,6 @@ use crate::contest::competition::{Contest, contest};
 use crate::contest::rival::{Rival, adopted, losers, rival};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
 use crate::model::current::Ground;
 use crate::policy::TIE;
 use crate::problem::likelihood::without as lacking;
@@ -45,8 +44,7 @@ pub(crate) fn reconsidered(
         let changed = !same_shape(&next, &findings[at].candidate);
         findings[at].rivals = losers(&contest.rivals, winner);
         let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
-        let doubt =
-            |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.belongs_to_time());
+        let doubt = |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.follows_time());
         match evidence {
             // Another cause has to pass the same tests as one that comes in from outside.
             Some(evidence) if doubt(&evidence).is_some() => {
@@ -88,9 +86,9 @@ fn without(
     let Accepted { candidate, shortlist, .. } = &model.findings[at];
     let options = context.options;
     let held = |scene: &Scene<'_>| {
-        let screen = Screen::again(scene, &options.without, (shortlist, others), asked);
+        let screen = Screen::again(scene, &options.library, (shortlist, others), asked);
         // The periods of a gear were found while less was known: it may look for them again.
-        let mut contest = contest(scene, &screen, others, candidate.family == Family::Transmission)?;
+        let mut contest = contest(scene, &screen, others, candidate.periodic_in(scene.chain()).is_some())?;
         // The find as it stands defends its place, and its shape.
         if let Some(own) = rival(scene, &screen, &Visits::of(scene.data), candidate.clone())? {
             let same = contest.rivals.iter().position(|r| r.candidate.same_cause(candidate));

@@ -1,11 +1,11 @@
 //! One pass over all candidates: no refit, everything that the present model explains projected out.
 
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::hypotheses::family::Family;
-use crate::hypotheses::library;
-use crate::hypotheses::motion::transmission_at;
-use crate::hypotheses::penalty::by_evidence;
+use crate::hypotheses::library::Library;
 use crate::hypotheses::place::Place;
+use crate::hypotheses::variant::Variant;
 use crate::policy::price;
 use crate::problem::linearisation::Scene;
 use crate::problem::projection::{Projection, Score};
@@ -17,6 +17,7 @@ use crate::statistics::surprisal::Surprise;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 use truepose_errormodel::AnyEffect;
 
 /// A candidate and its score; none where the data cannot judge it.
@@ -37,6 +38,7 @@ pub(crate) struct Screen {
     pub periods: Vec<Periodogram>,
     /// How many separate questions were asked of each family.
     asked: Questions,
+    library: Library,
 }
 
 /// A cause at a place with its variants, best first.
@@ -54,7 +56,7 @@ fn is_corrected(candidate: &Candidate, found: &[Candidate]) -> bool {
     let Change::CorrectLoad { level, .. } = candidate.change else { return false };
     found.iter().any(|other| match other.change {
         Change::CorrectLoad { mass, .. } => (mass - level).abs() <= SAME * level.abs().max(1.0),
-        Change::Add(_) => false,
+        Change::Add(_) | Change::Exclude { .. } => false,
     })
 }
 
@@ -70,32 +72,35 @@ fn is_declared(candidate: &Candidate, scene: &Scene<'_>) -> bool {
 }
 
 impl Screen {
-    /// Of everything but some families; `found` is in the data and the model already.
-    pub fn new(scene: &Scene<'_>, without: &[Family], found: &[Candidate]) -> Self {
-        let mut all = library::candidates(scene.chain(), scene.data, without);
+    /// Of a whole library; `found` is in the data and the model already.
+    pub fn new(scene: &Scene<'_>, library: &Library, found: &[Candidate]) -> Self {
+        let mut all = library.candidates(scene.chain(), scene.data);
         all.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, scene));
-        let mut screen = Screen::of(scene, all, without);
+        let mut screen = Screen::of(scene, all, library);
         let judged = screen.candidates.iter().filter(|s| s.score.is_some());
         judged.for_each(|s| *screen.asked.entry(s.candidate.family).or_default() += 1);
-        let waves: usize = screen.periods.iter().map(|p| p.periods.len() / 4).sum();
-        *screen.asked.entry(Family::Transmission).or_default() += waves;
+        for wave in &screen.periods {
+            for hypothesis in library.periodic(wave.joint) {
+                *screen.asked.entry(hypothesis.family()).or_default() += wave.periods.len() / 4;
+            }
+        }
         screen
     }
 
     /// Of all causes with a name and of a short list of others, as part of a larger search.
     pub fn again(
         scene: &Scene<'_>,
-        without: &[Family],
+        library: &Library,
         (shortlist, found): (&[Candidate], &[Candidate]),
         asked: &Questions,
     ) -> Self {
-        let mut candidates = library::named(scene.chain(), scene.data, without);
+        let mut candidates = library.named(scene.chain(), scene.data);
         candidates.extend(shortlist.iter().cloned());
         candidates.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, scene));
-        Screen { asked: asked.clone(), ..Screen::of(scene, candidates, without) }
+        Screen { asked: asked.clone(), ..Screen::of(scene, candidates, library) }
     }
 
-    fn of(scene: &Scene<'_>, candidates: Vec<Candidate>, without: &[Family]) -> Self {
+    fn of(scene: &Scene<'_>, candidates: Vec<Candidate>, library: &Library) -> Self {
         let projection = Projection::new(scene);
         // Without them every candidate is taken for itself.
         let functions = Functions::new(scene, &projection, &candidates).ok();
@@ -116,12 +121,12 @@ impl Screen {
             .chain()
             .movable()
             .iter()
-            .filter(|_| !without.contains(&Family::Transmission))
+            .filter(|&&joint| library.periodic(joint).next().is_some())
             .filter_map(|&joint| {
                 periodogram::scan(scene, &projection, joint, &periodogram::grid(scene, joint))
             })
             .collect();
-        Screen { projection, candidates, periods, asked: BTreeMap::new() }
+        Screen { projection, candidates, periods, asked: BTreeMap::new(), library: library.clone() }
     }
 
     /// The largest statistics over everything that was looked at.
@@ -184,15 +189,20 @@ impl Screen {
             }
         }
         for wave in &self.periods {
-            for (period, gain) in wave.peaks(3) {
-                put(transmission_at(scene.chain(), wave.joint, &[period]), gain, 2);
+            for hypothesis in self.library.periodic(wave.joint) {
+                for (period, gain) in wave.peaks(3) {
+                    let Some(effect) = hypothesis.at_period(wave.joint, period) else { continue };
+                    let place = Place::joint(scene.chain(), wave.joint);
+                    let variant = Variant { place, change: Change::Add(vec![effect]) };
+                    put(Candidate::new(Arc::clone(hypothesis), variant), gain, 2);
+                }
             }
         }
         let worth = |(candidate, gain, freedom): &(Candidate, f64, usize)| {
             let count = *freedom as f64;
             // By evidence, as if the data knew all of them alike: the law is as wide as they came out.
             let alike = 1.0 + (gain / count).max(1.0).ln();
-            gain - count * if by_evidence(candidate) { price.min(alike) } else { price }
+            gain - count * if candidate.by_evidence() { price.min(alike) } else { price }
         };
         for cause in &mut causes {
             cause.variants.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
@@ -222,7 +232,7 @@ impl Screen {
         const LISTED: usize = 60;
         self.causes(scene)
             .into_iter()
-            .filter(|cause| cause.family == Family::Unmodelled)
+            .filter(|cause| !cause.family.is_named())
             .take(LISTED)
             .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
             .collect()

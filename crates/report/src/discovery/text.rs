@@ -5,7 +5,7 @@ use super::{
 };
 use crate::{PositionSpread, count, significant};
 use std::fmt;
-use truepose_discover::{Check, Doubt, Family, Finding, FloorSource, Stop, Verdict};
+use truepose_discover::{Check, Doubt, Family, FloorSource, Stop, Verdict};
 
 /// Width of the longest bar of the waterfall.
 const BAR: f64 = 34.0;
@@ -287,81 +287,5 @@ pub(super) fn doubt_words(doubt: Doubt) -> &'static str {
         Doubt::NotSignificant => "its coefficients are not significant in the refitted model",
         Doubt::NotPhysical => "its sign or size is one that no mechanism has",
         _ => "refused",
-    }
-}
-
-/// What a finding is, and where a mechanic would look.
-pub(super) fn meaning(finding: &Finding) -> String {
-    let place = &finding.candidate.place;
-    let joint = place.joint.as_deref().unwrap_or("the robot");
-    match finding.candidate.family {
-        Family::Outlier => {
-            "These rows are explained by no repeatable effect: look at the instrument's log.".into()
-        }
-        Family::Target => format!(
-            "Target {} is not where the description has it: measure it again.",
-            place.target.as_deref().unwrap_or("")
-        ),
-        Family::Geometric => format!(
-            "The frame of {joint} is not where the description has it: look at its seat and dowels, or correct the description."
-        ),
-        Family::JointCompliance => {
-            format!(
-                "{joint} yields in proportion to the load about its axis: gear, bearing or drive stiffness."
-            )
-        }
-        Family::BaseCompliance => "The base tilts or sinks under the load: look at its anchoring.".into(),
-        Family::Backlash => format!(
-            "{joint} has play: its error switches with the side it comes from. Look at gear backlash, belt tension and preload."
-        ),
-        Family::Transmission => {
-            format!(
-                "The drive of {joint} errs periodically: eccentric wheel, gear mesh, strain wave or screw."
-            )
-        }
-        Family::Coupling => format!(
-            "{} drags {joint} along: belts, wrist gears or a calibration of coupled axes.",
-            place.driver.as_deref().unwrap_or("another joint")
-        ),
-        Family::Guideway => {
-            format!(
-                "The rail of {joint} is not straight, or its carriage turns as it travels: look at its bolts, shims and carriage."
-            )
-        }
-        Family::Payload => format!(
-            "The payload declared as {} kg does not fit. Check the declared mass.",
-            place.level.unwrap_or_default()
-        ),
-        Family::LinkCompliance => format!(
-            "The link behind {joint} bends or twists under what it carries: look at its flange bolts and bearings; else it is its stiffness."
-        ),
-        Family::LoadNonlinearity => format!(
-            "{joint} does not yield in proportion to its load: a bearing or gear that takes up play, or a strain wave that stiffens."
-        ),
-        Family::Shift => format!(
-            "{joint} jumped once: something was bumped, changed or mounted anew. Look at what the log has at that time."
-        ),
-        Family::Thermal => format!(
-            "{joint} follows {}: it grows or moves with temperature. Warm up, shield, or read the sensor when commanding.",
-            place.channel.as_deref().unwrap_or("a temperature")
-        ),
-        Family::Drift => format!(
-            "{joint} moves slowly with time: warming up, settling, or the instrument. Warm up longer, or measure a fixed point between."
-        ),
-        Family::Unmodelled
-            if place.joint.is_some() && place.joint == place.covariate && place.component.is_none() =>
-        {
-            format!(
-                "The axis of {joint} wanders as it turns: look at its bearings and their seats. Errors of that sort have no name here."
-            )
-        }
-        Family::Unmodelled => format!(
-            "Something at {joint} depends on {} in a way that has no name here.",
-            [place.covariate.as_deref(), place.covariate2.as_deref()]
-                .into_iter()
-                .flatten()
-                .collect::<Vec<_>>()
-                .join(" and ")
-        ),
     }
 }
