@@ -43,7 +43,7 @@ impl Default for DiscoverOptions {
             most: 24,
             without: Vec::new(),
             rival_fits: false,
-            fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
+            fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
         }
     }
 }

@@ -210,12 +210,12 @@ impl IdentificationSummary {
             rank: fit.reduction.rank(),
             structural: dropped(Cause::Structural),
             unexcited: dropped(Cause::Unexcited),
-            weak_directions: found.weak.0,
+            weak_directions: found.excitation.weak_directions,
             gaps: [gap(fit.reduction.structural.gap), gap(fit.reduction.practical.gap)],
             prior: gap(fit.prior.kappa),
             groups,
             nonlinear_parameters: NonlinearParameterSummary::all(fit),
-            advice: found.weak.1.iter().take(4).map(|a| advice_text(chain, a)).collect(),
+            advice: found.excitation.advice.iter().take(4).map(|a| advice_text(chain, a)).collect(),
             observability: found.observability.clone(),
             repeats: found.repeats.clone(),
             limit: String::new(),
@@ -256,9 +256,13 @@ fn stages(found: &Identification) -> Vec<StageSummary> {
         let plain = Stage { train: nominal.clone(), held_out: None };
         stages.push(stage("as described", &plain, None));
     }
-    stages.push(stage("base, tool, targets", &found.frames_only, found.locked.as_ref().map(|l| &l.0)));
+    stages.push(stage(
+        "base, tool, targets",
+        &found.frames_only,
+        found.test_set.as_ref().map(|test| &test.frames_only),
+    ));
     let declared = if found.fit.converged { "declared model" } else { "declared model, NOT CONVERGED" };
-    stages.push(stage(declared, &found.declared, found.locked.as_ref().map(|l| &l.1)));
+    stages.push(stage(declared, &found.declared, found.test_set.as_ref().map(|test| &test.declared)));
     stages
 }
 

@@ -101,7 +101,7 @@ pub fn warning_text(warning: &Warning) -> String {
             "`{column}` has no effect on anything in this data (no load declared, no link weights, or a signal that never \
              changes): it stays zero"
         ),
-        Warning::ShapeAtBound { effect, name, value } => format!(
+        Warning::NonlinearAtBound { effect, name, value } => format!(
             "the best `{name}` of effect `{effect}` is {}, at an end of its search range: widen the range, or \
              remove the effect",
             significant(*value, 6)

@@ -64,7 +64,7 @@ pub struct Identify {
     #[arg(long)]
     pub reduce_once: bool,
     /// Largest number of iterations
-    #[arg(long, value_name = "ROUNDS", default_value_t = FitOptions::default().max_rounds, value_parser = parse_count)]
+    #[arg(long, value_name = "ROUNDS", default_value_t = FitOptions::default().max_iterations, value_parser = parse_count)]
     pub rounds: usize,
     /// Read the data block by block, for files larger than memory
     #[arg(long, conflicts_with_all = ["split", "repeat", "fold_by", "holdout", "report", "spec"])]
@@ -88,8 +88,8 @@ impl Identify {
     pub fn fit(&self) -> FitOptions {
         FitOptions {
             refine: !self.linear,
-            second_look: !self.reduce_once,
-            max_rounds: self.rounds,
+            second_reduction: !self.reduce_once,
+            max_iterations: self.rounds,
             prior: self.prior,
             ..FitOptions::default()
         }

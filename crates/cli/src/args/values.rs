@@ -4,7 +4,7 @@
 pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
     use truepose_identify::PriorStrength;
     match text {
-        "evidence" => Ok(PriorStrength::Kinds),
+        "evidence" => Ok(PriorStrength::VarianceGroups),
         "none" => Ok(PriorStrength::None),
         _ => match text.parse::<f64>() {
             Ok(kappa) if kappa.is_finite() && kappa > 0.0 => Ok(PriorStrength::Fixed(kappa)),

@@ -58,17 +58,13 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
         options.split.as_ref().map(split_words),
     );
     summary.warnings.splice(0..0, suspected);
-    let test_set = match args.holdout {
-        Some(fraction) => hold_out(&data, fraction, args.seed)?.1,
-        None => Vec::new(),
-    };
     if let Some(limit) = args.spec {
-        summary = summary.with_specification(limit, &found, &data, &test_set);
+        summary = summary.with_specification(limit, &found, &data);
     }
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
         folder.write(&summary, &inputs, |run| {
-            Ok(identification_report(&summary, &found, &data, &info.visit_labels, &test_set, run)?)
+            Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
     }
     if args.json {

@@ -1,6 +1,6 @@
 //! Commands side by side, one a lane of the processor's vectors, for models that support batch evaluation.
 //!
-//! Models of constant errors and of joint compliances ([`truepose_errormodel::Effect::springs`]), on arms of six joints:
+//! Models of constant errors and of joint compliances ([`truepose_errormodel::Effect::compliances`]), on arms of six joints:
 //! position and orientation are requested, and a seed is near. All other commands, and those that leave the regular iteration, are solved singly.
 //! The result is that of the exact model, verified with it in the last iteration, and does not depend on the neighbours.
 
@@ -121,7 +121,7 @@ impl Kernel {
         let mut moves = vec![false; frames];
         let mut yielding: Vec<(JointId, Spring)> = Vec::new();
         for k in (0..model.effects().len()).filter(|&k| !model.is_constant(k)) {
-            let joints = model.effects()[k].springs(chain)?;
+            let joints = model.effects()[k].compliances(chain)?;
             for (column, joint) in model.columns_of(k).zip(joints) {
                 let compliance = fitted.coefficients()[column];
                 if compliance == 0.0 {

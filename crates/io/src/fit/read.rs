@@ -85,7 +85,7 @@ mod tests {
     use crate::write_fit;
     use proptest::prelude::*;
     use truepose_errormodel::effects::{Geometric, JointCompliance};
-    use truepose_errormodel::{Channel, Dataset, Domain, ErrorModel, Interval, Noise, Sample};
+    use truepose_errormodel::{Channel, Dataset, Domain, ErrorModel, Interval, NoiseModel, Sample};
     use truepose_kinematics::nalgebra::{DMatrix, Vector3};
     use truepose_kinematics::{Chain, Load, Payload, Wrench, samples};
 
@@ -101,7 +101,7 @@ mod tests {
         (0..n).for_each(|k| covariance[(k, k)] = covariance[(k, k)].abs());
         let mut fit = FittedModel::new(model, coefficients, covariance).unwrap();
         fit.channels = vec![Channel { name: "oil".into(), unit: "degC".into(), temperature: true }];
-        fit.noise = Noise { position_sd: 5e-5, orientation_sd: 0.0 };
+        fit.noise = NoiseModel { position_sd: 5e-5, ..NoiseModel::none() };
         fit.domain = Domain {
             joints: vec![Interval { lower: -1.0, upper: 2.0 }],
             payload: Some(Interval { lower: 0.0, upper: 70.0 }),

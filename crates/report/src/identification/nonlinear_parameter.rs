@@ -2,7 +2,7 @@
 
 use crate::significant;
 use serde::Serialize;
-use truepose_identify::{Fit, FittedShape};
+use truepose_identify::{Fit, FittedNonlinear};
 
 /// A nonlinear parameter of an effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ impl NonlinearParameterSummary {
             .collect()
     }
 
-    fn of(shape: &FittedShape, family: &str) -> Self {
+    fn of(shape: &FittedNonlinear, family: &str) -> Self {
         NonlinearParameterSummary {
             effect: (family.into(), shape.effect + 1),
             name: shape.name.clone(),
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn an_interval_limited_by_the_search_range_is_marked() {
         let truncation = |interval: [f64; 2]| {
-            let parameter = FittedShape {
+            let parameter = FittedNonlinear {
                 effect: 0,
                 name: "period".into(),
                 unit: "rad".into(),

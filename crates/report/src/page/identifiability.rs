@@ -5,7 +5,7 @@ use crate::figure::{heat_map, unit_text};
 use crate::identification::groups;
 use crate::{advice_text, significant, value_with_interval};
 use truepose_errormodel::Dataset;
-use truepose_identify::{Fit, IdentifyError, Observability, excitation, observability};
+use truepose_identify::{Excitation, Fit, IdentifyError, Observability, excitation, observability};
 
 /// Coefficients of the heat map.
 const SHOWN: usize = 36;
@@ -14,7 +14,7 @@ impl Page {
     /// The part, of a fit on this data.
     pub(crate) fn identifiability(&mut self, fit: &Fit, data: &Dataset) -> Result<(), IdentifyError> {
         let visits = truepose_errormodel::Visits::of(data).len();
-        let (weak, advice) = excitation(fit, data)?;
+        let Excitation { weak_directions: weak, advice, .. } = excitation(fit, data)?;
         let weak = match weak {
             0 => String::new(),
             1 => " In 1 direction the standard deviation exceeds that of the prior.".to_owned(),

@@ -11,17 +11,15 @@ use truepose_identify::{Identification, IdentifyError, Residuals, Stage};
 const TITLES: [&str; 2] = ["base, tool, targets alone", "declared model"];
 
 impl IdentificationSummary {
-    /// The same, with held-out poses of `data` compared with a limit of the 3-D position error (m); `test_set` are the rows of
-    /// the held-out test set (`--holdout`), if there is one.
+    /// The same, with held-out poses of `data` compared with a limit of the 3-D position error (m).
     pub fn with_specification(
         mut self,
         limit: f64,
         found: &Identification,
         data: &Dataset,
-        test_set: &[usize],
     ) -> Self {
-        let (rows, errors) = match (&found.locked, &found.declared.held_out) {
-            (Some((_, errors)), _) => (test_set.to_vec(), errors),
+        let (rows, errors) = match (&found.test_set, &found.declared.held_out) {
+            (Some(test), _) => (test.rows.clone(), &test.declared),
             (None, Some(folds)) => ((0..data.len()).collect(), &folds.residuals),
             // Residuals on the rows of the fit do not estimate the error on other rows.
             (None, None) => return self,
@@ -32,7 +30,7 @@ impl IdentificationSummary {
     }
 }
 
-/// Builds the page; `data` and `labels` are as they were read, `test_set` are the rows of the held-out test set.
+/// Builds the page; `data` and `labels` are as they were read.
 ///
 /// # Errors
 /// When the observability of the fit cannot be worked out.
@@ -41,13 +39,12 @@ pub fn identification_report(
     found: &Identification,
     data: &Dataset,
     labels: &[i64],
-    test_set: &[usize],
     run: &RunRecord,
 ) -> Result<Report, IdentifyError> {
     let mut page = Page::new(&format!("{}: identification", summary.robot));
     page.section("Verdict");
     verdict(&mut page, summary);
-    let rows = rows(found, data, labels, test_set);
+    let rows = rows(found, data, labels);
     page.section("Position errors");
     page.note(match found.declared.held_out {
         Some(_) => "Each error is the prediction error of a model that was fitted without this row.",
@@ -165,18 +162,20 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
 }
 
 /// Rows in the order of the data; each with the error of a model that was fitted without it, where there is one.
-fn rows(found: &Identification, data: &Dataset, labels: &[i64], test_set: &[usize]) -> Rows {
+fn rows(found: &Identification, data: &Dataset, labels: &[i64]) -> Rows {
     let seen = |stage: &Stage| -> Residuals {
         stage.held_out.as_ref().map_or_else(|| stage.train.clone(), |folds| folds.residuals.clone())
     };
     let (before, after) = (seen(&found.frames_only), seen(&found.declared));
-    let none = (Residuals::default(), Residuals::default());
-    let others = found.locked.as_ref().unwrap_or(&none);
-    let test_set = if found.locked.is_some() { test_set } else { &[] };
-    let train = complement(data, test_set);
+    let none = Residuals::default();
+    let (test, test_before, test_after) = match &found.test_set {
+        Some(test) => (test.rows.as_slice(), &test.frames_only, &test.declared),
+        None => (&[][..], &none, &none),
+    };
+    let train = complement(data, test);
     let mut order: Vec<(usize, bool, usize)> =
         train.iter().enumerate().map(|(k, &row)| (row, false, k)).collect();
-    order.extend(test_set.iter().enumerate().map(|(k, &row)| (row, true, k)));
+    order.extend(test.iter().enumerate().map(|(k, &row)| (row, true, k)));
     order.sort_unstable();
     let chosen: Vec<usize> = order.iter().map(|o| o.0).collect();
     let held: Vec<bool> = order.iter().map(|o| o.1).collect();
@@ -186,7 +185,7 @@ fn rows(found: &Identification, data: &Dataset, labels: &[i64], test_set: &[usiz
         labels,
         &chosen,
         &held,
-        &merged(&order, &before, &others.0),
-        &merged(&order, &after, &others.1),
+        &merged(&order, &before, test_before),
+        &merged(&order, &after, test_after),
     )
 }

@@ -226,7 +226,7 @@ impl Ground<'_> {
             noise: NoiseSource::Fixed(self.noise(&real, &data)),
             // As good as none, but for directions that nothing excites.
             prior: PriorStrength::Fixed(1e3),
-            max_rounds: 30,
+            max_iterations: 30,
             ..FitOptions::default()
         };
         Ok(fit(&model, &data, &PivotedQr::default(), &options)?.chi_square)

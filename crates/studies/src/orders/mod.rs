@@ -61,7 +61,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
                 prior,
                 solver,
                 refine: true,
-                second_look: true,
+                second_reduction: true,
                 rounds: 25,
             };
             let shown: Vec<Shown> = experiments
@@ -156,7 +156,7 @@ impl Measured {
             registry.build("polynomial", polynomial, &self.chain)?,
         ];
         let model = ErrorModel::new(self.chain.clone(), effects)?;
-        let options = FitOptions { prior, max_rounds: 25, ..FitOptions::default() };
+        let options = FitOptions { prior, max_iterations: 25, ..FitOptions::default() };
         Ok(fit(&model, &self.used, &PivotedQr::default(), &options)?)
     }
 

@@ -25,7 +25,7 @@ pub struct Strategy {
     /// Rounds at the exact robot, or the paper's single linear step.
     pub refine: bool,
     /// Whether identifiability is determined again at the exact robot.
-    pub second_look: bool,
+    pub second_reduction: bool,
     /// Rounds at most.
     pub rounds: usize,
 }
@@ -38,13 +38,13 @@ pub fn strategies() -> Vec<Strategy> {
         prior,
         solver: solver.parse().unwrap_or_default(),
         refine: true,
-        second_look: true,
+        second_reduction: true,
         // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
         rounds: 25,
     };
     use PriorStrength::{Evidence, None};
     let once =
-        |name: &str, effects| Strategy { second_look: false, ..strategy(name, effects, Evidence, "qr") };
+        |name: &str, effects| Strategy { second_reduction: false, ..strategy(name, effects, Evidence, "qr") };
     let linear = |name: &str, effects| Strategy { refine: false, ..strategy(name, effects, None, "qr") };
     vec![
         strategy("constant errors, qr", constant, None, "qr"),

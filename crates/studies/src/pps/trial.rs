@@ -103,8 +103,8 @@ impl Experiment {
     pub fn fit(&self, strategy: &Strategy) -> Result<Fit, Box<dyn Error>> {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
-        let Strategy { prior, refine, second_look, rounds: max_rounds, .. } = *strategy;
-        let options = FitOptions { prior, refine, second_look, max_rounds, ..FitOptions::default() };
+        let Strategy { prior, refine, second_reduction, rounds: max_iterations, .. } = *strategy;
+        let options = FitOptions { prior, refine, second_reduction, max_iterations, ..FitOptions::default() };
         Ok(fit(&model, &self.identification, &*strategy.solver.build(), &options)?)
     }
 

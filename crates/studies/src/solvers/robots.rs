@@ -114,12 +114,12 @@ impl Calibration {
     }
 
     fn fit(&self, solver: &dyn Solver, rows: &[usize]) -> Result<Fit, truepose_identify::IdentifyError> {
-        let max_rounds = match (solver.supports(Need::Unpenalised), solver.supports(Need::Outliers)) {
-            (true, false) => self.options.max_rounds,
+        let max_iterations = match (solver.supports(Need::Unpenalised), solver.supports(Need::Outliers)) {
+            (true, false) => self.options.max_iterations,
             (true, true) => ROBUST,
             (false, _) => PENALISED,
         };
-        let options = FitOptions { max_rounds, ..self.options.clone() };
+        let options = FitOptions { max_iterations, ..self.options.clone() };
         fit(&self.model, &self.data.select(rows), solver, &options)
     }
 

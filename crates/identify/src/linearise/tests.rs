@@ -1,6 +1,11 @@
-use super::*;
+use super::{Blocks, batches};
+use crate::NoiseModel;
 use nalgebra::Vector3;
+use truepose_errormodel::batch::Component;
 use truepose_errormodel::effects::{Geometric, JointCompliance};
+use truepose_errormodel::lanes::LANES;
+use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_kinematics::Load;
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::{Payload, samples};
 use truepose_solvers::accumulator::{ColumnScale, Triangular};

@@ -1,14 +1,10 @@
 //! A fitted model: evaluated without the data, the solver or the reduction that made it.
 
-mod coverage;
-mod domain;
-mod sample;
-
-pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
-pub use domain::{Domain, Interval};
-pub use sample::Sample;
-
-use crate::{BoundModel, Channel, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Rest, Schema};
+use super::domain::Domain;
+use crate::noise::NoiseModel;
+use crate::{
+    BoundModel, Channel, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Schema,
+};
 use nalgebra::{DMatrix, Matrix3, Matrix6};
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
 
@@ -22,8 +18,9 @@ pub struct FittedModel {
     pub channels: Vec<Channel>,
     /// The inputs on which it was fitted.
     pub domain: Domain,
-    /// Standard deviations that a single new measurement has around the model.
-    pub noise: Noise,
+    /// Standard deviations of one component of a new measurement around the model: `position_sd` includes what the rows of
+    /// a visit share, `visit_sd` is zero.
+    pub noise: NoiseModel,
     /// Payloads that are declared wrongly: what is declared, and what is carried.
     pub loads: Vec<LoadCorrection>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
@@ -57,15 +54,6 @@ impl LoadCorrection {
     }
 }
 
-/// Standard deviations of one component of a new measurement around the true model.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Noise {
-    /// Of a position's component, m.
-    pub position_sd: f64,
-    /// Of an orientation's component, rad; zero where none was measured.
-    pub orientation_sd: f64,
-}
-
 impl FittedModel {
     /// From coefficients c (one a column of the model) and their covariance.
     ///
@@ -89,10 +77,47 @@ impl FittedModel {
             covariance,
             channels: Vec::new(),
             domain: Domain::default(),
-            noise: Noise::default(),
+            noise: NoiseModel::none(),
             loads: Vec::new(),
             provenance: serde_json::Map::new(),
         })
+    }
+
+    /// With the channels of the data of the fit.
+    pub fn with_channels(self, channels: Vec<Channel>) -> Self {
+        FittedModel { channels, ..self }
+    }
+
+    /// With the inputs on which it was fitted.
+    pub fn with_domain(self, domain: Domain) -> Self {
+        FittedModel { domain, ..self }
+    }
+
+    /// With the noise of a new measurement around the model.
+    pub fn with_noise(self, noise: NoiseModel) -> Self {
+        FittedModel { noise, ..self }
+    }
+
+    /// With payloads that are declared wrongly.
+    pub fn with_loads(self, loads: Vec<LoadCorrection>) -> Self {
+        FittedModel { loads, ..self }
+    }
+
+    /// With the record of how it came about.
+    pub fn with_provenance(self, provenance: serde_json::Map<String, serde_json::Value>) -> Self {
+        FittedModel { provenance, ..self }
+    }
+
+    /// The same with another covariance of the coefficients; everything else stays.
+    ///
+    /// # Errors
+    /// When its size does not fit.
+    pub fn with_covariance(self, covariance: DMatrix<f64>) -> Result<Self, ModelError> {
+        let need = self.model.columns().len();
+        if covariance.shape() != (need, need) {
+            return Err(ModelError::Shape { what: "covariance", have: covariance.nrows(), need });
+        }
+        Ok(FittedModel { covariance, ..self })
     }
 
     /// The model.
@@ -145,7 +170,7 @@ impl FittedModel {
             fitted: self,
             bound: self.model.bind(schema)?,
             nominal: PostureBuffer::new(self.chain()),
-            rest: Rest::new(&self.model),
+            rest: Equilibrium::new(&self.model),
             conditions: Conditions::default(),
         })
     }
@@ -157,7 +182,7 @@ pub struct Predictor<'m> {
     fitted: &'m FittedModel,
     bound: BoundModel<'m>,
     nominal: PostureBuffer,
-    rest: Rest,
+    rest: Equilibrium,
     /// Used where a declared load is wrong.
     conditions: Conditions,
 }

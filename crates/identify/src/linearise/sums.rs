@@ -1,14 +1,16 @@
 //! What accumulators make of all blocks: triangles, Gram matrices, rows by visits, and what is left of the measurements.
 
-use super::super::{WORTH_TWO_SUMS, WORTH_TWO_TRIANGLES, accumulate, by_blocks, collect};
-use super::{Blocks, batches};
+use super::accumulate::{WORTH_TWO_SUMS, WORTH_TWO_TRIANGLES, accumulate, by_blocks};
+use super::blocks::{Blocks, batches};
+use super::rows::collect;
 use crate::{IdentifyError, NoiseModel, Residuals};
 use nalgebra::{DMatrix, Vector3};
 use rayon::prelude::*;
-use truepose_errormodel::lanes::{LANES, Lanes};
+use truepose_errormodel::batch::Lanes;
+use truepose_errormodel::lanes::LANES;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_solvers::Gram;
-use truepose_solvers::accumulator::{LeftOut, Triangular};
+use truepose_solvers::accumulator::{Factor, LeftOut, Triangular};
 
 /// The triangular factor of `[A | r]` over all visits, over all columns or over these: as [`gram`], with all digits.
 ///
@@ -32,6 +34,21 @@ pub fn triangular(
         whole.merge(&part)?;
     }
     Ok(whole)
+}
+
+/// The triangular factor of all visits over all columns, or over these: in parallel over fixed blocks that are merged in order.
+///
+/// # Errors
+/// As [`accumulate`].
+pub fn factorise(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Factor, IdentifyError> {
+    Ok(triangular(model, data, visits, noise, coefficients, columns)?.into_factor())
 }
 
 /// The same over some of the visits, by one thread.

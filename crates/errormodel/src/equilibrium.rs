@@ -25,7 +25,7 @@ const STEPS: usize = 2;
 
 /// A robot with errors, brought to rest posture after posture; memory is used again and again.
 #[derive(Debug, Clone)]
-pub struct Rest {
+pub struct Equilibrium {
     posture: PostureBuffer,
     emission: Emission,
     errors: GeneralizedErrors,
@@ -38,11 +38,11 @@ pub struct Rest {
     still: usize,
 }
 
-impl Rest {
+impl Equilibrium {
     /// Memory for this model, so that no posture allocates.
     pub fn new(model: &ErrorModel) -> Self {
         let chain = model.chain();
-        Rest {
+        Equilibrium {
             posture: PostureBuffer::new(chain),
             // An effect speaks of a column at most once a component of two frames or so.
             emission: Emission::with_capacity(12 * model.columns().len()),
@@ -74,13 +74,13 @@ impl Rest {
         &self.real
     }
 
-    /// Φ of other effects where this robot came to rest, under the conditions of the last [`Rest::settle`]: replaces what
+    /// Φ of other effects where this robot came to rest, under the conditions of the last [`Equilibrium::settle`]: replaces what
     /// `out` holds.
     pub fn emit(&self, bound: &BoundModel<'_>, conditions: &Conditions, out: &mut Emission) {
         bound.emit(&self.posture.view(bound.model().chain(), conditions), out);
     }
 
-    /// Frames and wrenches where this robot came to rest, under the conditions of the last [`Rest::settle`], whether or not one of
+    /// Frames and wrenches where this robot came to rest, under the conditions of the last [`Equilibrium::settle`], whether or not one of
     /// its own effects asks for them.
     pub fn posture_at_rest(
         &self,
@@ -102,7 +102,7 @@ impl Rest {
         self.real.update(&self.posture.view(bound.model().chain(), conditions), &self.errors);
     }
 
-    /// As [`Rest::settle`], for who asks for Φ and ε alone: [`Rest::real`] stays behind.
+    /// As [`Equilibrium::settle`], for who asks for Φ and ε alone: [`Equilibrium::real`] stays behind.
     pub fn settle_errors(&mut self, bound: &BoundModel<'_>, conditions: &Conditions, coefficients: &[f64]) {
         let chain = bound.model().chain();
         let posture = self.posture.update(chain, conditions);
@@ -177,7 +177,7 @@ mod tests {
         let load = Load::Payload(Payload { mass: 60.0, com: Vector3::new(0.0, 0.0, 0.1) });
         let q = [0.0, -0.4, 0.0, 0.0, 0.0, 0.0];
         let (conditions, compliance) = (Conditions::at(&chain, &q).with_load(load), 1e-5);
-        let mut rest = Rest::new(&model);
+        let mut rest = Equilibrium::new(&model);
         rest.settle(&bound, &conditions, &[compliance]);
         let found = rest.real().after(FrameId(1)).rotation.column(0).angle(&Vector3::x());
         let torque = |delta: f64| {
@@ -210,7 +210,7 @@ mod tests {
         let c: Vec<f64> = model.columns().iter().map(|column| 0.1 * column.scale).collect();
         let load = Load::Payload(Payload { mass: 150.0, com: Vector3::new(0.1, 0.0, 0.2) });
         let conditions = Conditions::at(&chain, &[0.3, -0.4, 0.5, 0.6, -0.7, 0.8]).with_load(load);
-        let mut rest = Rest::new(&model);
+        let mut rest = Equilibrium::new(&model);
         rest.settle(&bound, &conditions, &c);
         let tool = *rest.real().tool();
         for _ in 0..5 {

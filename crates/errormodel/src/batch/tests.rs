@@ -1,9 +1,11 @@
-use super::*;
+use super::Lanes;
 use crate::effects::{
     BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, JointCompliance, LinkCompliance,
     OwnWeight, Place, Polynomial, Section, Transmission, WrenchComponent,
 };
-use crate::{AnyEffect, ErrorJacobian, ErrorModel, Schema};
+use crate::lanes::LANES;
+use crate::{AnyEffect, Dataset, Equilibrium, ErrorJacobian, ErrorModel, Schema};
+use nalgebra::Vector3;
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{
@@ -60,7 +62,7 @@ fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64], arch: Arch) {
     let mut left = vec![0.0; 6 * LANES];
     lanes.left(data, &change, &mut left);
     let bound = model.bind(&data.schema).unwrap();
-    let mut rest = Rest::new(model);
+    let mut rest = Equilibrium::new(model);
     for row in rows {
         let conditions = data.conditions(row);
         rest.settle(&bound, &conditions, coefficients);
@@ -234,7 +236,7 @@ fn measured_wrenches_need_no_weights_and_payloads_behind_them_do() {
         let rows = of(kind);
         let have = left(&mut used, &data, &rows, &some);
         assert_eq!(have, left(&mut Lanes::new(bound.clone()), &data, &rows, &some), "{kind}");
-        let mut rest = Rest::new(&model);
+        let mut rest = Equilibrium::new(&model);
         for (lane, &row) in rows.iter().enumerate() {
             rest.settle(&bound, &data.conditions(row), &some);
             let jacobian = ErrorJacobian::new(&chain, rest.real(), rest.errors(), data.target[row]);

@@ -1,6 +1,6 @@
 //! What is left out at the nominal robot, looked at again where the rounds have ended.
 
-use super::{Outcome, State};
+use super::state::{Outcome, State};
 use crate::IdentifyError;
 use crate::reduction::{Reduction, reduce_further};
 use nalgebra::DMatrix;

@@ -3,15 +3,11 @@
 //! A component (0…2 position, 3…5 orientation) has its own columns: those that are not zero in the whole block. A column stands
 //! as `LANES` numbers, of which the first ones, one a row, count; behind the last column stands the residual.
 
-use super::emission::LaneEntry;
-use super::errors::LaneErrors;
-use super::store::Store;
-use super::{LANES, LaneEmission, Lanes};
-use crate::Dataset;
+use crate::lanes::{LANES, LaneEmission, LaneEntry, LaneErrors, Store};
 use nalgebra::Matrix3;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Simd, WithSimd};
-use truepose_kinematics::{Pose, Site, rotation_log, three};
+use truepose_kinematics::{rotation_log, three};
 
 /// One component of all rows of a block.
 #[derive(Debug, Clone, Copy)]
@@ -29,101 +25,25 @@ pub struct Component<'a> {
 /// Memory for columns.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Fill {
-    active: [Vec<usize>; 6],
-    numbers: [Vec<f64>; 6],
-    slots: Vec<usize>,
+    pub(super) active: [Vec<usize>; 6],
+    pub(super) numbers: [Vec<f64>; 6],
+    pub(super) slots: Vec<usize>,
     /// Per row of the store: not looked at, zero, not zero.
-    known: Vec<Option<bool>>,
-    values: Vec<bool>,
-    frames: Vec<bool>,
+    pub(super) known: Vec<Option<bool>>,
+    pub(super) values: Vec<bool>,
+    pub(super) frames: Vec<bool>,
     /// Position and rotation (by columns) as measured.
-    measured: Vec<f64>,
-    rows: usize,
+    pub(super) measured: Vec<f64>,
+    pub(super) rows: usize,
     /// Whether any orientation was measured.
-    turned: bool,
+    pub(super) turned: bool,
 }
 
-impl Lanes<'_> {
-    /// Makes the columns. `weights` has `LANES` numbers a component (one over the standard deviation; zero: not measured), `places` says where
-    /// a column of the model goes; none leaves it out.
-    pub fn columns(&mut self, data: &Dataset, weights: &[f64], places: &[Option<usize>]) {
-        self.ready(data, |column| places[column].is_some());
-        let Fill { slots, known, values, .. } = &mut self.fill;
-        slots.clear();
-        slots.resize(places.iter().flatten().max().map_or(0, |most| most + 1), usize::MAX);
-        known.clear();
-        known.resize(self.store.wrench(0), None);
-        values.clear();
-        values.extend((0..self.emission.count()).map(|k| {
-            let numbers = self.emission.numbers(super::LaneValue(k as u32));
-            numbers[..self.rows.len()].iter().all(|&v| v == 0.0)
-        }));
-        let (store, emission) = (&self.store, &self.emission);
-        store.arch.dispatch(Columns { store, emission, fill: &mut self.fill, weights, places });
-    }
-
-    /// Writes what is left when the coefficients change: `y − y(c) − P J_e Φ δ`, `LANES` numbers a component, m and rad. What was not
-    /// measured counts as zero.
-    pub fn left(&mut self, data: &Dataset, change: &[f64], into: &mut [f64]) {
-        self.ready(data, |column| change[column] != 0.0);
-        self.change.clear();
-        if change.iter().any(|&c| c != 0.0) {
-            self.change.add(&self.emission, 0, change);
-        }
-        let (store, change) = (&self.store, &self.change);
-        store.arch.dispatch(Left { store, change, fill: &self.fill, into });
-    }
-
-    /// Levers of the sites that columns which count speak of, and the measurements.
-    fn ready(&mut self, data: &Dataset, counts: impl Fn(usize) -> bool) {
-        let chain = self.bound.model().chain();
-        let Fill { frames, measured, .. } = &mut self.fill;
-        frames.clear();
-        frames.resize(self.store.frames, false);
-        let mut carried = vec![false; chain.targets().len()];
-        for entry in self.emission.entries.iter().filter(|entry| counts(entry.column as usize)) {
-            match entry.site {
-                Site::Frame(frame, axis) => frames[frame.0] |= axis.is_rotation(),
-                Site::Target(target, _) => carried[target.0] = true,
-            }
-        }
-        self.store.reach(chain, &self.errors, frames, self.rows.len());
-        carried.iter().enumerate().filter(|(_, wanted)| **wanted).for_each(|(t, _)| self.store.carry(t));
-        measured.resize(12 * LANES, 0.0);
-        for (lane, &row) in self.rows.iter().enumerate() {
-            for (k, &v) in data.position[row].iter().enumerate() {
-                measured[k * LANES + lane] = if v.is_nan() { 0.0 } else { v };
-            }
-            let turned = data.orientation[row].map_or_else(Matrix3::zeros, Pose::rotation_from_quaternion);
-            for (k, &v) in turned.iter().enumerate() {
-                measured[(3 + k) * LANES + lane] = v;
-            }
-        }
-        self.fill.rows = self.rows.len();
-        self.fill.turned = self.rows.iter().any(|&row| data.orientation[row].is_some());
-    }
-
-    /// A component of the block, as [`Lanes::columns`] made it.
-    pub fn component(&self, index: usize) -> Component<'_> {
-        Component {
-            index,
-            active: &self.fill.active[index],
-            rows: self.fill.rows,
-            numbers: &self.fill.numbers[index],
-        }
-    }
-
-    /// As [`Lanes::component`], to be changed.
-    pub fn component_mut(&mut self, index: usize) -> (&[usize], &mut [f64]) {
-        (&self.fill.active[index], &mut self.fill.numbers[index])
-    }
-}
-
-struct Left<'a> {
-    store: &'a Store,
-    change: &'a LaneErrors,
-    fill: &'a Fill,
-    into: &'a mut [f64],
+pub(super) struct Left<'a> {
+    pub(super) store: &'a Store,
+    pub(super) change: &'a LaneErrors,
+    pub(super) fill: &'a Fill,
+    pub(super) into: &'a mut [f64],
 }
 
 impl WithSimd for Left<'_> {
@@ -166,12 +86,12 @@ impl WithSimd for Left<'_> {
     }
 }
 
-struct Columns<'a> {
-    store: &'a Store,
-    emission: &'a LaneEmission,
-    fill: &'a mut Fill,
-    weights: &'a [f64],
-    places: &'a [Option<usize>],
+pub(super) struct Columns<'a> {
+    pub(super) store: &'a Store,
+    pub(super) emission: &'a LaneEmission,
+    pub(super) fill: &'a mut Fill,
+    pub(super) weights: &'a [f64],
+    pub(super) places: &'a [Option<usize>],
 }
 
 impl WithSimd for Columns<'_> {
