@@ -12,12 +12,7 @@ const TITLES: [&str; 2] = ["base, tool, targets alone", "declared model"];
 
 impl IdentificationSummary {
     /// The same, with held-out poses of `data` compared with a limit of the 3-D position error (m).
-    pub fn with_specification(
-        mut self,
-        limit: f64,
-        found: &Identification,
-        data: &Dataset,
-    ) -> Self {
+    pub fn with_specification(mut self, limit: f64, found: &Identification, data: &Dataset) -> Self {
         let (rows, errors) = match (&found.test_set, &found.declared.held_out) {
             (Some(test), _) => (test.rows.clone(), &test.declared),
             (None, Some(folds)) => ((0..data.len()).collect(), &folds.residuals),

@@ -23,7 +23,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use nalgebra::Vector3;
-use truepose_errormodel::{Dataset, ErrorJacobian, Equilibrium};
+use truepose_errormodel::{Dataset, Equilibrium, ErrorJacobian};
 use truepose_identify::Fit;
 
 /// Rows in the final model; `first` is the number of the finding's first effect. None when nothing can be shown.
