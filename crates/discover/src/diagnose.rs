@@ -70,7 +70,7 @@ pub(crate) fn on_split(
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     let wide = wide::as_fitted(&open, &first.fit);
     context.fit = options.fit.clone();
-    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::Kinds) {
+    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::VarianceGroups) {
         context.declared = &wide;
         context.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
         first = context.working(Vec::new(), &first.outliers.suspects)?;

@@ -42,7 +42,7 @@ impl Default for DiscoverOptions {
             most: 24,
             library: Library::standard(),
             rival_fits: false,
-            fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
+            fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
         }
     }
 }

@@ -11,8 +11,8 @@ use crate::model::current::{Ground, Working};
 use crate::model::nonlinear::{between_rows, descended, gaps, shapes};
 use crate::problem::linearisation::Scene;
 use crate::problem::outliers::{Outliers, outliers};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape};
-use truepose_identify::{Fit, FitOptions, NoiseSource, fit, fit_again, judge_shapes};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, NonlinearParameter};
+use truepose_identify::{Fit, FitOptions, NoiseSource, fit, fit_again, judge_nonlinear};
 
 /// The fit with what it was made from.
 pub(crate) struct Final {
@@ -95,7 +95,7 @@ fn outside(fit: &Fit, all: &Dataset, now: &Working) -> Result<Outliers, Discover
 }
 
 /// The fit with the intervals of what was found of the findings' nonlinear parameters, and with what those add to the covariance.
-fn with_shapes(fit: Fit, data: &Dataset, shapes: &[(usize, Shape)]) -> Fit {
+fn with_shapes(fit: Fit, data: &Dataset, shapes: &[(usize, NonlinearParameter)]) -> Fit {
     // Where columns beside the effect depend on each other nothing can be said: then the intervals are those of a known shape.
-    if shapes.is_empty() { fit } else { judge_shapes(&fit, data, shapes).unwrap_or(fit) }
+    if shapes.is_empty() { fit } else { judge_nonlinear(&fit, data, shapes).unwrap_or(fit) }
 }

@@ -29,7 +29,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
-use truepose_identify::{Fit, FittedShape, Residuals, repeats, student_quantile};
+use truepose_identify::{Fit, FittedNonlinear, Residuals, repeats, student_quantile};
 
 /// Forms the ledger.
 pub(crate) fn conclude(
@@ -197,8 +197,9 @@ pub(crate) fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) ->
 
 /// What is known of the shape of a find.
 fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
-    let own: Vec<&FittedShape> = fit.shapes.iter().filter(|shape| effects.contains(&shape.effect)).collect();
-    let parameter = |(k, shape): (usize, &&FittedShape)| Parameter {
+    let own: Vec<&FittedNonlinear> =
+        fit.shapes.iter().filter(|shape| effects.contains(&shape.effect)).collect();
+    let parameter = |(k, shape): (usize, &&FittedNonlinear)| Parameter {
         name: if own.len() > 1 { format!("{} {}", shape.name, k + 1) } else { shape.name.clone() },
         value: shape.value,
         unit: shape.unit.clone(),

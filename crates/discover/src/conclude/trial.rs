@@ -95,7 +95,7 @@ impl<'a> Trial<'a> {
         /// Enough for the tenths of a percent of an RMS.
         const ROUNDS: usize = 6;
         let noise = NoiseSource::Fixed(self.now.fit.noise);
-        let options = FitOptions { noise, max_rounds: ROUNDS, ..self.ground.fit.clone() };
+        let options = FitOptions { noise, max_iterations: ROUNDS, ..self.ground.fit.clone() };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
         let data = self.ground.prepared(&found, &self.now.outliers.suspects);

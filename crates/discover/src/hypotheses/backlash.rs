@@ -47,7 +47,7 @@ impl Hypothesis for LostMotion {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "{} has play: its error switches with the side it comes from. Look at gear backlash, belt tension and preload.",
+            "The error of {} switches with its direction of approach. Inspect gear backlash, belt tension and preload.",
             place.part()
         )
     }

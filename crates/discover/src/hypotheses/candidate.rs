@@ -10,7 +10,7 @@ use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
 use std::sync::Arc;
-use truepose_errormodel::{AnyEffect, Dataset, Shape};
+use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
 use truepose_kinematics::{Chain, JointId};
 
 /// A variant of a hypothesis, as it stands in a search or in a model.
@@ -138,7 +138,7 @@ impl Candidate {
     }
 
     /// The nonlinear parameters that were found of one of its effects, each within the range in which its interval is looked for.
-    pub(crate) fn shapes_of(&self, effect: &dyn AnyEffect, data: &Dataset) -> Vec<Shape> {
+    pub(crate) fn shapes_of(&self, effect: &dyn AnyEffect, data: &Dataset) -> Vec<NonlinearParameter> {
         /// Times, up and down.
         const REACH: f64 = 4.0;
         let Some(Nonlinear { value, search }) = self.hypothesis.nonlinear(effect) else { return Vec::new() };

@@ -47,7 +47,7 @@ impl Hypothesis for OfJoints {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "{} yields in proportion to the load about its axis: gear, bearing or drive stiffness.",
+            "The deflection of {} is proportional to the load about its axis: stiffness of gear, bearing or drive.",
             place.part()
         )
     }
@@ -93,7 +93,8 @@ impl Hypothesis for OfLinks {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The link behind {} bends or twists under what it carries: look at its flange bolts and bearings; else it is its stiffness.",
+            "The link behind {} bends or twists under load. Inspect its flange bolts and bearings; otherwise it is the \
+             stiffness of the link.",
             place.part()
         )
     }
@@ -124,7 +125,7 @@ impl Hypothesis for OfBase {
     }
 
     fn meaning(&self, _: &Place) -> String {
-        "The base tilts or sinks under the load: look at its anchoring.".into()
+        "The base tilts or sinks under the load. Inspect its anchoring.".into()
     }
 
     fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {

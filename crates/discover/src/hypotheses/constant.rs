@@ -12,7 +12,7 @@ use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Expansion, Place as At};
 use truepose_kinematics::{Axis, TargetId};
 
-/// A frame is not where the description has it.
+/// A frame differs from the description.
 #[derive(Debug)]
 pub(crate) struct OfFrames;
 
@@ -32,7 +32,7 @@ impl Hypothesis for OfFrames {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The frame of {} is not where the description has it: look at its seat and dowels, or correct the description.",
+            "The frame of {} differs from the description. Inspect its seat and dowels, or correct the description.",
             place.part()
         )
     }
@@ -46,7 +46,7 @@ impl Hypothesis for OfFrames {
     }
 }
 
-/// A target is not where the description has it.
+/// The position of a target differs from the description.
 #[derive(Debug)]
 pub(crate) struct OfTargets;
 
@@ -66,7 +66,7 @@ impl Hypothesis for OfTargets {
 
     fn meaning(&self, place: &Place) -> String {
         let target = place.target.as_deref().unwrap_or("");
-        format!("Target {target} is not where the description has it: measure it again.")
+        format!("The position of target {target} differs from the description. Measure it again.")
     }
 
     fn view(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> TraceView {

@@ -43,7 +43,10 @@ impl Hypothesis for Drag {
 
     fn meaning(&self, place: &Place) -> String {
         let driver = place.driver.as_deref().unwrap_or("another joint");
-        format!("{driver} drags {} along: belts, wrist gears or a calibration of coupled axes.", place.part())
+        format!(
+            "The error of {} depends on the position of {driver}: belts, wrist gears or the calibration of coupled axes.",
+            place.part()
+        )
     }
 
     fn drivers(&self, place: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {

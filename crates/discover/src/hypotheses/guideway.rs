@@ -50,7 +50,8 @@ impl Hypothesis for Rail {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The rail of {} is not straight, or its carriage turns as it travels: look at its bolts, shims and carriage.",
+            "The linear guideway of {} has errors of straightness or angle along its travel. Inspect its bolts, shims and \
+             carriage.",
             place.part()
         )
     }

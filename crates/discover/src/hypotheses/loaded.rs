@@ -52,7 +52,8 @@ impl Hypothesis for CurvedSpring {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "{} does not yield in proportion to its load: a bearing or gear that takes up play, or a strain wave that stiffens.",
+            "The deflection of {} is not proportional to its load: clearance in a bearing or gear, or a strain wave gear that \
+             stiffens.",
             place.part()
         )
     }

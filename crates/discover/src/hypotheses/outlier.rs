@@ -20,6 +20,6 @@ impl Hypothesis for Outlying {
     }
 
     fn meaning(&self, _: &Place) -> String {
-        "These rows are explained by no repeatable effect: look at the instrument's log.".into()
+        "No repeatable effect explains these rows. Check the instrument's log.".into()
     }
 }

@@ -75,7 +75,12 @@ impl Place {
 
     /// The joint, `base` or `tool`, as part of a sentence.
     pub fn part(&self) -> &str {
-        self.joint.as_deref().unwrap_or("the robot")
+        match self.joint.as_deref() {
+            None => "the robot",
+            Some("base") => "the base",
+            Some("tool") => "the tool",
+            Some(joint) => joint,
+        }
     }
 
     /// In a few words: `a3 by a2`, `tool on temperature`.

@@ -19,7 +19,8 @@ pub(crate) fn series(candidate: &Candidate) -> Option<Series<'_>> {
     let series = concrete::<Expansion>(&**effect)?;
     match &series.at {
         Place::Frame { frame, components }
-            if !AnyEffect::settles(series) && (components.len() == 1 || components[..] == Axis::ALL) =>
+            if !AnyEffect::load_dependent(series)
+                && (components.len() == 1 || components[..] == Axis::ALL) =>
         {
             Some(Series { factors: &series.factors, frame: *frame, components })
         }

@@ -56,7 +56,7 @@ impl Hypothesis for Growth {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "{} follows {}: it grows or moves with temperature. Warm up, shield, or read the sensor when commanding.",
+            "The error of {} follows {}: thermal expansion. Warm up, shield, or compensate with the sensor.",
             place.part(),
             place.channel.as_deref().unwrap_or("a temperature")
         )

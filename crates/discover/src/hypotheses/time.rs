@@ -49,7 +49,8 @@ impl Hypothesis for Slow {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "{} moves slowly with time: warming up, settling, or the instrument. Warm up longer, or measure a fixed point between.",
+            "The error of {} changes slowly with time: warm-up, settling, or drift of the instrument. Warm up longer, or \
+             measure a fixed point at intervals.",
             place.part()
         )
     }
@@ -117,7 +118,7 @@ impl Hypothesis for Jump {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "{} jumped once: something was bumped, changed or mounted anew. Look at what the log has at that time.",
+            "The error of {} jumped once: a collision, a changed part or a new installation. Check the log at that time.",
             place.part()
         )
     }

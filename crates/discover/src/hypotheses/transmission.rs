@@ -51,7 +51,7 @@ impl Hypothesis for Drive {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The drive of {} errs periodically: eccentric wheel, gear mesh, strain wave or screw.",
+            "The transmission error of {} is periodic: eccentricity, gear mesh, strain wave gear or lead screw.",
             place.part()
         )
     }

@@ -40,13 +40,14 @@ impl Hypothesis for Unmodelled {
         };
         if own {
             return format!(
-                "The axis of {joint} wanders as it turns: look at its bearings and their seats. Errors of that sort have no name here."
+                "The axis of {joint} has an error motion as the joint turns. Inspect its bearings and their seats. No named family \
+                 describes this error."
             );
         }
         let covariates: Vec<String> =
             [&place.covariate, &place.covariate2].into_iter().flatten().map(Covariate::to_string).collect();
         format!(
-            "Something at {joint} depends on {} in a way that has no name here.",
+            "An error at {joint} depends on {}. No named family describes this error.",
             covariates.join(" and ")
         )
     }

@@ -4,7 +4,6 @@ use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
-use crate::model::wide::{Stretches, Wide};
 use crate::options::DiscoverOptions;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Scene;
@@ -12,7 +11,7 @@ use crate::problem::outliers::{Outliers, outliers};
 use nalgebra::DMatrix;
 use std::borrow::Cow;
 use std::ops::Range;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Term, Visits};
 use truepose_identify::{Fit, FitOptions, PriorStrength, fit, fit_again};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
@@ -112,9 +111,7 @@ impl Ground<'_> {
         for candidate in found {
             for effect in candidate.effects() {
                 effects.push(match candidate.width {
-                    Some(width) => {
-                        Box::new(Wide { effect: effect.clone(), stretches: Stretches::All(width / kappa) })
-                    }
+                    Some(width) => Box::new(Term::new(effect.clone()).scaled(width / kappa)),
                     None => effect.clone(),
                 });
             }

@@ -1,22 +1,26 @@
 //! The shapes of all finds together.
 //!
 //! A period, an instant or a time constant was found while causes that came later were not yet in the model. With all of them in, the
-//! shapes go down together to the bottom of the valley in which they lie (variable projection, [`truepose_identify::descend_shapes`]).
+//! shapes go down together to the bottom of the valley in which they lie (variable projection, [`truepose_identify::descend_nonlinear`]).
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::model::current::Ground;
-use truepose_errormodel::{Dataset, Shape};
-use truepose_identify::{Fit, descend_shapes};
+use truepose_errormodel::{Dataset, NonlinearParameter};
+use truepose_identify::{Fit, descend_nonlinear};
 
 /// With more shapes than this they stay where the search found them: going down together would take minutes.
 const MOST: usize = 24;
 
 /// (Effect of the model, parameter at its value with the range in which it is looked for) of every find.
-pub(crate) fn shapes(ground: &Ground<'_>, found: &[Candidate], data: &Dataset) -> Vec<(usize, Shape)> {
-    let of = |(which, candidate): (usize, &Candidate)| -> Vec<(usize, Shape)> {
+pub(crate) fn shapes(
+    ground: &Ground<'_>,
+    found: &[Candidate],
+    data: &Dataset,
+) -> Vec<(usize, NonlinearParameter)> {
+    let of = |(which, candidate): (usize, &Candidate)| -> Vec<(usize, NonlinearParameter)> {
         let effects = ground.effects_of(found, which).zip(candidate.effects());
         effects
             .flat_map(|(k, effect)| {
@@ -47,7 +51,7 @@ pub(crate) fn descended(
         return Ok(None);
     }
     // Shapes that the data cannot tell from others stay.
-    let Ok(values) = descend_shapes(fit, data, &free) else { return Ok(None) };
+    let Ok(values) = descend_nonlinear(fit, data, &free) else { return Ok(None) };
     if free.iter().zip(&values).all(|((_, shape), value)| (value - shape.value).abs() <= 0.0) {
         return Ok(None);
     }
@@ -58,7 +62,7 @@ pub(crate) fn descended(
             let own: Vec<f64> =
                 free.iter().zip(&values).filter(|((e, _), _)| *e == at).map(|(_, v)| *v).collect();
             if !own.is_empty() {
-                *effect = effect.with_shape(&own);
+                *effect = effect.with_nonlinear(&own);
             }
         }
     }

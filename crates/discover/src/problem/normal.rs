@@ -231,7 +231,7 @@ mod tests {
     fn sums_say_what_whitened_columns_say() {
         let data = data();
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let options = FitOptions { max_iterations: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
         let scene = Scene::new(&fit, &data).unwrap();
         let extra = DMatrix::from_fn(scene.len(), 3, |i, j| (0.3 * i as f64 + j as f64).cos());
@@ -260,7 +260,7 @@ mod tests {
     fn nothing_cancels_where_visits_scatter_far_more_than_rows() {
         let data = data();
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let options = FitOptions { max_iterations: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
         let scene = Scene::new(&fit, &data).unwrap();
         // The same in every number of a visit: only the mean of a group speaks, 1/ρ² for each.
@@ -284,7 +284,7 @@ mod tests {
         let mut data = data();
         data.position_sd.iter_mut().enumerate().for_each(|(row, sd)| *sd = [1e-5 * (1.0 + row as f64); 3]);
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let options = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let options = FitOptions { max_iterations: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
         assert!(Scene::new(&fit, &data).unwrap().normal().is_none());
     }

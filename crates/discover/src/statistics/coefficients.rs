@@ -16,7 +16,7 @@
 
 use crate::policy::WIDE;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use truepose_identify::minimum;
+use truepose_solvers::minimum;
 
 /// ln w, between which w is looked for.
 const NARROWEST: f64 = -9.0;

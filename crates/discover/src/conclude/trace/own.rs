@@ -2,7 +2,7 @@
 
 use crate::error::DiscoverError;
 use nalgebra::{DVector, Vector3};
-use truepose_errormodel::{Dataset, Emission, ErrorJacobian, ErrorModel, Rest};
+use truepose_errormodel::{Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel};
 use truepose_identify::Fit;
 use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
 
@@ -93,7 +93,7 @@ pub(super) fn own(
         return Ok(Some(Own::Motion(motion)));
     }
     let bound = model.bind(&data.schema)?;
-    let mut rest = Rest::new(model);
+    let mut rest = Equilibrium::new(model);
     let mut energy = vec![0.0; chain.site_count()];
     for row in (0..data.len()).step_by(data.len().div_ceil(ASKED).max(1)) {
         rest.settle(&bound, &data.conditions(row), fit.fitted.coefficients());
