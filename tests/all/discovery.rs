@@ -1,7 +1,7 @@
 //! The closed loop on simulated robots: it finds what was hidden, at its place, and nothing where nothing is.
 
 use crate::plants::with_three_targets;
-use truepose_discover::{Covariate, Library, Diagnosis, DiscoverOptions, Family, Stop, diagnose};
+use truepose_discover::{Covariate, Diagnosis, DiscoverOptions, Family, Library, Stop, diagnose};
 use truepose_errormodel::effects::{Geometric, JointCompliance, Where};
 use truepose_errormodel::{AnyEffect, CARRIED, Dataset};
 use truepose_kinematics::nalgebra::{self, Rotation3, Vector3};
@@ -217,7 +217,9 @@ fn a_spring_whose_name_is_not_in_the_library_is_not_told_for_another_without_a_d
     let told = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     let first = &told.findings[0];
     let nameless = |a: &truepose_discover::Alternative| {
-        a.equivalent && a.family == Family::Unmodelled && a.place.covariate == Some(Covariate::Load("a2".into()))
+        a.equivalent
+            && a.family == Family::Unmodelled
+            && a.place.covariate == Some(Covariate::Load("a2".into()))
     };
     let named = first.candidate.family != Family::Unmodelled;
     assert!(!named || first.alternatives.iter().any(nameless), "{:?} {:?}", words(&told), first.alternatives);

@@ -203,4 +203,79 @@ mod tests {
         assert_eq!(curves(Family::Unmodelled)[0], "unmodelled j2 on load_j2");
         assert_eq!(curves(Family::Unmodelled).len(), named.len());
     }
+
+    /// A robot that moves in all joints, is loaded, and has a time.
+    fn eventful() -> (Chain, Dataset) {
+        let chain = samples::ur10();
+        let rows = 40;
+        let column = |joint: usize| (0..rows).map(|row| (0.7 * ((row * (joint + 3)) as f64)).sin()).collect();
+        let carried = Load::Payload(truepose_kinematics::Payload { mass: 5.0, com: [0.1, 0.0, 0.0].into() });
+        let mut data = Dataset {
+            joints: (0..chain.movable().len()).map(column).collect(),
+            position: vec![[0.0; 3]; rows],
+            target: vec![None; rows],
+            visit: (0..rows).collect(),
+            load: vec![carried; rows],
+            time: (0..rows).map(|row| 10.0 * row as f64).collect(),
+            approach: vec![vec![1.0; rows]; chain.movable().len()],
+            ..Dataset::default()
+        };
+        data.schema.time = true;
+        data.schema.approach = true;
+        (chain, data)
+    }
+
+    #[test]
+    fn candidates_at_one_joint_are_side_by_side() {
+        let (chain, data) = eventful();
+        let all = Library::standard().named(&chain, &data);
+        let mut causes: Vec<String> = all
+            .iter()
+            .filter(|c| [Family::Transmission, Family::Backlash].contains(&c.family))
+            .map(Candidate::words)
+            .collect();
+        causes.dedup();
+        let names: Vec<&str> =
+            chain.movable().iter().map(|&joint| chain.joint(joint).name.as_str()).collect();
+        let expected: Vec<String> =
+            names.iter().flat_map(|j| [format!("transmission {j}"), format!("backlash {j}")]).collect();
+        assert_eq!(causes, expected);
+    }
+
+    #[test]
+    fn a_nonlinear_parameter_keeps_its_effect_and_can_be_released() {
+        let (chain, data) = eventful();
+        let mut families = Vec::new();
+        for candidate in Library::standard().named(&chain, &data) {
+            let hypothesis = candidate.hypothesis();
+            for effect in candidate.effects() {
+                let Some(found) = hypothesis.nonlinear(&**effect) else { continue };
+                families.push(candidate.family);
+                let same = hypothesis.with_value(&**effect, found.value, None).unwrap();
+                assert_eq!(same.parameters(), effect.parameters(), "{}", candidate.words());
+                let range = [0.5 * found.value, 2.0 * found.value];
+                let free = hypothesis.with_value(&**effect, found.value, Some(range)).unwrap().shape();
+                assert_eq!((free.len(), free[0].value), (1, found.value), "{}", candidate.words());
+                let other = hypothesis.with_value(&**effect, 1.5 * found.value, None).unwrap();
+                assert_eq!(hypothesis.nonlinear(&*other).unwrap().value, 1.5 * found.value);
+            }
+        }
+        families.sort_unstable();
+        families.dedup();
+        let expected =
+            [Family::Backlash, Family::Transmission, Family::LoadNonlinearity, Family::Shift, Family::Drift];
+        assert_eq!(families, expected);
+    }
+
+    #[test]
+    fn libraries_are_values() {
+        let all = Library::standard();
+        let fewer = all.clone().without(Family::Drift);
+        assert_eq!(all.hypotheses().count(), fewer.hypotheses().count() + 1);
+        assert_ne!(all, fewer);
+        assert_eq!(all.family("drift"), Some(Family::Drift));
+        assert_eq!(fewer.family("drift"), None);
+        assert_eq!(Library::empty().with(Slow).family("drift"), Some(Family::Drift));
+        assert_eq!(Library::empty().candidates(&eventful().0, &eventful().1).len(), 0);
+    }
 }
