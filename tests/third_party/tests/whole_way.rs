@@ -1,5 +1,8 @@
 //! The effect of a third party the whole way: declared, fitted, written, read, compensated, and discovered.
 
+// Helpers of tests are not seen as tests.
+#![allow(clippy::unwrap_used)]
+
 use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
 use truepose_discover::{Diagnosis, DiscoverOptions, Family, Library, diagnose};
 use truepose_errormodel::effects::Geometric;
