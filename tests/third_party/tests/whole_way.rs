@@ -1,7 +1,6 @@
 //! The effect of a third party the whole way: declared, fitted, written, read, compensated, and discovered.
 
-// Helpers of tests are not seen as tests.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
 use truepose_discover::{Diagnosis, DiscoverOptions, Family, Library, diagnose};
