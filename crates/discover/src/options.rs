@@ -1,7 +1,7 @@
 //! Options of a discovery.
 
 use crate::error::DiscoverError;
-use crate::hypotheses::family::Family;
+use crate::hypotheses::library::Library;
 use truepose_identify::{FitOptions, PriorStrength};
 
 /// Largest number of sign flips: they are kept in memory, and a resolution of p finer than 1e-6 has no use.
@@ -20,9 +20,8 @@ pub struct DiscoverOptions {
     pub alpha: f64,
     /// Largest number of findings.
     pub most: usize,
-    /// Families without candidates, to study how the search describes an effect whose family it lacks.
-    /// Outliers are always excluded, since they bias every fit.
-    pub without: Vec<Family>,
+    /// The hypotheses that are tested. Outliers are always excluded, since they bias every fit.
+    pub library: Library,
     /// Whether competing hypotheses that are not distinguishable from a finding are fitted as well, for a
     /// measurement plan that distinguishes them.
     pub competing_fits: bool,
@@ -42,7 +41,7 @@ impl Default for DiscoverOptions {
             flips: 999,
             alpha: 0.002,
             most: 24,
-            without: Vec::new(),
+            library: Library::standard(),
             competing_fits: false,
             fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
         }

@@ -32,7 +32,7 @@ pub(crate) fn search(
         progress(Progress::Screening(outcome.model.findings.len()));
         let current = outcome.model.current.clone();
         let linearisation = Linearisation::new(&current.fit, &current.data)?;
-        let screen = Screen::new(&linearisation, &options.without, &current.found);
+        let screen = Screen::new(&linearisation, &options.library, &current.found);
         let test_counts = screen.test_counts();
         if history.first() {
             outcome.untestable = untestable(&linearisation, &screen);

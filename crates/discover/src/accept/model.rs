@@ -3,7 +3,8 @@
 
 use crate::accept::accepted::Accepted;
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
 use crate::model::nonlinear::{between_rows, descended, gaps};
 use crate::model::refits::Refits;

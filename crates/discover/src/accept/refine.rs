@@ -6,8 +6,7 @@
 //! and Pereyra 1973).
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::nonlinear::has_nonlinear;
+use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Context, ModelFit};
 use crate::problem::likelihood::without;
 use crate::problem::linearisation::Linearisation;
@@ -28,9 +27,9 @@ pub(crate) fn refined_in_model(
     let mut parts: Vec<Candidate> = current.found[which]
         .effects()
         .iter()
-        .map(|effect| Candidate { change: Change::Add(vec![effect.clone()]), ..current.found[which].clone() })
+        .map(|effect| current.found[which].with_effects(vec![effect.clone()]))
         .collect();
-    if !parts.iter().any(has_nonlinear) {
+    if !parts.iter().any(Candidate::is_refinable) {
         return Ok(None);
     }
     let own = context.effects_of(&current.found, which);
@@ -44,7 +43,7 @@ pub(crate) fn refined_in_model(
         let better: Vec<Option<Candidate>> = (0..parts.len())
             .into_par_iter()
             .map(|k| -> Result<Option<Candidate>, DiscoverError> {
-                if !has_nonlinear(&parts[k]) {
+                if !parts[k].is_refinable() {
                     return Ok(None);
                 }
                 let others: Vec<_> =
@@ -67,5 +66,5 @@ pub(crate) fn refined_in_model(
         }
     }
     let effects = parts.iter().flat_map(|part| part.effects().to_vec()).collect();
-    Ok(gained.then(|| Candidate { change: Change::Add(effects), ..current.found[which].clone() }))
+    Ok(gained.then(|| current.found[which].with_effects(effects)))
 }

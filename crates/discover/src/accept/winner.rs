@@ -41,7 +41,7 @@ pub(crate) fn winner(
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
             } else {
-                evidence.doubt(options.alpha, floor, best.candidate.belongs_to_time())
+                evidence.doubt(options.alpha, floor, best.candidate.follows_time())
             };
             let Some(doubt) = doubt else {
                 return Ok(Some(Accepted {
@@ -72,6 +72,6 @@ pub(crate) fn family_wise_p(
     competitor: &Competitor,
 ) -> f64 {
     let options = context.options;
-    let screen = Screen::new(linearisation, &options.without, others);
+    let screen = Screen::new(linearisation, &options.library, others);
     screen.null(options.flips, options.seed).p_value(competitor.surprisal)
 }

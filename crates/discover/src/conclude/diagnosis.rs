@@ -61,8 +61,11 @@ pub struct Diagnosis {
 pub struct Finding {
     /// Family, place and change of the model.
     pub candidate: Candidate,
-    /// Its evidence in the linearised problem at the time of its acceptance.
-    pub evidence: Evidence,
+    /// Family-wise p of the test that found it.
+    pub p_value: f64,
+    /// Its evidence in the linearised problem at the time of its acceptance; `None` for excluded rows, which are
+    /// not selected by the search.
+    pub evidence: Option<Evidence>,
     /// 3-D RMS on the held-out test set before and after it was added, m.
     pub holdout: (f64, f64),
     /// 3-D RMS on the training rows before and after it was added, m.
@@ -95,7 +98,7 @@ pub struct Parameter {
 }
 
 /// A competing hypothesis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alternative {
     /// Family.
     pub family: Family,

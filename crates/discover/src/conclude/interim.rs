@@ -14,7 +14,7 @@ use crate::conclude::report::{at_run_time, errors, parameters};
 use crate::data::payload;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::Change;
+use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
 use crate::termination::Termination;
 use truepose_errormodel::Dataset;
@@ -60,7 +60,8 @@ impl InterimReport {
         at_run_time(&mut fit, &current.found, partition.data);
         let finding = |(k, accepted): (usize, &crate::accept::accepted::Accepted)| Finding {
             candidate: accepted.candidate.clone(),
-            evidence: accepted.evidence.clone(),
+            p_value: accepted.evidence.p_value,
+            evidence: Some(accepted.evidence.clone()),
             train: (self.steps[k].0, self.steps[k + 1].0),
             holdout: (self.steps[k].1, self.steps[k + 1].1),
             parameters: parameters(&fit, &accepted.candidate, context.effects_of(&current.found, k)),
@@ -68,7 +69,7 @@ impl InterimReport {
             alternatives: Vec::new(),
             rows: match accepted.candidate.change {
                 Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
-                Change::Add(_) => Vec::new(),
+                Change::Add(_) | Change::Exclude { .. } => Vec::new(),
             },
             trace: None,
         };

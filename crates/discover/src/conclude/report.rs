@@ -2,7 +2,6 @@
 //! rows.
 
 use crate::accept::accepted::Accepted;
-use crate::accept::evidence::{Evidence, Gain};
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{
@@ -17,9 +16,11 @@ use crate::conclude::trial::Trial;
 use crate::data::payload::with_loads;
 use crate::data::{derived, payload};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::family::Family;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
+use crate::hypotheses::outlier::Outlying;
 use crate::hypotheses::place::Place;
+use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
 use crate::policy::TIE;
 use crate::problem::linearisation::Linearisation;
@@ -27,6 +28,7 @@ use crate::problem::outliers::Outliers;
 use crate::termination::Termination;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
 use truepose_identify::{Fit, FittedNonlinear, Residuals, repeats, student_quantile};
 
@@ -78,10 +80,11 @@ pub(crate) fn conclude(
             shape: shape(&fit, &effects),
             rows: match accepted.candidate.change {
                 Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
-                Change::Add(_) => Vec::new(),
+                Change::Add(_) | Change::Exclude { .. } => Vec::new(),
             },
             candidate: found[k].clone(),
-            evidence: accepted.evidence.clone(),
+            p_value: accepted.evidence.p_value,
+            evidence: Some(accepted.evidence.clone()),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: match declared_fit.full_report {
@@ -106,12 +109,12 @@ pub(crate) fn conclude(
     after.outliers.clone_from(&before.outliers);
     if !outside.certain.is_empty() {
         let judged = Residuals::of(&fit.fitted, partition.data)?;
-        let (out, good): (Vec<usize>, Vec<usize>) =
-            (0..judged.position.len()).partition(|row| outside.certain.contains(row));
+        let good: Vec<usize> =
+            (0..judged.position.len()).filter(|row| !outside.certain.contains(row)).collect();
         let all: Vec<usize> = (0..judged.position.len()).collect();
         let rms = (judged.positions_of(&all).rms, judged.positions_of(&good).rms);
         let held = after.holdout.positions().rms;
-        findings.push(outlier_finding(&outside, out.len(), rms, (held, held)));
+        findings.push(outlier_finding(&outside, rms, (held, held)));
     }
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
     let repeats_after = repeats(&current.fit, &current.data);
@@ -156,7 +159,7 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
             Change::CorrectLoad { level, mass, .. } => {
                 Some(LoadCorrection { declared: level, carried: mass })
             }
-            Change::Add(_) => None,
+            Change::Add(_) | Change::Exclude { .. } => None,
         })
         .collect();
     let own = derived::own_channels(data);
@@ -219,9 +222,9 @@ fn alternatives(
     /// Competing hypotheses that are listed, and unnamed ones among them, which come in many similar forms.
     const LISTED: usize = 4;
     const UNNAMED: usize = 2;
-    let unnamed = competitors.iter().filter(|(r, _)| r.family == Family::Unmodelled).nth(UNNAMED);
+    let unnamed = competitors.iter().filter(|(r, _)| !r.family.is_named()).nth(UNNAMED);
     let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
-    let listed = competitors.iter().filter(|(r, behind)| r.family != Family::Unmodelled || *behind < last);
+    let listed = competitors.iter().filter(|(r, behind)| r.family.is_named() || *behind < last);
     let listed: Vec<_> = listed.take(LISTED).collect();
     listed
         .par_iter()
@@ -260,26 +263,13 @@ fn competing_fits(
 }
 
 /// Outliers as a finding: `rms` with and without them, m.
-fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
-    let won = 1.0 - rms.1 / rms.0.max(f64::MIN_POSITIVE);
-    let gain = Gain { before: rms.0, after: rms.1, t: 0.0, won, middle: won };
+fn outlier_finding(outside: &Outliers, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
+    let change = Change::Exclude { rows: outside.certain.clone() };
+    let variant = Variant { place: Place::default(), change };
     Finding {
-        candidate: Candidate {
-            family: Family::Outlier,
-            place: Place::default(),
-            change: Change::Add(Vec::new()),
-            width: None,
-        },
-        evidence: Evidence {
-            p_value: outside.p_value,
-            p_parametric: outside.p_value,
-            unknowns,
-            gain: 0.0,
-            random: gain,
-            blocks: None,
-            stability: 1.0,
-            agreement: 1.0,
-        },
+        candidate: Candidate::new(Arc::new(Outlying), variant),
+        p_value: outside.p_value,
+        evidence: None,
         holdout,
         train: rms,
         parameters: Vec::new(),

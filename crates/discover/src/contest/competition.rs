@@ -7,11 +7,8 @@
 use crate::contest::competitor::{Competitor, competitor, plausible};
 use crate::contest::look_ahead;
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::components::neighbours;
-use crate::hypotheses::family::Family;
-use crate::hypotheses::nonlinear::seen_as;
-use crate::hypotheses::unmodelled::richer;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::policy::{TIE, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
@@ -22,7 +19,6 @@ use crate::screen::refine::refined;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
-use truepose_errormodel::effects::Transmission;
 
 /// Largest distance from the best score at which other sets of components are tried.
 const FAR: f64 = 120.0;
@@ -89,7 +85,7 @@ fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&
     for cause in causes.iter().skip(CAUSES) {
         let (_, gain, freedom) = &cause.variants[0];
         let known = selected.iter().any(|other| other.family == cause.family);
-        if cause.family != Family::Unmodelled && !known && gain - penalty * *freedom as f64 > 0.0 {
+        if cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0 {
             selected.push(cause);
         }
     }
@@ -113,7 +109,7 @@ fn refined_variants(
         let variant = refined(linearisation, &screen.projection, candidate);
         competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
-    if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| richer(candidate)) {
+    if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| candidate.richer()) {
         competitors.extend(competitor(linearisation, screen, visits, more)?);
     }
     Ok(competitors)
@@ -127,7 +123,9 @@ fn add_periods(
     found: &mut [Vec<Competitor>],
 ) -> Result<(), DiscoverError> {
     let mut transmissions: Vec<usize> = (0..found.len())
-        .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
+        .filter(|&k| {
+            found[k].first().is_some_and(|r| r.candidate.periodic_in(linearisation.chain()).is_some())
+        })
         .collect();
     transmissions.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
     transmissions.truncate(GEARS);
@@ -159,14 +157,14 @@ fn rank(competitors: &mut [Competitor]) {
     let best = least(competitors);
     let tied = competitors.iter().take_while(|r| r.score < best + TIE).count();
     competitors[..tied].sort_by(|a, b| {
-        let family = a.candidate.family.rank().cmp(&b.candidate.family.rank());
+        let family = a.candidate.hypothesis().rank().cmp(&b.candidate.hypothesis().rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
     });
 }
 
 /// Largest distance from the best score at which other sets of components of a competitor are tried.
 fn component_margin(competitor: &Competitor) -> f64 {
-    if competitor.candidate.family == Family::Unmodelled { NEAR } else { FAR }
+    if competitor.candidate.family.is_named() { FAR } else { NEAR }
 }
 
 fn least(competitors: &[Competitor]) -> f64 {
@@ -183,7 +181,7 @@ fn with_best_components(
 ) -> Result<Competitor, DiscoverError> {
     loop {
         let mut best: Option<Competitor> = None;
-        for candidate in neighbours(&current.candidate) {
+        for candidate in current.candidate.neighbours() {
             let Some(other) = competitor(linearisation, screen, visits, candidate)? else { continue };
             if other.score < best.as_ref().map_or(current.score - WORTH, |best| best.score) {
                 best = Some(other);
@@ -203,10 +201,7 @@ fn more_periods(
     present: &Projection,
     candidate: &Candidate,
 ) -> Option<Candidate> {
-    if candidate.family != Family::Transmission {
-        return None;
-    }
-    let joint = seen_as::<Transmission>(&**candidate.effects().first()?)?.joint;
+    let joint = candidate.periodic_in(linearisation.chain())?;
     let grid = periodogram::grid(linearisation, joint);
     let log_tests = (grid.len().max(2) as f64).ln();
     let threshold = 2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + TIE;
@@ -221,11 +216,7 @@ fn more_periods(
         if gain < threshold || surprisal < log_tests {
             break;
         }
-        let one = refined(
-            linearisation,
-            &projection,
-            &crate::hypotheses::motion::transmission_at(linearisation.chain(), joint, &[period]),
-        );
+        let one = refined(linearisation, &projection, &candidate.at_period(joint, period)?);
         let more = projection.with(&linearisation.columns_of(&one).ok()?);
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);

@@ -13,10 +13,9 @@
 //! | m | number of observations | |
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::family::Family;
-use crate::hypotheses::nonlinear::{climbed, found_periods, nonlinear_count};
-use crate::hypotheses::penalty::by_evidence;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
+use crate::hypotheses::limits::Limit;
 use crate::policy::{WIDE, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
@@ -53,7 +52,7 @@ pub(crate) struct Competitor {
 impl Competitor {
     /// Number of estimated parameters: degrees of freedom and nonlinear parameters.
     pub fn unknowns(&self) -> usize {
-        self.freedom + nonlinear_count(&self.candidate)
+        self.freedom + self.candidate.nonlinear().count()
     }
 
     /// Prior standard deviation of its coefficients in the model, in expected sizes: 2 w, twice the most
@@ -112,10 +111,10 @@ pub(crate) fn outcompeted<'a>(
     /// Difference of −2 ln L within which two candidates with equal degrees of freedom span the same space:
     /// their wide priors differ by as much.
     const SAME: f64 = 0.05;
-    let a_curve = matches!(winner.candidate.family, Family::Drift | Family::LoadNonlinearity);
+    let a_curve = winner.candidate.hypothesis().is_curve();
     let itself = |r: &Competitor| {
         let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
-        let unnamed = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
+        let unnamed = !r.candidate.family.is_named() && r.freedom == winner.freedom && alike;
         (unnamed && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
     let others = competitors.into_iter().filter(|r| !itself(r));
@@ -133,7 +132,7 @@ pub(crate) fn cost(
     linearisation: &Linearisation<'_>,
 ) -> f64 {
     let counted = penalty_per_coefficient(linearisation.len()) * freedom as f64;
-    if by_evidence(candidate) { distribution.penalty.min(counted) } else { counted }
+    if candidate.by_evidence() { distribution.penalty.min(counted) } else { counted }
 }
 
 /// π: −2 × log prior odds of a candidate. A nonlinear parameter on a fine grid is penalised by the tests of
@@ -144,29 +143,29 @@ pub(crate) fn log_prior_odds(
     candidate: &Candidate,
 ) -> f64 {
     prior_penalty(screen, candidate)
-        + penalty_per_coefficient(linearisation.len()) * climbed(candidate) as f64
+        + penalty_per_coefficient(linearisation.len()) * candidate.scales() as f64
 }
 
 /// The part of π that does not depend on the data: 2 ln(tests of the family) for each period, and the prior
 /// against unnamed structures.
 fn prior_penalty(screen: &Screen, candidate: &Candidate) -> f64 {
-    let unnamed = if candidate.family == Family::Unmodelled { UNNAMED } else { 0.0 };
-    2.0 * found_periods(candidate).max(1) as f64 * (screen.tests_of(candidate.family) as f64).ln() + unnamed
+    let unnamed = if candidate.family.is_named() { 0.0 } else { UNNAMED };
+    2.0 * candidate.periods().max(1) as f64 * (screen.tests_of(candidate.family) as f64).ln() + unnamed
 }
 
 /// Whether size and sign of the coefficients are physical.
 pub(crate) fn plausible(competitor: &Competitor) -> bool {
     let first = (competitor.likelihood.coefficients[0], competitor.likelihood.deviation(0));
-    is_physical(competitor.candidate.family, competitor.width, first)
+    is_physical(|limit| competitor.candidate.has_limit(limit), competitor.width, first)
 }
 
 /// A link compliance is at most [`WIDE`] expected sizes (500 N would bend the link by a tenth of its length).
 /// A compliance is positive: its first coefficient, `first` = (value, standard deviation), is above −2
 /// standard deviations.
-fn is_physical(family: Family, width: f64, first: (f64, f64)) -> bool {
+fn is_physical(has: impl Fn(Limit) -> bool, width: f64, first: (f64, f64)) -> bool {
     let (value, deviation) = first;
-    let paper = family == Family::LinkCompliance && width > WIDE;
-    let pushes_back = family.is_compliance() && value <= -2.0 * deviation;
+    let paper = has(Limit::BoundedWidth) && width > WIDE;
+    let pushes_back = has(Limit::FirstNotNegative) && value <= -2.0 * deviation;
     !paper && !pushes_back
 }
 
@@ -183,15 +182,21 @@ pub(crate) fn with_estimates(competitor: &Competitor) -> Candidate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hypotheses::compliance::{OfJoints, OfLinks};
+    use crate::hypotheses::coupling::Drag;
+    use crate::hypotheses::hypothesis::Hypothesis;
 
     #[test]
     fn a_link_compliance_is_bounded_and_a_compliance_is_not_negative() {
-        assert!(is_physical(Family::LinkCompliance, 20.0, (20.0, 1.0)));
-        assert!(!is_physical(Family::LinkCompliance, 600.0, (600.0, 5.0)));
+        let is_physical = |hypothesis: &dyn Hypothesis, width, first| {
+            is_physical(|limit| hypothesis.limits().contains(&limit), width, first)
+        };
+        assert!(is_physical(&OfLinks, 20.0, (20.0, 1.0)));
+        assert!(!is_physical(&OfLinks, 600.0, (600.0, 5.0)));
         // The expected size of a joint compliance depends on the robot: no upper bound.
-        assert!(is_physical(Family::JointCompliance, 600.0, (600.0, 5.0)));
-        assert!(!is_physical(Family::JointCompliance, 3.0, (-3.0, 1.0)));
-        assert!(is_physical(Family::JointCompliance, 3.0, (-1.0, 1.0)));
-        assert!(is_physical(Family::Coupling, 3.0, (-3.0, 1.0)));
+        assert!(is_physical(&OfJoints, 600.0, (600.0, 5.0)));
+        assert!(!is_physical(&OfJoints, 3.0, (-3.0, 1.0)));
+        assert!(is_physical(&OfJoints, 3.0, (-1.0, 1.0)));
+        assert!(is_physical(&Drag, 3.0, (-3.0, 1.0)));
     }
 }

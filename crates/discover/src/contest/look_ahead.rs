@@ -16,7 +16,6 @@
 use crate::contest::competitor::{Competitor, cost, log_prior_odds};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
 use crate::policy::{TIE, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
@@ -45,7 +44,7 @@ pub(crate) fn first(
     let penalty = penalty_per_coefficient(linearisation.len());
     let first: Vec<&Candidate> = causes
         .iter()
-        .filter(|cause| cause.family != Family::Unmodelled)
+        .filter(|cause| cause.family.is_named())
         .take(PARTNERS)
         .map(|cause| &cause.variants[0].0)
         .collect();
@@ -54,7 +53,7 @@ pub(crate) fn first(
         .map(|candidate| Ok((candidate, screen.projection.accumulate(linearisation, candidate)?)))
         .collect::<Result<_, DiscoverError>>()?;
     let named: Vec<usize> = (0..competitors.len())
-        .filter(|&k| k == 0 || competitors[k].candidate.family != Family::Unmodelled)
+        .filter(|&k| k == 0 || competitors[k].candidate.family.is_named())
         .take(COMPETITORS)
         .collect();
     let pairs: Vec<Option<(f64, Candidate, f64)>> = named

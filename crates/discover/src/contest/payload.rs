@@ -2,7 +2,8 @@
 
 use crate::contest::competitor::{Competitor, with_estimates};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;

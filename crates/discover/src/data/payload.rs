@@ -4,7 +4,8 @@
 //! strongly correlated with a compliance. Levels are therefore compared by whole fits, in which masses and
 //! compliances are estimated jointly ([`crate::contest::payload`]).
 
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use truepose_errormodel::{Dataset, LoadCorrection};
 use truepose_kinematics::{Conditions, Load};
 
@@ -51,7 +52,7 @@ pub(crate) fn rows_at(data: &Dataset, level: f64) -> Vec<usize> {
 pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     found.iter().fold(data.clone(), |data, candidate| match candidate.change {
         Change::CorrectLoad { level, mass, .. } => corrected(&data, level, mass),
-        Change::Add(_) => data,
+        Change::Add(_) | Change::Exclude { .. } => data,
     })
 }
 

@@ -1,30 +1,22 @@
 //! A candidate: a change of the model that might explain what is left.
 
-use crate::hypotheses::covariate::{LOADED, TIME};
+use crate::hypotheses::change::Change;
+use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
+use crate::hypotheses::hypothesis::Hypothesis;
+use crate::hypotheses::limits::Limit;
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
+use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
-use truepose_errormodel::AnyEffect;
+use crate::hypotheses::variant::Variant;
+use std::sync::Arc;
+use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
+use truepose_kinematics::{Chain, JointId};
 
-/// What would be done to the model.
-#[derive(Debug, Clone)]
-pub enum Change {
-    /// Effects are added; several are one cause (periods of one gear).
-    Add(Vec<Box<dyn AnyEffect>>),
-    /// Rows that declare this payload (kg) carried another mass (kg).
-    CorrectLoad {
-        /// As declared.
-        level: f64,
-        /// As it is.
-        mass: f64,
-        /// Standard deviation of that, kg; zero before it was fitted.
-        deviation: f64,
-    },
-}
-
-/// A change with its name and place.
+/// A variant of a hypothesis, as it stands in a search or in a model.
 #[derive(Debug, Clone)]
 pub struct Candidate {
-    /// What kind of cause.
+    /// The family of its hypothesis.
     pub family: Family,
     /// Where.
     pub place: Place,
@@ -32,48 +24,131 @@ pub struct Candidate {
     pub change: Change,
     /// Standard deviation of the prior on its coefficients, in expected sizes; none before it was fitted.
     pub width: Option<f64>,
+    hypothesis: Arc<dyn Hypothesis>,
 }
 
 impl Candidate {
-    /// One effect at one place.
-    pub fn new(family: Family, place: Place, effect: impl AnyEffect + 'static) -> Self {
-        Candidate { family, place, change: Change::Add(vec![Box::new(effect)]), width: None }
+    /// A variant of a hypothesis.
+    pub fn new(hypothesis: Arc<dyn Hypothesis>, variant: Variant) -> Self {
+        let Variant { place, change } = variant;
+        Candidate { family: hypothesis.family(), place, change, width: None, hypothesis }
     }
 
-    /// Whether both are the same cause at the same place, in whatever shape.
+    /// The hypothesis that it is a variant of.
+    pub fn hypothesis(&self) -> &dyn Hypothesis {
+        &*self.hypothesis
+    }
+
+    /// The same with other effects.
+    pub(crate) fn with_effects(&self, effects: Vec<Box<dyn AnyEffect>>) -> Self {
+        Candidate { change: Change::Add(effects), ..self.clone() }
+    }
+
+    /// Whether both are the same cause at the same place, with whatever effects.
     pub fn same_cause(&self, other: &Candidate) -> bool {
         self.family == other.family && self.place == other.place
     }
 
-    /// Whether it is a structure without a name that follows the time.
-    pub(crate) fn follows_the_time(&self) -> bool {
-        self.depends(|covariate| covariate == TIME)
-    }
-
-    /// Whether it follows the time, under a name or without.
-    pub(crate) fn belongs_to_time(&self) -> bool {
-        self.family.belongs_to_time() || self.follows_the_time()
-    }
-
-    /// Whether it is one that follows a joint's load.
-    pub(crate) fn follows_a_load(&self) -> bool {
-        self.depends(|covariate| covariate.starts_with(LOADED))
-    }
-
-    fn depends(&self, on: impl Fn(&str) -> bool) -> bool {
-        self.family == Family::Unmodelled && self.place.covariate.as_deref().is_some_and(on)
-    }
-
-    /// Its effects; none of a corrected load.
+    /// Its effects; none of a corrected load or of excluded rows.
     pub fn effects(&self) -> &[Box<dyn AnyEffect>] {
-        match &self.change {
-            Change::Add(effects) => effects,
-            Change::CorrectLoad { .. } => &[],
-        }
+        self.change.effects()
     }
 
     /// In a few words: `backlash a1`.
     pub fn words(&self) -> String {
         format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
+    }
+
+    /// One sentence for a mechanic.
+    pub fn meaning(&self) -> String {
+        self.hypothesis.meaning(&self.place)
+    }
+
+    /// What drives it.
+    pub fn drivers(&self) -> Vec<Driver> {
+        self.hypothesis.drivers(&self.place, self.effects())
+    }
+
+    /// Whether it is driven by the time.
+    pub fn follows_time(&self) -> bool {
+        self.drivers().contains(&Driver::Time)
+    }
+
+    /// Whether its coefficients are penalised by the marginal likelihood.
+    pub(crate) fn by_evidence(&self) -> bool {
+        self.hypothesis.penalty(self.effects()) == Penalty::MarginalLikelihood
+    }
+
+    /// Whether the mechanism has this limit.
+    pub(crate) fn has_limit(&self, limit: Limit) -> bool {
+        self.hypothesis.limits().contains(&limit)
+    }
+
+    /// The same cause with one component fewer or more, each in turn; none of a cause with several effects.
+    pub(crate) fn neighbours(&self) -> Vec<Candidate> {
+        let [effect] = self.effects() else { return Vec::new() };
+        let near = self.hypothesis.neighbours(&**effect);
+        near.into_iter().map(|effect| self.with_effects(vec![effect])).collect()
+    }
+
+    /// The same cause with more terms; none where there is no such variant.
+    pub(crate) fn richer(&self) -> Option<Candidate> {
+        let [effect] = self.effects() else { return None };
+        let effect = self.hypothesis.richer(&**effect)?;
+        Some(Candidate { width: None, ..self.with_effects(vec![effect]) })
+    }
+
+    /// The joint whose motion it is periodic in, where a cause may have further periods.
+    pub(crate) fn periodic_in(&self, chain: &Chain) -> Option<JointId> {
+        let joint = chain.joint_named(self.place.joint.as_deref()?)?;
+        self.hypothesis.at_period(joint, 1.0).map(|_| joint)
+    }
+
+    /// The same cause with this period alone.
+    pub(crate) fn at_period(&self, joint: JointId, period: f64) -> Option<Candidate> {
+        let effect = self.hypothesis.at_period(joint, period)?;
+        Some(Candidate { width: None, ..self.with_effects(vec![effect]) })
+    }
+
+    /// The nonlinear parameters of its effects that were found rather than known.
+    pub(crate) fn nonlinear(&self) -> impl Iterator<Item = Nonlinear> {
+        self.effects().iter().filter_map(|effect| self.hypothesis.nonlinear(&**effect))
+    }
+
+    /// How many of them are on a coarse grid of variants, so that they are penalised as unknowns.
+    pub(crate) fn scales(&self) -> usize {
+        self.nonlinear().filter(Nonlinear::is_scale).count()
+    }
+
+    /// How many of them are periods.
+    pub(crate) fn periods(&self) -> usize {
+        self.nonlinear().filter(|found| matches!(found.search, Refinement::Period(_))).count()
+    }
+
+    /// Whether a candidate of one effect has a nonlinear parameter to refine.
+    pub(crate) fn is_refinable(&self) -> bool {
+        let [_] = self.effects() else { return false };
+        self.nonlinear().any(|found| found.search != Refinement::Grid)
+    }
+
+    /// The candidate, of one effect, with another value of its nonlinear parameter.
+    pub(crate) fn with_value(&self, value: f64) -> Option<Candidate> {
+        let [effect] = self.effects() else { return None };
+        Some(self.with_effects(vec![self.hypothesis.with_value(&**effect, value, None)?]))
+    }
+
+    /// The nonlinear parameters that were found of one of its effects, each within the range in which its interval is looked for.
+    pub(crate) fn shapes_of(&self, effect: &dyn AnyEffect, data: &Dataset) -> Vec<NonlinearParameter> {
+        /// Times, up and down.
+        const REACH: f64 = 4.0;
+        let Some(Nonlinear { value, search }) = self.hypothesis.nonlinear(effect) else { return Vec::new() };
+        let range = match search {
+            Refinement::Instant { .. } => {
+                data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)])
+            }
+            Refinement::Period(_) | Refinement::Scale(_) | Refinement::Grid => [value / REACH, value * REACH],
+        };
+        let free = self.hypothesis.with_value(effect, value, Some(range));
+        free.map_or_else(Vec::new, |effect| effect.shape())
     }
 }

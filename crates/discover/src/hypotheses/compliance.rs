@@ -1,48 +1,138 @@
 //! What yields in proportion to its load: joints, links, the base; with declared and with free weights.
 
-use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
+use crate::hypotheses::hypothesis::Hypothesis;
+use crate::hypotheses::limits::Limit;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
+use crate::hypotheses::variant::Variant;
+use crate::hypotheses::view::TraceView;
+use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{
-    BaseCompliance, JointCompliance, LinkCompliance, LoadNonlinearity, OwnWeight, Section, Tilt,
+    BaseCompliance, JointCompliance, LinkCompliance, OwnWeight, Section, Tilt,
 };
-use truepose_kinematics::FrameId;
+use truepose_kinematics::{Chain, FrameId};
 
-pub(crate) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
-    let chain = setting.chain;
-    let weights_declared = chain.joints().iter().all(|joint| joint.link.is_some());
-    for &joint in chain.movable() {
-        let place = Place::joint(chain, joint);
-        let yields = JointCompliance::of(joint);
-        all.push(Candidate::new(Family::JointCompliance, place.clone(), yields.clone()));
-        if !weights_declared {
-            for links in [1, 2] {
-                let free = JointCompliance { own_weight: OwnWeight::Free, links, ..yields.clone() };
-                all.push(Candidate::new(Family::JointCompliance, place.clone(), free));
-            }
-        }
-        for powers in [vec![2], vec![3], vec![2, 3]] {
-            let effect = LoadNonlinearity::with_powers(joint, powers);
-            all.push(Candidate::new(Family::LoadNonlinearity, place.clone(), effect));
-        }
-        let largest = setting.largest_load(joint);
-        for share in [0.05, 0.2, 0.6].iter().filter(|_| largest > 0.0) {
-            let effect = LoadNonlinearity::soft(joint, share * largest);
-            all.push(Candidate::new(Family::LoadNonlinearity, place.clone(), effect));
-        }
-        for section in [Section::Tube, Section::Symmetric, Section::General] {
-            let bends = LinkCompliance { section, ..LinkCompliance::of(joint) };
-            all.push(Candidate::new(Family::LinkCompliance, place.clone(), bends.clone()));
-            if !weights_declared {
-                let free = LinkCompliance { own_weight: OwnWeight::Free, ..bends };
-                all.push(Candidate::new(Family::LinkCompliance, place.clone(), free));
-            }
-        }
+/// Whether the weights of all links are known.
+fn weights_declared(chain: &Chain) -> bool {
+    chain.joints().iter().all(|joint| joint.link.is_some())
+}
+
+/// A joint yields about or along its axis.
+#[derive(Debug)]
+pub(crate) struct OfJoints;
+
+impl Hypothesis for OfJoints {
+    fn family(&self) -> Family {
+        Family::JointCompliance
     }
-    let base = Place::frame(chain, FrameId::BASE);
-    for (tilt, sink) in [(Tilt::Isotropic, false), (Tilt::Isotropic, true), (Tilt::Separate, true)] {
-        let effect = BaseCompliance { tilt, sink };
-        all.push(Candidate::new(Family::BaseCompliance, base.clone(), effect));
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        let chain = setting.chain;
+        let mut all = Vec::new();
+        for &joint in chain.movable() {
+            let place = Place::joint(chain, joint);
+            let yields = JointCompliance::of(joint);
+            all.push(Variant::new(place.clone(), yields.clone()));
+            if !weights_declared(chain) {
+                for links in [1, 2] {
+                    let free = JointCompliance { own_weight: OwnWeight::Free, links, ..yields.clone() };
+                    all.push(Variant::new(place.clone(), free));
+                }
+            }
+        }
+        all
+    }
+
+    fn meaning(&self, place: &Place) -> String {
+        format!(
+            "The deflection of {} is proportional to the load about its axis: stiffness of gear, bearing or drive.",
+            place.part()
+        )
+    }
+
+    fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        vec![Driver::Wrench]
+    }
+
+    fn view(&self, place: &Place, _: &[Box<dyn AnyEffect>]) -> TraceView {
+        TraceView::of_motion(place.joint.clone().map(Driver::JointLoad))
+    }
+
+    fn limits(&self) -> &[Limit] {
+        &[Limit::FirstNotNegative]
+    }
+}
+
+/// A link bends or twists.
+#[derive(Debug)]
+pub(crate) struct OfLinks;
+
+impl Hypothesis for OfLinks {
+    fn family(&self) -> Family {
+        Family::LinkCompliance
+    }
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        let chain = setting.chain;
+        let mut all = Vec::new();
+        for &joint in chain.movable() {
+            let place = Place::joint(chain, joint);
+            for section in [Section::Tube, Section::Symmetric, Section::General] {
+                let bends = LinkCompliance { section, ..LinkCompliance::of(joint) };
+                all.push(Variant::new(place.clone(), bends.clone()));
+                if !weights_declared(chain) {
+                    let free = LinkCompliance { own_weight: OwnWeight::Free, ..bends };
+                    all.push(Variant::new(place.clone(), free));
+                }
+            }
+        }
+        all
+    }
+
+    fn meaning(&self, place: &Place) -> String {
+        format!(
+            "The link behind {} bends or twists under load. Inspect its flange bolts and bearings; otherwise it is the \
+             stiffness of the link.",
+            place.part()
+        )
+    }
+
+    fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        vec![Driver::Wrench]
+    }
+
+    fn limits(&self) -> &[Limit] {
+        &[Limit::FirstNotNegative, Limit::BoundedWidth]
+    }
+}
+
+/// The base tilts or sinks.
+#[derive(Debug)]
+pub(crate) struct OfBase;
+
+impl Hypothesis for OfBase {
+    fn family(&self) -> Family {
+        Family::BaseCompliance
+    }
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        let base = Place::frame(setting.chain, FrameId::BASE);
+        [(Tilt::Isotropic, false), (Tilt::Isotropic, true), (Tilt::Separate, true)]
+            .map(|(tilt, sink)| Variant::new(base.clone(), BaseCompliance { tilt, sink }))
+            .into()
+    }
+
+    fn meaning(&self, _: &Place) -> String {
+        "The base tilts or sinks under the load. Inspect its anchoring.".into()
+    }
+
+    fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        vec![Driver::Wrench]
+    }
+
+    fn limits(&self) -> &[Limit] {
+        &[Limit::FirstNotNegative]
     }
 }

@@ -1,11 +1,11 @@
 //! The words for what a model lacks.
 
-use serde::{Deserialize, Serialize};
+use serde::{Serialize, Serializer};
 
-/// A kind of cause, in the words of the data contract. The order is that of simplicity: of two explanations that the data
-/// cannot tell apart, the earlier one is reported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// A family of effects, in the words of files. The order is that of simplicity: of two explanations that the data cannot distinguish, the
+/// earlier one is reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
 pub enum Family {
     /// Single rows that no repeatable effect explains.
     Outlier,
@@ -37,6 +37,8 @@ pub enum Family {
     Thermal,
     /// An error that moves smoothly with time.
     Drift,
+    /// A family that is not built in, by its word: that of its effect, with the prefix of whoever wrote it (`acme/encoder_gain`).
+    Other(&'static str),
     /// Repeatable structure without a name.
     Unmodelled,
 }
@@ -60,33 +62,39 @@ impl Family {
             Family::Shift => "shift",
             Family::Thermal => "thermal",
             Family::Drift => "drift",
+            Family::Other(word) => word,
             Family::Unmodelled => "unmodelled",
         }
     }
 
-    /// Its place in the order of simplicity. Causes that follow time in one way or another share one, and so do the two that bend
-    /// the curve of a joint against its load.
-    pub(crate) fn rank(self) -> Family {
-        match self {
-            Family::Shift | Family::Drift | Family::Thermal => Family::Shift,
-            Family::Backlash | Family::LoadNonlinearity => Family::Backlash,
-            other => other,
-        }
+    /// Whether it names a cause: all but [`Family::Unmodelled`] do.
+    pub fn is_named(self) -> bool {
+        self != Family::Unmodelled
     }
+}
 
-    /// Whether the effect follows the time or a temperature.
-    pub fn belongs_to_time(self) -> bool {
-        matches!(self, Family::Shift | Family::Drift | Family::Thermal)
-    }
-
-    /// Whether its first coefficient is a compliance, which cannot be negative.
-    pub fn is_compliance(self) -> bool {
-        matches!(self, Family::JointCompliance | Family::BaseCompliance | Family::LinkCompliance)
+impl Serialize for Family {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.word())
     }
 }
 
 impl std::fmt::Display for Family {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.word())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_family_of_others_is_written_as_its_word_and_is_simpler_than_none() {
+        let other = Family::Other("acme/encoder_gain");
+        assert_eq!(serde_json::to_string(&other).unwrap(), "\"acme/encoder_gain\"");
+        assert_eq!(serde_json::to_string(&Family::LoadNonlinearity).unwrap(), "\"load_nonlinearity\"");
+        assert!(Family::Drift < other && other < Family::Unmodelled);
+        assert!(other.is_named() && !Family::Unmodelled.is_named());
     }
 }

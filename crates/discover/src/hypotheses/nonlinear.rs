@@ -1,98 +1,51 @@
 //! Parameters in which an effect is not linear: a period, an instant, a time constant, a load.
 
-use crate::hypotheses::candidate::Candidate;
 use std::any::Any;
-use truepose_errormodel::effects::{Backlash, Drift, LoadNonlinearity, Shift, Thermal, Transmission};
-use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
+use truepose_errormodel::{AnyEffect, Effect};
+use truepose_kinematics::JointId;
 
-/// How many shapes of a candidate were found rather than known.
-pub(crate) fn nonlinear_count(candidate: &Candidate) -> usize {
-    let one = |effect: &dyn AnyEffect| {
-        seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
-            || seen_as::<Shift>(effect).is_some()
-            || seen_as::<Thermal>(effect).is_some_and(|growth| growth.lag.is_some())
-    };
-    candidate.effects().iter().filter(|effect| one(&***effect)).count() + climbed(candidate)
+/// A nonlinear parameter of an effect that was found rather than known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Nonlinear {
+    /// Its value, SI.
+    pub value: f64,
+    /// How it is searched.
+    pub search: Refinement,
 }
 
-/// How many periods of a gear were found rather than known.
-pub(crate) fn found_periods(candidate: &Candidate) -> usize {
-    let found = |effect: &dyn AnyEffect| {
-        seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
-    };
-    candidate.effects().iter().filter(|effect| found(&***effect)).count()
-}
-
-/// How many of them have a coarse grid, so that they were climbed for.
-pub(crate) fn climbed(candidate: &Candidate) -> usize {
-    candidate.effects().iter().filter(|effect| scale(&***effect).is_some()).count()
-}
-
-/// A positive number in which an effect is not linear and of which the candidates have a coarse grid (a load on a flank, the
-/// load of a soft range, a time constant), and between which multiples of it the best is looked for.
-pub(crate) fn scale(effect: &dyn AnyEffect) -> Option<(f64, [f64; 2])> {
-    if let Some(play) = seen_as::<Backlash>(effect) {
-        return play.flank_load.map(|load| (load, [0.4, 1.8]));
+impl Nonlinear {
+    /// A parameter at its value.
+    pub fn new(value: f64, search: Refinement) -> Self {
+        Nonlinear { value, search }
     }
-    if let Some(spring) = seen_as::<LoadNonlinearity>(effect) {
-        return spring.soft_load.map(|load| (load, [0.4, 2.5]));
+
+    /// Whether variants have it on a coarse grid only, so that it is penalised as an unknown. Parameters on a fine grid are penalised by the
+    /// number of variants.
+    pub fn is_scale(&self) -> bool {
+        matches!(self.search, Refinement::Scale(_))
     }
-    seen_as::<Drift>(effect)?.time_constant.map(|constant| (constant, [0.4, 2.5]))
 }
 
-/// The effect with another such number, known or (with a range) to be found.
-pub(crate) fn rescaled(
-    effect: &dyn AnyEffect,
-    value: f64,
-    range: Option<[f64; 2]>,
-) -> Option<Box<dyn AnyEffect>> {
-    let value = Some(value);
-    if let Some(play) = seen_as::<Backlash>(effect) {
-        return Some(Box::new(Backlash { flank_load: value, flank_range: range, ..play.clone() }));
-    }
-    if let Some(spring) = seen_as::<LoadNonlinearity>(effect) {
-        return Some(Box::new(LoadNonlinearity { soft_load: value, soft_range: range, ..spring.clone() }));
-    }
-    let drift = seen_as::<Drift>(effect)?.clone();
-    Some(Box::new(Drift { time_constant: value, time_constant_range: range, ..drift }))
+/// How the best value of a nonlinear parameter is found near the one of a variant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Refinement {
+    /// A period in the value of a joint: one maximum within a quarter of a cycle over the range of the joint to either side, over the
+    /// frequency. Every period of a cause is a hypothesis of its own.
+    Period(JointId),
+    /// An instant, s: all instants between neighbouring pose measurements nearby are tried.
+    Instant {
+        /// Between which instants it is known to lie.
+        gap: Option<[f64; 2]>,
+    },
+    /// A positive number: one maximum between these multiples of the value, over the logarithm.
+    Scale([f64; 2]),
+    /// The values of the variants are all that the data has (lags of derived channels).
+    Grid,
 }
 
-/// Whether a candidate of one effect has a shape to refine.
-pub(crate) fn has_nonlinear(candidate: &Candidate) -> bool {
-    let [effect] = candidate.effects() else { return false };
-    let effect = &**effect;
-    seen_as::<Transmission>(effect).is_some_and(|wave| free_period(wave).is_some())
-        || seen_as::<Shift>(effect).is_some()
-        || scale(effect).is_some()
-}
-
-/// What was found of an effect's shape, within the range in which its interval is looked for.
-pub(crate) fn found(effect: &dyn AnyEffect, data: &Dataset) -> Vec<NonlinearParameter> {
-    /// Times, up and down.
-    const REACH: f64 = 4.0;
-    let around = |value: f64| Some([value / REACH, value * REACH]);
-    if let Some(wave) = seen_as::<Transmission>(effect) {
-        let range = free_period(wave).and_then(around);
-        return AnyEffect::shape(&Transmission { period_range: range, ..wave.clone() });
-    }
-    if let Some(jump) = seen_as::<Shift>(effect) {
-        let ends =
-            data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
-        return AnyEffect::shape(&Shift { at_range: Some(ends), ..jump.clone() });
-    }
-    if let Some(growth) = seen_as::<Thermal>(effect) {
-        return AnyEffect::shape(&Thermal { lag_range: growth.lag.and_then(around), ..growth.clone() });
-    }
-    let released = |(value, _)| rescaled(effect, value, around(value));
-    scale(effect).and_then(released).map_or_else(Vec::new, |effect| effect.shape())
-}
-
-/// A period that is not known; a turn of the joint is.
-pub(crate) fn free_period(wave: &Transmission) -> Option<f64> {
-    wave.period.filter(|p| (p - std::f64::consts::TAU).abs() > 1e-9)
-}
-
-/// An effect as what it is.
-pub(crate) fn seen_as<E: truepose_errormodel::Effect>(effect: &dyn AnyEffect) -> Option<&E> {
+/// An effect as what it is; none when it is another one.
+pub fn concrete<E: Effect>(effect: &dyn AnyEffect) -> Option<&E> {
     (effect as &dyn Any).downcast_ref()
 }

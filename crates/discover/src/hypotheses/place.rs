@@ -1,5 +1,6 @@
 //! Where an effect sits, in names that a reader knows.
 
+use crate::hypotheses::covariate::Covariate;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::effects::Spot;
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, TargetId};
@@ -22,12 +23,12 @@ pub struct Place {
     /// The target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
-    /// What a structure without a name depends on: a joint, a channel, `time`, or `approach_J` or `load_J` of a joint J.
+    /// What an unmodelled structure depends on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub covariate: Option<String>,
+    pub covariate: Option<Covariate>,
     /// The second such input.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub covariate2: Option<String>,
+    pub covariate2: Option<Covariate>,
     /// The declared payload that is wrong, kg.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<f64>,
@@ -68,8 +69,18 @@ impl Place {
     }
 
     /// With what it depends on.
-    pub fn depending_on(self, covariate: &str) -> Self {
-        Place { covariate: Some(covariate.into()), ..self }
+    pub fn depending_on(self, covariate: Covariate) -> Self {
+        Place { covariate: Some(covariate), ..self }
+    }
+
+    /// The joint, `base` or `tool`, as part of a sentence.
+    pub fn part(&self) -> &str {
+        match self.joint.as_deref() {
+            None => "the robot",
+            Some("base") => "the base",
+            Some("tool") => "the tool",
+            Some(joint) => joint,
+        }
     }
 
     /// In a few words: `a3 by a2`, `tool on temperature`.

@@ -3,22 +3,36 @@
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer};
 
-/// What the library needs to know about the data.
-pub(crate) struct Setting<'a> {
+/// A robot with its data: what variants of a hypothesis are made for.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Setting<'a> {
+    /// The robot.
     pub chain: &'a Chain,
+    /// The data, with its derived channels.
     pub data: &'a Dataset,
 }
 
-impl Setting<'_> {
-    /// The range of a joint that was visited; none when it never moved.
+impl<'a> Setting<'a> {
+    /// Of a robot and its data.
+    pub fn new(chain: &'a Chain, data: &'a Dataset) -> Self {
+        Setting { chain, data }
+    }
+
+    /// The range of a joint that was visited, rad or m; none when it never moved.
     pub fn range(&self, joint: JointId) -> Option<[f64; 2]> {
         let column = &self.data.joints[self.chain.coordinate(joint)?];
         span(column)
     }
 
-    /// The range of a channel.
+    /// The range of a channel, in its unit; none when it never changed.
     pub fn channel_range(&self, channel: usize) -> Option<[f64; 2]> {
         span(&self.data.channels[channel])
+    }
+
+    /// The range of the time, s; none without time, or when all rows have the same.
+    pub fn time_range(&self) -> Option<[f64; 2]> {
+        span(&self.data.time).filter(|_| self.data.schema.time)
     }
 
     /// The range of the load about or along a joint, of some two hundred rows, N·m or N; none when nothing loads it.
@@ -35,12 +49,13 @@ impl Setting<'_> {
         self.load_range(joint).map_or(0.0, |[lower, upper]| lower.abs().max(upper.abs()))
     }
 
+    /// Whether a joint is prismatic.
     pub fn slides(&self, joint: JointId) -> bool {
         self.chain.joint(joint).kind == JointKind::Prismatic
     }
 }
 
-pub(crate) fn span(column: &[f64]) -> Option<[f64; 2]> {
+fn span(column: &[f64]) -> Option<[f64; 2]> {
     let lower = column.iter().copied().fold(f64::INFINITY, f64::min);
     let upper = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (upper - lower > 1e-9 * (lower.abs() + upper.abs() + 1.0)).then_some([lower, upper])

@@ -1,11 +1,16 @@
 //! What moves with time: smoothly, or all at once.
 
-use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::components::others;
+use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
+use crate::hypotheses::hypothesis::Hypothesis;
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
-use crate::hypotheses::setting::{Setting, span};
+use crate::hypotheses::setting::Setting;
+use crate::hypotheses::variant::Variant;
 use truepose_errormodel::effects::{Drift, Shift, Spot};
-use truepose_errormodel::{Dataset, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_kinematics::{Chain, FrameId};
 
 /// A jump needs this many visits on either side.
@@ -13,36 +18,147 @@ const EDGE: usize = 4;
 /// Instants tried at first.
 const INSTANTS: usize = 64;
 
-pub(crate) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
-    if !setting.data.schema.time {
-        return;
+/// Places that may move with time.
+fn spots(chain: &Chain) -> impl Iterator<Item = Spot> {
+    let frames = [Spot::Frame(FrameId::BASE), Spot::Frame(chain.tool_frame())];
+    frames.into_iter().chain(chain.movable().iter().map(|&joint| Spot::Joint(joint)))
+}
+
+/// A place moves smoothly with time.
+#[derive(Debug)]
+pub(crate) struct Slow;
+
+impl Hypothesis for Slow {
+    fn family(&self) -> Family {
+        Family::Drift
     }
-    let chain = setting.chain;
-    let Some(range) = span(&setting.data.time) else { return };
-    let mut spots = vec![Spot::Frame(FrameId::BASE), Spot::Frame(chain.tool_frame())];
-    spots.extend(chain.movable().iter().map(|&joint| Spot::Joint(joint)));
-    let all_instants = instants(setting.data);
-    let stride = all_instants.len().div_ceil(INSTANTS).max(1);
-    for spot in spots {
-        let place = Place::spot(chain, spot);
-        for pieces in [1, 2, 4, 8] {
-            let effect = Drift::smooth(spot, range, pieces);
-            all.push(Candidate::new(Family::Drift, place.clone(), effect));
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        let Some(range) = setting.time_range() else { return Vec::new() };
+        let mut all = Vec::new();
+        for spot in spots(setting.chain) {
+            let place = Place::spot(setting.chain, spot);
+            all.extend([1, 2, 4, 8].map(|n| Variant::new(place.clone(), Drift::smooth(spot, range, n))));
+            for share in [0.05, 0.1, 0.2, 0.4, 0.8] {
+                let effect = Drift::settling(spot, range, share * (range[1] - range[0]));
+                all.push(Variant::new(place.clone(), effect));
+            }
         }
-        for share in [0.05, 0.1, 0.2, 0.4, 0.8] {
-            let effect = Drift::settling(spot, range, share * (range[1] - range[0]));
-            all.push(Candidate::new(Family::Drift, place.clone(), effect));
-        }
-        for &at in all_instants.iter().step_by(stride) {
-            all.push(shift_at(chain, spot, at));
+        all
+    }
+
+    fn meaning(&self, place: &Place) -> String {
+        format!(
+            "The error of {} changes slowly with time: warm-up, settling, or drift of the instrument. Warm up longer, or \
+             measure a fixed point at intervals.",
+            place.part()
+        )
+    }
+
+    fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        vec![Driver::Time]
+    }
+
+    fn rank(&self) -> Family {
+        Family::Shift
+    }
+
+    fn penalty(&self, _: &[Box<dyn AnyEffect>]) -> Penalty {
+        Penalty::MarginalLikelihood
+    }
+
+    fn is_curve(&self) -> bool {
+        true
+    }
+
+    fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let constant = concrete::<Drift>(effect)?.time_constant?;
+        Some(Nonlinear::new(constant, Refinement::Scale([0.4, 2.5])))
+    }
+
+    fn with_value(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let drift = concrete::<Drift>(effect)?.clone();
+        Some(Box::new(Drift { time_constant: Some(value), time_constant_range: range, ..drift }))
+    }
+
+    fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
+        match concrete::<Drift>(effect) {
+            Some(drift) if matches!(drift.spot, Spot::Frame(_)) => others(drift.components.as_deref())
+                .map(|axes| Drift { components: Some(axes), ..drift.clone() }.boxed())
+                .collect(),
+            _ => Vec::new(),
         }
     }
 }
 
-/// A jump of one place at one instant.
-fn shift_at(chain: &Chain, spot: Spot, at: f64) -> Candidate {
-    let effect = Shift::of(spot, at);
-    Candidate::new(Family::Shift, Place::spot(chain, spot), effect)
+/// A place jumps once.
+#[derive(Debug)]
+pub(crate) struct Jump;
+
+impl Hypothesis for Jump {
+    fn family(&self) -> Family {
+        Family::Shift
+    }
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        if setting.time_range().is_none() {
+            return Vec::new();
+        }
+        let instants = instants(setting.data);
+        let stride = instants.len().div_ceil(INSTANTS).max(1);
+        let at = |spot| instants.iter().step_by(stride).map(move |&at| (spot, at));
+        let jump = |(spot, at)| Variant::new(Place::spot(setting.chain, spot), Shift::of(spot, at));
+        spots(setting.chain).flat_map(at).map(jump).collect()
+    }
+
+    fn meaning(&self, place: &Place) -> String {
+        format!(
+            "The error of {} jumped once: a collision, a changed part or a new installation. Check the log at that time.",
+            place.part()
+        )
+    }
+
+    fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        vec![Driver::Time]
+    }
+
+    fn penalty(&self, _: &[Box<dyn AnyEffect>]) -> Penalty {
+        Penalty::MarginalLikelihood
+    }
+
+    fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let jump = concrete::<Shift>(effect)?;
+        Some(Nonlinear::new(jump.at, Refinement::Instant { gap: jump.gap }))
+    }
+
+    fn with_value(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let jump = concrete::<Shift>(effect)?.clone();
+        Some(Box::new(Shift { at: value, at_range: range, ..jump }))
+    }
+
+    fn between(&self, effect: &dyn AnyEffect, [before, after]: [f64; 2]) -> Option<Box<dyn AnyEffect>> {
+        let jump = concrete::<Shift>(effect)?.clone();
+        Some(Box::new(Shift { at: 0.5 * (before + after), gap: Some([before, after]), ..jump }))
+    }
+
+    fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
+        match concrete::<Shift>(effect) {
+            Some(jump) if matches!(jump.spot, Spot::Frame(_)) => others(jump.components.as_deref())
+                .map(|axes| Shift { components: Some(axes), ..jump.clone() }.boxed())
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// Moments between visits at which something can have jumped, s.

@@ -1,17 +1,108 @@
-//! Structure without a name: a smooth dependence of some component of some frame on whatever the data has.
+//! Unmodelled structure: a smooth dependence of some component of some frame on whatever the data has.
 
-use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::covariate::TIME;
+use crate::hypotheses::components::of_series;
+use crate::hypotheses::covariate::Covariate;
+use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
+use crate::hypotheses::hypothesis::Hypothesis;
+use crate::hypotheses::loaded;
+use crate::hypotheses::nonlinear::concrete;
+use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
-use crate::hypotheses::setting::{Setting, span};
+use crate::hypotheses::setting::Setting;
 use crate::hypotheses::time::instants;
+use crate::hypotheses::variant::Variant;
+use crate::hypotheses::view::TraceView;
+use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Basis, Expansion, Factor, Input, Place as At};
 use truepose_kinematics::{Axis, FrameId};
 
-/// Something that an error may depend on.
-struct Covariate {
-    name: String,
+/// Something without a name depends on whatever the data has.
+#[derive(Debug)]
+pub(crate) struct Unmodelled;
+
+impl Hypothesis for Unmodelled {
+    fn family(&self) -> Family {
+        Family::Unmodelled
+    }
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        let mut all = of_frames(setting);
+        all.extend(loaded::unmodelled(setting));
+        all
+    }
+
+    fn meaning(&self, place: &Place) -> String {
+        let joint = place.part();
+        let own = match &place.covariate {
+            Some(Covariate::Value(name)) => place.joint.as_ref() == Some(name) && place.component.is_none(),
+            _ => false,
+        };
+        if own {
+            return format!(
+                "The axis of {joint} has an error motion as the joint turns. Inspect its bearings and their seats. No named family \
+                 describes this error."
+            );
+        }
+        let covariates: Vec<String> =
+            [&place.covariate, &place.covariate2].into_iter().flatten().map(Covariate::to_string).collect();
+        format!(
+            "An error at {joint} depends on {}. No named family describes this error.",
+            covariates.join(" and ")
+        )
+    }
+
+    fn drivers(&self, place: &Place, effects: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        let factors =
+            effects.iter().filter_map(|effect| concrete::<Expansion>(&**effect)).flat_map(|e| &e.factors);
+        let covariates = [&place.covariate, &place.covariate2].into_iter().flatten();
+        covariates
+            .zip(factors)
+            .map(|(covariate, factor)| match (covariate, &factor.of) {
+                (Covariate::Time, _) => Driver::Time,
+                (Covariate::Load(joint), _) => Driver::JointLoad(joint.clone()),
+                (Covariate::Approach(joint), _) => Driver::Approach(joint.clone()),
+                (Covariate::Value(name), Input::Channel(_)) => Driver::Channel(name.clone()),
+                (Covariate::Value(name), _) => Driver::Joint(name.clone()),
+            })
+            .collect()
+    }
+
+    fn view(&self, place: &Place, effects: &[Box<dyn AnyEffect>]) -> TraceView {
+        TraceView::of_site(self.drivers(place, effects).into_iter().take(1))
+    }
+
+    // Of frames that move along curves, and of whatever follows the time or a load.
+    fn penalty(&self, effects: &[Box<dyn AnyEffect>]) -> Penalty {
+        let [effect] = effects else { return Penalty::Number };
+        let Some(series) = concrete::<Expansion>(&**effect) else { return Penalty::Number };
+        let moves = matches!(&series.at, At::Frame { components, .. } if components.len() > 1);
+        let follows = series.factors.first().is_some_and(|f| matches!(f.of, Input::Time | Input::Load(_)));
+        if moves || follows { Penalty::MarginalLikelihood } else { Penalty::Number }
+    }
+
+    fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
+        of_series(effect)
+    }
+
+    // The same dependence on two inputs with everything up to the third degree.
+    fn richer(&self, effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
+        let mut series = concrete::<Expansion>(effect)?.clone();
+        if series.factors.len() != 2 {
+            return None;
+        }
+        for factor in &mut series.factors {
+            if let Basis::Chebyshev { degrees, .. } = &mut factor.basis {
+                *degrees = vec![0, 1, 2, 3];
+            }
+        }
+        Some(Box::new(series))
+    }
+}
+
+/// A quantity over which curves are made.
+struct Quantity {
+    covariate: Covariate,
     input: Input,
     range: [f64; 2],
     /// It is known so finely that a curve may have many pieces.
@@ -20,38 +111,39 @@ struct Covariate {
     side: bool,
 }
 
-fn covariates(setting: &Setting<'_>) -> Vec<Covariate> {
+fn quantities(setting: &Setting<'_>) -> Vec<Quantity> {
     let chain = setting.chain;
     let mut list = Vec::new();
+    let mut put = |input: Input, range: [f64; 2], fine: bool, side: bool| {
+        if let Some(covariate) = Covariate::of(chain, &input) {
+            list.push(Quantity { covariate, input, range, fine, side });
+        }
+    };
     for &joint in chain.movable() {
         if let Some(range) = setting.range(joint) {
-            let name = chain.joint(joint).name.clone();
-            list.push(Covariate { name, input: Input::Joint(joint), range, fine: true, side: false });
+            put(Input::Joint(joint), range, true, false);
         }
     }
     for (k, channel) in setting.data.schema.channels.iter().enumerate() {
         if let (Some(range), false) = (setting.channel_range(k), setting.data.late(&channel.name).is_some()) {
-            let input = Input::Channel(channel.name.clone());
-            list.push(Covariate { name: channel.name.clone(), input, range, fine: false, side: false });
+            put(Input::Channel(channel.name.clone()), range, false, false);
         }
     }
     if setting.data.schema.approach {
         for &joint in chain.movable() {
-            let name = format!("approach_{}", chain.joint(joint).name);
-            let input = Input::Approach(joint);
-            list.push(Covariate { name, input, range: [-1.0, 1.0], fine: false, side: true });
+            put(Input::Approach(joint), [-1.0, 1.0], false, true);
         }
     }
     list
 }
 
 /// The time: what follows it may do so smoothly or at once.
-fn time(setting: &Setting<'_>) -> Option<Covariate> {
-    let range = span(&setting.data.time).filter(|_| setting.data.schema.time)?;
-    Some(Covariate { name: TIME.into(), input: Input::Time, range, fine: true, side: false })
+fn time(setting: &Setting<'_>) -> Option<Quantity> {
+    let range = setting.time_range()?;
+    Some(Quantity { covariate: Covariate::Time, input: Input::Time, range, fine: true, side: false })
 }
 
-impl Covariate {
+impl Quantity {
     /// Another value in each of so many equal pieces.
     fn steps(&self, pieces: usize) -> Factor {
         let [lower, upper] = self.range;
@@ -84,59 +176,61 @@ const INSTANTS: usize = 32;
 /// Pieces of the curves along which the axis of a turn may wander in all directions as it turns.
 const WANDER: [usize; 2] = [5, 10];
 
-pub(crate) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
+/// Curves, steps and surfaces at every frame.
+fn of_frames(setting: &Setting<'_>) -> Vec<Variant> {
     let chain = setting.chain;
-    let covariates = covariates(setting);
+    let mut all = Vec::new();
+    let quantities = quantities(setting);
     let frames: Vec<FrameId> = chain.frames().collect();
-    let own = |covariate: &Covariate, frame: FrameId| match covariate.input {
+    let own = |quantity: &Quantity, frame: FrameId| match quantity.input {
         Input::Joint(joint) => chain.frame_after(joint) == frame && !setting.slides(joint),
         _ => false,
     };
-    let mut put = |frame: FrameId, components: Vec<Axis>, factors: Vec<Factor>, of: &[&Covariate]| {
-        let mut place = Place::frame(chain, frame).depending_on(&of[0].name);
-        place.covariate2 = of.get(1).map(|second| second.name.clone());
+    let mut put = |frame: FrameId, components: Vec<Axis>, factors: Vec<Factor>, of: &[&Quantity]| {
+        let mut place = Place::frame(chain, frame).depending_on(of[0].covariate.clone());
+        place.covariate2 = of.get(1).map(|second| second.covariate.clone());
         if let [axis] = components[..] {
             place = place.along(axis);
         }
         let effect = Expansion { at: At::Frame { frame, components }, factors };
-        all.push(Candidate::new(Family::Unmodelled, place, effect));
+        all.push(Variant::new(place, effect));
     };
     let time = time(setting);
     let instants = if time.is_some() { instants(setting.data) } else { Vec::new() };
     let stride = instants.len().div_ceil(INSTANTS).max(1);
     let instants: Vec<f64> = instants.into_iter().step_by(stride).collect();
-    for covariate in covariates.iter().chain(&time) {
+    for quantity in quantities.iter().chain(&time) {
         for &frame in &frames {
             for axis in Axis::ALL {
-                put(frame, vec![axis], vec![covariate.polynomial(vec![1])], &[covariate]);
+                put(frame, vec![axis], vec![quantity.polynomial(vec![1])], &[quantity]);
                 for pieces in [2, 5, 10, 18] {
-                    if !covariate.side && (covariate.fine || pieces < 8) {
-                        put(frame, vec![axis], vec![covariate.spline(pieces)], &[covariate]);
+                    if !quantity.side && (quantity.fine || pieces < 8) {
+                        put(frame, vec![axis], vec![quantity.spline(pieces)], &[quantity]);
                     }
                 }
             }
-            if matches!(covariate.input, Input::Time) {
+            if matches!(quantity.input, Input::Time) {
                 for &at in &instants {
-                    put(frame, Axis::ALL.to_vec(), vec![covariate.step(at)], &[covariate]);
+                    put(frame, Axis::ALL.to_vec(), vec![quantity.step(at)], &[quantity]);
                     for axis in Axis::ALL {
-                        put(frame, vec![axis], vec![covariate.step(at)], &[covariate]);
+                        put(frame, vec![axis], vec![quantity.step(at)], &[quantity]);
                     }
                 }
-                let slowly = SLOWLY.map(|pieces| covariate.spline(pieces));
-                let at_once = AT_ONCE.map(|pieces| covariate.steps(pieces));
+                let slowly = SLOWLY.map(|pieces| quantity.spline(pieces));
+                let at_once = AT_ONCE.map(|pieces| quantity.steps(pieces));
                 for curve in slowly.into_iter().chain(at_once) {
-                    put(frame, Axis::ALL.to_vec(), vec![curve], &[covariate]);
+                    put(frame, Axis::ALL.to_vec(), vec![curve], &[quantity]);
                 }
-            } else if !covariate.side {
-                put(frame, Axis::ALL.to_vec(), vec![covariate.spline(3)], &[covariate]);
+            } else if !quantity.side {
+                put(frame, Axis::ALL.to_vec(), vec![quantity.spline(3)], &[quantity]);
             }
-            for pieces in WANDER.into_iter().filter(|_| own(covariate, frame)) {
-                put(frame, Axis::ALL.to_vec(), vec![covariate.spline(pieces)], &[covariate]);
+            for pieces in WANDER.into_iter().filter(|_| own(quantity, frame)) {
+                put(frame, Axis::ALL.to_vec(), vec![quantity.spline(pieces)], &[quantity]);
             }
         }
     }
-    for (k, first) in covariates.iter().enumerate() {
-        for second in covariates[k + 1..].iter().filter(|second| !first.side && !second.side) {
+    for (k, first) in quantities.iter().enumerate() {
+        for second in quantities[k + 1..].iter().filter(|second| !first.side && !second.side) {
             for &frame in &frames {
                 for axis in Axis::ALL {
                     let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
@@ -147,19 +241,5 @@ pub(crate) fn add(setting: &Setting<'_>, all: &mut Vec<Candidate>) {
             }
         }
     }
-}
-
-/// The same dependence on two inputs with everything up to the third degree; none of a candidate that depends on one.
-pub(crate) fn richer(candidate: &Candidate) -> Option<Candidate> {
-    let [effect] = candidate.effects() else { return None };
-    let mut series = crate::hypotheses::nonlinear::seen_as::<Expansion>(&**effect)?.clone();
-    if candidate.family != Family::Unmodelled || series.factors.len() != 2 {
-        return None;
-    }
-    for factor in &mut series.factors {
-        if let Basis::Chebyshev { degrees, .. } = &mut factor.basis {
-            *degrees = vec![0, 1, 2, 3];
-        }
-    }
-    Some(Candidate::new(candidate.family, candidate.place.clone(), series))
+    all
 }

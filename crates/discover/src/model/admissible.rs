@@ -15,7 +15,7 @@
 //! | coupling | more than 10 mrad of this joint for a radian of the other | belts and wrist gears couple by parts in a thousand once their ratio is declared |
 
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
+use crate::hypotheses::limits::Limit;
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
@@ -54,7 +54,7 @@ pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> 
         Warning::OutOfBounds { column, .. } => (0..columns.len()).any(|k| name(k) == column),
         _ => false,
     });
-    let bounded = matches!(found.family, Family::Backlash | Family::Transmission | Family::Coupling);
+    let bounded = found.has_limit(Limit::DriveAngle);
     let too_large = |k: usize| matches!(unit(k), "rad" | "rad/rad") && values[k].abs() > LARGEST_ANGLE;
     if out_of_bounds || (bounded && (0..columns.len()).any(too_large)) {
         return Some(Objection::NotPhysical);

@@ -3,8 +3,8 @@
 
 use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;

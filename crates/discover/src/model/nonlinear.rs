@@ -5,11 +5,11 @@
 //! (variable projection, [`truepose_identify::descend_nonlinear`]).
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::nonlinear::seen_as;
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::model::current::Context;
-use truepose_errormodel::effects::{Shift, Thermal};
-use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
+use truepose_errormodel::{Dataset, NonlinearParameter};
 use truepose_identify::{Fit, descend_nonlinear};
 
 /// With more nonlinear parameters than this they keep their values: the joint optimisation would take
@@ -22,12 +22,15 @@ pub(crate) fn nonlinear_parameters(
     found: &[Candidate],
     data: &Dataset,
 ) -> Vec<(usize, NonlinearParameter)> {
-    (0..found.len())
-        .flat_map(|k| context.effects_of(found, k).zip(found[k].effects()))
-        .flat_map(|(k, effect)| {
-            crate::hypotheses::nonlinear::found(&**effect, data).into_iter().map(move |shape| (k, shape))
-        })
-        .collect()
+    let of = |(which, candidate): (usize, &Candidate)| -> Vec<(usize, NonlinearParameter)> {
+        let effects = context.effects_of(found, which).zip(candidate.effects());
+        effects
+            .flat_map(|(k, effect)| {
+                candidate.shapes_of(&**effect, data).into_iter().map(move |shape| (k, shape))
+            })
+            .collect()
+    };
+    found.iter().enumerate().flat_map(of).collect()
 }
 
 /// The findings at the joint optimum of their nonlinear parameters; `None` when none can move. A first-order
@@ -38,11 +41,14 @@ pub(crate) fn descended(
     fit: &Fit,
     data: &Dataset,
 ) -> Result<Option<Vec<Candidate>>, DiscoverError> {
-    let lags = |effect: &dyn AnyEffect| seen_as::<Thermal>(effect).is_some();
-    let effects: Vec<Box<dyn AnyEffect>> = found.iter().flat_map(|c| c.effects().to_vec()).collect();
+    let on_a_grid: Vec<bool> = found
+        .iter()
+        .flat_map(|c| c.effects().iter().map(|effect| c.hypothesis().nonlinear(&**effect)))
+        .map(|found| found.is_some_and(|found| found.search == Refinement::Grid))
+        .collect();
     let first = context.declared.len();
     let mut free = nonlinear_parameters(context, found, data);
-    free.retain(|(k, _)| !lags(&*effects[k - first]));
+    free.retain(|(k, _)| !on_a_grid[k - first]);
     if free.is_empty() || free.len() > MOST {
         return Ok(None);
     }
@@ -69,16 +75,24 @@ pub(crate) fn descended(
 /// with that gap.
 pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate> {
     let mut next = found.to_vec();
-    for candidate in &mut next {
+    for (candidate, before) in next.iter_mut().zip(found) {
+        let hypothesis = before.hypothesis();
         let Change::Add(effects) = &mut candidate.change else { continue };
         for effect in effects {
-            let Some(jump) = seen_as::<Shift>(&**effect) else { continue };
+            let Some(Nonlinear { value: at, search: Refinement::Instant { .. }, .. }) =
+                hypothesis.nonlinear(&**effect)
+            else {
+                continue;
+            };
             let times = || data.time.iter().copied();
-            let before = times().filter(|t| *t < jump.at).fold(f64::NEG_INFINITY, f64::max);
-            let after = times().filter(|t| *t >= jump.at).fold(f64::INFINITY, f64::min);
-            if before.is_finite() && after.is_finite() && before < after {
-                let middle = 0.5 * (before + after);
-                *effect = Box::new(Shift { at: middle, gap: Some([before, after]), ..jump.clone() });
+            let before = times().filter(|t| *t < at).fold(f64::NEG_INFINITY, f64::max);
+            let after = times().filter(|t| *t >= at).fold(f64::INFINITY, f64::min);
+            if before.is_finite()
+                && after.is_finite()
+                && before < after
+                && let Some(placed) = hypothesis.between(&**effect, [before, after])
+            {
+                *effect = placed;
             }
         }
     }
@@ -87,5 +101,11 @@ pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate
 
 /// The gaps (start, end) in which the change points of a finding lie, s.
 pub(crate) fn gaps(found: &Candidate) -> Vec<[f64; 2]> {
-    found.effects().iter().filter_map(|effect| seen_as::<Shift>(&**effect)?.gap).collect()
+    found
+        .nonlinear()
+        .filter_map(|found| match found.search {
+            Refinement::Instant { gap } => gap,
+            _ => None,
+        })
+        .collect()
 }

@@ -12,7 +12,8 @@
 //! robot carries, else at the nominal one.
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
@@ -262,6 +263,8 @@ impl<'a> Linearisation<'a> {
         match &candidate.change {
             Change::CorrectLoad { level, .. } => self.heavier(*level),
             Change::Add(effects) => self.columns(effects),
+            // Rows that are kept out have no coefficient.
+            Change::Exclude { .. } => Ok(DMatrix::zeros(self.len(), 0)),
         }
     }
 

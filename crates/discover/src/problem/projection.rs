@@ -21,7 +21,8 @@
 //! these moments; how surprising it is among numbers, from LR.
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
@@ -163,7 +164,7 @@ impl Projection {
                         .extend(entries.iter().map(|&(column, site, value)| (visit, column, site, value)));
                 })?;
             }
-            Change::CorrectLoad { .. } => {
+            Change::CorrectLoad { .. } | Change::Exclude { .. } => {
                 accumulated.dense = Some(self.whitener.of(&linearisation.columns_of(candidate)?));
             }
         }

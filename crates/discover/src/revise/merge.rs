@@ -17,7 +17,6 @@ use crate::contest::competition::contest;
 use crate::contest::competitor::{cost, log_prior_odds, outcompeted, with_estimates};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
 use crate::model::current::Context;
 use crate::policy::TIE;
 use crate::problem::likelihood::Likelihood;
@@ -64,7 +63,7 @@ fn one_for_both(
     let both = pair.map(|k| &model.findings[k]);
     let linearisation = Linearisation::new(&fewer.fit, &fewer.data)?;
     let shortlist: Vec<Candidate> = both.iter().flat_map(|a| a.shortlist.iter().cloned()).collect();
-    let screen = Screen::again(&linearisation, &options.without, (&shortlist, &others), test_counts);
+    let screen = Screen::again(&linearisation, &options.library, (&shortlist, &others), test_counts);
     let contest = contest(&linearisation, &screen, &others, false)?;
     let Some(best) = contest.competitors.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else {
         return Ok(None);
@@ -93,46 +92,33 @@ fn one_for_both(
 
 /// Whether two candidates have a driver in common, so that one effect may have been found as two.
 fn have_common_driver(a: &Candidate, b: &Candidate) -> bool {
-    let drivers = drivers(a);
-    self::drivers(b).iter().any(|driver| drivers.contains(driver))
-}
-
-/// Drivers of a candidate: joint, covariate, time or load.
-fn drivers(candidate: &Candidate) -> Vec<&str> {
-    let place = &candidate.place;
-    let names: Vec<&Option<String>> = match candidate.family {
-        Family::Transmission | Family::Guideway | Family::Backlash => vec![&place.joint],
-        Family::Coupling => vec![&place.driver],
-        Family::Unmodelled if candidate.follows_the_time() => return vec!["the time"],
-        Family::Unmodelled => vec![&place.covariate, &place.covariate2],
-        Family::Thermal | Family::Drift | Family::Shift => return vec!["the time"],
-        Family::JointCompliance
-        | Family::LinkCompliance
-        | Family::BaseCompliance
-        | Family::LoadNonlinearity => return vec!["the load"],
-        Family::Geometric | Family::Target | Family::Payload | Family::Outlier => Vec::new(),
-    };
-    names.into_iter().filter_map(|name| name.as_deref()).collect()
+    let drivers = a.drivers();
+    b.drivers().iter().any(|driver| drivers.contains(driver))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hypotheses::constant::OfFrames;
+    use crate::hypotheses::coupling::Drag;
+    use crate::hypotheses::guideway::Rail;
     use crate::hypotheses::place::Place;
+    use crate::hypotheses::variant::Variant;
+    use std::sync::Arc;
     use truepose_errormodel::effects::{Coupling, Guideway};
     use truepose_kinematics::JointId;
 
     #[test]
     fn a_guideway_and_its_coupling_to_another_joint_have_a_common_driver() {
         let at = |joint: &str| Place { joint: Some(joint.into()), ..Place::default() };
-        let rail = Candidate::new(Family::Guideway, at("d1"), Guideway::of(JointId(1)));
+        let rail = Candidate::new(Arc::new(Rail), Variant::new(at("d1"), Guideway::of(JointId(1))));
         let dragged = |driver: &str| {
             let place = Place { driver: Some(driver.into()), ..at("d3") };
-            Candidate::new(Family::Coupling, place, Coupling::of(JointId(3), JointId(1)))
+            Candidate::new(Arc::new(Drag), Variant::new(place, Coupling::of(JointId(3), JointId(1))))
         };
         assert!(have_common_driver(&rail, &dragged("d1")));
         assert!(!have_common_driver(&rail, &dragged("d2")));
-        let frame = Candidate::new(Family::Geometric, at("d1"), Guideway::of(JointId(1)));
+        let frame = Candidate::new(Arc::new(OfFrames), Variant::new(at("d1"), Guideway::of(JointId(1))));
         assert!(!have_common_driver(&rail, &frame));
     }
 }

@@ -13,7 +13,6 @@ use crate::contest::competition::{Contest, contest};
 use crate::contest::competitor::{Competitor, competitor, outcompeted, with_estimates};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
 use crate::model::current::Context;
 use crate::policy::TIE;
 use crate::problem::likelihood::without as lacking;
@@ -47,8 +46,7 @@ pub(crate) fn reconsidered(
         let changed = !same_parameters(&next, &findings[at].candidate);
         findings[at].competitors = outcompeted(&contest.competitors, winner);
         let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
-        let doubt =
-            |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.belongs_to_time());
+        let doubt = |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.follows_time());
         match evidence {
             // A replacement by another family or place has to pass the tests of a new finding.
             Some(evidence) if doubt(&evidence).is_some() => {
@@ -90,9 +88,10 @@ fn without(
     let Accepted { candidate, shortlist, .. } = &model.findings[at];
     let options = context.options;
     let held = |linearisation: &Linearisation<'_>| {
-        let screen = Screen::again(linearisation, &options.without, (shortlist, others), test_counts);
+        let screen = Screen::again(linearisation, &options.library, (shortlist, others), test_counts);
         // The periods of a transmission were found with fewer effects in the model: they are searched again.
-        let mut contest = contest(linearisation, &screen, others, candidate.family == Family::Transmission)?;
+        let mut contest =
+            contest(linearisation, &screen, others, candidate.periodic_in(linearisation.chain()).is_some())?;
         // The finding as it stands takes part with its nonlinear parameters.
         if let Some(own) =
             competitor(linearisation, &screen, &Visits::of(linearisation.data), candidate.clone())?

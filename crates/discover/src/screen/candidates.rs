@@ -1,11 +1,11 @@
 //! One pass over all candidates: no refit, everything that the present model explains projected out.
 
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::hypotheses::family::Family;
-use crate::hypotheses::library;
-use crate::hypotheses::motion::transmission_at;
-use crate::hypotheses::penalty::by_evidence;
+use crate::hypotheses::library::Library;
 use crate::hypotheses::place::Place;
+use crate::hypotheses::variant::Variant;
 use crate::policy::penalty_per_coefficient;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
@@ -17,6 +17,7 @@ use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 use truepose_errormodel::AnyEffect;
 
 /// A candidate and its score; none where the data cannot judge it.
@@ -37,6 +38,7 @@ pub(crate) struct Screen {
     pub periods: Vec<Periodogram>,
     /// How many separate questions were asked of each family.
     test_counts: TestCounts,
+    library: Library,
 }
 
 /// A cause at a place with its variants, best first.
@@ -54,7 +56,7 @@ fn is_corrected(candidate: &Candidate, found: &[Candidate]) -> bool {
     let Change::CorrectLoad { level, .. } = candidate.change else { return false };
     found.iter().any(|other| match other.change {
         Change::CorrectLoad { mass, .. } => (mass - level).abs() <= SAME * level.abs().max(1.0),
-        Change::Add(_) => false,
+        Change::Add(_) | Change::Exclude { .. } => false,
     })
 }
 
@@ -70,33 +72,36 @@ fn is_declared(candidate: &Candidate, linearisation: &Linearisation<'_>) -> bool
 }
 
 impl Screen {
-    /// Of everything but some families; `found` is in the data and the model already.
-    pub fn new(linearisation: &Linearisation<'_>, without: &[Family], found: &[Candidate]) -> Self {
-        let mut all = library::candidates(linearisation.chain(), linearisation.data, without);
+    /// Of a whole library; `found` is in the data and the model already.
+    pub fn new(linearisation: &Linearisation<'_>, library: &Library, found: &[Candidate]) -> Self {
+        let mut all = library.candidates(linearisation.chain(), linearisation.data);
         all.retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, linearisation));
-        let mut screen = Screen::of(linearisation, all, without);
+        let mut screen = Screen::of(linearisation, all, library);
         let judged = screen.candidates.iter().filter(|s| s.score.is_some());
         judged.for_each(|s| *screen.test_counts.entry(s.candidate.family).or_default() += 1);
-        let waves: usize = screen.periods.iter().map(|p| p.periods.len() / 4).sum();
-        *screen.test_counts.entry(Family::Transmission).or_default() += waves;
+        for wave in &screen.periods {
+            for hypothesis in library.periodic(wave.joint) {
+                *screen.test_counts.entry(hypothesis.family()).or_default() += wave.periods.len() / 4;
+            }
+        }
         screen
     }
 
     /// Of all causes with a name and of a short list of others, as part of a larger search.
     pub fn again(
         linearisation: &Linearisation<'_>,
-        without: &[Family],
+        library: &Library,
         (shortlist, found): (&[Candidate], &[Candidate]),
         test_counts: &TestCounts,
     ) -> Self {
-        let mut candidates = library::named(linearisation.chain(), linearisation.data, without);
+        let mut candidates = library.named(linearisation.chain(), linearisation.data);
         candidates.extend(shortlist.iter().cloned());
         candidates
             .retain(|candidate| !is_corrected(candidate, found) && !is_declared(candidate, linearisation));
-        Screen { test_counts: test_counts.clone(), ..Screen::of(linearisation, candidates, without) }
+        Screen { test_counts: test_counts.clone(), ..Screen::of(linearisation, candidates, library) }
     }
 
-    fn of(linearisation: &Linearisation<'_>, candidates: Vec<Candidate>, without: &[Family]) -> Self {
+    fn of(linearisation: &Linearisation<'_>, candidates: Vec<Candidate>, library: &Library) -> Self {
         let projection = Projection::new(linearisation);
         // Without them every candidate is taken for itself.
         let functions = Functions::new(linearisation, &projection, &candidates).ok();
@@ -117,12 +122,12 @@ impl Screen {
             .chain()
             .movable()
             .iter()
-            .filter(|_| !without.contains(&Family::Transmission))
+            .filter(|&&joint| library.periodic(joint).next().is_some())
             .filter_map(|&joint| {
                 periodogram::scan(linearisation, &projection, joint, &periodogram::grid(linearisation, joint))
             })
             .collect();
-        Screen { projection, candidates, periods, test_counts: BTreeMap::new() }
+        Screen { projection, candidates, periods, test_counts: BTreeMap::new(), library: library.clone() }
     }
 
     /// The largest statistics over everything that was looked at.
@@ -188,15 +193,20 @@ impl Screen {
             }
         }
         for wave in &self.periods {
-            for (period, gain) in wave.peaks(3) {
-                put(transmission_at(linearisation.chain(), wave.joint, &[period]), gain, 2);
+            for hypothesis in self.library.periodic(wave.joint) {
+                for (period, gain) in wave.peaks(3) {
+                    let Some(effect) = hypothesis.at_period(wave.joint, period) else { continue };
+                    let place = Place::joint(linearisation.chain(), wave.joint);
+                    let variant = Variant { place, change: Change::Add(vec![effect]) };
+                    put(Candidate::new(Arc::clone(hypothesis), variant), gain, 2);
+                }
             }
         }
         let worth = |(candidate, gain, freedom): &(Candidate, f64, usize)| {
             let count = *freedom as f64;
             // By evidence, as if the data knew all of them alike: the law is as wide as they came out.
             let alike = 1.0 + (gain / count).max(1.0).ln();
-            gain - count * if by_evidence(candidate) { penalty.min(alike) } else { penalty }
+            gain - count * if candidate.by_evidence() { penalty.min(alike) } else { penalty }
         };
         for cause in &mut causes {
             cause.variants.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
@@ -226,7 +236,7 @@ impl Screen {
         const LISTED: usize = 60;
         self.causes(linearisation)
             .into_iter()
-            .filter(|cause| cause.family == Family::Unmodelled)
+            .filter(|cause| !cause.family.is_named())
             .take(LISTED)
             .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
             .collect()

@@ -3,14 +3,14 @@
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::nonlinear::seen_as;
+use crate::hypotheses::series::{Series, functions, series};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::AnyEffect;
-use truepose_errormodel::effects::{Expansion, Factor, Place};
+use truepose_errormodel::effects::Factor;
 use truepose_kinematics::{Axis, FrameId, Site};
 
 /// Sets of functions of the visit, with the scores of each at every component of every frame.
@@ -28,21 +28,6 @@ struct AtFrame {
     all: Option<Option<Score>>,
 }
 
-/// The series of a candidate that acts on one component of a frame, or on all six, and knows joints, signals and time alone.
-fn series(candidate: &Candidate) -> Option<(&Expansion, FrameId, &[Axis])> {
-    let [effect] = candidate.effects() else { return None };
-    let series = seen_as::<Expansion>(&**effect)?;
-    match &series.at {
-        Place::Frame { frame, components }
-            if !AnyEffect::load_dependent(series)
-                && (components.len() == 1 || components[..] == Axis::ALL) =>
-        {
-            Some((series, *frame, components))
-        }
-        _ => None,
-    }
-}
-
 impl Functions {
     /// Of all candidates that have this form.
     pub fn new(
@@ -55,18 +40,15 @@ impl Functions {
         let mut together: Vec<Vec<FrameId>> = Vec::new();
         let mut effects: Vec<Box<dyn AnyEffect>> = Vec::new();
         let mut width = 0;
-        for (series, frame, components) in candidates.iter().filter_map(series) {
-            let known = position(&sets, &series.factors);
+        for Series { factors, frame, components } in candidates.iter().filter_map(series) {
+            let known = position(&sets, factors);
             let set = known.unwrap_or(sets.len());
             if known.is_none() {
-                let one = Expansion {
-                    at: Place::Frame { frame: FrameId::BASE, components: vec![Axis::ALL[0]] },
-                    factors: series.factors.clone(),
-                };
-                let count = AnyEffect::columns(&one, linearisation.chain()).len();
-                sets.push((series.factors.clone(), width..width + count));
+                let one = functions(factors);
+                let count = one.columns(linearisation.chain()).len();
+                sets.push((factors.to_vec(), width..width + count));
                 together.push(Vec::new());
-                effects.push(Box::new(one));
+                effects.push(one);
                 width += count;
             }
             if components.len() > 1 {
@@ -126,8 +108,8 @@ impl Functions {
 
     /// The score of a candidate; none when it has another form.
     pub fn score(&self, linearisation: &Linearisation<'_>, candidate: &Candidate) -> Option<Option<Score>> {
-        let (series, frame, components) = series(candidate)?;
-        let set = position(&self.sets, &series.factors)?;
+        let Series { factors, frame, components } = series(candidate)?;
+        let set = position(&self.sets, factors)?;
         let at = linearisation.chain().frames().position(|known| known == frame)?;
         let scores = &self.scores[at][set];
         match components {

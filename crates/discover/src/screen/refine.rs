@@ -2,62 +2,63 @@
 //!
 //! Variable projection: the unknowns are eliminated for each trial shape, the gain is what is left to climb.
 
-use crate::hypotheses::candidate::{Candidate, Change};
-use crate::hypotheses::motion::{longest, transmission_at};
-use crate::hypotheses::nonlinear::{free_period, rescaled, scale, seen_as};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::time::instants;
+use crate::hypotheses::transmission::longest;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
 use crate::screen::periodogram::turns;
-use truepose_errormodel::effects::{Shift, Transmission};
 
 /// What a shape is worth: the gain in the screen's units.
 fn gain(linearisation: &Linearisation<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
     projection.judge(linearisation, candidate).map_or(f64::NEG_INFINITY, |score| score.gain)
 }
 
-/// The candidate with its shape refined.
+/// The candidate with its nonlinear parameter refined; the candidate itself where it has none, or the data leaves nothing to refine.
 pub(crate) fn refined(
     linearisation: &Linearisation<'_>,
     projection: &Projection,
     candidate: &Candidate,
 ) -> Candidate {
-    let [effect] = candidate.effects() else { return candidate.clone() };
-    let chain = linearisation.chain();
-    if let Some(wave) = seen_as::<Transmission>(&**effect) {
-        let Some(period) = free_period(wave) else { return candidate.clone() };
-        let Some(range) = linearisation.travel(wave.joint) else { return candidate.clone() };
-        // In frequency: a quarter of a cycle over the range to either side, but no longer than a drive's periods are.
-        let slowest = 1.0 / longest(turns(linearisation, wave.joint), range);
-        let centre = (1.0 / period).max(slowest);
-        let half = 0.25 / range.max(1e-9);
-        let value = |frequency: f64| {
-            gain(linearisation, projection, &transmission_at(chain, wave.joint, &[1.0 / frequency]))
-        };
-        let best = climb((centre - half).max(slowest), centre + half, value);
-        return transmission_at(chain, wave.joint, &[1.0 / best]);
+    better(linearisation, projection, candidate).unwrap_or_else(|| candidate.clone())
+}
+
+fn better(
+    linearisation: &Linearisation<'_>,
+    projection: &Projection,
+    candidate: &Candidate,
+) -> Option<Candidate> {
+    let [_] = candidate.effects() else { return None };
+    let Nonlinear { value, search } = candidate.nonlinear().next()?;
+    let at = |value: f64| candidate.with_value(value);
+    let gain =
+        |value: f64| at(value).map_or(f64::NEG_INFINITY, |other| gain(linearisation, projection, &other));
+    match search {
+        Refinement::Period(joint) => {
+            let range = linearisation.travel(joint)?;
+            // In frequency: a quarter of a cycle over the range to either side, but no longer than a drive's periods are.
+            let slowest = 1.0 / longest(turns(linearisation, joint), range);
+            let centre = (1.0 / value).max(slowest);
+            let half = 0.25 / range.max(1e-9);
+            let best = climb((centre - half).max(slowest), centre + half, |frequency| gain(1.0 / frequency));
+            at(1.0 / best)
+        }
+        Refinement::Instant { .. } => {
+            let instants = instants(linearisation.data);
+            let first = instants.partition_point(|&t| t < value);
+            // The neighbours that the coarse grid left out, and a few more.
+            let reach = instants.len().div_ceil(64).max(3) + 2;
+            let near = first.saturating_sub(reach)..(first + reach).min(instants.len());
+            let best = instants[near].iter().map(|&t| (gain(t), t)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+            at(best.1)
+        }
+        Refinement::Scale(multiples) => {
+            let [lower, upper] = multiples.map(|times| (times * value).ln());
+            at(climb(lower, upper, |log| gain(log.exp())).exp())
+        }
+        Refinement::Grid => None,
     }
-    if let Some(jump) = seen_as::<Shift>(&**effect) {
-        let instants = instants(linearisation.data);
-        let at = instants.partition_point(|&t| t < jump.at);
-        // The neighbours that the coarse grid left out, and a few more.
-        let reach = instants.len().div_ceil(64).max(3) + 2;
-        let best = (at.saturating_sub(reach)..(at + reach).min(instants.len()))
-            .map(|k| Shift { at: instants[k], ..jump.clone() })
-            .map(|jump| Candidate::new(candidate.family, candidate.place.clone(), jump))
-            .map(|candidate| (gain(linearisation, projection, &candidate), candidate))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        return best.map_or_else(|| candidate.clone(), |(_, candidate)| candidate);
-    }
-    if let Some((value, reach)) = scale(&**effect) {
-        let at = |log: f64| {
-            let effects = rescaled(&**effect, log.exp(), None).into_iter().collect();
-            Candidate { change: Change::Add(effects), ..candidate.clone() }
-        };
-        let [lower, upper] = reach.map(|times| (times * value).ln());
-        return at(climb(lower, upper, |log| gain(linearisation, projection, &at(log))));
-    }
-    candidate.clone()
 }
 
 /// Maximum of a function with one peak in [lower, upper], by golden section.

@@ -4,10 +4,10 @@ use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// A cause that the data cannot test.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Untestable {
     /// What kind of cause.
     pub family: Family,
@@ -29,7 +29,7 @@ pub(crate) fn untestable(linearisation: &Linearisation<'_>, screen: &Screen) -> 
     /// Noncentrality at which the screen finds one unknown four times in five.
     const POWER: f64 = 30.0;
     let mut list: Vec<Untestable> = Vec::new();
-    for screened in screen.candidates.iter().filter(|s| s.candidate.family != Family::Unmodelled) {
+    for screened in screen.candidates.iter().filter(|s| s.candidate.family.is_named()) {
         let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
         let share = screened.score.as_ref().map_or(0.0, |score| score.share);
         // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.

@@ -59,7 +59,7 @@ fn judged(seed: u64, mut record: Record) -> Result<Record, Box<dyn Error>> {
     if let Some(first) = told.findings.first() {
         record.first = first.candidate.family.word().into();
         record.first_right = of_any(&first);
-        record.p_first = first.evidence.p_value;
+        record.p_first = first.p_value;
     }
     (record.p_value, record.significant) = (told.unexplained.p_value, told.unexplained.significant);
     (record.ratio, record.ratio_before) = ratios(&made, &told);

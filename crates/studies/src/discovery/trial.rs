@@ -7,7 +7,7 @@ use super::record::Record;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Place, diagnose};
+use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Library, Place, diagnose};
 use truepose_solvers::PivotedQr;
 
 /// A robot to come.
@@ -40,7 +40,10 @@ impl Task {
         let options = DiscoverOptions {
             holdout: HOLDOUT.0,
             seed: HOLDOUT.1,
-            without: if self.without { self.cause.iter().map(|c| c.family()).collect() } else { Vec::new() },
+            library: match self.cause.filter(|_| self.without) {
+                Some(cause) => Library::standard().without(cause.family()),
+                None => Library::standard(),
+            },
             ..DiscoverOptions::default()
         };
         let data = &made.seen.data;
@@ -112,7 +115,7 @@ impl Task {
                 let unnamed = self.without && a.family == Family::Unmodelled;
                 a.equivalent && (unnamed || right(a.family, &a.place))
             });
-            record.p_first = first.evidence.p_value;
+            record.p_first = first.p_value;
         }
         record.found = findings.iter().any(hit);
         record.findings = findings.len();

@@ -2,72 +2,40 @@
 
 use crate::conclude::trace::error_source::ErrorSource;
 use crate::conclude::trace::point::TracePoint;
-use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::covariate::load_word;
-use crate::hypotheses::family::Family;
+use crate::hypotheses::driver::Driver;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, FrameId, JointId, Site};
 
-/// What a finding is set against.
-pub(super) enum Driver {
+/// A driver that the data has.
+pub(super) enum Abscissa {
+    /// By its coordinate.
     Joint(usize),
     JointLoad(JointId),
     /// The component of the wrench at a frame that goes with the effect.
     Wrench(FrameId),
     Channel(usize),
     Time,
-    Visit,
+    Pose,
 }
 
-/// What drives a finding.
-pub(super) fn driver(chain: &Chain, data: &Dataset, candidate: &Candidate, own: &ErrorSource) -> Driver {
-    let place = &candidate.place;
-    let joint = |name: &Option<String>| name.as_deref().and_then(|name| chain.joint_named(name));
-    let coordinate = |name: &Option<String>| joint(name).and_then(|joint| chain.coordinate(joint));
-    let channel = |name: &Option<String>| name.as_deref().and_then(|name| data.schema.channel(name));
-    let when = if data.schema.time { Driver::Time } else { Driver::Visit };
-    match candidate.family {
-        Family::Backlash => {
-            let side = candidate.effects().first().and_then(|e| e.parameters().get("side").cloned());
-            let by_load = side.is_some_and(|side| side != "approach");
-            match joint(&place.joint) {
-                Some(joint) if by_load => Driver::JointLoad(joint),
-                Some(joint) => chain.coordinate(joint).map_or(when, Driver::Joint),
-                None => when,
-            }
-        }
-        Family::JointCompliance | Family::LoadNonlinearity => {
-            joint(&place.joint).map_or(when, Driver::JointLoad)
-        }
-        Family::LinkCompliance | Family::BaseCompliance => match own {
-            ErrorSource::Site(Site::Frame(frame, _)) => Driver::Wrench(*frame),
-            _ => when,
-        },
-        Family::Coupling => coordinate(&place.driver).map_or(when, Driver::Joint),
-        Family::Thermal => {
-            let late = candidate.effects().iter().flat_map(|e| e.needs()).find_map(|need| match need {
-                truepose_errormodel::Signal::Channel(name) => data.schema.channel(&name),
-                _ => None,
-            });
-            late.or_else(|| channel(&place.channel)).map_or(when, Driver::Channel)
-        }
-        Family::Shift | Family::Drift | Family::Payload | Family::Outlier => when,
-        Family::Target => Driver::Visit,
-        Family::Unmodelled => coordinate(&place.covariate)
-            .map(Driver::Joint)
-            .or_else(|| channel(&place.covariate).map(Driver::Channel))
-            .or_else(|| loaded(chain, &place.covariate).map(Driver::JointLoad))
-            .unwrap_or(when),
-        Family::Transmission | Family::Guideway | Family::Geometric => {
-            coordinate(&place.joint).map_or(when, Driver::Joint)
-        }
-    }
-}
-
-/// The joint on whose load something depends.
-fn loaded(chain: &Chain, covariate: &Option<String>) -> Option<JointId> {
-    let word = covariate.as_deref()?;
-    chain.movable().iter().copied().find(|&joint| load_word(chain, joint) == word)
+/// The first of these drivers that the data has; without one the time, or else the pose measurement.
+pub(super) fn abscissa(chain: &Chain, data: &Dataset, drivers: &[Driver], own: &ErrorSource) -> Abscissa {
+    let when = if data.schema.time { Abscissa::Time } else { Abscissa::Pose };
+    let known = |driver: &Driver| {
+        Some(match driver {
+            Driver::Joint(name) => Abscissa::Joint(chain.coordinate(chain.joint_named(name)?)?),
+            Driver::JointLoad(name) => Abscissa::JointLoad(chain.joint_named(name)?),
+            Driver::Wrench => match own {
+                ErrorSource::Site(Site::Frame(frame, _)) => Abscissa::Wrench(*frame),
+                _ => return None,
+            },
+            Driver::Channel(name) => Abscissa::Channel(data.schema.channel(name)?),
+            Driver::Time if data.schema.time => Abscissa::Time,
+            Driver::Pose => Abscissa::Pose,
+            Driver::Time | Driver::Approach(_) => return None,
+        })
+    };
+    drivers.iter().find_map(known).unwrap_or(when)
 }
 
 /// The component of the wrench that goes most with what the model says.

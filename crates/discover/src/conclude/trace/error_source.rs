@@ -1,8 +1,6 @@
 //! Whose error an effect is.
 
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
 use nalgebra::{DVector, Vector3};
 use truepose_errormodel::{Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel};
 use truepose_identify::Fit;
@@ -78,32 +76,19 @@ fn first_axis(motion: &JointMotion) -> usize {
     if motion.kind == JointKind::Prismatic { 0 } else { 3 }
 }
 
-/// The joint's own motion where the cause is one of a joint, else the site whose error moves the target most.
+/// The own motion of the joint of that name, if there is one; else the site whose error moves the target most.
 pub(super) fn error_source(
     fit: &Fit,
     data: &Dataset,
-    candidate: &Candidate,
+    own_motion: Option<&str>,
     columns: std::ops::Range<usize>,
 ) -> Result<Option<ErrorSource>, DiscoverError> {
     /// Rows that are asked.
     const ASKED: usize = 300;
     let model: &ErrorModel = fit.fitted.model();
     let chain = model.chain();
-    let of_a_joint = matches!(
-        candidate.family,
-        Family::Backlash
-            | Family::Transmission
-            | Family::Coupling
-            | Family::JointCompliance
-            | Family::LoadNonlinearity
-    );
-    let motion = candidate
-        .place
-        .joint
-        .as_deref()
-        .filter(|_| of_a_joint)
-        .and_then(|name| chain.joint_named(name))
-        .and_then(|joint| chain.joint_motion(joint));
+    let motion =
+        own_motion.and_then(|name| chain.joint_named(name)).and_then(|joint| chain.joint_motion(joint));
     if let Some(motion) = motion {
         return Ok(Some(ErrorSource::Motion(motion)));
     }

@@ -2,7 +2,9 @@
 
 use crate::conclude::trace::point::{Trace, TracePoint};
 use crate::error::DiscoverError;
-use crate::hypotheses::candidate::{Candidate, Change};
+use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
+use crate::hypotheses::driver::Driver;
 use truepose_errormodel::Dataset;
 use truepose_identify::Fit;
 use truepose_kinematics::Load;
@@ -45,11 +47,11 @@ pub(super) fn load_trace(
             class: 0,
         });
     }
-    let (driver, unit) = if data.schema.time { ("time", "s") } else { ("visit", "") };
+    let (driver, unit) = if data.schema.time { (Driver::Time, "s") } else { (Driver::Pose, "") };
     Ok((!points.is_empty()).then(|| Trace {
         what: format!("mass beyond the declared {level} kg"),
         unit: "kg",
-        driver: driver.into(),
+        driver: driver.to_string(),
         driver_unit: unit.into(),
         classes: Vec::new(),
         points,

@@ -15,13 +15,13 @@ mod error_source;
 mod load;
 pub(crate) mod point;
 
-use crate::conclude::trace::driver::{Driver, driver, strongest};
+use crate::conclude::trace::driver::{Abscissa, abscissa, strongest};
 use crate::conclude::trace::error_source::error_source;
 use crate::conclude::trace::load::load_trace;
 use crate::conclude::trace::point::{Trace, TracePoint};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::family::Family;
+use crate::hypotheses::driver::Driver;
 use nalgebra::Vector3;
 use truepose_errormodel::{Dataset, Equilibrium, ErrorJacobian};
 use truepose_identify::Fit;
@@ -40,12 +40,13 @@ pub(crate) fn trace(
     let model = fit.fitted.model();
     let chain = model.chain();
     let columns = model.columns_of(first).start..model.columns_of(first + count - 1).end;
-    let Some(own) = error_source(fit, data, candidate, columns.clone())? else { return Ok(None) };
-    let driver = driver(chain, data, candidate, &own);
+    let view = candidate.hypothesis().view(&candidate.place, candidate.effects());
+    let own_motion = candidate.place.joint.as_deref().filter(|_| view.own_motion);
+    let Some(own) = error_source(fit, data, own_motion, columns.clone())? else { return Ok(None) };
+    let driver = abscissa(chain, data, &view.against, &own);
     let joint = candidate.place.joint.as_deref().and_then(|name| chain.joint_named(name));
-    let approach = joint
-        .filter(|_| candidate.family == Family::Backlash && data.schema.approach)
-        .and_then(|joint| chain.coordinate(joint));
+    let approach =
+        joint.filter(|_| view.by_approach && data.schema.approach).and_then(|joint| chain.coordinate(joint));
     let covariance =
         fit.fitted.covariance().view((columns.start, columns.start), (columns.len(), columns.len()));
 
@@ -75,17 +76,17 @@ pub(crate) fn trace(
         let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
         let posture = settled.view(chain, &conditions);
         let value = match &driver {
-            Driver::Joint(k) => data.joints[*k][row],
-            Driver::JointLoad(joint) => posture.joint_load(*joint),
-            Driver::Wrench(frame) => {
+            Abscissa::Joint(k) => data.joints[*k][row],
+            Abscissa::JointLoad(joint) => posture.joint_load(*joint),
+            Abscissa::Wrench(frame) => {
                 let wrench = posture.wrench(*frame);
                 let (f, m) = (wrench.force, wrench.moment);
                 wrenches.push([f.x, f.y, f.z, m.x, m.y, m.z]);
                 0.0
             }
-            Driver::Channel(k) => data.channels[*k][row],
-            Driver::Time => data.time[row],
-            Driver::Visit => data.visit[row] as f64 + 1.0,
+            Abscissa::Channel(k) => data.channels[*k][row],
+            Abscissa::Time => data.time[row],
+            Abscissa::Pose => data.visit[row] as f64 + 1.0,
         };
         points.push(TracePoint {
             row,
@@ -102,27 +103,27 @@ pub(crate) fn trace(
         return Ok(None);
     }
     let (driver, driver_unit) = match driver {
-        Driver::Wrench(frame) => {
+        Abscissa::Wrench(frame) => {
             let component = strongest(&points, &wrenches);
             points.iter_mut().zip(&wrenches).for_each(|(p, w)| p.driver = w[component]);
             let word = ["force x", "force y", "force z", "moment x", "moment y", "moment z"][component];
             (format!("{word} at {}", chain.frame_word(frame)), if component < 3 { "N" } else { "N*m" }.into())
         }
-        Driver::Joint(k) => {
+        Abscissa::Joint(k) => {
             let joint = chain.joint(chain.movable()[k]);
             (joint.name.clone(), joint.unit().into())
         }
-        Driver::JointLoad(joint) => {
+        Abscissa::JointLoad(joint) => {
             let joint = chain.joint(joint);
             let unit = if joint.unit() == "m" { "N" } else { "N*m" };
-            (format!("load on {}", joint.name), unit.into())
+            (Driver::JointLoad(joint.name.clone()).to_string(), unit.into())
         }
-        Driver::Channel(k) => {
+        Abscissa::Channel(k) => {
             let channel = &data.schema.channels[k];
             (channel.name.clone(), channel.unit.clone())
         }
-        Driver::Time => ("time".into(), "s".into()),
-        Driver::Visit => ("visit".into(), String::new()),
+        Abscissa::Time => (Driver::Time.to_string(), "s".into()),
+        Abscissa::Pose => (Driver::Pose.to_string(), String::new()),
     };
     let classes = match approach {
         Some(_) => ["last moved down", "did not move", "last moved up"].map(String::from).to_vec(),
