@@ -22,9 +22,6 @@ use truepose_identify::{FitOptions, PriorStrength, hold_out, place};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
-/// Fewest poses with which a search makes sense.
-const FEWEST: usize = 12;
-
 /// Runs the closed loop.
 ///
 /// `declared` are the effects that the user says the robot has; everything else is the residual's to show. What is found is
@@ -42,7 +39,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
     // History is made on the whole record, before anything is drawn from it.
-    let data = &derived::with_derived(data);
+    let data = &derived::with_derived(data, &options.policy);
     let rows = hold_out(data, options.holdout, options.seed)?;
     on_split(chain, declared, (data, rows), solver, options, Checks::ALL, progress)
 }
@@ -60,7 +57,7 @@ pub(crate) fn on_split(
     let train = data.select(&train_rows);
     progress(Progress::Fitting);
     let placement = place(chain, &train)?;
-    let part = sample(&train, options.seed);
+    let part = sample(&train, options.seed, options.budget.sample_rows);
     let open = installation::with_unknown(chain, declared)?;
     let declared_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let chain_placed = &placement.chain;
@@ -76,9 +73,9 @@ pub(crate) fn on_split(
         first = context.fit_model(Vec::new(), &first.outliers.suspects)?;
     }
     let have = Visits::of(&train).len();
-    if have < FEWEST {
+    if have < options.policy.fewest_poses {
         let rank = first.fit.reduction.rank();
-        return Err(DiscoverError::TooFewVisits { have, rank, need: FEWEST });
+        return Err(DiscoverError::TooFewVisits { have, rank, need: options.policy.fewest_poses });
     }
     let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };
@@ -94,7 +91,7 @@ pub(crate) fn on_split(
     let all_rows = Context { data: &train, ..context.clone() };
     let mut context = &context;
     if part.len() < train.len() {
-        unsearched = Some(fallback::unsearched(&outcome.model, &train, options.seed)?);
+        unsearched = Some(fallback::unsearched(context, &outcome.model, &train)?);
         // What was found in a part of the data is fitted to all of it.
         outcome.model = outcome.model.on_data_of(&all_rows)?;
         context = &all_rows;

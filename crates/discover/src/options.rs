@@ -1,7 +1,9 @@
 //! How to look.
 
+use crate::budget::Budget;
 use crate::error::DiscoverError;
 use crate::hypotheses::family::Family;
+use crate::policy::Policy;
 use truepose_identify::{FitOptions, PriorStrength};
 
 /// Sign flips beyond this many say nothing that fewer do not, and have to be kept in memory.
@@ -27,6 +29,10 @@ pub struct DiscoverOptions {
     pub competing_fits: bool,
     /// How models are fitted.
     pub fit: FitOptions,
+    /// What is believed before the data is seen.
+    pub policy: Policy,
+    /// How much work is spent.
+    pub budget: Budget,
 }
 
 /// A search does not wait for the last digits of a curved valley: units of χ² below which a round gains nothing. A candidate that is worth its
@@ -44,6 +50,8 @@ impl Default for DiscoverOptions {
             without: Vec::new(),
             competing_fits: false,
             fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
+            policy: Policy::default(),
+            budget: Budget::default(),
         }
     }
 }

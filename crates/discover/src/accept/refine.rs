@@ -13,9 +13,6 @@ use crate::problem::projection::Projection;
 use crate::screen::refine::refined;
 use rayon::prelude::*;
 
-/// Times that the shapes of a find with several effects are gone through: each moves the others a little.
-const SWEEPS: usize = 2;
-
 /// The find with its shapes looked for again; none when it has none, or nothing was gained.
 pub(crate) fn refined_in_model(
     context: &Context<'_>,
@@ -31,13 +28,15 @@ pub(crate) fn refined_in_model(
         return Ok(None);
     }
     let own = context.effects_of(&current.found, which);
-    let Some(mut linearisation) = without(Linearisation::new(&current.fit, &current.data)?, own)? else {
+    let Some(mut linearisation) =
+        without(Linearisation::new(&current.fit, &current.data, context.options)?, own)?
+    else {
         return Ok(None);
     };
     linearisation.noise = current.fit.noise;
     let present = Projection::new(&linearisation);
     let mut gained = false;
-    for _ in 0..if parts.len() > 1 { SWEEPS } else { 1 } {
+    for _ in 0..if parts.len() > 1 { context.budget().sweeps } else { 1 } {
         let better: Vec<Option<Candidate>> = (0..parts.len())
             .into_par_iter()
             .map(|k| -> Result<Option<Candidate>, DiscoverError> {

@@ -7,7 +7,7 @@
 //! | --- | --- | --- |
 //! | [`Check::Refits`] | training rows, each predicted by a refit without its fold | the search had all training rows |
 //! | [`Check::UnsearchedRows`] | training rows outside of the sample that was searched | the search had a sample |
-//! | [`Check::NestedFolds`] | training rows, each predicted by a whole run of the loop without its fold | fewer than [`FEW`] poses |
+//! | [`Check::NestedFolds`] | training rows, each predicted by a whole run of the loop without its fold | fewer than [`crate::Policy::few_poses`] |
 //! | [`Check::TestSet`] | the held-out test set | the run drew it itself |
 //!
 //! A model that fails one of them is withdrawn as a whole: the declared model stands. Single effects were judged when they were added
@@ -25,11 +25,6 @@ use crate::problem::outliers::outliers;
 use nalgebra::Vector3;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{Fit, Folds, Residuals, Split};
-
-/// With fewer training poses than this the loop itself is validated: a search that a handful of poses can lead astray has to be seen as a whole.
-pub(crate) const FEW: usize = 100;
-/// Folds of that validation.
-const FOLDS: usize = 5;
 
 /// Which checks a run makes.
 #[derive(Debug, Clone, Copy)]
@@ -100,9 +95,9 @@ fn failed(
     if let Some(failed) = loss(check, &blank(pair, out), &any_loss) {
         return Ok(Some(failed));
     }
-    if checks.nested && Visits::of(train).len() < FEW {
+    if checks.nested && Visits::of(train).len() < context.policy().few_poses {
         // A fold or two that find nothing leave both alike: no loss.
-        let pair = nested(train, context.options.seed, again)?;
+        let pair = nested(context, train, again)?;
         if let Some(failed) = loss(Check::NestedFolds, &blank(pair, out), &any_loss) {
             return Ok(Some(failed));
         }
@@ -110,7 +105,7 @@ fn failed(
     if checks.test_set {
         let held = partition.data.select(&partition.holdout_rows);
         let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
-        let out = gross(model, partition)?;
+        let out = gross(context, model, partition)?;
         let found = &model.current.found;
         let pair = [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
         if let Some(failed) = loss(Check::TestSet, &blank(pair, &out), &any_loss) {
@@ -121,8 +116,12 @@ fn failed(
 }
 
 /// Both models, as the sample made them, on the training rows that are not in it; a row in the sample is blank.
-pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[Residuals; 2], DiscoverError> {
-    let sampled = crate::data::sample::sampled(train, seed);
+pub(crate) fn unsearched(
+    context: &Context<'_>,
+    model: &Model,
+    train: &Dataset,
+) -> Result<[Residuals; 2], DiscoverError> {
+    let sampled = crate::data::sample::sampled(train, context.options.seed, context.budget().sample_rows);
     let rows: Vec<usize> = (0..train.len()).filter(|&row| sampled[row]).collect();
     let found = &model.current.found;
     let first = Residuals::of(&model.declared.fit.fitted, train)?;
@@ -131,9 +130,16 @@ pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[R
 }
 
 /// Both models on the training rows, each row by a run of the loop that has not seen it.
-fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2], DiscoverError> {
+fn nested(
+    context: &Context<'_>,
+    train: &Dataset,
+    again: &Again<'_>,
+) -> Result<[Residuals; 2], DiscoverError> {
     let count = configurations(train).iter().max().map_or(0, |last| last + 1);
-    let folds = Folds::new(train, &Split::Random { folds: FOLDS.min(count), seed })?;
+    let folds = Folds::new(
+        train,
+        &Split::Random { folds: context.budget().nested_folds.min(count), seed: context.options.seed },
+    )?;
     let nothing = Residuals {
         position: vec![Vector3::repeat(f64::NAN); train.len()],
         orientation: vec![None; train.len()],
@@ -156,9 +162,13 @@ fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2
 }
 
 /// Held-out rows, counted within the test set, that nothing explains: a gross error is neither model's.
-fn gross(model: &Model, partition: &Partition<'_>) -> Result<Vec<usize>, DiscoverError> {
+fn gross(
+    context: &Context<'_>,
+    model: &Model,
+    partition: &Partition<'_>,
+) -> Result<Vec<usize>, DiscoverError> {
     let all = with_loads(partition.data, &model.current.found);
-    let judged = Linearisation::new(&model.current.fit, &all)?;
+    let judged = Linearisation::new(&model.current.fit, &all, context.options)?;
     let residual = &judged.y - &judged.base * judged.coefficients();
     let suspects = outliers(&judged, residual.as_slice(), model.current.fit.noise).suspects;
     let held = partition.holdout_rows.iter().enumerate();

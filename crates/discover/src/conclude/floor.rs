@@ -54,9 +54,6 @@ pub enum Verdict {
     Undecided,
 }
 
-/// Level of the tests behind a verdict.
-const LEVEL: f64 = 0.01;
-
 impl NoiseFloor {
     /// From repeated poses where there are any, else from what the instrument states.
     pub(crate) fn of(repeats: Option<&Repeats>, data: &Dataset) -> Self {
@@ -79,9 +76,15 @@ impl NoiseFloor {
     }
 
     /// What it says of a model that leaves `after`, given why the search ended and how repeats judge the model.
-    pub(crate) fn verdict(&self, stopped: Termination, repeats: Option<&Repeats>, after: &Errors) -> Verdict {
+    pub(crate) fn verdict(
+        &self,
+        stopped: Termination,
+        repeats: Option<&Repeats>,
+        after: &Errors,
+        level: f64,
+    ) -> Verdict {
         let lack = repeats.and_then(|repeats| repeats.lack_of_fit.as_ref()).map(|lack| lack.p_value);
-        if stopped != Termination::NothingLeft || lack.is_some_and(|p| p < LEVEL) {
+        if stopped != Termination::NothingLeft || lack.is_some_and(|p| p < level) {
             return Verdict::Unexplained;
         }
         let enough = match self.source {
@@ -125,7 +128,7 @@ mod tests {
         let floor = NoiseFloor::of(None, &Dataset::default());
         assert_eq!((floor.rms, floor.source), (None, FloorSource::Unknown));
         let nothing = Errors::default();
-        assert_eq!(floor.verdict(Termination::NothingLeft, None, &nothing), Verdict::Undecided);
+        assert_eq!(floor.verdict(Termination::NothingLeft, None, &nothing, 0.01), Verdict::Undecided);
         assert_eq!(floor.beyond(1.0, 0.5), None);
     }
 
@@ -135,8 +138,11 @@ mod tests {
         for (p, verdict) in [(0.5, Verdict::Adequate), (1e-6, Verdict::Unexplained)] {
             let repeats = repeats(1e-4, p);
             let floor = NoiseFloor::of(Some(&repeats), &Dataset::default());
-            assert_eq!(floor.verdict(Termination::NothingLeft, Some(&repeats), &nothing), verdict);
-            assert_eq!(floor.verdict(Termination::Limit, Some(&repeats), &nothing), Verdict::Unexplained);
+            assert_eq!(floor.verdict(Termination::NothingLeft, Some(&repeats), &nothing, 0.01), verdict);
+            assert_eq!(
+                floor.verdict(Termination::Limit, Some(&repeats), &nothing, 0.01),
+                Verdict::Unexplained
+            );
         }
     }
 }

@@ -20,7 +20,6 @@ use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
 use crate::model::current::Context;
-use crate::policy::TIE;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::Outliers;
 use crate::termination::Termination;
@@ -54,7 +53,7 @@ pub(crate) fn conclude(
     let mut after = errors(&current.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
 
     let all = with_loads(partition.data, &found);
-    let judged = Linearisation::new(&current.fit, &all)?;
+    let judged = Linearisation::new(&current.fit, &all, context.options)?;
     let trial = Trial::new(context, &current, &found, &judged, &partition);
     // The model step by step, on the same training rows.
     let between: Vec<_> =
@@ -64,7 +63,7 @@ pub(crate) fn conclude(
     let Final { fit, found, data, outside } = match (declared_fit.full_report, found.is_empty()) {
         (true, true) => declared_fit.fit(context, &current, &all)?,
         (true, false) => enlarged(context, &current, &found, &all)?,
-        (false, _) => training(&current, &found, &all)?,
+        (false, _) => training(context, &current, &found, &all)?,
     };
     let mut fit = fit;
     at_run_time(&mut fit, &found, partition.data);
@@ -84,7 +83,7 @@ pub(crate) fn conclude(
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: match declared_fit.full_report {
-                true => alternatives(&trial, k, &accepted.competitors)?,
+                true => alternatives(context, &trial, k, &accepted.competitors)?,
                 false => Vec::new(),
             },
             trace: match declared_fit.full_report {
@@ -94,7 +93,7 @@ pub(crate) fn conclude(
         });
     }
     let competitors = if wanted {
-        competing_fits(&trial, &accepted, &outside.suspects, partition.data)?
+        competing_fits(context, &trial, &accepted, &outside.suspects, partition.data)?
     } else {
         Vec::new()
     };
@@ -115,7 +114,8 @@ pub(crate) fn conclude(
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
     let repeats_after = repeats(&current.fit, &current.data);
     let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
-    let verdict = noise_floor.verdict(stopped, repeats_after.as_ref(), &after);
+    let verdict =
+        noise_floor.verdict(stopped, repeats_after.as_ref(), &after, context.policy().verdict_level);
     let train = |errors: &Errors| errors.spreads_without_outliers().0.rms;
     let beyond = noise_floor.beyond(train(&before), train(&after));
     Ok(Diagnosis {
@@ -209,17 +209,18 @@ fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
 
 /// Rivals in place of a find, judged on the held-out rows.
 fn alternatives(
+    context: &Context<'_>,
     trial: &Trial<'_>,
     which: usize,
     competitors: &[(Candidate, f64)],
 ) -> Result<Vec<Alternative>, DiscoverError> {
-    /// Rivals that are listed, and how many of them may go without a name: these come in many forms of one thing.
-    const LISTED: usize = 4;
-    const UNNAMED: usize = 2;
-    let unnamed = competitors.iter().filter(|(r, _)| r.family == Family::Unmodelled).nth(UNNAMED);
+    let unnamed = competitors
+        .iter()
+        .filter(|(r, _)| r.family == Family::Unmodelled)
+        .nth(context.budget().listed_unnamed);
     let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
     let listed = competitors.iter().filter(|(r, behind)| r.family != Family::Unmodelled || *behind < last);
-    let listed: Vec<_> = listed.take(LISTED).collect();
+    let listed: Vec<_> = listed.take(context.budget().listed).collect();
     listed
         .par_iter()
         .map(|(candidate, behind)| {
@@ -228,7 +229,7 @@ fn alternatives(
                 place: candidate.place.clone(),
                 holdout: trial.instead(which, candidate)?.1,
                 behind: *behind,
-                equivalent: *behind < TIE,
+                equivalent: *behind < context.policy().tie,
             })
         })
         .collect()
@@ -236,16 +237,19 @@ fn alternatives(
 
 /// The explanations that this data cannot tell from the finds, fitted to all rows but those that are kept out.
 fn competing_fits(
+    context: &Context<'_>,
     trial: &Trial<'_>,
     accepted: &[Accepted],
     out: &[usize],
     data: &Dataset,
 ) -> Result<Vec<CompetingFit>, DiscoverError> {
-    /// Of one find.
-    const FITTED: usize = 2;
     let mut fits = Vec::new();
     for (finding, accepted) in accepted.iter().enumerate() {
-        let tied = accepted.competitors.iter().filter(|(_, behind)| *behind < TIE).take(FITTED);
+        let tied = accepted
+            .competitors
+            .iter()
+            .filter(|(_, behind)| *behind < context.policy().tie)
+            .take(context.budget().fitted);
         for (candidate, _) in tied {
             let (mut fit, found) = trial.fit_instead(finding, candidate, out)?;
             at_run_time(&mut fit, &found, data);

@@ -102,10 +102,12 @@ impl<'a> Trial<'a> {
         without: std::ops::Range<usize>,
         with: Option<&Candidate>,
     ) -> Result<Rms, DiscoverError> {
-        /// Enough for the tenths of a percent of an RMS.
-        const ITERATIONS: usize = 6;
         let noise = NoiseSource::Fixed(self.current.fit.noise);
-        let options = FitOptions { noise, max_rounds: ITERATIONS, ..self.context.fit.clone() };
+        let options = FitOptions {
+            noise,
+            max_rounds: self.context.budget().trial_iterations,
+            ..self.context.fit.clone()
+        };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
         let data = self.context.prepared(&found, &self.current.outliers.suspects);

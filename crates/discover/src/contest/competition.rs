@@ -10,7 +10,7 @@ use crate::hypotheses::components::neighbours;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::nonlinear::seen_as;
 use crate::hypotheses::unmodelled::richer;
-use crate::policy::{TIE, penalty_per_coefficient};
+use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
@@ -21,20 +21,6 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 use truepose_errormodel::effects::Transmission;
-
-/// Who is behind by more than this will not win by other components.
-const FAR: f64 = 120.0;
-/// The same of curves in all components that have no name: each set of components has many coefficients to fit.
-const NEAR: f64 = 30.0;
-/// What a set of components has to be better by.
-const WORTH: f64 = 1.0;
-/// Causes that get a second look, and variants of each.
-const CAUSES: usize = 10;
-const VARIANTS: usize = 3;
-/// Gears that may grow in one contest.
-const GEARS: usize = 2;
-/// Frequencies that one gear may have.
-const MOST_PERIODS: usize = 12;
 
 /// The rivals, the one that should be believed first, and the present model's own likelihood.
 pub(crate) struct Contest {
@@ -61,19 +47,20 @@ pub(crate) fn contest(
     if more_periods_allowed {
         add_periods(linearisation, screen, &visits, &mut found)?;
     }
-    let competitors: Vec<Competitor> = found.into_iter().filter_map(simplest).collect();
+    let competitors: Vec<Competitor> =
+        found.into_iter().filter_map(|shapes| simplest(shapes, linearisation.policy)).collect();
     let best = least(&competitors);
     let mut competitors: Vec<Competitor> = competitors
         .into_par_iter()
         .map(|r| {
-            if r.score < best + component_margin(&r) {
+            if r.score < best + component_reach(&r, linearisation.policy) {
                 with_best_components(linearisation, screen, &visits, r)
             } else {
                 Ok(r)
             }
         })
         .collect::<Result<_, _>>()?;
-    rank(&mut competitors);
+    rank(&mut competitors, linearisation.policy);
     let first = look_ahead::first(linearisation, screen, &visits, &competitors, &causes)?;
     competitors[..=first].rotate_right(usize::from(first > 0));
     Ok(Contest { present, competitors })
@@ -82,8 +69,8 @@ pub(crate) fn contest(
 /// The best causes, and the best of every named family: each gets its chance.
 fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
     let penalty = penalty_per_coefficient(linearisation.len());
-    let mut selected: Vec<&Cause> = causes.iter().take(CAUSES).collect();
-    for cause in causes.iter().skip(CAUSES) {
+    let mut selected: Vec<&Cause> = causes.iter().take(linearisation.budget.causes).collect();
+    for cause in causes.iter().skip(linearisation.budget.causes) {
         let (_, gain, freedom) = &cause.variants[0];
         let known = selected.iter().any(|other| other.family == cause.family);
         if cause.family != Family::Unmodelled && !known && gain - penalty * *freedom as f64 > 0.0 {
@@ -103,7 +90,7 @@ fn refined_variants(
     let mut competitors = Vec::new();
     let mut freedoms = Vec::new();
     for (candidate, _, freedom) in &cause.variants {
-        if freedoms.contains(freedom) || freedoms.len() >= VARIANTS {
+        if freedoms.contains(freedom) || freedoms.len() >= linearisation.budget.variants {
             continue;
         }
         freedoms.push(*freedom);
@@ -127,7 +114,7 @@ fn add_periods(
         .filter(|&k| found[k].first().is_some_and(|r| r.candidate.family == Family::Transmission))
         .collect();
     transmissions.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
-    transmissions.truncate(GEARS);
+    transmissions.truncate(linearisation.budget.transmissions);
     let grown: Vec<Option<Competitor>> = transmissions
         .par_iter()
         .map(|&k| {
@@ -143,18 +130,18 @@ fn add_periods(
 }
 
 /// The simplest of a cause's shapes that cannot be told from the best one.
-fn simplest(mut shapes: Vec<Competitor>) -> Option<Competitor> {
-    shapes.retain(|r| plausible(r) && r.score.is_finite());
+fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> {
+    shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
     let best = least(&shapes);
-    let tied = shapes.into_iter().filter(|r| r.score < best + 0.5 * TIE);
+    let tied = shapes.into_iter().filter(|r| r.score < best + policy.variant_ties * policy.tie);
     tied.min_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)))
 }
 
 /// Best first; of those that cannot be told from the best one, the simplest.
-fn rank(competitors: &mut [Competitor]) {
+fn rank(competitors: &mut [Competitor], policy: &Policy) {
     competitors.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = least(competitors);
-    let tied = competitors.iter().take_while(|r| r.score < best + TIE).count();
+    let tied = competitors.iter().take_while(|r| r.score < best + policy.tie).count();
     competitors[..tied].sort_by(|a, b| {
         let family = a.candidate.family.rank().cmp(&b.candidate.family.rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
@@ -162,8 +149,11 @@ fn rank(competitors: &mut [Competitor]) {
 }
 
 /// How far behind the best a rival may be to try other components.
-fn component_margin(competitor: &Competitor) -> f64 {
-    if competitor.candidate.family == Family::Unmodelled { NEAR } else { FAR }
+fn component_reach(competitor: &Competitor, policy: &Policy) -> f64 {
+    match competitor.candidate.family {
+        Family::Unmodelled => policy.component_reach_unnamed,
+        _ => policy.component_reach,
+    }
 }
 
 fn least(competitors: &[Competitor]) -> f64 {
@@ -181,7 +171,11 @@ fn with_best_components(
         let mut best: Option<Competitor> = None;
         for candidate in neighbours(&current.candidate) {
             let Some(other) = competitor(linearisation, screen, visits, candidate)? else { continue };
-            if other.score < best.as_ref().map_or(current.score - WORTH, |best| best.score) {
+            if other.score
+                < best
+                    .as_ref()
+                    .map_or(current.score - linearisation.policy.component_margin, |best| best.score)
+            {
                 best = Some(other);
             }
         }
@@ -204,11 +198,12 @@ fn more_periods(
     let joint = seen_as::<Transmission>(&**candidate.effects().first()?)?.joint;
     let grid = periodogram::grid(linearisation, joint);
     let log_tests = (grid.len().max(2) as f64).ln();
-    let threshold = 2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + TIE;
+    let threshold =
+        2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + linearisation.policy.tie;
     let mut grown = candidate.clone();
     let mut projection = present.with(&linearisation.columns_of(&grown).ok()?)?;
     let mut added = 0;
-    while added < MOST_PERIODS {
+    while added < linearisation.budget.periods {
         let wave = periodogram::scan(linearisation, &projection, joint, &grid)?;
         let (period, gain, surprisal) = wave.strongest()?;
         // What visits alone, of which some are off for other reasons, would show somewhere on the grid by chance is no period.

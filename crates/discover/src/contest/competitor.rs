@@ -11,7 +11,7 @@ use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::family::Family;
 use crate::hypotheses::nonlinear::{climbed, found_periods, nonlinear_count};
 use crate::hypotheses::penalty::by_evidence;
-use crate::policy::{WIDE, penalty_per_coefficient};
+use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
@@ -19,9 +19,6 @@ use crate::statistics::coefficients::CoefficientDistribution;
 use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
-
-/// What a structure without a name has to be better by than any named cause.
-const UNNAMED: f64 = 25.0;
 
 /// A cause in its best shape.
 pub(crate) struct Competitor {
@@ -38,8 +35,10 @@ pub(crate) struct Competitor {
     pub log_prior_odds: f64,
     /// What of the odds the data has no part in: for the questions that were asked of its family, and for having no name.
     prior_penalty: f64,
-    /// Of the law from which its coefficients look drawn, expected sizes.
+    /// Of the distribution from which its coefficients look drawn, expected sizes.
     pub width: f64,
+    /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes.
+    pub prior_width: f64,
     pub likelihood: Likelihood,
 }
 
@@ -47,12 +46,6 @@ impl Competitor {
     /// What had to be found out: coefficients that the data judges, and shapes.
     pub fn unknowns(&self) -> usize {
         self.freedom + nonlinear_count(&self.candidate)
-    }
-
-    /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes: twice that of the law from which they look
-    /// drawn.
-    pub fn prior_width(&self) -> f64 {
-        2.0 * self.width.max(1e-3)
     }
 
     /// By how much less likely it makes the data than another, whatever one would rather believe.
@@ -73,11 +66,12 @@ pub(crate) fn competitor(
     let likelihood = Likelihood::new(linearisation, &columns, visits)?;
     let distribution = likelihood.coefficient_distribution(0..columns.ncols());
     let (log_prior_odds, prior_penalty) =
-        (log_prior_odds(linearisation, screen, &candidate), prior_penalty(screen, &candidate));
+        (log_prior_odds(linearisation, screen, &candidate), prior_penalty(linearisation, screen, &candidate));
     let total =
         likelihood.deviance + cost(&candidate, &distribution, score.freedom, linearisation) + log_prior_odds;
     let (freedom, gain, surprisal) = (score.freedom, score.gain, score.surprisal);
     let width = distribution.width;
+    let prior_width = linearisation.policy.prior_widths * width.max(1e-3);
     Ok(Some(Competitor {
         candidate,
         columns,
@@ -88,6 +82,7 @@ pub(crate) fn competitor(
         log_prior_odds,
         prior_penalty,
         width,
+        prior_width,
         likelihood,
     }))
 }
@@ -98,12 +93,11 @@ pub(crate) fn competitor(
 pub(crate) fn outcompeted<'a>(
     competitors: impl IntoIterator<Item = &'a Competitor>,
     winner: &Competitor,
+    policy: &Policy,
 ) -> Vec<(Candidate, f64)> {
-    /// Of −2 ln L, within which two explanations of as many unknowns are the same one: their wide priors differ by as much.
-    const SAME: f64 = 0.05;
     let a_curve = matches!(winner.candidate.family, Family::Drift | Family::LoadNonlinearity);
     let itself = |r: &Competitor| {
-        let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
+        let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < policy.same_explanation;
         let unnamed = r.candidate.family == Family::Unmodelled && r.freedom == winner.freedom && alike;
         (unnamed && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
@@ -132,35 +126,36 @@ pub(crate) fn log_prior_odds(
     screen: &Screen,
     candidate: &Candidate,
 ) -> f64 {
-    prior_penalty(screen, candidate)
+    prior_penalty(linearisation, screen, candidate)
         + penalty_per_coefficient(linearisation.len()) * climbed(candidate) as f64
 }
 
 /// What a candidate pays before the data is looked at: every period of a gear is an answer of its own to the questions asked.
-fn prior_penalty(screen: &Screen, candidate: &Candidate) -> f64 {
-    let unnamed = if candidate.family == Family::Unmodelled { UNNAMED } else { 0.0 };
+fn prior_penalty(linearisation: &Linearisation<'_>, screen: &Screen, candidate: &Candidate) -> f64 {
+    let unnamed =
+        if candidate.family == Family::Unmodelled { linearisation.policy.unnamed_penalty } else { 0.0 };
     2.0 * found_periods(candidate).max(1) as f64 * (screen.tests_of(candidate.family) as f64).ln() + unnamed
 }
 
 /// Whether size and sign are such as nature has.
-pub(crate) fn plausible(competitor: &Competitor) -> bool {
+pub(crate) fn plausible(competitor: &Competitor, policy: &Policy) -> bool {
     let first = (competitor.likelihood.coefficients[0], competitor.likelihood.deviation(0));
-    is_physical(competitor.candidate.family, competitor.width, first)
+    is_physical(competitor.candidate.family, competitor.width, first, policy)
 }
 
-/// A link that five hundred newtons bend by a tenth of its length is none ([`WIDE`] times the expected size); and what yields, yields
+/// A link that five hundred newtons bend by a tenth of its length is none ([`Policy::wide`] times the expected size); and what yields, yields
 /// with its load: `first` is the first coefficient with its standard deviation.
-fn is_physical(family: Family, width: f64, first: (f64, f64)) -> bool {
+fn is_physical(family: Family, width: f64, first: (f64, f64), policy: &Policy) -> bool {
     let (value, deviation) = first;
-    let paper = family == Family::LinkCompliance && width > WIDE;
-    let pushes_back = family.is_compliance() && value <= -2.0 * deviation;
+    let paper = family == Family::LinkCompliance && width > policy.wide;
+    let pushes_back = family.is_compliance() && value <= -policy.negative_compliance * deviation;
     !paper && !pushes_back
 }
 
 /// The candidate with what the contest found out about its change.
 pub(crate) fn with_estimates(competitor: &Competitor) -> Candidate {
     let mut candidate = competitor.candidate.clone();
-    candidate.width = Some(competitor.prior_width());
+    candidate.width = Some(competitor.prior_width);
     if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + competitor.likelihood.coefficients[0]).max(0.0);
     }
@@ -173,12 +168,13 @@ mod tests {
 
     #[test]
     fn links_are_no_paper_and_springs_do_not_push_back() {
-        assert!(is_physical(Family::LinkCompliance, 20.0, (20.0, 1.0)));
-        assert!(!is_physical(Family::LinkCompliance, 600.0, (600.0, 5.0)));
+        let policy = Policy::default();
+        assert!(is_physical(Family::LinkCompliance, 20.0, (20.0, 1.0), &policy));
+        assert!(!is_physical(Family::LinkCompliance, 600.0, (600.0, 5.0), &policy));
         // What a joint's expected size is worth depends on the robot.
-        assert!(is_physical(Family::JointCompliance, 600.0, (600.0, 5.0)));
-        assert!(!is_physical(Family::JointCompliance, 3.0, (-3.0, 1.0)));
-        assert!(is_physical(Family::JointCompliance, 3.0, (-1.0, 1.0)));
-        assert!(is_physical(Family::Coupling, 3.0, (-3.0, 1.0)));
+        assert!(is_physical(Family::JointCompliance, 600.0, (600.0, 5.0), &policy));
+        assert!(!is_physical(Family::JointCompliance, 3.0, (-3.0, 1.0), &policy));
+        assert!(is_physical(Family::JointCompliance, 3.0, (-1.0, 1.0), &policy));
+        assert!(is_physical(Family::Coupling, 3.0, (-3.0, 1.0), &policy));
     }
 }

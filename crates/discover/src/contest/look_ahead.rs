@@ -13,19 +13,13 @@ use crate::contest::competitor::{Competitor, cost, log_prior_odds};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
-use crate::policy::{TIE, penalty_per_coefficient};
+use crate::policy::penalty_per_coefficient;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Accumulated;
 use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
-
-/// Rivals that are given a partner, and partners tried.
-const COMPETITORS: usize = 8;
-const PARTNERS: usize = 80;
-/// A partner that gains less is chance.
-const LEAST: f64 = 12.0;
 
 /// The position of the rival that should go first.
 pub(crate) fn first(
@@ -42,7 +36,7 @@ pub(crate) fn first(
     let first: Vec<&Candidate> = causes
         .iter()
         .filter(|cause| cause.family != Family::Unmodelled)
-        .take(PARTNERS)
+        .take(linearisation.budget.partners)
         .map(|cause| &cause.variants[0].0)
         .collect();
     let partners: Vec<(&Candidate, Accumulated)> = first
@@ -51,7 +45,7 @@ pub(crate) fn first(
         .collect::<Result<_, DiscoverError>>()?;
     let named: Vec<usize> = (0..competitors.len())
         .filter(|&k| k == 0 || competitors[k].candidate.family != Family::Unmodelled)
-        .take(COMPETITORS)
+        .take(linearisation.budget.competitors)
         .collect();
     let pairs: Vec<Option<(f64, Candidate, f64)>> = named
         .par_iter()
@@ -72,7 +66,9 @@ pub(crate) fn first(
                     Some((gain - penalty * freedom as f64, freedom, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
+            let Some((worth, freedom, partner)) =
+                best.filter(|best| best.0 > linearisation.policy.partner_margin)
+            else {
                 return Ok(Some((competitor.score, competitor.candidate.clone(), 0.0)));
             };
             let columns = linearisation.columns_of(partner)?;
@@ -105,7 +101,7 @@ pub(crate) fn first(
     }
     let Some((chosen, score)) = best else { return Ok(0) };
     let Some((own, ..)) = &pairs[0] else { return Ok(0) };
-    if chosen == 0 || score > own - 2.0 * TIE {
+    if chosen == 0 || score > own - linearisation.policy.pair_ties * linearisation.policy.tie {
         return Ok(0);
     }
     // The stronger half of the pair, if it is a rival as well; whoever shines only beside a stronger one does not go first.

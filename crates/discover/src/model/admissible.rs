@@ -15,15 +15,11 @@
 
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
+use crate::policy::Policy;
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
 use truepose_identify::{Fit, Warning};
-
-/// Probability above which the coefficients of a finding are taken for zero. The search has its own, family-wise one; this is a single test.
-const SIGNIFICANT: f64 = 0.01;
-/// The largest angle of a joint that a drive is believed to err by, rad, or rad for each rad of the joint that drags it.
-const LARGEST_ANGLE: f64 = 1e-2;
 
 /// What speaks against an effect as it was fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +31,12 @@ pub(crate) enum Objection {
 }
 
 /// Judges a finding whose effects have these numbers in the model of a fit. A corrected load has no effects and is judged by its own deviation.
-pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Option<Objection> {
+pub(crate) fn objection(
+    fit: &Fit,
+    found: &Candidate,
+    effects: Range<usize>,
+    policy: &Policy,
+) -> Option<Objection> {
     let model = fit.fitted.model();
     let columns: Vec<usize> = effects
         .flat_map(|effect| model.columns_of(effect))
@@ -53,16 +54,16 @@ pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> 
         _ => false,
     });
     let bounded = matches!(found.family, Family::Backlash | Family::Transmission | Family::Coupling);
-    let too_large = |k: usize| matches!(unit(k), "rad" | "rad/rad") && values[k].abs() > LARGEST_ANGLE;
+    let too_large = |k: usize| matches!(unit(k), "rad" | "rad/rad") && values[k].abs() > policy.largest_angle;
     if out_of_bounds || (bounded && (0..columns.len()).any(too_large)) {
         return Some(Objection::NotPhysical);
     }
     let own = covariance.select_rows(&columns).select_columns(&columns);
-    is_nothing(&values, own).then_some(Objection::NotSignificant)
+    is_nothing(&values, own, policy.not_significant).then_some(Objection::NotSignificant)
 }
 
 /// Whether all coefficients together may be zero.
-fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>) -> bool {
+fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>, not_significant: f64) -> bool {
     // In standard deviations: the units of the columns differ by many powers of ten.
     let sizes: DVector<f64> = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
     let scaled = DVector::from_fn(values.len(), |k, _| values[k] / sizes[k]);
@@ -71,7 +72,8 @@ fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>) -> bool
     });
     let Some(factor) = correlation.cholesky() else { return false };
     let statistic = scaled.dot(&factor.solve(&scaled));
-    ChiSquared::new(values.len() as f64).is_ok_and(|distribution| distribution.sf(statistic) > SIGNIFICANT)
+    ChiSquared::new(values.len() as f64)
+        .is_ok_and(|distribution| distribution.sf(statistic) > not_significant)
 }
 
 #[cfg(test)]
@@ -82,10 +84,10 @@ mod tests {
     #[test]
     fn coefficients_within_their_intervals_may_still_be_significant_together() {
         let values = DVector::from_vec(vec![1.5, 1.5]);
-        assert!(is_nothing(&values, DMatrix::identity(2, 2)));
+        assert!(is_nothing(&values, DMatrix::identity(2, 2), 0.01));
         // Of a sum that is known ten times better than each of them.
         let together = DMatrix::from_row_slice(2, 2, &[1.0, -0.98, -0.98, 1.0]);
-        assert!(!is_nothing(&values, together));
-        assert!(is_nothing(&DVector::from_vec(vec![1e-9]), DMatrix::from_element(1, 1, 1e-18)));
+        assert!(!is_nothing(&values, together, 0.01));
+        assert!(is_nothing(&DVector::from_vec(vec![1e-9]), DMatrix::from_element(1, 1, 1e-18), 0.01));
     }
 }

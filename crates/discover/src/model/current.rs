@@ -1,10 +1,12 @@
 //! The model as it stands while the loop runs: what was declared, what was found, which rows are kept out.
 
+use crate::budget::Budget;
 use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::model::wide::{Stretches, Wide};
 use crate::options::DiscoverOptions;
+use crate::policy::Policy;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::{Outliers, outliers};
@@ -38,11 +40,17 @@ pub(crate) struct ModelFit {
     pub fit: Fit,
 }
 
-/// Times that outliers are looked at again, and loads: their masses move with the stiffnesses that carry them.
-const ITERATIONS: usize = 4;
-const ITERATIONS_WITH_LOADS: usize = 8;
-
 impl Context<'_> {
+    /// What is believed before the data is seen.
+    pub fn policy(&self) -> &Policy {
+        &self.options.policy
+    }
+
+    /// How much work is spent.
+    pub fn budget(&self) -> &Budget {
+        &self.options.budget
+    }
+
     /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
     pub fn fit_model(&self, found: Vec<Candidate>, known: &[usize]) -> Result<ModelFit, DiscoverError> {
         self.fit_model_from(found, known, None)
@@ -65,17 +73,17 @@ impl Context<'_> {
                 None => self.fitted(&found, &data)?,
                 Some(last) => fit_again(last, &data, self.solver, &self.fit)?,
             };
-            let linearisation = Linearisation::new(&fit, &data)?;
+            let linearisation = Linearisation::new(&fit, &data, self.options)?;
             let moved = corrected(&linearisation, &mut found)?;
             // Every row is judged, those that are kept out as well.
             let whole = self.prepared(&found, &[]);
-            let judged = Linearisation::new(&fit, &whole)?;
+            let judged = Linearisation::new(&fit, &whole, self.options)?;
             let residual = &judged.y - &judged.base * judged.coefficients();
             let outliers = outliers(&judged, residual.as_slice(), fit.noise);
             iterations += 1;
             // Of thousands of rows one or the other always stands on the threshold.
             let settled = differing(&outliers.suspects, &out) <= whole.len() / 2000;
-            let most = if moved { ITERATIONS_WITH_LOADS } else { ITERATIONS };
+            let most = if moved { self.budget().load_iterations } else { self.budget().outlier_iterations };
             if (settled && !moved) || iterations > most {
                 return Ok(ModelFit { found, outliers, data, fit });
             }

@@ -11,9 +11,6 @@ use truepose_errormodel::effects::{Shift, Thermal};
 use truepose_errormodel::{AnyEffect, Dataset, Shape};
 use truepose_identify::{Fit, descend_shapes};
 
-/// With more shapes than this they stay where the search found them: going down together would take minutes.
-const MOST: usize = 24;
-
 /// (Effect of the model, parameter at its value with the range in which it is looked for) of every find.
 pub(crate) fn nonlinear_parameters(
     context: &Context<'_>,
@@ -41,7 +38,7 @@ pub(crate) fn descended(
     let first = context.declared.len();
     let mut free = nonlinear_parameters(context, found, data);
     free.retain(|(k, _)| !lags(&*effects[k - first]));
-    if free.is_empty() || free.len() > MOST {
+    if free.is_empty() || free.len() > context.budget().joint_parameters {
         return Ok(None);
     }
     // Shapes that the data cannot tell from others stay.

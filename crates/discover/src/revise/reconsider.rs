@@ -13,7 +13,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::model::current::Context;
-use crate::policy::TIE;
+use crate::policy::Policy;
 use crate::problem::likelihood::without as lacking;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
@@ -43,10 +43,11 @@ pub(crate) fn reconsidered(
         };
         let next = with_estimates(winner);
         let changed = !same_parameters(&next, &findings[at].candidate);
-        findings[at].competitors = outcompeted(&contest.competitors, winner);
+        findings[at].competitors = outcompeted(&contest.competitors, winner, context.policy());
         let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
-        let doubt =
-            |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.belongs_to_time());
+        let doubt = |evidence: &Evidence| {
+            evidence.doubt((context.policy(), context.options.alpha), floor, next.belongs_to_time())
+        };
         match evidence {
             // Another cause has to pass the same tests as one that comes in from outside.
             Some(evidence) if doubt(&evidence).is_some() => {
@@ -102,7 +103,7 @@ fn without(
                 None => contest.competitors.push(own),
             }
         }
-        let winner = winner(&contest, candidate);
+        let winner = winner(&contest, candidate, &options.policy);
         let another = winner.map(|k| &contest.competitors[k]).filter(|r| !r.candidate.same_cause(candidate));
         let tested = |best: &Competitor| {
             // Another cause answers for itself, against the whole search.
@@ -115,22 +116,22 @@ fn without(
     let current = &*model.current;
     // A corrected load is in the data itself.
     if !current.found[at].effects().is_empty() {
-        let linearisation = Linearisation::new(&current.fit, &current.data)?;
+        let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         if let Some(linearisation) = lacking(linearisation, model.effects_of(context, at))? {
             return held(&linearisation);
         }
     }
     let fewer = context.fit_model(others.to_vec(), &current.outliers.suspects)?;
-    held(&Linearisation::new(&fewer.fit, &fewer.data)?)
+    held(&Linearisation::new(&fewer.fit, &fewer.data, options)?)
 }
 
 /// Who wins: another cause has to be clearly better, the same cause may change its shape. None when nobody is worth its unknowns.
-fn winner(contest: &Contest, mine: &Candidate) -> Option<usize> {
+fn winner(contest: &Contest, mine: &Candidate, policy: &Policy) -> Option<usize> {
     let competitors = &contest.competitors;
     let worth = |&k: &usize| competitors[k].score < contest.present.deviance;
     let still = competitors.iter().position(|r| r.candidate.same_cause(mine));
     let best = Some(0).filter(|_| !competitors.is_empty()).filter(worth).or(still.filter(worth))?;
-    Some(still.filter(|&k| competitors[k].score < competitors[best].score + TIE).unwrap_or(best))
+    Some(still.filter(|&k| competitors[k].score < competitors[best].score + policy.tie).unwrap_or(best))
 }
 
 /// Whether both change the model in the same way.

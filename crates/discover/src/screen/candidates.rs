@@ -188,7 +188,7 @@ impl Screen {
             }
         }
         for wave in &self.periods {
-            for (period, gain) in wave.peaks(3) {
+            for (period, gain) in wave.peaks(linearisation.budget.peaks) {
                 put(transmission_at(linearisation.chain(), wave.joint, &[period]), gain, 2);
             }
         }
@@ -223,11 +223,10 @@ impl Screen {
 
     /// The best causes without a name, in all their variants: those that may come in for a find when it is looked at again.
     pub fn shortlist(&self, linearisation: &Linearisation<'_>) -> Vec<Candidate> {
-        const LISTED: usize = 60;
         self.causes(linearisation)
             .into_iter()
             .filter(|cause| cause.family == Family::Unmodelled)
-            .take(LISTED)
+            .take(linearisation.budget.shortlist)
             .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
             .collect()
     }

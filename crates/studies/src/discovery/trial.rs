@@ -7,7 +7,7 @@ use super::record::Record;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Place, diagnose};
+use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Place, Policy, diagnose};
 use truepose_solvers::PivotedQr;
 
 /// A robot to come.
@@ -32,15 +32,16 @@ impl Task {
     /// The plant and what the loop says of it.
     pub fn diagnosed(&self) -> Result<(Made, Diagnosis), Box<dyn Error>> {
         let made = make(self.cause, self.multiple, self.seed)?;
-        let diagnosis = self.look(&made)?;
+        let diagnosis = self.look(&made, &Policy::default())?;
         Ok((made, diagnosis))
     }
 
-    fn look(&self, made: &Made) -> Result<Diagnosis, Box<dyn Error>> {
+    fn look(&self, made: &Made, policy: &Policy) -> Result<Diagnosis, Box<dyn Error>> {
         let options = DiscoverOptions {
             holdout: HOLDOUT.0,
             seed: HOLDOUT.1,
             without: if self.without { self.cause.iter().map(|c| c.family()).collect() } else { Vec::new() },
+            policy: policy.clone(),
             ..DiscoverOptions::default()
         };
         let data = &made.seen.data;
@@ -49,6 +50,11 @@ impl Task {
 
     /// One line of the table. What the loop refuses, and where it panics, is a result as well.
     pub fn run(&self) -> Record {
+        self.run_under(&Policy::default())
+    }
+
+    /// The same under other beliefs.
+    pub fn run_under(&self, policy: &Policy) -> Record {
         let mut record = self.blank();
         let made = match make(self.cause, self.multiple, self.seed) {
             Ok(made) => made,
@@ -60,7 +66,8 @@ impl Task {
         };
         self.describe(&made, &mut record);
         let (begun, spent) = (Instant::now(), processor_seconds());
-        let looked = catch_unwind(AssertUnwindSafe(|| self.look(&made).map_err(|error| error.to_string())));
+        let looked =
+            catch_unwind(AssertUnwindSafe(|| self.look(&made, policy).map_err(|error| error.to_string())));
         record.seconds = begun.elapsed().as_secs_f64();
         record.processor = processor_seconds() - spent;
         match looked {
@@ -69,6 +76,11 @@ impl Task {
             Ok(Ok(diagnosis)) => self.judge(&made, &diagnosis, &mut record),
         }
         record
+    }
+
+    /// Whether a line is that of this robot.
+    pub fn is_of(&self, record: &Record) -> bool {
+        record.is(self.cause.map_or("none", Cause::word), self.multiple, self.seed)
     }
 
     /// The line of a diagnosis.
