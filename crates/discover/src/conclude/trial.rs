@@ -1,12 +1,12 @@
 //! What the training rows and the held-out rows would have been left with, had some finds not been made, or another been made in place
 //! of one of them.
 
-use crate::conclude::linear::Linear;
 use crate::conclude::partition::Partition;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::model::current::{Context, ModelFit};
+use crate::problem::linear::Linear;
 use crate::problem::linearisation::Linearisation;
 use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals};
 

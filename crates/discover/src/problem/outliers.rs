@@ -123,3 +123,51 @@ fn tail(ratio: f64) -> f64 {
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::DiscoverOptions;
+    use crate::problem::synthetic::{data, fitted, normal};
+
+    const NOISE: NoiseModel = NoiseModel { position_sd: 3e-5, visit_sd: 0.0, orientation_sd: 2e-4 };
+
+    /// Outliers of 80 poses with normal residuals of which some rows are displaced so many standard deviations.
+    fn judged(displaced: &[usize], deviations: f64) -> Outliers {
+        let (chain, data) = data(80, 3, &|_, _, _| [0.0; 3]);
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let residual: Vec<f64> = (linearisation.observations.iter().enumerate())
+            .map(|(at, o)| {
+                let sd = if o.component < 3 { NOISE.position(2e-5) } else { 2e-4 };
+                let moved = if displaced.contains(&o.row) && o.component == 0 { deviations } else { 0.0 };
+                sd * (normal(at) + moved)
+            })
+            .collect();
+        outliers(&linearisation, &residual, NOISE)
+    }
+
+    #[test]
+    fn normal_residuals_have_no_outliers() {
+        let none = judged(&[], 0.0);
+        assert!(none.suspects.is_empty() && none.certain.is_empty());
+        assert!((none.p_value - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn displaced_rows_are_reported_and_no_others() {
+        for rows in [vec![5], vec![5, 30, 62, 90]] {
+            let found = judged(&rows, 25.0);
+            assert_eq!(found.certain, rows);
+            assert!(found.p_value < DiscoverOptions::default().policy.outlier_certain);
+            assert!(rows.iter().all(|&row| found.distance[row] > 8.0));
+        }
+    }
+
+    #[test]
+    fn what_a_quarter_of_the_rows_have_is_an_effect() {
+        let rows: Vec<usize> = (0..110).step_by(4).collect();
+        assert!(judged(&rows, 25.0).suspects.is_empty());
+    }
+}

@@ -141,3 +141,39 @@ fn same_parameters(a: &Candidate, b: &Candidate) -> bool {
     };
     a.same_cause(b) && parameters(a) == parameters(b)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::DiscoverOptions;
+    use crate::problem::synthetic::{data_of, fitted, normal};
+
+    #[test]
+    fn a_finding_keeps_its_place_unless_another_is_better_by_more_than_a_tie() {
+        let actual = |joints: &[f64]| {
+            let mut actual = joints.to_vec();
+            actual[1] += 4e-4 * (7.0 * joints[1]).sin();
+            actual
+        };
+        let (chain, data) =
+            data_of(60, 6, &actual, &|_, _, row| std::array::from_fn(|axis| 2e-5 * normal(3 * row + axis)));
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let screen = Screen::new(&linearisation, &[], &[]);
+        let mut contest = contest(&linearisation, &screen, &[], false).unwrap();
+        let (best, second) =
+            (contest.competitors[0].candidate.clone(), contest.competitors[1].candidate.clone());
+        let least = contest.competitors[0].score;
+        let policy = &options.policy;
+        assert_eq!(winner(&contest, &best, policy), Some(0));
+        contest.competitors[1].score = least + policy.tie - 0.1;
+        assert_eq!(winner(&contest, &second, policy), Some(1));
+        contest.competitors[1].score = least + policy.tie + 0.1;
+        assert_eq!(winner(&contest, &second, policy), Some(0));
+        // Where nothing is worth its unknowns the others explain it.
+        let present = contest.present.deviance;
+        contest.competitors.iter_mut().for_each(|competitor| competitor.score = present + 1.0);
+        assert_eq!(winner(&contest, &second, policy), None);
+    }
+}

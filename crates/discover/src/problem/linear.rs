@@ -16,9 +16,6 @@ use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Expected sizes within which coefficients of what comes in lie.
-const WIDE: f64 = 100.0;
-
 /// The model with its Gram matrix over the rows that fits may use.
 pub(crate) struct Linear<'s> {
     linearisation: &'s Linearisation<'s>,
@@ -83,7 +80,7 @@ impl<'s> Linear<'s> {
                 gram[(i, s + j)] = along[(place(i), j)];
                 gram[(s + j, i)] = along[(place(i), j)];
             }
-            prior[(s + j, s + j)] = 1.0 / (WIDE * WIDE);
+            prior[(s + j, s + j)] = 1.0 / (self.linearisation.policy.wide * self.linearisation.policy.wide);
         }
         gram.view_mut((s, s), (k, k)).copy_from(&cross(&white, &white));
         let (solution, _) = solved(&gram, &prior)?;
