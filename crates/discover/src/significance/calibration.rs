@@ -26,7 +26,8 @@ fn p_value(scores: &[Score], projection: &Projection, seed: u64) -> f64 {
 
 #[test]
 fn p_is_uniform_where_nothing_is_missing_and_small_where_something_is() {
-    let (chain, data) = data(60, 4, &|_, _, _| [0.0; 3]);
+    // Many poses for the unknowns of the model: with 60 poses for some fifty unknowns p comes out somewhat too small (median 0.40).
+    let (chain, data) = data(200, 4, &|_, _, _| [0.0; 3]);
     let fit = fitted(&chain, &data);
     let options = DiscoverOptions::default();
     let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
@@ -40,10 +41,10 @@ fn p_is_uniform_where_nothing_is_missing_and_small_where_something_is() {
             let o = observations[at];
             match o.component {
                 0..3 => {
-                    let shared = normal(1_000_000 + 1000 * trial + 3 * o.visit + o.component);
-                    noise.position(2e-5) * normal(1000 * trial + at) + noise.visit_sd * shared
+                    let shared = normal(1_000_000 + 2000 * trial + 3 * o.visit + o.component);
+                    noise.position(2e-5) * normal(2000 * trial + at) + noise.visit_sd * shared
                 }
-                _ => noise.orientation(f64::NAN) * normal(1000 * trial + at),
+                _ => noise.orientation(f64::NAN) * normal(2000 * trial + at),
             }
         })
     };
@@ -55,7 +56,7 @@ fn p_is_uniform_where_nothing_is_missing_and_small_where_something_is() {
         assert!(scores.len() > 10);
         p_value(&scores, &projection, seed)
     };
-    let trials = 150;
+    let trials = 100;
     let mut values: Vec<f64> = (0..trials).map(|trial| p(of(trial), trial as u64)).collect();
     values.sort_by(f64::total_cmp);
     let count = trials as f64;
@@ -66,7 +67,7 @@ fn p_is_uniform_where_nothing_is_missing_and_small_where_something_is() {
     // Kolmogorov: P(D > x) ≤ 2 exp(−2 n x²) is 1 % here; p has steps of 1/(B + 1).
     let critical = (200f64.ln() / (2.0 * count)).sqrt() + 1.0 / (FLIPS + 1) as f64;
     let distance = distance.fold(0.0, f64::max);
-    assert!(distance < critical, "{distance} {critical} {values:?}");
+    assert!(distance < critical, "{distance} {critical}");
 
     // Where a candidate's own columns are added at ten standard deviations of the noise, no flip is as extreme.
     let x: DMatrix<f64> =
