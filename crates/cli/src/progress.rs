@@ -45,8 +45,8 @@ impl Progress {
         Progress(bar)
     }
 
-    /// What is going on.
-    pub fn say(&self, word: &str) {
+    /// Shows the current step.
+    pub fn show(&self, word: &str) {
         watch::doing(word);
         self.0.set_message(word.to_string());
     }

@@ -1,4 +1,4 @@
-//! Ends a run that was interrupted or went beyond its limits: within a tenth of a second, with what was found so far, without
+//! Ends a run that was interrupted or went beyond its limits: within a tenth of a second, keeping the findings so far, without
 //! a half-written file.
 
 use crate::args::Args;
@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use truepose_io::discard_unfinished;
 
-/// How often limits are looked at.
+/// Interval at which limits are checked.
 const STEP: Duration = Duration::from_millis(40);
 /// As shells have it for a program that was interrupted.
 const INTERRUPTED: i32 = 130;
@@ -18,17 +18,17 @@ const INTERRUPTED: i32 = 130;
 const LIMIT: i32 = 3;
 
 #[derive(Debug, Default)]
-struct SoFar {
+struct Progress {
     doing: String,
     found: Vec<String>,
 }
 
-/// What was kept of a run that ended before its end.
+/// What is kept of a run that was ended early.
 #[derive(Debug, Default)]
 pub struct Kept {
     /// Files that were written.
     pub files: Vec<PathBuf>,
-    /// What a person is shown of it; empty where the line about what was found says it all.
+    /// Text for the terminal, besides the line about the findings; may be empty.
     pub text: String,
 }
 
@@ -37,24 +37,24 @@ type Keep = Box<dyn FnOnce(&str) -> Kept + Send>;
 
 static KEEP: Mutex<Option<Keep>> = Mutex::new(None);
 
-static SO_FAR: Mutex<SoFar> = Mutex::new(SoFar { doing: String::new(), found: Vec::new() });
+static SO_FAR: Mutex<Progress> = Mutex::new(Progress { doing: String::new(), found: Vec::new() });
 
-/// What is going on now.
+/// Records the current step.
 pub fn doing(words: &str) {
     SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).doing = words.to_owned();
 }
 
-/// Something was found.
+/// Records a finding.
 pub fn found(words: &str) {
     SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).found.push(words.to_owned());
 }
 
-/// What to do with what there is, should the run end here.
+/// Sets how the findings so far are written if the run is ended now.
 pub fn keep(write: impl FnOnce(&str) -> Kept + Send + 'static) {
     *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(write));
 }
 
-/// The whole result is about to be written: what there was before it is not kept any more.
+/// The complete result is about to be written: findings so far are not kept any more.
 pub fn whole() {
     *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
@@ -66,7 +66,7 @@ pub fn whole() {
 pub fn begin(args: &Args) -> Result<(), Failure> {
     if args.memory_limit.is_some() && resident().is_none() {
         return Err(Failure::Input(
-            "--memory-limit: this system does not say how much memory a program uses".into(),
+            "--memory-limit: this system does not report the memory that a program uses".into(),
         ));
     }
     let (sender, receiver) = channel();
@@ -97,9 +97,9 @@ pub fn begin(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says what was found so far and ends the program.
+/// Shows and writes the findings so far, and ends the program.
 fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
-    // Held to the end, so that nobody writes the whole result over it meanwhile.
+    // Locked until the end, so that the complete result is not written over it meanwhile.
     let mut keep = KEEP.lock().unwrap_or_else(PoisonError::into_inner);
     let kept = keep.take().map_or_else(Kept::default, |write| write(why));
     discard_unfinished();
@@ -115,17 +115,17 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
         terminal::print(&format!("{value:#}\n"));
     } else {
         let found = match so_far.found.as_slice() {
-            [] => "nothing yet".to_owned(),
-            found => format!("{} (not yet judged on held-out rows)", found.join(", ")),
+            [] => "none".to_owned(),
+            found => format!("{} (not yet evaluated on held-out rows)", found.join(", ")),
         };
         terminal::print(&format!(
-            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n{}",
+            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Findings so far: {found}.\n{}",
             kept.text
         ));
     }
     let files = match files.is_empty() {
         true => "no file was written".to_owned(),
-        false => format!("what was found so far is in {}, marked as incomplete", files.join(" and ")),
+        false => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::log(&format!("error: {why}; {files}"));
     std::process::exit(code)

@@ -1,4 +1,4 @@
-//! The closed loop: fit, find the residual, trace it to an effect that the model lacks, add it, again.
+//! The closed loop of discovery: fit, search, validation against the declared model, result.
 
 use crate::accept::model::Model;
 use crate::accept::outcome::Outcome;
@@ -24,11 +24,15 @@ use truepose_solvers::Solver;
 
 /// Runs the closed loop.
 ///
-/// `declared` are the effects that the user says the robot has; everything else is the residual's to show. What is found is
-/// withdrawn, and the declared model stands, when it predicts data that the search has not seen worse than the declared model does.
+/// `declared` are the effects of the declared model; `chain` is the nominal robot; `data` has joint values in
+/// rad or m, positions in m. A share `options.holdout` of the configurations is the test set, drawn before
+/// anything is fitted. All findings are withdrawn, and the result is the declared model, when the enlarged
+/// model predicts unseen data worse.  Same inputs and seed, same
+/// result, whatever the number of threads. Method: section 8 of docs/method.md.
 ///
 /// # Errors
-/// When the model does not fit the data, nothing was measured, there are too few visits, or an option is out of its range.
+/// When the model does not fit the data, nothing was measured, there are fewer than 12 training poses, or an
+/// option is out of its range.
 pub fn diagnose(
     chain: &Chain,
     declared: &[Box<dyn AnyEffect>],
@@ -44,7 +48,7 @@ pub fn diagnose(
     on_split(chain, declared, (data, rows), solver, options, Checks::ALL, progress)
 }
 
-/// Runs the closed loop on given training rows, and judges it on the others.
+/// Runs the search on given (training, test) rows.
 pub(crate) fn on_split(
     chain: &Chain,
     declared: &[Box<dyn AnyEffect>],
@@ -64,10 +68,10 @@ pub(crate) fn on_split(
     let mut context =
         Context { chain: chain_placed, declared: &open, data: &part, solver, fit: declared_options, options };
     let mut first = context.fit_model(Vec::new(), &[])?;
-    // How far the declared errors lie from what was expected of them is not for the finds to say.
+    // The prior widths of declared errors come from the declared model alone; findings do not change them.
     let wide = wide::as_fitted(&open, &first.fit);
     context.fit = options.fit.clone();
-    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::Kinds) {
+    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::VarianceGroups) {
         context.declared = &wide;
         context.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
         first = context.fit_model(Vec::new(), &first.outliers.suspects)?;
@@ -75,7 +79,7 @@ pub(crate) fn on_split(
     let have = Visits::of(&train).len();
     if have < options.policy.fewest_poses {
         let rank = first.fit.reduction.rank();
-        return Err(DiscoverError::TooFewVisits { have, rank, need: options.policy.fewest_poses });
+        return Err(DiscoverError::TooFewPoses { have, rank, need: options.policy.fewest_poses });
     }
     let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };

@@ -1,36 +1,36 @@
-//! What can go wrong in a discovery.
+//! Errors of a discovery.
 
 use thiserror::Error;
 use truepose_errormodel::ModelError;
 use truepose_identify::IdentifyError;
 
-/// A discovery that cannot be done.
+/// Why a discovery is not possible.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DiscoverError {
-    /// A fit is not possible.
+    /// A fit failed.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
     /// An option out of its range.
     #[error("option `{option}` is {value}, but has to be {expected}")]
     Option {
-        /// The option.
+        /// Name of the option.
         option: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
-        /// What it may be.
+        /// Its range.
         expected: &'static str,
     },
-    /// Too little data for the question.
+    /// Too few poses for a search.
     #[error(
-        "too few visits to look for what a model of rank {rank} lacks: {have}, and at least {need} are needed"
+        "too few poses for a search beside a declared model of rank {rank}: {have}, at least {need} are needed"
     )]
-    TooFewVisits {
-        /// Visits in the data.
+    TooFewPoses {
+        /// Poses in the training data.
         have: usize,
         /// Rank of the declared model.
         rank: usize,
-        /// How many are needed.
+        /// Fewest poses of a search.
         need: usize,
     },
 }

@@ -1,8 +1,8 @@
-//! How good the loop is where it has seen nothing: the whole of it inside each fold.
+//! Nested cross-validation: the whole search inside each fold.
 //!
-//! Selecting effects on all data and cross-validating only their coefficients flatters: what was selected by chance fits the
-//! held-out rows as well. Here each fold is left out before anything is looked at, and predicted by whatever the loop
-//! finds on the others.
+//! Cross-validation of the coefficients alone, with effects that were selected on all data, is optimistically
+//! biased. Here each fold is left out before anything is fitted, and is predicted by the model that the
+//! search finds on the other folds (Stone 1974; Varma and Simon 2006).
 
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::fallback::Checks;
@@ -17,18 +17,19 @@ use truepose_identify::{Folds, Residuals, Split, Spread};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
-/// The loop judged on every row by a run that did not see it.
+/// Errors of every row, predicted by a run of the search without its fold.
 #[derive(Debug, Clone)]
 pub struct Nested {
-    /// With the declared model, m.
+    /// 3-D position error of the declared model, m.
     pub before: Spread,
-    /// With what each run found, m.
+    /// 3-D position error of the model of each run, m.
     pub after: Spread,
-    /// Each fold's run.
+    /// The run of each fold.
     pub runs: Vec<Diagnosis>,
 }
 
-/// Runs the whole loop once a fold.
+/// Runs the whole search once for each fold of `split`. `progress` gets the number of the fold, from zero,
+/// and is called from several threads.
 ///
 /// # Errors
 /// As [`crate::diagnose`]; when there are too few configurations for the folds.
@@ -44,7 +45,7 @@ pub fn nested(
     options.validate()?;
     let data = &derived::with_derived(data, &options.policy);
     let folds = Folds::new(data, split)?;
-    // Side by side: each run is a function of its fold alone.
+    // In parallel: each run is a function of its fold alone.
     let runs: Vec<Diagnosis> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {

@@ -1,4 +1,4 @@
-//! How to look.
+//! Options of a discovery.
 
 use crate::budget::Budget;
 use crate::error::DiscoverError;
@@ -6,28 +6,29 @@ use crate::hypotheses::family::Family;
 use crate::policy::Policy;
 use truepose_identify::{FitOptions, PriorStrength};
 
-/// Sign flips beyond this many say nothing that fewer do not, and have to be kept in memory.
+/// Largest number of sign flips: they are kept in memory, and a resolution of p finer than 1e-6 has no use.
 const MOST_FLIPS: usize = 1_000_000;
 
-/// How a discovery looks, and when it believes.
+/// Options of a discovery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscoverOptions {
-    /// Share of the configurations that is drawn first and takes part in nothing.
+    /// Fraction of the configurations in the held-out test set; above 0, at most 0.5.
     pub holdout: f64,
-    /// Seed of every draw.
+    /// Seed of all random draws: test set, sample, folds, half-samples, sign flips.
     pub seed: u64,
-    /// Sign flips B.
+    /// Number of sign flips B; 1/(B + 1) has to be at most `alpha`.
     pub flips: usize,
-    /// Family-wise probability above which a find is chance.
+    /// Level α of the family-wise test of each screen.
     pub alpha: f64,
-    /// Effects at most.
+    /// Largest number of findings.
     pub most: usize,
-    /// Families that are not looked for: to see what the loop makes of a cause that it has no word for. Outliers are always
-    /// looked for, since they stand in the way of everything else.
+    /// Families without candidates, to study how the search describes an effect whose family it lacks.
+    /// Outliers are always excluded, since they bias every fit.
     pub without: Vec<Family>,
-    /// Whether explanations that the data cannot tell from a find are fitted as well: what a plan needs that is to tell them apart.
+    /// Whether competing hypotheses that are not distinguishable from a finding are fitted as well, for a
+    /// measurement plan that distinguishes them.
     pub competing_fits: bool,
-    /// How models are fitted.
+    /// Options of the fits.
     pub fit: FitOptions,
     /// What is believed before the data is seen.
     pub policy: Policy,
@@ -35,8 +36,8 @@ pub struct DiscoverOptions {
     pub budget: Budget,
 }
 
-/// A search does not wait for the last digits of a curved valley: units of χ² below which a round gains nothing. A candidate that is worth its
-/// place gains thousands of times as much.
+/// Decrease of χ² per iteration below which a fit of the search has converged. The penalty of one
+/// coefficient, ln m > 3, is three hundred times as much.
 const FLAT: f64 = 1e-2;
 
 impl Default for DiscoverOptions {
@@ -49,7 +50,7 @@ impl Default for DiscoverOptions {
             most: 24,
             without: Vec::new(),
             competing_fits: false,
-            fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
+            fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
             policy: Policy::default(),
             budget: Budget::default(),
         }

@@ -146,11 +146,11 @@ mod tests {
         for (name, value) in Policy::default().table() {
             let row = text.lines().find(|line| line.starts_with(&format!("| `{name}` | ")));
             let row = row.unwrap_or_else(|| panic!("docs/method.md has no row `{name}`"));
-            let told: f64 = row.split('|').nth(2).expect("a default").trim().parse().expect("a number");
+            let stated: f64 = row.split('|').nth(2).expect("a default").trim().parse().expect("a number");
             let value: f64 = value.parse().expect("a number");
             assert!(
-                (told - value).abs() <= 5e-4 * value.abs(),
-                "{name}: {told} in docs/method.md, {value} here"
+                (stated - value).abs() <= 5e-4 * value.abs(),
+                "{name}: {stated} in docs/method.md, {value} here"
             );
         }
     }

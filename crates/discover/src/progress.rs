@@ -1,22 +1,23 @@
-//! Where a discovery is.
+//! Progress of a discovery.
 
 use crate::conclude::diagnosis::Diagnosis;
 
-/// Where a discovery is, for a progress bar.
+/// Progress of a discovery.
 #[derive(Debug, Clone)]
 pub enum Progress {
     /// Fitting the declared model.
     Fitting,
-    /// Screening all candidates, so many effects having been found.
+    /// Screening all candidates, with this number of findings in the model.
     Screening(usize),
-    /// An effect was added.
+    /// A candidate passed the tests of the linearised problem; its name.
     Found(String),
-    /// What there is after each find, for whoever interrupts the loop: fitted to the training rows, without rivals.
+    /// The interim result after each finding, for a caller that may interrupt the search: fitted to the
+    /// training rows, without competing hypotheses.
     Interim(Box<Diagnosis>),
-    /// Looking at earlier finds again.
+    /// Reconsidering earlier findings.
     Reconsidering,
-    /// Holding the enlarged model against the declared one on data that it has not seen.
+    /// Comparing the enlarged model with the declared one on unseen data.
     Checking,
-    /// Judging the result on the rows that were drawn out first.
+    /// Evaluating the result on the held-out test set.
     Judging,
 }

@@ -1,4 +1,4 @@
-//! The loop: screen, compare, test, add, revise; again, until no further effect is significant.
+//! The search: screen, compare, test, add, revise; repeated until no further effect is significant.
 
 use crate::accept::admit::{admitted, without_insignificant};
 use crate::accept::evidence::Refused;
@@ -62,7 +62,7 @@ pub(crate) fn search(
             let changed;
             (outcome.model, changed) = reconsidered_once(context, outcome.model, test_counts)?;
             if changed {
-                // There may be more to find.
+                // The revised model may have further significant candidates.
                 continue;
             }
         }
@@ -72,7 +72,8 @@ pub(crate) fn search(
     }
 }
 
-/// Adds the best candidate that passes all tests, also as part of the refitted model; whether there was one.
+/// Adds the best candidate that passes the tests of the linearised problem and those of the refitted model;
+/// whether there was one.
 fn add(
     context: &Context<'_>,
     outcome: &mut Outcome,

@@ -1,51 +1,53 @@
-//! When the search ends, and why.
+//! Termination of the search.
 
 use crate::accept::model::{Model, Structure};
 use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
 use serde::{Deserialize, Serialize};
 
-/// Why the loop stopped.
+/// Why the search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Termination {
-    /// Nothing is left that chance would not do as well.
+    /// No further effect is significant: the smallest family-wise p exceeds α.
     NothingLeft,
-    /// Something is left, but no candidate passed the tests.
+    /// A candidate is significant, but none passed all tests.
     NothingConvincing,
-    /// As many effects as were allowed.
+    /// The largest allowed number of findings is reached.
     Limit,
-    /// The search came back to findings that it had had before, again and again: something is left, and what it is stays undecided.
+    /// The search returned to the same sets of findings: significant structure remains, its family is
+    /// undecided.
     Circling,
-    /// What was found did not hold on data that the search had not seen: the declared model stands.
+    /// The findings were withdrawn: the enlarged model predicts unseen data worse than the declared one.
     Withdrawn,
-    /// The caller ended it: there may be more, and nothing was judged at the end.
+    /// The caller ended the search: further effects are possible, and the final validation is missing.
     Interrupted,
 }
 
-/// What the loop has been through, as far as it decides how to go on.
+/// State of the search that decides how it continues.
 #[derive(Default)]
 pub(crate) struct History {
     iterations: usize,
-    /// Candidates that passed the tests of the linearised problem and failed as part of the present model.
+    /// Candidates that passed the tests of the linearised problem and failed those of the refitted model.
     pub barred: Vec<Candidate>,
-    /// Findings whose nonlinear parameters were brought to their joint optimum.
+    /// Findings whose nonlinear parameters were optimised jointly.
     descended: Option<Structure>,
     /// Whether all findings were reconsidered at the end.
     reconsidered: bool,
-    /// Findings that were together before: a revision that takes one out only for it to come back does not end.
+    /// Sets of findings of earlier iterations: a revision that leads back to one of them may repeat without
+    /// end.
     met: Vec<Structure>,
     circling: bool,
 }
 
 impl History {
-    /// Whether no iteration has been decided on yet.
+    /// Whether no iteration has been decided yet.
     pub fn first(&self) -> bool {
         self.iterations == 0
     }
 
-    /// Why the search ends with this smallest p, if it does.
+    /// Whether the search ends with this smallest family-wise p, and why.
     pub fn decide(&mut self, p_value: f64, model: &Model, options: &DiscoverOptions) -> Option<Termination> {
         self.iterations += 1;
         if p_value > options.alpha {
@@ -59,7 +61,8 @@ impl History {
         }
     }
 
-    /// Whether earlier findings are tested again after a new one: while there are few, and as long as that leads to findings not met before.
+    /// Whether earlier findings are reconsidered after a new one: while there are at most `few`, and until a
+    /// set of findings occurs twice.
     pub fn may_revise(&mut self, model: &Model, few: usize) -> bool {
         let structure = model.structure();
         self.circling |= self.met.contains(&structure);
@@ -70,7 +73,7 @@ impl History {
         may
     }
 
-    /// Whether these findings have not been through a joint descent yet.
+    /// Whether the nonlinear parameters of these findings have not been optimised jointly yet.
     pub fn may_descend(&mut self, model: &Model) -> bool {
         let structure = Some(model.structure());
         let may = self.descended != structure;
@@ -78,7 +81,7 @@ impl History {
         may
     }
 
-    /// Whether all findings are reconsidered at the end: once, where they were too many to do it after each.
+    /// Whether all findings are reconsidered at the end: once, with more than `few` of them.
     pub fn may_reconsider(&mut self, model: &Model, few: usize) -> bool {
         let may = !self.reconsidered && model.findings.len() > few;
         self.reconsidered |= may;

@@ -7,33 +7,37 @@ mod identification;
 mod layout;
 mod page;
 mod plan;
+mod poses;
 mod run;
 mod specification;
-mod spread;
+mod statistics;
 mod streamed;
 mod suspicion;
-mod words;
+mod wording;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary,
-    NestedSummary, Reference, RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
+    AlternativeSummary, BeforeAfter, DiscoverySettings, DiscoverySummary, FindingSummary, LackOfFitSummary,
+    NestedSummary, NoiseFloorSummary, NoiseReference, RefusedSummary, TooFewPoses, TrainAndHoldout,
+    UnexplainedSummary, UntestableSummary, WithdrawnSummary,
 };
 pub use identification::{
-    GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, ShapeSummary, StageSummary,
+    GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
+    StageSummary,
 };
 pub use layout::{Alignment, table};
 pub use page::{
     CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,
-    identification_report, worst_of_poses,
+    identification_report,
 };
 pub use plan::PlanSummary;
+pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};
-pub use spread::{PositionSpread, RotationSpread};
+pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
-pub use suspicion::suspicion_words;
-pub use words::{
-    advice_words, count, millimetres, milliradians, parameter_words, significant, value_with_interval,
-    warning_words,
+pub use suspicion::suspicion_text;
+pub use wording::{
+    advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,
+    warning_text,
 };

@@ -3,13 +3,14 @@
 use crate::accept::evidence::Evidence;
 use crate::hypotheses::candidate::Candidate;
 
-/// A find with what speaks for it and who lost against it.
+/// An accepted finding: the candidate, its evidence, and the hypotheses that it was preferred to.
 #[derive(Debug, Clone)]
 pub(crate) struct Accepted {
     pub candidate: Candidate,
     pub evidence: Evidence,
-    /// Who lost against it: how much less likely each makes the data (−2 ln L and what its coefficients cost), the most likely first.
+    /// Competing hypotheses, each with its difference in −2 ln L + coefficient penalty from the finding
+    /// (positive: less likely); smallest difference first.
     pub competitors: Vec<(Candidate, f64)>,
-    /// Causes without a name that did well when it was found.
+    /// Unnamed candidates with high scores at the time of the finding; reconsideration tests them again.
     pub shortlist: Vec<Candidate>,
 }

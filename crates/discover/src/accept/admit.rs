@@ -1,8 +1,10 @@
-//! Whether a change of the model is kept: the refitted model decides.
+//! Acceptance of a change of the model, decided on the refitted model.
 //!
-//! An effect that is added has to converge, to be significant and physical ([`crate::model::admissible`]), not to raise the training error, and to
-//! predict unseen poses better ([`crate::model::refits`]). A revision of earlier findings (joint descent, reconsideration, merging) may not lose by
-//! anything that counts. A change that fails is dropped as a whole.
+//! An added effect is accepted when the fit with it converges, its coefficients are significant and physical
+//! ([`crate::model::admissible`]), the training error does not increase, and refits predict unseen poses
+//! better ([`crate::model::refits`]). A revision of earlier findings (joint optimisation, reconsideration,
+//! merging) is accepted when its prediction of unseen poses is not worse by 2 % or more. A rejected change is
+//! undone as a whole.
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused};
@@ -13,7 +15,7 @@ use crate::model::admissible::{Objection, objection};
 use crate::model::current::Context;
 use crate::model::refits::compared;
 
-/// The model with a candidate more, or why it is not kept.
+/// The model with one more finding, or the reason why it is rejected.
 pub(crate) fn admitted(
     context: &Context<'_>,
     before: &Model,
@@ -39,7 +41,7 @@ pub(crate) fn admitted(
     })
 }
 
-/// The model after a revision of its findings, where that is no worse; none where it is.
+/// The revised model; `None` when it predicts unseen poses worse than the model before.
 pub(crate) fn kept(
     context: &Context<'_>,
     before: &Model,
@@ -48,8 +50,9 @@ pub(crate) fn kept(
     Ok(doubt_about(context, before, &after, false)?.is_none().then_some(after))
 }
 
-/// What speaks against a model beside an earlier one. An effect that is added has to predict unseen poses better; a revision, which may also
-/// make the model simpler, not worse by more than what counts.
+/// The reason to reject `after` in favour of `before`; `None` when there is none. With `gains` (an added
+/// effect) `after` has to predict unseen poses better; without (a revision, which may make the model simpler)
+/// it may be worse by less than the 2 % of [`crate::model::refits`].
 fn doubt_about(
     context: &Context<'_>,
     before: &Model,
@@ -76,7 +79,8 @@ fn doubt_about(
     Ok((worse || (earlier.converged && !refits.converged)).then_some(Doubt::WorseUnseen))
 }
 
-/// The model without findings that, with all others in it, are no longer significant or physical; those are noted.
+/// The model without the findings that are no longer significant or physical in the joint fit; those are
+/// added to `refused`.
 pub(crate) fn without_insignificant(
     context: &Context<'_>,
     mut model: Model,

@@ -1,12 +1,13 @@
-//! The four questions that a winner has to answer before it is believed.
+//! Tests of the best candidate before it is accepted.
 //!
-//! 1. Would chance have done as well anywhere in the search? Family-wise p by sign flips.
-//! 2. Does it predict configurations that it has not seen? Grouped cross-validation, paired, with the variance of Nadeau and
-//!    Bengio (2003); and contiguous blocks in time, which random folds mix: not worse as a whole, or not in the middle block (one
-//!    block may lie outside of what all others visited). What follows the time has to keep half of its gain there.
-//! 3. Does it matter? A gain of 2 % of the held-out error of the rows on which it acts (one target's, one payload's), or of a
-//!    tenth of the noise floor.
-//! 4. Is it there in every half of the data, with the same size?
+//! 1. Significance: the family-wise p by sign flips ([`crate::significance`]) is at most α.
+//! 2. Prediction of unseen configurations: paired, grouped cross-validation, t ≥ 2 with the variance of
+//!    Nadeau and Bengio (2003); and contiguous blocks in time, in which the effect does not predict worse, in
+//!    all blocks together or in the median block (one block may lie outside of the range of all others). An
+//!    effect that depends on time has to keep half of its gain in these blocks.
+//! 3. Relevance: a gain of 2 % of the held-out error of the rows on which it acts (those of one target or one
+//!    payload), or of a tenth of the noise standard deviation.
+//! 4. Stability: it is selected in 80 % of the half-samples (Meinshausen and Bühlmann 2010).
 
 use crate::contest::competitor::Competitor;
 use crate::error::DiscoverError;
@@ -26,72 +27,78 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use truepose_errormodel::configurations;
 use truepose_identify::{Folds, Split};
 
-/// What speaks for an effect.
+/// Evidence for an effect, from the linearised problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Family-wise, from sign flips; never below 1/(B + 1).
+    /// Family-wise p-value from B sign flips of whole poses; at least 1/(B + 1).
     pub p_value: f64,
-    /// Of the likelihood ratio, χ² of so many degrees of freedom; corrected for the number of questions asked.
+    /// Parametric p-value: χ² tail of the score statistic, times the number of tests (Bonferroni). Reported
+    /// only; no decision uses it.
     pub p_parametric: f64,
-    /// Unknowns that the data judges.
+    /// Degrees of freedom k: directions of the coefficients that the present model does not absorb.
     pub unknowns: usize,
-    /// Gain of −2 ln L.
+    /// Likelihood-ratio statistic: decrease of −2 ln L, with the noise estimated with and without the effect.
     pub gain: f64,
-    /// Cross-validated over random folds.
+    /// Cross-validation over random folds of whole configurations, at most ten.
     pub random: Gain,
-    /// Cross-validated over contiguous blocks in time.
+    /// Cross-validation over contiguous blocks in time, at most five; `None` when a fold cannot be fitted.
     pub blocks: Option<Gain>,
-    /// Share of half samples in which it is there.
+    /// Selection frequency: fraction of 20 half-samples in which the Wald statistic exceeds k + 1.5 √(2k).
     pub stability: f64,
-    /// Share of pairs of halves whose sizes agree.
+    /// Fraction of 10 pairs of complementary half-samples whose coefficients agree (Wald statistic of the
+    /// difference below k + 3 √(2k)). Reported only; no decision uses it.
     pub agreement: f64,
 }
 
-/// Held-out error without and with an effect, m.
+/// Held-out error without and with an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Gain {
-    /// 3-D RMS without.
+    /// 3-D RMS without the effect, m.
     pub before: f64,
-    /// 3-D RMS with.
+    /// 3-D RMS with the effect, m.
     pub after: f64,
-    /// Student's t of the paired difference over folds: of mean squares, of their logarithms (an effect of which a few rows have
-    /// most), or of the log score under a heavy tail (a few rows beyond what was visited), of each number by itself or
-    /// against the others of its visit, whichever is clearest.
+    /// Student's t of the paired difference over folds: the largest over three losses (mean squares; their
+    /// logarithms, for an effect that is large in a few folds; the log score of a t distribution with 4
+    /// degrees of freedom, for a few rows outside of the training range) and two scalings (each observation
+    /// by its marginal standard deviation; whitened with the other observations of its pose).
     pub t: f64,
-    /// Share of the held-out RMS of all numbers measured where it acts, in deviations, that it takes away.
+    /// Explained fraction of the held-out RMS of the standardised observations in the rows on which the
+    /// effect acts; negative when it predicts worse.
     pub won: f64,
-    /// The same of the middle fold: what it is where the data reaches, when one block lies outside of what all others visited.
+    /// The same of the median fold, over all observations: robust against one block outside of the range of
+    /// all others.
     pub middle: f64,
 }
 
-/// Why a winner is not believed.
+/// Why a candidate with the best score is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Doubt {
-    /// Chance does as well.
+    /// Not significant: the family-wise p exceeds α.
     Chance,
-    /// It does not predict what it has not seen.
+    /// It does not predict unseen configurations better.
     NotPredictive,
-    /// Its gain is too small to matter.
+    /// Its gain is below 2 % of the held-out error and below a tenth of the noise standard deviation, or does
+    /// not exceed the penalty.
     TooSmall,
-    /// It is not in every half of the data.
+    /// Its selection frequency in half-samples is below 80 %.
     Unstable,
-    /// The model has it already.
+    /// The model contains it already.
     NothingNew,
     /// The fit with it does not converge.
     NotConverged,
-    /// The fit with it leaves a larger training error.
+    /// The fit with it has a larger training error.
     WorseFit,
-    /// Refitted, the model with it predicts poses that it has not seen no better than the model without.
+    /// The refitted model with it predicts unseen poses no better than the model without.
     WorseUnseen,
-    /// In the refitted model its coefficients are not significant.
+    /// Its coefficients are not significant in the refitted model (Wald test).
     NotSignificant,
-    /// In the refitted model its sign or size is one that no mechanism has.
+    /// A coefficient of the refitted model is outside of its physical bounds.
     NotPhysical,
 }
 
-/// Collects the evidence for a rival, given its family-wise p.
+/// Collects the evidence for a competitor, given its family-wise p.
 pub(crate) fn collect(
     linearisation: &Linearisation<'_>,
     present: &Likelihood,
@@ -160,10 +167,12 @@ fn folds(linearisation: &Linearisation<'_>, most: usize) -> usize {
     most.min(count).max(2)
 }
 
-/// The paired difference, fold by fold, over all measured numbers in deviations: an orientation counts as well.
+/// The paired difference, fold by fold, over all standardised observations, positions and orientations alike.
+/// `before` and `after` are held-out residuals, m or rad.
 ///
-/// Numbers are judged twice: each by itself, and against what the others of its visit say of it. While whole visits are still off by more than
-/// the noise, for causes that have not been found yet, the second sees what the first cannot.
+/// Two scalings: each observation by its marginal standard deviation, and whitened with the other
+/// observations of its pose. While effects are missing that move all observations of a pose together, the
+/// whitened residuals have more power.
 fn paired(
     linearisation: &Linearisation<'_>,
     folds: &Folds,
@@ -209,18 +218,18 @@ fn paired(
     }
 }
 
-/// What an effect wins in each fold, of squared deviations.
+/// Paired differences of an effect in each fold, of squared standardised residuals.
 struct ByFold {
     /// Mean difference of the squares.
     squares: Vec<f64>,
-    /// Logarithm of their ratio.
+    /// Logarithm of the ratio of their sums.
     ratios: Vec<f64>,
-    /// Mean difference of the log score under a heavy tail.
+    /// Mean difference of the log score under a t distribution.
     scores: Vec<f64>,
 }
 
 impl ByFold {
-    /// Of deviations without and with it.
+    /// From standardised residuals without and with the effect.
     fn new(linearisation: &Linearisation<'_>, folds: &Folds, without: &[f64], with: &[f64]) -> Self {
         let tail = linearisation.policy.score_tail;
         let surprisal = |square: f64| (1.0 + square / tail).ln();
@@ -239,13 +248,13 @@ impl ByFold {
         }
     }
 
-    /// Student's t of whichever is clearest.
+    /// The largest Student's t of the three losses.
     fn clearest(&self) -> f64 {
         students_t(&self.squares).max(students_t(&self.ratios)).max(students_t(&self.scores))
     }
 }
 
-/// On which rows of the data it acts.
+/// Rows of the data in which the effect changes a prediction.
 fn acts(linearisation: &Linearisation<'_>, competitor: &Competitor) -> Vec<bool> {
     let mut rows = vec![false; linearisation.data.len()];
     for (at, o) in linearisation.observations.iter().enumerate() {
@@ -263,7 +272,8 @@ fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// t of a mean over folds that share their training data (Nadeau and Bengio): variance · (1/K + n_test/n_train).
+/// Student's t of a mean over K folds with overlapping training parts: variance s² (1/K + n_test/n_train),
+/// n_test/n_train = 1/(K − 1) (Nadeau and Bengio 2003).
 fn students_t(differences: &[f64]) -> f64 {
     let k = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / k.max(1.0);
@@ -272,7 +282,7 @@ fn students_t(differences: &[f64]) -> f64 {
     if spread > 0.0 { mean / spread } else { 0.0 }
 }
 
-/// Share of half samples in which the effect is there, and of pairs whose sizes agree.
+/// Selection frequency in half-samples, and fraction of complementary pairs whose coefficients agree.
 fn halves(
     linearisation: &Linearisation<'_>,
     competitor: &Competitor,
@@ -314,7 +324,7 @@ fn halves(
     Ok((there as f64 / (2 * count_of_halves) as f64, agree as f64 / count_of_halves as f64))
 }
 
-/// The parametric p of a rival, times the number of questions asked.
+/// The parametric p-value of a competitor: χ² tail times the number of tests, at most one.
 pub(crate) fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
     let tests = screen.tests();
     let distribution = ChiSquared::new(competitor.freedom as f64);
@@ -322,19 +332,19 @@ pub(crate) fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
     (single * tests.max(1) as f64).min(1.0)
 }
 
-/// A candidate that won a contest and was not believed.
+/// A candidate that had the best score and failed a test.
 #[derive(Debug, Clone)]
 pub struct Refused {
-    /// The cause.
+    /// The candidate.
     pub candidate: Candidate,
-    /// What speaks for it.
+    /// Its evidence in the linearised problem.
     pub evidence: Evidence,
-    /// What speaks against it.
+    /// The test that it failed.
     pub doubt: Doubt,
 }
 
 impl Refused {
-    /// Adds it to a list, unless the same cause stands there for the same reason.
+    /// Adds it to a list, unless the list has the same family and place with the same reason.
     pub(crate) fn note_in(self, refused: &mut Vec<Refused>) {
         if !refused.iter().any(|r| r.candidate.same_cause(&self.candidate) && r.doubt == self.doubt) {
             refused.push(self);

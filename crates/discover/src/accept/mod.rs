@@ -1,4 +1,4 @@
-//! What a finding has to pass before it becomes part of the model.
+//! Acceptance tests of a finding, and the model of the search as a value.
 
 pub(crate) mod accepted;
 pub(crate) mod admit;

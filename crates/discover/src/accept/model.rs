@@ -1,4 +1,5 @@
-//! The model of the search as a value: the declared model with its findings, fitted. A change makes another value; what fails is dropped.
+//! The model of the search: the declared model with its findings, fitted. It is an immutable value: a change
+//! makes another value, a rejected change is dropped.
 
 use crate::accept::accepted::Accepted;
 use crate::error::DiscoverError;
@@ -11,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 use truepose_errormodel::AnyEffect;
 use truepose_identify::Residuals;
 
-/// The declared model with what was found.
+/// The declared model with its findings.
 #[derive(Clone)]
 pub(crate) struct Model {
     pub findings: Vec<Accepted>,
@@ -19,18 +20,18 @@ pub(crate) struct Model {
     pub current: Arc<ModelFit>,
     /// The fit of the declared model alone.
     pub declared: Arc<ModelFit>,
-    /// How the model predicts poses that its refits have not seen, once that was evaluated.
+    /// Cross-validation residuals of the model by whole refits, evaluated on first use.
     refits: Arc<OnceLock<Refits>>,
 }
 
 impl Model {
-    /// Without findings.
+    /// The declared model as it was fitted, without findings.
     pub fn declared(fit: ModelFit) -> Self {
         let fit = Arc::new(fit);
         Model { findings: Vec::new(), current: Arc::clone(&fit), declared: fit, refits: Arc::default() }
     }
 
-    /// The declared model alone.
+    /// The declared model without the findings.
     pub fn without_findings(&self) -> Self {
         Model {
             findings: Vec::new(),
@@ -40,7 +41,8 @@ impl Model {
         }
     }
 
-    /// Refitted with these findings. Declared masses and nonlinear parameters move while the model is fitted.
+    /// Fits the declared model with these findings. Corrected masses are estimated in the fit, so that
+    /// candidates come back changed.
     pub fn refitted(&self, context: &Context<'_>, findings: Vec<Accepted>) -> Result<Self, DiscoverError> {
         let found: Vec<Candidate> = findings.iter().map(|a| a.candidate.clone()).collect();
         if found.is_empty() {
@@ -62,8 +64,9 @@ impl Model {
         }
     }
 
-    /// The findings with one more; further effects of a cause that is known (periods of one transmission) go to the finding that they belong
-    /// to. Returns the number of that finding; none when the model has the candidate already.
+    /// The findings with one more, and its number. Further effects of a family and place that is known
+    /// (periods of one transmission) are added to that finding. `None` when the model has all effects of the
+    /// candidate.
     pub fn joined(&self, accepted: Accepted) -> Option<(Vec<Accepted>, usize)> {
         let mut findings = self.findings.clone();
         let known = findings.iter().position(|a| a.candidate.same_cause(&accepted.candidate));
@@ -86,18 +89,18 @@ impl Model {
         Some((findings, last))
     }
 
-    /// The effects of the fitted model that belong to a finding.
+    /// Indices, in the fitted model, of the effects of a finding.
     pub fn effects_of(&self, context: &Context<'_>, which: usize) -> Range<usize> {
         context.effects_of(&self.current.found, which)
     }
 
-    /// The candidates of all findings but some.
+    /// The candidates of all findings except those of these numbers.
     pub fn others(&self, but: &[usize]) -> Vec<Candidate> {
         let kept = (0..self.findings.len()).filter(|k| !but.contains(k));
         kept.map(|k| self.findings[k].candidate.clone()).collect()
     }
 
-    /// With all nonlinear parameters at their joint optimum; none when nothing moved.
+    /// The model with all nonlinear parameters at their joint optimum; `None` when none moved.
     pub fn descended(&self, context: &Context<'_>) -> Result<Option<Self>, DiscoverError> {
         let ModelFit { found, fit, data, .. } = &*self.current;
         match descended(context, found, fit, data)? {
@@ -106,7 +109,7 @@ impl Model {
         }
     }
 
-    /// With each jump between the two rows between which the data places it.
+    /// The model with each change point in the middle of the gap between rows in which the data places it.
     pub fn between_rows(self, context: &Context<'_>) -> Result<Self, DiscoverError> {
         let next = between_rows(&self.current.found, context.data);
         if next.iter().all(|found| gaps(found).is_empty()) {
@@ -121,7 +124,8 @@ impl Model {
         findings
     }
 
-    /// What was found in a part of the data, fitted to the data of another context; the declared model as well.
+    /// The same structure fitted to the data of another context (all training rows after a search on a
+    /// sample), declared model included.
     pub fn on_data_of(&self, context: &Context<'_>) -> Result<Self, DiscoverError> {
         let declared = context.fit_model_from(Vec::new(), &[], Some(&self.declared.fit))?;
         let declared = Model::declared(declared);
@@ -133,31 +137,32 @@ impl Model {
         Ok(declared.standing_on(self.findings.clone(), fit))
     }
 
-    /// How it predicts training poses that its refits have not seen.
+    /// Cross-validation residuals by refits ([`crate::model::refits`]).
     pub fn refits(&self, context: &Context<'_>) -> Result<Refits, DiscoverError> {
         if let Some(known) = self.refits.get() {
             return Ok(known.clone());
         }
         let refits = context.refits(&self.current, context.options.seed)?;
-        // Another thread may have been as fast, with the same value.
+        // When another thread has set it, its value is the same.
         let _ = self.refits.set(refits.clone());
         Ok(refits)
     }
 
-    /// The declared model and this one on the training rows, each row by a refit without its fold.
+    /// Residuals of the declared model and of this one on the training rows, each row by a refit without its
+    /// fold.
     pub fn both_refitted(&self, context: &Context<'_>) -> Result<[Residuals; 2], DiscoverError> {
         let first = context.refits(&self.declared, context.options.seed)?.residuals;
         Ok([first, self.refits(context)?.residuals])
     }
 
-    /// What was found, in any order, and of how many effects each finding is.
+    /// The findings as a set: family, place and number of effects.
     pub fn structure(&self) -> Structure {
         let of = |a: &Accepted| (a.candidate.clone(), a.candidate.effects().len());
         Structure(self.findings.iter().map(of).collect())
     }
 }
 
-/// Causes at their places with the number of effects of each; equal in any order.
+/// Families and places of findings with the number of effects of each; equal in any order.
 #[derive(Clone)]
 pub(crate) struct Structure(Vec<(Candidate, usize)>);
 

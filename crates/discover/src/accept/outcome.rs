@@ -1,33 +1,33 @@
-//! What a search has come to.
+//! State of a search.
 
 use crate::accept::evidence::Refused;
 use crate::accept::model::Model;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 
-/// What a search has come to, at its end or on the way.
+/// State of a search, after each finding or at the end.
 #[derive(Clone)]
 pub(crate) struct Outcome {
     pub model: Model,
-    /// Candidates that won a contest and failed a test.
+    /// Candidates that had the best score and failed a test.
     pub refused: Vec<Refused>,
-    /// Causes that this data cannot test beside the declared model.
+    /// Families and places that this data cannot test with the declared model in place.
     pub untestable: Vec<Untestable>,
     pub last: LastScreen,
     pub stopped: Termination,
 }
 
-/// The last screen of all candidates.
+/// Result of the last screen of all candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LastScreen {
-    /// Smallest family-wise p.
+    /// Smallest family-wise p-value.
     pub p_value: f64,
-    /// Likelihood-ratio statistic of one unknown that would have been significant.
+    /// Score statistic of a candidate with one degree of freedom that would have been significant at α.
     pub detectable_gain: f64,
 }
 
 impl Outcome {
-    /// Before the search.
+    /// State before the search.
     pub fn of(model: Model) -> Self {
         Outcome {
             model,

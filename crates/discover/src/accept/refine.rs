@@ -1,7 +1,9 @@
-//! The last digits of a shape: with the find in the model, under the noise that is left with it.
+//! Nonlinear parameters of a new finding, optimised with the finding in the model.
 //!
-//! The screen found the period, the instant or the time constant under noise that still held the effect itself. Here each shape is looked
-//! for again near where it is, everything else of the model, and of the find, projected out.
+//! The screen optimised period, change point or time constant under a noise estimate that contained the
+//! effect. Here each of them is optimised again near its value, under the noise of the model with the
+//! finding, with all other columns of the model and of the finding projected out (variable projection, Golub
+//! and Pereyra 1973).
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
@@ -13,7 +15,7 @@ use crate::problem::projection::Projection;
 use crate::screen::refine::refined;
 use rayon::prelude::*;
 
-/// The find with its shapes looked for again; none when it has none, or nothing was gained.
+/// The finding with its nonlinear parameters optimised again; none when it has none, or the statistic does not grow.
 pub(crate) fn refined_in_model(
     context: &Context<'_>,
     current: &ModelFit,

@@ -1,4 +1,4 @@
-//! Who wins a screen: the best candidate that passes all tests of the linearised problem.
+//! Selection: the best candidate of a screen that passes all tests of the linearised problem.
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused, collect, parametric};
@@ -13,7 +13,8 @@ use crate::screen::candidates::Screen;
 use crate::significance::sign_flips::NullDistribution;
 use crate::statistics::chi_square::gain_of_one;
 
-/// The best rival that passes all tests; those that fail are noted and the next one is asked.
+/// The best competitor that passes all tests; those that fail are added to `refused`, and the next one is
+/// tested. `current` is the present model.
 pub(crate) fn winner(
     context: &Context<'_>,
     current: &ModelFit,
@@ -53,12 +54,13 @@ pub(crate) fn winner(
     Ok(None)
 }
 
-/// The gain of a single unknown that would have passed as no chance.
+/// Score statistic with one degree of freedom that is significant at `alpha`.
 pub(crate) fn detectable_statistic(null: &NullDistribution, alpha: f64) -> f64 {
     gain_of_one(null.critical(alpha))
 }
 
-/// Family-wise p of a candidate for the place of a finding: `scene` is the model without that finding, `others` are the other findings.
+/// Family-wise p-value of a candidate in place of a finding: `linearisation` is the model without that
+/// finding, `others` are the other findings. The null distribution is that of a full screen of this model.
 pub(crate) fn family_wise_p(
     context: &Context<'_>,
     linearisation: &Linearisation<'_>,

@@ -1,4 +1,4 @@
-//! What a discovery found: the ledger.
+//! The result of a discovery.
 
 use crate::accept::evidence::{Evidence, Refused};
 use crate::conclude::errors::Errors;
@@ -13,135 +13,140 @@ use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, Placement, Repeats};
 
-/// The result of the closed loop.
+/// The result of [`diagnose`](crate::diagnose()). Errors in m; fits in SI units.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
-    /// Where base, tool and targets were found, if they were looked for.
+    /// Placement of base, tool and targets that are declared unknown.
     pub placement: Placement,
-    /// Effects in the order in which they were added.
+    /// Accepted effects, in the order in which they were added.
     pub findings: Vec<Finding>,
-    /// Candidates that won a contest and were not believed.
+    /// Candidates that had the best score and failed a test, with the reason.
     pub refused: Vec<Refused>,
-    /// Fits of rivals, where they were asked for.
+    /// Fits of competing hypotheses that are not distinguishable; empty unless
+    /// [`DiscoverOptions::competing_fits`](crate::DiscoverOptions::competing_fits).
     pub competitors: Vec<CompetingFit>,
-    /// What the data cannot test: (cause, the share of it that the declared model leaves, smallest size that would be seen).
+    /// Families and places that the data cannot test, with the fraction that the declared model does not
+    /// absorb and the smallest detectable size.
     pub untestable: Vec<Untestable>,
-    /// Errors before and after.
+    /// Residuals of the declared model.
     pub before: Errors,
-    /// With everything that was found.
+    /// Residuals of the model with all findings.
     pub after: Errors,
-    /// Findings that were withdrawn, since the declared model predicts unseen data better.
+    /// Findings that were withdrawn; `None` when they stand.
     pub withdrawn: Option<Withdrawn>,
-    /// Expected 3-D RMS of one new row if the model were perfect, and where that is known from.
+    /// Repeatability limit: expected 3-D RMS of one new row under a perfect model, with its source.
     pub noise_floor: NoiseFloor,
-    /// Whether the model is enough.
+    /// Whether the model is adequate.
     pub verdict: Verdict,
-    /// Pure error of repeated visits, judged with the declared model.
+    /// Pure error of repeated poses and lack of fit of the declared model.
     pub repeats_before: Option<Repeats>,
-    /// Judged with everything that was found.
+    /// The same with all findings.
     pub repeats_after: Option<Repeats>,
-    /// What is left.
+    /// The residual beyond the repeatability limit.
     pub unexplained: Unexplained,
-    /// Why the loop stopped.
+    /// Why the search ended.
     pub stopped: Termination,
     /// The fit of the enlarged model on all rows, structure frozen.
     pub fit: Fit,
     /// The fit of the declared model on the training part.
     pub declared: Fit,
-    /// Rows of the data that were drawn out first.
+    /// Rows (0-based) of the held-out test set.
     pub holdout_rows: Vec<usize>,
-    /// The data as the final fit saw it: loads corrected, outliers kept out.
+    /// The data of the final fit: payloads corrected, outliers excluded.
     pub data: Dataset,
 }
 
-/// An effect that was found and believed.
+/// An accepted effect.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// The cause and the change that takes it in.
+    /// Family, place and change of the model.
     pub candidate: Candidate,
-    /// What speaks for it.
+    /// Its evidence in the linearised problem at the time of its acceptance.
     pub evidence: Evidence,
-    /// RMS on the held-out rows before and after it was added, m.
+    /// 3-D RMS on the held-out test set before and after it was added, m.
     pub holdout: (f64, f64),
-    /// RMS on the training rows before and after it was added, m.
+    /// 3-D RMS on the training rows before and after it was added, m.
     pub train: (f64, f64),
-    /// Its sizes.
+    /// Its coefficients in the final fit.
     pub parameters: Vec<Parameter>,
-    /// Its shape: periods, instants, time constants, lags, loads on a flank; an interval as wide as the range in which it was looked
-    /// for says that the data leaves it open.
+    /// Its nonlinear parameters (file key `shape`): periods, change points, time constants, lags, dead-band
+    /// loads. An interval as wide as the search range means that the parameter is not identifiable.
     pub shape: Vec<Parameter>,
-    /// Rivals.
+    /// Competing hypotheses, in order of their difference of score.
     pub alternatives: Vec<Alternative>,
-    /// Rows (0-based, of the whole data) that it is about: outliers, or a wrong payload.
+    /// Rows (0-based, of all data) that it concerns: outliers, or rows with the corrected payload; empty for
+    /// effects on all rows.
     pub rows: Vec<usize>,
-    /// What is left, traced to it and set against what drives it; none of outliers.
+    /// Partial residuals against the driver of the effect; `None` for outliers.
     pub trace: Option<Trace>,
 }
 
-/// A size with its interval.
+/// An estimate with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
-    /// What it is.
+    /// Name of the coefficient or nonlinear parameter.
     pub name: String,
-    /// In its unit.
+    /// Estimate, in `unit`.
     pub value: f64,
-    /// SI.
+    /// SI unit.
     pub unit: String,
-    /// 95 % interval.
+    /// 95 % confidence interval, in `unit`.
     pub ci95: [f64; 2],
 }
 
-/// Another explanation.
+/// A competing hypothesis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Alternative {
-    /// What kind of cause.
+    /// Family.
     pub family: Family,
-    /// Where.
+    /// Place.
     #[serde(flatten)]
     pub place: Place,
-    /// RMS on the held-out rows with it in place of the find, m.
+    /// 3-D RMS on the held-out test set with it in place of the finding, m.
     pub holdout: f64,
-    /// How much less likely it makes the data, in −2 ln L with the price of its unknowns.
+    /// Difference from the finding in −2 ln L + coefficient penalty; positive: less likely.
     pub behind: f64,
-    /// True when this data cannot tell it from the find.
+    /// Whether it is not distinguishable from the finding with this data.
     pub equivalent: bool,
 }
 
-/// The whole model with another explanation in place of a find that this data cannot tell from it.
+/// The fit of the model with a competing hypothesis in place of a finding from which it is not
+/// distinguishable.
 #[derive(Debug, Clone)]
 pub struct CompetingFit {
-    /// Number of the find, from zero.
+    /// Index of the finding, from zero.
     pub finding: usize,
-    /// What stands in its place.
+    /// The competing hypothesis.
     pub candidate: Candidate,
-    /// Fitted to all rows, as the final model is.
+    /// Fitted to all rows, like the final model.
     pub fit: Fit,
 }
 
-/// What is left.
+/// The residual beyond the repeatability limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Unexplained {
-    /// Whether it is more than noise.
+    /// Whether the verdict is [`Verdict::Unexplained`].
     pub significant: bool,
-    /// 3-D RMS of what lies beyond the repeatability limit, m; none where no estimate of that is known.
+    /// 3-D RMS beyond the repeatability limit, √(RMS² − limit²), m; `None` without an estimate of the limit.
     pub rms: Option<f64>,
-    /// Its share of the variance that the declared model left, with its sign; none where no estimate of the limit is known.
+    /// (RMS² − limit²) over the mean square of the declared model, with its sign; `None` without an estimate
+    /// of the limit.
     pub share_of_variance: Option<f64>,
-    /// The smallest family-wise p of the last screen.
+    /// Smallest family-wise p-value of the last screen.
     pub p_value: f64,
-    /// The best candidate's gain in −2 ln L that would have been seen at the level that was asked for.
+    /// Score statistic of a candidate with one degree of freedom that would have been significant at α.
     pub detectable_gain: f64,
 }
 
-/// On which data the enlarged model was worse than the declared one.
+/// Data on which the enlarged model predicts worse than the declared one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
     /// Training rows, each predicted by a refit of the same structure without its fold.
     Refits,
-    /// Training rows that were not in the sample that was searched.
+    /// Training rows outside of the sample that was searched.
     UnsearchedRows,
-    /// Training rows, each predicted by a run of the whole loop without its fold.
+    /// Training rows, each predicted by a run of the whole search without its fold.
     NestedFolds,
     /// The held-out test set.
     TestSet,
@@ -150,12 +155,12 @@ pub enum Check {
 /// Findings that were withdrawn, because the declared model predicts unseen data better.
 #[derive(Debug, Clone)]
 pub struct Withdrawn {
-    /// Where they failed.
+    /// The check that failed.
     pub check: Check,
     /// 3-D RMS of the declared model on the rows of that check, m.
     pub declared: f64,
     /// The same with the findings, m.
     pub enlarged: f64,
-    /// The findings with what spoke for them.
+    /// The findings with their evidence.
     pub findings: Vec<(Candidate, Evidence)>,
 }

@@ -1,25 +1,25 @@
-//! Errors before and after, on the training part and on the held-out test set.
+//! Residuals of a model on the training rows and on the held-out test set.
 
 use truepose_identify::{Residuals, Spread};
 
-/// Errors on the training part and on the rows that took part in nothing.
+/// Residuals of a model on the training rows and on the held-out test set, m and rad.
 #[derive(Debug, Clone, Default)]
 pub struct Errors {
     /// Training rows.
     pub train: Residuals,
-    /// Held-out rows.
+    /// Rows of the held-out test set.
     pub holdout: Residuals,
-    /// Rows, counted within each of the two parts, that are reported as outliers.
+    /// Rows that are reported as outliers, as indices into `train` and into `holdout`.
     pub outliers: [Vec<usize>; 2],
 }
 
 impl Errors {
-    /// Statistics of both parts, m.
+    /// Statistics of the 3-D position error of (training rows, test set), m.
     pub fn spreads(&self) -> (Spread, Spread) {
         (self.train.positions(), self.holdout.positions())
     }
 
-    /// Statistics of both parts without the rows that are reported as outliers, m.
+    /// The same without the rows that are reported as outliers, m.
     pub fn spreads_without_outliers(&self) -> (Spread, Spread) {
         let of = |part: &Residuals, out: &[usize]| {
             let rows: Vec<usize> = (0..part.position.len()).filter(|row| !out.contains(row)).collect();
@@ -28,7 +28,7 @@ impl Errors {
         (of(&self.train, &self.outliers[0]), of(&self.holdout, &self.outliers[1]))
     }
 
-    /// 3-D RMS of both parts, m.
+    /// 3-D RMS of (training rows, test set), m.
     pub(crate) fn rms(&self) -> (f64, f64) {
         let (train, holdout) = self.spreads();
         (train.rms, holdout.rms)

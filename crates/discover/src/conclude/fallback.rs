@@ -1,7 +1,7 @@
-//! The enlarged model against the declared one, on data that the search has not seen.
+//! Fallback: the enlarged model is compared with the declared one on data that the search has not used.
 //!
-//! A search selects, and what was selected fits the rows that selected it. So before anything is written, the whole of what was found is held
-//! against the declared model where no choice has looked:
+//! Selection is biased towards the rows that were used for it. Before a model is written, all findings
+//! together are compared with the declared model on other rows:
 //!
 //! | check | rows | when |
 //! | --- | --- | --- |
@@ -10,8 +10,10 @@
 //! | [`Check::NestedFolds`] | training rows, each predicted by a whole run of the loop without its fold | fewer than [`crate::Policy::few_poses`] |
 //! | [`Check::TestSet`] | the held-out test set | the run drew it itself |
 //!
-//! A model that fails one of them is withdrawn as a whole: the declared model stands. Single effects were judged when they were added
-//! ([`crate::model::refits`]). The last check makes a choice of two by the test set; its figure is the smaller of two, which is told.
+//! A check fails when Σ ‖e/σ‖² of the enlarged model is larger. Then all findings are withdrawn and the
+//! declared model is the result. Single effects were tested when they were added ([`crate::model::refits`]).
+//! The last check selects one of two models by the test set, so that its error is the smaller of two; the
+//! report says so.
 
 use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
@@ -29,27 +31,29 @@ use truepose_identify::{Fit, Folds, Residuals, Split};
 /// Which checks a run makes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Checks {
-    /// The test set is the run's own; in a validation from outside it has to stay unseen.
+    /// The test set belongs to this run; inside a cross-validation it belongs to the outer loop and stays
+    /// unused.
     pub test_set: bool,
-    /// The loop is validated where poses are few.
+    /// The whole search is cross-validated where poses are few.
     pub nested: bool,
 }
 
 impl Checks {
-    /// Of a run that a user starts.
+    /// Of a run of its own.
     pub const ALL: Checks = Checks { test_set: true, nested: true };
-    /// Of a run whose test rows belong to a validation from outside.
+    /// Of a run inside a cross-validation of the search.
     pub const UNSEEN: Checks = Checks { test_set: false, nested: true };
-    /// Of a run inside such a run.
+    /// Of a run inside the cross-validation of such a run: ends the recursion.
     const INNERMOST: Checks = Checks { test_set: false, nested: false };
 }
 
-/// Another run of the loop on other parts (training, test) of the training rows.
+/// Runs the search on another partition (training, test) of the training rows.
 pub(crate) type Again<'a> =
     dyn Fn((Vec<usize>, Vec<usize>), Checks) -> Result<Diagnosis, DiscoverError> + Sync + 'a;
 
-/// Holds what was found against the declared model and takes it back where it is worse; `train` are the training rows, with the residuals of
-/// [`unsearched`] where only a sample of them was searched.
+/// Compares the model with the declared one; returns the findings with the failed check when they have to be
+/// withdrawn. `train` are the training rows, `unsearched` the residuals of [`unsearched`] where only a sample
+/// of them was searched.
 pub(crate) fn withdrawn(
     context: &Context<'_>,
     model: &Model,
@@ -70,7 +74,7 @@ pub(crate) fn withdrawn(
     Ok(Some(Withdrawn { check, declared, enlarged, findings }))
 }
 
-/// (check, RMS of the declared model, RMS of the enlarged one).
+/// (check, 3-D RMS of the declared model, 3-D RMS of the enlarged one), m.
 type Failed = (Check, f64, f64);
 
 fn failed(
@@ -149,7 +153,7 @@ fn nested(
         let rows: (Vec<usize>, Vec<usize>) =
             (0..train.len()).partition(|&row| folds.of_visit[train.visit[row]] != fold);
         let held = rows.1.clone();
-        // Without a fold there may be too few poses for a search: then there is nothing to compare.
+        // Without a fold there may be too few poses for a search: then its rows are not compared.
         let Ok(run) = again(rows, Checks::INNERMOST) else { continue };
         for (all, part) in pair.iter_mut().zip([&run.before.holdout, &run.after.holdout]) {
             for (k, &row) in held.iter().enumerate() {
@@ -175,7 +179,7 @@ fn gross(
     Ok(held.filter(|(_, row)| suspects.contains(row)).map(|(k, _)| k).collect())
 }
 
-/// Residuals without those of some rows.
+/// The residuals with NaN in these rows.
 fn blank(mut pair: [Residuals; 2], rows: &[usize]) -> [Residuals; 2] {
     for residuals in &mut pair {
         let count = residuals.position.len();

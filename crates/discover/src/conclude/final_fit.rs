@@ -1,8 +1,9 @@
-//! The fit that is written: of all rows, with the structure that the search ended with.
+//! The final fit: of all rows, with the structure of the search.
 //!
-//! The structure is frozen; coefficients and nonlinear parameters come from all rows but the outliers. Where nothing was found, or what was
-//! found was withdrawn, the fit is the one of the declared model by itself, as [`truepose_identify::fit`] makes it. A fit of all rows that does not
-//! converge while that of the training rows did gives way to the latter.
+//! The structure is fixed; coefficients and nonlinear parameters are estimated from all rows except outliers.
+//! Without findings, or when they were withdrawn, it is the fit of the declared model as
+//! [`truepose_identify::fit`] makes it. When the fit of all rows does not converge and that of the training
+//! rows did, the latter is returned.
 
 use crate::data::payload::without;
 use crate::error::DiscoverError;
@@ -11,28 +12,32 @@ use crate::model::current::{Context, ModelFit};
 use crate::model::nonlinear::{between_rows, descended, gaps, nonlinear_parameters};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::{Outliers, outliers};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape};
-use truepose_identify::{Fit, FitOptions, NoiseSource, fit, fit_again, judge_shapes};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, NonlinearParameter};
+use truepose_identify::{Fit, FitOptions, NoiseSource, fit, fit_again, judge_nonlinear};
 
-/// The fit with what it was made from.
+/// The final fit with its data.
 pub(crate) struct Final {
     pub fit: Fit,
     pub found: Vec<Candidate>,
-    /// Without the rows that nothing explains.
+    /// Without outliers.
     pub data: Dataset,
     pub outside: Outliers,
 }
 
-/// How the declared model is fitted by itself.
+/// How the declared model is fitted alone.
 pub(crate) struct DeclaredFit<'a> {
     pub declared: &'a [Box<dyn AnyEffect>],
     pub fit: FitOptions,
-    /// Whether a fit of all rows is wanted at all: inside a validation nobody uses it.
+    /// Whether the fit of all rows, competing hypotheses and partial residuals are wanted; a cross-validation
+    /// does not use them.
     pub full_report: bool,
 }
 
 impl DeclaredFit<'_> {
-    /// The declared model on all rows.
+    /// The declared model fitted to all rows.
+    ///
+    /// # Errors
+    /// When the fit fails.
     pub fn fit(
         &self,
         context: &Context<'_>,
@@ -51,7 +56,7 @@ impl DeclaredFit<'_> {
     }
 }
 
-/// The enlarged model on all rows, which `all` has with corrected loads.
+/// The enlarged model fitted to all rows; `all` has corrected payloads.
 pub(crate) fn enlarged(
     context: &Context<'_>,
     current: &ModelFit,
@@ -85,7 +90,7 @@ pub(crate) fn enlarged(
     Ok(Final { fit, found, data, outside })
 }
 
-/// The fit of the training rows as it stands.
+/// The fit of the training rows.
 pub(crate) fn training(
     context: &Context<'_>,
     current: &ModelFit,
@@ -109,8 +114,10 @@ fn outside(
     Ok(outliers(&judged, residual.as_slice(), current.fit.noise))
 }
 
-/// The fit with the intervals of what was found of the findings' nonlinear parameters, and with what those add to the covariance.
-fn with_nonlinear(fit: Fit, data: &Dataset, nonlinear: &[(usize, Shape)]) -> Fit {
-    // Where columns beside the effect depend on each other nothing can be said: then the intervals are those of a known shape.
-    if nonlinear.is_empty() { fit } else { judge_shapes(&fit, data, nonlinear).unwrap_or(fit) }
+/// The fit with intervals of the nonlinear parameters of the findings, and with their contribution to the
+/// covariance.
+fn with_nonlinear(fit: Fit, data: &Dataset, nonlinear: &[(usize, NonlinearParameter)]) -> Fit {
+    // Where columns are linearly dependent no interval is computed; the covariance is that of known nonlinear
+    // parameters.
+    if nonlinear.is_empty() { fit } else { judge_nonlinear(&fit, data, nonlinear).unwrap_or(fit) }
 }

@@ -1,13 +1,13 @@
-//! The repeatability limit: what one new row would be off by if the model were perfect, and where that figure comes from.
+//! The repeatability limit: expected 3-D RMS of one new row under a perfect model, with its source.
 //!
 //! | source | figure | what it is |
 //! | --- | --- | --- |
 //! | [`FloorSource::Repeats`] | 3-D RMS of repeated poses about their mean, with its χ² interval | an estimate |
-//! | [`FloorSource::Stated`] | √3 times the standard deviation that the instrument states | a lower bound: the robot's repeatability comes on top |
-//! | [`FloorSource::Unknown`] | none | nothing tells it |
+//! | [`FloorSource::Stated`] | √3 times the standard deviation that the instrument states | a lower bound: without the repeatability of the robot |
+//! | [`FloorSource::Unknown`] | none | neither is known |
 //!
-//! The residual of a model is never its own limit: a cause that nobody has found is part of it. Source of the interval: ISO 3534-1; Draper and
-//! Smith, *Applied Regression Analysis*, 3rd ed., §2.1 (pure error).
+//! The residual of a model is never used as the limit: it contains effects that are not in the model. Source
+//! of the interval: ISO 3534-1; Draper and Smith, *Applied Regression Analysis*, 3rd ed., §2.1 (pure error).
 
 use crate::conclude::errors::Errors;
 use crate::problem::observation::typical_sd;
@@ -26,36 +26,36 @@ pub enum FloorSource {
     Repeats,
     /// The instrument's stated accuracy: a lower bound.
     Stated,
-    /// Nothing tells it.
+    /// Unknown: no repeated poses, no stated accuracy.
     Unknown,
 }
 
-/// The 3-D RMS that a perfect model would leave of one new row.
+/// The repeatability limit: expected 3-D RMS of one new row under a perfect model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseFloor {
-    /// m; none when nothing tells it.
+    /// m; `None` when it is unknown.
     pub rms: Option<f64>,
     /// Where it comes from.
     pub source: FloorSource,
-    /// Its 95 % interval, m; none of a bound.
+    /// Its 95 % confidence interval, m; `None` for a lower bound.
     pub ci95: Option<[f64; 2]>,
 }
 
-/// Whether the model is enough.
+/// Whether the model is adequate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Verdict {
-    /// What is left is not more than a known limit lets expect.
+    /// The residual is not significant against the repeatability limit.
     Adequate,
-    /// Something is left that no effect of the model explains.
+    /// Significant structure remains that no effect of the model explains.
     Unexplained,
-    /// No limit is known against which it could be decided.
+    /// The limit is unknown, so that it cannot be decided.
     Undecided,
 }
 
 impl NoiseFloor {
-    /// From repeated poses where there are any, else from what the instrument states.
+    /// From repeated poses where there are any, else from the stated accuracy of the instrument.
     pub(crate) fn of(repeats: Option<&Repeats>, data: &Dataset) -> Self {
         if let Some(repeats) = repeats.filter(|repeats| repeats.rms > 0.0) {
             let freedom = repeats.freedom as f64;
@@ -89,14 +89,15 @@ impl NoiseFloor {
         }
         let enough = match self.source {
             FloorSource::Repeats => lack.is_some(),
-            // As good as the instrument alone: the robot adds nothing to be explained.
+            // The residual is within the stated accuracy of the instrument.
             FloorSource::Stated => self.rms.is_some_and(|rms| after.rms().0 <= rms),
             FloorSource::Unknown => false,
         };
         if enough { Verdict::Adequate } else { Verdict::Undecided }
     }
 
-    /// (3-D RMS, signed share of the variance that the declared model left) beyond the limit; none where no estimate of the limit is known.
+    /// (√(after² − limit²), m; (after² − limit²)/before², with its sign) from the 3-D RMS before and after,
+    /// m; `None` without an estimate of the limit.
     pub(crate) fn beyond(&self, before: f64, after: f64) -> Option<(f64, f64)> {
         let floor = self.rms.filter(|_| self.source != FloorSource::Stated)?;
         let left = after * after - floor * floor;
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn without_repeats_and_a_stated_accuracy_nothing_is_decided() {
+    fn without_repeats_and_stated_accuracy_the_verdict_is_undecided() {
         let floor = NoiseFloor::of(None, &Dataset::default());
         assert_eq!((floor.rms, floor.source), (None, FloorSource::Unknown));
         let nothing = Errors::default();
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_adequate_beside_a_significant_lack_of_fit() {
+    fn a_significant_lack_of_fit_is_never_adequate() {
         let nothing = Errors::default();
         for (p, verdict) in [(0.5, Verdict::Adequate), (1e-6, Verdict::Unexplained)] {
             let repeats = repeats(1e-4, p);

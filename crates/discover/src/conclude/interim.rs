@@ -1,7 +1,8 @@
-//! What the loop has after each find, should it be interrupted before its end.
+//! The interim result after each finding, for a run that is interrupted.
 //!
-//! The ledger of the end without what only the end can afford: the fit is that of the training rows, rivals are not judged on held-out
-//! rows, shapes have no intervals. Errors before and after a find are those of the model as it was when it was added.
+//! The final result without its expensive parts: the fit is that of the training rows, competing hypotheses
+//! are not evaluated on the test set, nonlinear parameters have no intervals. Errors before and after a
+//! finding are those of the model when it was added.
 
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
@@ -19,7 +20,7 @@ use crate::termination::Termination;
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, repeats};
 
-/// What is known from the beginning, and the errors (training, held out) with as many finds.
+/// The fit and errors of the declared model, and the errors after each finding.
 pub(crate) struct InterimReport {
     declared: Fit,
     before: Errors,
@@ -28,14 +29,14 @@ pub(crate) struct InterimReport {
 }
 
 impl InterimReport {
-    /// Before anything was found.
+    /// Before the first finding.
     pub fn new(first: &ModelFit, partition: &Partition<'_>) -> Result<Self, DiscoverError> {
         let held = partition.data.select(&partition.holdout_rows);
         let before = errors(&first.fit, &first.data, &held)?;
         Ok(InterimReport { declared: first.fit.clone(), steps: vec![before.rms()], before, held })
     }
 
-    /// After a finding.
+    /// The interim result after a finding.
     pub fn after(
         &mut self,
         context: &Context<'_>,
@@ -50,7 +51,7 @@ impl InterimReport {
             &with_loads(&self.held, &current.found),
         )?;
         self.steps.truncate(findings.len());
-        // A look at earlier finds may have split one.
+        // A revision may have changed the number of findings by more than one.
         while self.steps.len() < findings.len() {
             self.steps.push(after.rms());
         }

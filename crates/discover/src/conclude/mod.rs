@@ -1,4 +1,4 @@
-//! The result: figures on data that no choice has seen, the final fit, the verdict.
+//! The result: errors on held-out data, the final fit, the verdict.
 
 pub(crate) mod diagnosis;
 pub(crate) mod errors;

@@ -1,9 +1,9 @@
-//! The data as a whole, divided into training rows and a held-out test set.
+//! Partition of the data into training rows and a held-out test set.
 
 use truepose_errormodel::Dataset;
 use truepose_identify::Placement;
 
-/// The data as a whole, and what was known before the loop.
+/// All data with its partition (rows 0-based), and the placement, which precede the search.
 pub(crate) struct Partition<'a> {
     pub data: &'a Dataset,
     pub train_rows: Vec<usize>,

@@ -1,4 +1,5 @@
-//! The end of the loop: the ledger, on rows that took part in nothing, and the fit on all rows.
+//! The result of a search: errors on the held-out test set, competing hypotheses, and the final fit of all
+//! rows.
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Evidence, Gain};
@@ -26,9 +27,9 @@ use crate::termination::Termination;
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
-use truepose_identify::{Fit, FittedShape, Residuals, repeats, student_quantile};
+use truepose_identify::{Fit, FittedNonlinear, Residuals, repeats, student_quantile};
 
-/// Forms the ledger.
+/// Forms the result.
 pub(crate) fn conclude(
     context: &Context<'_>,
     outcome: Outcome,
@@ -41,7 +42,7 @@ pub(crate) fn conclude(
     let Outcome { model, refused, mut untestable, last, stopped } = outcome;
     let LastScreen { p_value, detectable_gain } = last;
     let Model { findings: accepted, current, .. } = model;
-    // What was found could be tested after all, in the directions that are left of it.
+    // Findings were testable, in the directions that the model does not absorb.
     untestable
         .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
@@ -55,7 +56,7 @@ pub(crate) fn conclude(
     let all = with_loads(partition.data, &found);
     let judged = Linearisation::new(&current.fit, &all, context.options)?;
     let trial = Trial::new(context, &current, &found, &judged, &partition);
-    // The model step by step, on the same training rows.
+    // Errors with the first findings only, on the same training rows.
     let between: Vec<_> =
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
     let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
@@ -146,7 +147,8 @@ pub(crate) fn conclude(
     })
 }
 
-/// Loads, domain and channels as they are declared at run time: as they were declared here.
+/// Sets loads, domain and channels of the fitted model as the data declares them: this is what a user
+/// declares at run time.
 pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
     fit.fitted.loads = found
         .iter()
@@ -159,7 +161,7 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
         .collect();
     let own = derived::own_channels(data);
     fit.fitted.domain = Domain::of(&own);
-    // The rows keep the derived channels that the model reads: a sample has no history to make them of.
+    // The sample keeps the derived channels of the model: they cannot be derived from a sample.
     fit.fitted.domain.sample = Sample::of(data).for_model(fit.fitted.model());
     fit.fitted.channels.clone_from(&own.schema.channels);
 }
@@ -169,7 +171,7 @@ pub(crate) fn errors(fit: &Fit, train: &Dataset, held: &Dataset) -> Result<Error
     Ok(Errors { train, holdout, outliers: Default::default() })
 }
 
-/// Coefficients of a find with their intervals.
+/// Coefficients of a finding with their intervals.
 pub(crate) fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Vec<Parameter> {
     let half = fit.half_widths();
     let model = fit.fitted.model();
@@ -195,10 +197,11 @@ pub(crate) fn parameters(fit: &Fit, found: &Candidate, effects: Range<usize>) ->
     list
 }
 
-/// What is known of the shape of a find.
+/// Nonlinear parameters of a finding with their intervals.
 fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
-    let own: Vec<&FittedShape> = fit.shapes.iter().filter(|shape| effects.contains(&shape.effect)).collect();
-    let parameter = |(k, shape): (usize, &&FittedShape)| Parameter {
+    let own: Vec<&FittedNonlinear> =
+        fit.shapes.iter().filter(|shape| effects.contains(&shape.effect)).collect();
+    let parameter = |(k, shape): (usize, &&FittedNonlinear)| Parameter {
         name: if own.len() > 1 { format!("{} {}", shape.name, k + 1) } else { shape.name.clone() },
         value: shape.value,
         unit: shape.unit.clone(),
@@ -207,7 +210,7 @@ fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
     own.iter().enumerate().map(parameter).collect()
 }
 
-/// Rivals in place of a find, judged on the held-out rows.
+/// Competing hypotheses in place of a finding, with their error on the test set.
 fn alternatives(
     context: &Context<'_>,
     trial: &Trial<'_>,
@@ -235,7 +238,8 @@ fn alternatives(
         .collect()
 }
 
-/// The explanations that this data cannot tell from the finds, fitted to all rows but those that are kept out.
+/// Fits, to all rows except outliers, of the competing hypotheses that are not distinguishable from the
+/// findings.
 fn competing_fits(
     context: &Context<'_>,
     trial: &Trial<'_>,
@@ -259,7 +263,7 @@ fn competing_fits(
     Ok(fits)
 }
 
-/// Rows that no repeatable effect explains, as a find: `rms` with them and without, m.
+/// Outliers as a finding: `rms` with and without them, m.
 fn outlier_finding(outside: &Outliers, unknowns: usize, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
     let won = 1.0 - rms.1 / rms.0.max(f64::MIN_POSITIVE);
     let gain = Gain { before: rms.0, after: rms.1, t: 0.0, won, middle: won };

@@ -1,5 +1,5 @@
-//! What the training rows and the held-out rows would have been left with, had some finds not been made, or another been made in place
-//! of one of them.
+//! Errors on training rows and test set without some findings, or with a competing hypothesis in place of
+//! one.
 
 use crate::conclude::partition::Partition;
 use crate::data::payload::with_loads;
@@ -13,7 +13,7 @@ use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals};
 /// (training, held out) 3-D RMS, m.
 type Rms = (f64, f64);
 
-/// The final model, ready to be asked.
+/// The final model with its linearisation.
 pub(crate) struct Trial<'a> {
     context: &'a Context<'a>,
     current: &'a ModelFit,
@@ -24,7 +24,7 @@ pub(crate) struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// `scene` is that of all rows under the final fit.
+    /// `linearisation` is that of all rows at the final fit.
     pub fn new(
         context: &'a Context<'a>,
         current: &'a ModelFit,
@@ -45,17 +45,18 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// With the first finds only.
+    /// With the first `count` findings only.
     pub fn first(&self, count: usize) -> Result<Rms, DiscoverError> {
         self.evaluate(count..self.found.len(), None)
     }
 
-    /// With another candidate in place of a find.
+    /// With another candidate in place of finding `which`.
     pub fn instead(&self, which: usize, candidate: &Candidate) -> Result<Rms, DiscoverError> {
         self.evaluate(which..which + 1, Some(candidate))
     }
 
-    /// The fit of all these rows with another candidate in place of a find.
+    /// The fit of all rows except `out` with another candidate in place of finding `which`, and its
+    /// candidates.
     pub fn fit_instead(
         &self,
         which: usize,
@@ -79,7 +80,8 @@ impl<'a> Trial<'a> {
         without: std::ops::Range<usize>,
         with: Option<&Candidate>,
     ) -> Result<Rms, DiscoverError> {
-        // A corrected load is in the data, and where columns stand for others the model has to be reduced anew.
+        // A corrected payload is part of the data, and where a column represents dropped columns the model
+        // has to be reduced again: both need a fit.
         let linear = without.clone().all(|k| {
             matches!(self.found[k].change, Change::Add(_))
                 && !self.linearisation.entangled(self.context.effects_of(self.found, k))
@@ -105,7 +107,7 @@ impl<'a> Trial<'a> {
         let noise = NoiseSource::Fixed(self.current.fit.noise);
         let options = FitOptions {
             noise,
-            max_rounds: self.context.budget().trial_iterations,
+            max_iterations: self.context.budget().trial_iterations,
             ..self.context.fit.clone()
         };
         let mut found = self.found.to_vec();

@@ -1,6 +1,8 @@
-//! The second look: the best causes of the screen against each other, each in its best shape and with its own noise.
+//! Comparison of the best candidates of a screen, each with its nonlinear parameters optimised and its noise
+//! estimated.
 //!
-//! The smallest score wins; among those that the data cannot tell from it, the simplest one.
+//! The smallest score ([`crate::contest::competitor`]) wins; of the competitors whose scores are not
+//! distinguishable from it, the simplest one.
 
 use crate::contest::competitor::{Competitor, competitor, plausible};
 use crate::contest::look_ahead;
@@ -22,14 +24,15 @@ use rayon::prelude::*;
 use truepose_errormodel::Visits;
 use truepose_errormodel::effects::Transmission;
 
-/// The rivals, the one that should be believed first, and the present model's own likelihood.
+/// The competitors, the preferred one first, and the likelihood of the present model.
 pub(crate) struct Contest {
     pub present: Likelihood,
     pub competitors: Vec<Competitor>,
 }
 
-/// Holds the contest between the best causes of a screen, leaving out those that are barred. The most promising gears may grow further
-/// periods, where a new cause is looked for or a gear defends its place.
+/// Compares the best candidates of a screen, except those that are barred. With `more_periods_allowed`
+/// further periods are added to the best transmissions: in a search for a new finding, and in the
+/// reconsideration of a transmission.
 pub(crate) fn contest(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -66,7 +69,7 @@ pub(crate) fn contest(
     Ok(Contest { present, competitors })
 }
 
-/// The best causes, and the best of every named family: each gets its chance.
+/// The best groups of candidates, and the best group of every named family that has none among them.
 fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
     let penalty = penalty_per_coefficient(linearisation.len());
     let mut selected: Vec<&Cause> = causes.iter().take(linearisation.budget.causes).collect();
@@ -80,7 +83,7 @@ fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&
     selected
 }
 
-/// A cause in its shapes, one of each richness.
+/// The variants of a group, one for each number of coefficients, with their nonlinear parameters optimised.
 fn refined_variants(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -103,7 +106,7 @@ fn refined_variants(
     Ok(competitors)
 }
 
-/// Gears with several periods: the most promising ones get the chance to grow.
+/// Adds further periods to the best transmissions.
 fn add_periods(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -129,7 +132,7 @@ fn add_periods(
     Ok(())
 }
 
-/// The simplest of a cause's shapes that cannot be told from the best one.
+/// The simplest variant of a cause that is not distinguishable from the best one.
 fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> {
     shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
     let best = least(&shapes);
@@ -137,7 +140,7 @@ fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> 
     tied.min_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)))
 }
 
-/// Best first; of those that cannot be told from the best one, the simplest.
+/// Best first; of those that are not distinguishable from the best one, the simplest.
 fn rank(competitors: &mut [Competitor], policy: &Policy) {
     competitors.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = least(competitors);
@@ -148,7 +151,7 @@ fn rank(competitors: &mut [Competitor], policy: &Policy) {
     });
 }
 
-/// How far behind the best a rival may be to try other components.
+/// How far behind the best a competitor may be and still try other components.
 fn component_reach(competitor: &Competitor, policy: &Policy) -> f64 {
     match competitor.candidate.family {
         Family::Unmodelled => policy.component_reach_unnamed,
@@ -160,7 +163,8 @@ fn least(competitors: &[Competitor]) -> f64 {
     competitors.iter().map(|r| r.score).fold(f64::INFINITY, f64::min)
 }
 
-/// The rival with the components that pay for themselves.
+/// The competitor with the set of components of the smallest score: greedy descent, one component more or
+/// fewer at a time.
 fn with_best_components(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -186,7 +190,8 @@ fn with_best_components(
     }
 }
 
-/// The same gear with further periods, as long as each pays for itself.
+/// The same transmission with further periods, added by forward selection as long as each is significant on
+/// the grid of periods and exceeds its penalty.
 fn more_periods(
     linearisation: &Linearisation<'_>,
     present: &Projection,
@@ -206,7 +211,8 @@ fn more_periods(
     while added < linearisation.budget.periods {
         let wave = periodogram::scan(linearisation, &projection, joint, &grid)?;
         let (period, gain, surprisal) = wave.strongest()?;
-        // What visits alone, of which some are off for other reasons, would show somewhere on the grid by chance is no period.
+        // The surprisal among poses has to exceed ln(periods on the grid): Bonferroni's bound at one expected
+        // false period, valid while other effects are missing.
         if gain < threshold || surprisal < log_tests {
             break;
         }

@@ -1,10 +1,16 @@
-//! A cause in a contest, and what it scores.
+//! A candidate in a contest, and its score.
 //!
 //! ```text
-//! score = −2 ln L + C + 2 ln(questions asked of the family) + shapes · ln m [+ what a structure without a name costs]
+//! score = −2 ln L + C + π,     π = 2 n_θ ln(tests of the family) + n_s ln m [+ 25 for an unnamed structure]
 //! ```
 //!
-//! C is what its coefficients cost: ln m each (Schwarz 1978), or, of curves and moving frames, what the evidence says ([`crate::statistics::coefficients`]).
+//! | symbol | here | |
+//! | --- | --- | --- |
+//! | C | [`coefficient_penalty`] | k ln m (Schwarz 1978); for curves and moving frames the marginal likelihood ([`crate::statistics::coefficients`]) where that is smaller |
+//! | π | [`log_prior_odds`] | −2 × log prior odds: multiplicity, nonlinear parameters, prior against unnamed structures |
+//! | n_θ | number of periods, at least one | each period is an answer of its own to all tests of the family |
+//! | n_s | nonlinear parameters with a coarse grid, optimised continuously | each counts as a coefficient |
+//! | m | number of observations | |
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
@@ -25,15 +31,16 @@ pub(crate) struct Competitor {
     pub candidate: Candidate,
     /// Raw columns, m × k.
     pub columns: DMatrix<f64>,
-    /// Directions that the data can judge.
+    /// Degrees of freedom: directions that the present model does not absorb.
     pub freedom: usize,
-    /// The screen's gain of this shape, and how surprising it is.
+    /// Score statistic of the screen with these nonlinear parameters, and its surprisal.
     pub gain: f64,
     pub surprisal: Surprisal,
     pub score: f64,
-    /// What of the score is neither likelihood nor coefficients.
+    /// π: the part of the score that is neither likelihood nor coefficient penalty.
     pub log_prior_odds: f64,
-    /// What of the odds the data has no part in: for the questions that were asked of its family, and for having no name.
+    /// The part of π that does not depend on the data: tests of the family, and the prior against unnamed
+    /// structures.
     prior_penalty: f64,
     /// Of the distribution from which its coefficients look drawn, expected sizes.
     pub width: f64,
@@ -43,7 +50,7 @@ pub(crate) struct Competitor {
 }
 
 impl Competitor {
-    /// What had to be found out: coefficients that the data judges, and shapes.
+    /// Number of estimated parameters: degrees of freedom and nonlinear parameters.
     pub fn unknowns(&self) -> usize {
         self.freedom + nonlinear_count(&self.candidate)
     }
@@ -54,7 +61,8 @@ impl Competitor {
     }
 }
 
-/// A candidate with its likelihood; none when the data cannot judge it.
+/// A candidate with its likelihood and score; `None` when the present model absorbs it or the data lacks a
+/// covariate.
 pub(crate) fn competitor(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -87,9 +95,10 @@ pub(crate) fn competitor(
     }))
 }
 
-/// Who lost against a rival, with how much less likely each makes the data: the most likely first. The winner itself under no name is none,
-/// but where its name says no more than what it follows: a curve over time may be a slow drift or a jump, one over a load a spring that
-/// hardens or play.
+/// The competing hypotheses of a winner, with their difference of score: smallest first. An unnamed structure
+/// that fits the data like the winner, with as many degrees of freedom, is the winner itself and is left out;
+/// except beside a curve over time (a drift or a jump) or over a load (nonlinear compliance or backlash),
+/// where the family is the question.
 pub(crate) fn outcompeted<'a>(
     competitors: impl IntoIterator<Item = &'a Competitor>,
     winner: &Competitor,
@@ -107,8 +116,8 @@ pub(crate) fn outcompeted<'a>(
     outcompeted
 }
 
-/// What the coefficients of a candidate cost, so many of which the data judges: those of a curve over time or travel, of a frame that moves,
-/// or of something without a name that follows the load, as the evidence says; all others their number.
+/// C: penalty of a candidate's coefficients, in units of −2 ln L. `freedom` ln m; for curves over time or
+/// travel, moving frames and unnamed functions of load the marginal likelihood, where that is smaller.
 pub(crate) fn cost(
     candidate: &Candidate,
     distribution: &CoefficientDistribution,
@@ -119,8 +128,8 @@ pub(crate) fn cost(
     if by_evidence(candidate) { distribution.penalty.min(counted) } else { counted }
 }
 
-/// What a candidate pays for the questions that are asked of its family, for its shapes, and for having no name. A shape on a fine grid
-/// pays by the questions that the grid asks, one that was climbed for as an unknown.
+/// π: −2 × log prior odds of a candidate. A nonlinear parameter on a fine grid is penalised by the tests of
+/// the grid; one that was optimised continuously from a coarse grid counts as a coefficient, ln m.
 pub(crate) fn log_prior_odds(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -152,7 +161,7 @@ fn is_physical(family: Family, width: f64, first: (f64, f64), policy: &Policy) -
     !paper && !pushes_back
 }
 
-/// The candidate with what the contest found out about its change.
+/// The candidate with the estimates of the contest: prior width, and mass of a corrected payload.
 pub(crate) fn with_estimates(competitor: &Competitor) -> Candidate {
     let mut candidate = competitor.candidate.clone();
     candidate.width = Some(competitor.prior_width);

@@ -1,13 +1,17 @@
-//! One step ahead: a rich cause may imitate two simple ones, better than either of them alone.
+//! Comparison of pairs: one candidate with many coefficients may imitate two simple effects better than
+//! either of them alone.
 //!
-//! Before the best rival is believed, each rival is given its best partner, and pairs are compared:
+//! Before the best competitor is accepted, each competitor is joined with its best partner, and the pairs are
+//! compared:
 //!
 //! ```text
-//! score(a + b) = −2 ln L(a + b) + C_a + C_b + 2 ln(questions asked of each family)
+//! score(a + b) = −2 ln L(a + b) + C_a + C_b + π_a + π_b
 //! ```
 //!
-//! When a pair without the best rival is better than the best rival with its own partner, the stronger half of that pair goes first. The
-//! best rival is nobody else's partner.
+//! C is the coefficient penalty and π the log prior odds of [`crate::contest::competitor`]. When the best
+//! pair without the leading competitor has a score that is smaller by 2 [`TIE`] than the leading competitor
+//! with its partner, the member of that pair with the smaller score is moved to the front. The leading
+//! competitor is excluded as a partner.
 
 use crate::contest::competitor::{Competitor, cost, log_prior_odds};
 use crate::error::DiscoverError;
@@ -21,7 +25,7 @@ use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
-/// The position of the rival that should go first.
+/// The position of the competitor that comes first.
 pub(crate) fn first(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -104,7 +108,8 @@ pub(crate) fn first(
     if chosen == 0 || score > own - linearisation.policy.pair_ties * linearisation.policy.tie {
         return Ok(0);
     }
-    // The stronger half of the pair, if it is a rival as well; whoever shines only beside a stronger one does not go first.
+    // The member of the pair with the smaller score, if it is a competitor as well; a competitor that is
+    // weaker than its partner is not moved to the front.
     let Some((_, partner, worth)) = &pairs[named.iter().position(|&k| k == chosen).unwrap_or(0)] else {
         return Ok(chosen);
     };

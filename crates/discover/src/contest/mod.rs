@@ -1,4 +1,4 @@
-//! The best candidates of a screen compared with each other, each with its own noise.
+//! Model comparison: the best candidates of a screen, each with its own noise estimate.
 
 pub(crate) mod competition;
 pub(crate) mod competitor;

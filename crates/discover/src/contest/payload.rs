@@ -1,4 +1,4 @@
-//! Wrong payloads compared by whole fits, in which masses and stiffnesses move together.
+//! Comparison of corrected payloads by whole fits, in which masses and compliances are estimated jointly.
 
 use crate::contest::competitor::{Competitor, with_estimates};
 use crate::error::DiscoverError;
@@ -10,7 +10,9 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
-/// Where a corrected load leads the rivals: puts that level first whose fit makes the data most likely.
+/// When a corrected payload leads the competitors, moves that declared level to the front whose refitted
+/// model has the smallest −2 ln L: the product of mass and compliance is determined better than either, and
+/// the linearised problem holds the compliance.
 pub(crate) fn order_payloads(
     context: &Context<'_>,
     current: &ModelFit,

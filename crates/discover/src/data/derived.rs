@@ -1,4 +1,4 @@
-//! Derived channels: temperatures that a body follows late, for a grid of time constants, and the mass that is carried.
+//! Derived channels: first-order lags of temperatures on a grid of time constants, and the carried mass.
 
 use crate::policy::Policy;
 use truepose_errormodel::{Dataset, is_derived};

@@ -1,7 +1,8 @@
 //! Payloads whose declared mass is wrong.
 //!
-//! A wrong mass at one level and another stiffness look much alike from afar: the product of both is what is seen. So levels are held
-//! against each other by whole fits, in which masses and stiffnesses move together.
+//! Deflection depends on the product of mass and compliance, so that a wrong mass at one declared level is
+//! strongly correlated with a compliance. Levels are therefore compared by whole fits, in which masses and
+//! compliances are estimated jointly ([`crate::contest::payload`]).
 
 use crate::hypotheses::candidate::{Candidate, Change};
 use truepose_errormodel::{Dataset, LoadCorrection};
@@ -11,12 +12,12 @@ fn replaced(load: Load, level: f64, mass: f64) -> Option<Load> {
     LoadCorrection { declared: level, carried: mass }.apply(load)
 }
 
-/// The same conditions with another mass, when they declare this level.
+/// The same conditions with another mass (kg), when they declare this level (kg); `None` else.
 pub(crate) fn changed(conditions: &Conditions, level: f64, mass: f64) -> Option<Conditions> {
     replaced(conditions.load, level, mass).map(|load| Conditions { load, ..conditions.clone() })
 }
 
-/// The same data with another mass where this level is declared.
+/// The same data with another mass (kg) in the rows that declare this level (kg).
 pub(crate) fn corrected(data: &Dataset, level: f64, mass: f64) -> Dataset {
     let mut data = data.clone();
     for load in &mut data.load {
@@ -41,12 +42,12 @@ pub(crate) fn levels(data: &Dataset) -> Vec<f64> {
     levels
 }
 
-/// Rows (0-based) that declare a level.
+/// Rows (0-based) that declare a level (kg).
 pub(crate) fn rows_at(data: &Dataset, level: f64) -> Vec<usize> {
     (0..data.len()).filter(|&row| replaced(data.load[row], level, level).is_some()).collect()
 }
 
-/// The data with loads as they were found.
+/// The data with the corrected payloads of these findings.
 pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     found.iter().fold(data.clone(), |data, candidate| match candidate.change {
         Change::CorrectLoad { level, mass, .. } => corrected(&data, level, mass),
@@ -54,7 +55,7 @@ pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     })
 }
 
-/// The data without what was measured in these rows.
+/// The data without the measurements of these rows (0-based); the rows stay, so that indices do.
 pub(crate) fn without(data: &Dataset, rows: &[usize]) -> Dataset {
     let mut data = data.clone();
     for &row in rows {

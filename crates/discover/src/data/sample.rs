@@ -1,6 +1,7 @@
-//! Much data is searched on a sample: what is found there is fitted to everything at the end.
+//! Large data sets are searched on a sample of their poses; the findings are fitted to all rows at the end.
 //!
-//! A cause that matters shows in a few thousand numbers.
+//! In 1000 rows (3000 observations) an effect that explains 2 % of the RMS, 4 % of the sum of squares, has a
+//! score statistic of 3000 · 0.04 = 120.
 
 use rand::SeedableRng;
 use rand::seq::SliceRandom;

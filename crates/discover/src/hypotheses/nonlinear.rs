@@ -3,7 +3,7 @@
 use crate::hypotheses::candidate::Candidate;
 use std::any::Any;
 use truepose_errormodel::effects::{Backlash, Drift, LoadNonlinearity, Shift, Thermal, Transmission};
-use truepose_errormodel::{AnyEffect, Dataset, Shape};
+use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
 
 /// How many shapes of a candidate were found rather than known.
 pub(crate) fn nonlinear_count(candidate: &Candidate) -> usize {
@@ -67,7 +67,7 @@ pub(crate) fn has_nonlinear(candidate: &Candidate) -> bool {
 }
 
 /// What was found of an effect's shape, within the range in which its interval is looked for.
-pub(crate) fn found(effect: &dyn AnyEffect, data: &Dataset) -> Vec<Shape> {
+pub(crate) fn found(effect: &dyn AnyEffect, data: &Dataset) -> Vec<NonlinearParameter> {
     /// Times, up and down.
     const REACH: f64 = 4.0;
     let around = |value: f64| Some([value / REACH, value * REACH]);

@@ -1,16 +1,17 @@
-//! Whether an effect, as it was fitted, is one that nature has and the data shows.
+//! Significance and physical bounds of a fitted effect.
 //!
 //! ```text
 //! W = γᵀ C⁻¹ γ ~ χ²_k          γ the effect's coefficients in the fit, C their covariance, k how many there are
 //! ```
 //!
-//! The contest judges candidates in the linearised problem; here the coefficients are those of the refitted model, with all other effects beside
-//! them. Source of W: Wald (1943), as in Draper and Smith, *Applied Regression Analysis*, 3rd ed., §5.1.
+//! The contest compares candidates in the linearised problem; here the coefficients are those of the refitted
+//! model, jointly with all other effects. Source of W: Wald (1943), as in Draper and Smith, *Applied
+//! Regression Analysis*, 3rd ed., §5.1.
 //!
 //! | family | what is refused | why |
 //! | --- | --- | --- |
-//! | any | a coefficient outside of its column's bounds by more than its 95 % interval | a gap and a compliance are not negative: the link lags behind its motor, what yields, yields with its load |
-//! | backlash, transmission | a coefficient above 10 mrad | five times the worn gears of the literature (1–2 mrad): a mistake of the description |
+//! | any | a coefficient outside of its column's bounds by more than its 95 % interval | backlash and compliance are not negative: a link lags behind its motor and deflects in the direction of its load |
+//! | backlash, transmission | a coefficient above 10 mrad | five times the backlash of worn gears in the literature (1–2 mrad); a larger one is an error of the robot description |
 //! | coupling | more than 10 mrad of this joint for a radian of the other | belts and wrist gears couple by parts in a thousand once their ratio is declared |
 
 use crate::hypotheses::candidate::Candidate;
@@ -24,9 +25,9 @@ use truepose_identify::{Fit, Warning};
 /// What speaks against an effect as it was fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Objection {
-    /// Its coefficients are not significant.
+    /// Its coefficients are not significant (Wald test).
     NotSignificant,
-    /// Their sign or size is none that nature has.
+    /// A coefficient is outside of its physical bounds.
     NotPhysical,
 }
 

@@ -1,10 +1,11 @@
-//! The model as it stands while the loop runs: what was declared, what was found, which rows are kept out.
+//! The fit of the declared model with a list of findings; outliers are excluded, corrected payloads are
+//! estimated.
 
 use crate::budget::Budget;
 use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
-use crate::model::wide::{Stretches, Wide};
+
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::likelihood::Likelihood;
@@ -13,21 +14,21 @@ use crate::problem::outliers::{Outliers, outliers};
 use nalgebra::DMatrix;
 use std::borrow::Cow;
 use std::ops::Range;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Term, Visits};
 use truepose_identify::{Fit, FitOptions, PriorStrength, fit, fit_again};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
-/// What does not change while the loop runs.
+/// Inputs of the search, which no step changes.
 #[derive(Clone)]
 pub(crate) struct Context<'a> {
     pub chain: &'a Chain,
-    /// The declared effects, as wide as the fit of the declared model found them.
+    /// The declared effects with the prior widths of the fit of the declared model.
     pub declared: &'a [Box<dyn AnyEffect>],
     pub data: &'a Dataset,
     pub solver: &'a dyn Solver,
     pub fit: FitOptions,
-    /// How to search.
+    /// Options of the search.
     pub options: &'a DiscoverOptions,
 }
 
@@ -35,7 +36,7 @@ pub(crate) struct Context<'a> {
 pub(crate) struct ModelFit {
     pub found: Vec<Candidate>,
     pub outliers: Outliers,
-    /// The data with corrected loads and without the rows that are kept out.
+    /// The data with corrected payloads and without outliers.
     pub data: Dataset,
     pub fit: Fit,
 }
@@ -51,12 +52,12 @@ impl Context<'_> {
         &self.options.budget
     }
 
-    /// Fits the declared model with these finds; rows that nothing explains are kept out, corrected loads are found.
+    /// Fits the declared model with these findings; outliers are excluded, corrected loads are estimated.
     pub fn fit_model(&self, found: Vec<Candidate>, known: &[usize]) -> Result<ModelFit, DiscoverError> {
         self.fit_model_from(found, known, None)
     }
 
-    /// As [`Self::fit_model`], from the fit of the same model to other data.
+    /// As [`Self::fit_model`], started from the fit of the same model to other data.
     pub fn fit_model_from(
         &self,
         found: Vec<Candidate>,
@@ -75,13 +76,13 @@ impl Context<'_> {
             };
             let linearisation = Linearisation::new(&fit, &data, self.options)?;
             let moved = corrected(&linearisation, &mut found)?;
-            // Every row is judged, those that are kept out as well.
+            // All rows are tested, the excluded ones too.
             let whole = self.prepared(&found, &[]);
             let judged = Linearisation::new(&fit, &whole, self.options)?;
             let residual = &judged.y - &judged.base * judged.coefficients();
             let outliers = outliers(&judged, residual.as_slice(), fit.noise);
             iterations += 1;
-            // Of thousands of rows one or the other always stands on the threshold.
+            // Of thousands of rows some lie at the threshold: one in 2000 may change.
             let settled = differing(&outliers.suspects, &out) <= whole.len() / 2000;
             let most = if moved { self.budget().load_iterations } else { self.budget().outlier_iterations };
             if (settled && !moved) || iterations > most {
@@ -92,19 +93,19 @@ impl Context<'_> {
         }
     }
 
-    /// The effects of the model that belong to the k-th of these finds.
+    /// Indices, in the model, of the effects of finding `which`.
     pub fn effects_of(&self, found: &[Candidate], which: usize) -> Range<usize> {
         let before: usize = found[..which].iter().map(|candidate| candidate.effects().len()).sum();
         let first = self.declared.len() + before;
         first..first + found[which].effects().len()
     }
 
-    /// The fit of the declared model with these finds.
+    /// The fit of the declared model with these findings.
     pub fn fitted(&self, found: &[Candidate], data: &Dataset) -> Result<Fit, DiscoverError> {
         self.fitted_by(found, data, &self.fit)
     }
 
-    /// As [`Self::fitted`], in another way.
+    /// As [`Self::fitted`], with other options.
     pub fn fitted_by(
         &self,
         found: &[Candidate],
@@ -119,9 +120,7 @@ impl Context<'_> {
         for candidate in found {
             for effect in candidate.effects() {
                 effects.push(match candidate.width {
-                    Some(width) => {
-                        Box::new(Wide { effect: effect.clone(), stretches: Stretches::All(width / kappa) })
-                    }
+                    Some(width) => Box::new(Term::new(effect.clone()).scaled(width / kappa)),
                     None => effect.clone(),
                 });
             }
@@ -130,21 +129,21 @@ impl Context<'_> {
         Ok(fit(&model, data, self.solver, options)?)
     }
 
-    /// The data with loads as they were found and without these rows.
+    /// The data with the corrected payloads of these findings and without these rows.
     pub fn prepared(&self, found: &[Candidate], out: &[usize]) -> Dataset {
         without(&with_loads(self.data, found), out)
     }
 }
 
-/// How many rows are in one of two ascending lists and not in the other.
+/// Number of rows that are in one of two ascending lists and not in the other.
 fn differing(a: &[usize], b: &[usize]) -> usize {
     let only = |a: &[usize], b: &[usize]| a.iter().filter(|&row| b.binary_search(row).is_err()).count();
     only(a, b) + only(b, a)
 }
 
-/// Moves corrected loads, all together, to where the present model sees them; true when one moved.
+/// One Gauss–Newton step of all corrected masses; true when one moved by more than [`STILL`].
 fn corrected(linearisation: &Linearisation<'_>, found: &mut [Candidate]) -> Result<bool, DiscoverError> {
-    /// kg, relative to the level.
+    /// Relative to the declared mass.
     const STILL: f64 = 1e-5;
     let mut columns = Vec::new();
     let mut loads = Vec::new();

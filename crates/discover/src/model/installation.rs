@@ -1,7 +1,8 @@
-//! What the description leaves open is never a finding.
+//! Installation parameters that the description declares unknown.
 //!
-//! A base, tool or target that is declared `known = false` was found with the nominal arm, so that it is off by what the arm's own errors make
-//! of it. It stays an unknown of every fit, whatever else is declared; "its position is wrong, measure it again" would be no news.
+//! A base, tool or target that is declared `known = false` is placed with the nominal arm and carries the
+//! errors of that placement. Its constant errors are unknowns of every fit, whatever else is declared, and
+//! never a finding.
 
 use crate::error::DiscoverError;
 use std::borrow::Cow;
@@ -9,7 +10,11 @@ use truepose_errormodel::effects::{AllTargets, Geometric, Where};
 use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_kinematics::{Chain, FrameId, Site, TargetId};
 
-/// The declared effects, with constant errors of whatever was declared unknown and has none yet.
+/// The declared effects, with constant errors of each base, tool or target that is declared unknown and has
+/// none yet.
+///
+/// # Errors
+/// When a declared effect does not fit the robot.
 pub(crate) fn with_unknown<'a>(
     chain: &Chain,
     declared: &'a [Box<dyn AnyEffect>],
@@ -54,7 +59,7 @@ mod tests {
         };
         assert_eq!(columns(&chain, &springs), 1);
         assert_eq!(columns(&open, &springs), 7);
-        // What is declared is not added again.
+        // Declared effects are not added again.
         let whole: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
         assert_eq!(columns(&open, &whole), columns(&chain, &whole));
     }

@@ -1,4 +1,4 @@
-//! The model as it stands during the search: fitted, refitted, validated.
+//! The fit of a model during the search: fit, refits, nonlinear parameters, physical bounds.
 
 pub(crate) mod admissible;
 pub(crate) mod current;

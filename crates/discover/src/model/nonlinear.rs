@@ -1,22 +1,23 @@
-//! The shapes of all finds together.
+//! Joint optimisation of the nonlinear parameters of all findings.
 //!
-//! A period, an instant or a time constant was found while causes that came later were not yet in the model. With all of them in, the
-//! shapes go down together to the bottom of the valley in which they lie (variable projection, [`truepose_identify::descend_shapes`]).
+//! A period, change point or time constant was estimated before later findings were in the model. With all of
+//! them in it, the nonlinear parameters are optimised jointly, to the local minimum next to their values
+//! (variable projection, [`truepose_identify::descend_nonlinear`]).
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::{Candidate, Change};
 use crate::hypotheses::nonlinear::seen_as;
 use crate::model::current::Context;
 use truepose_errormodel::effects::{Shift, Thermal};
-use truepose_errormodel::{AnyEffect, Dataset, Shape};
-use truepose_identify::{Fit, descend_shapes};
+use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
+use truepose_identify::{Fit, descend_nonlinear};
 
 /// (Effect of the model, parameter at its value with the range in which it is looked for) of every find.
 pub(crate) fn nonlinear_parameters(
     context: &Context<'_>,
     found: &[Candidate],
     data: &Dataset,
-) -> Vec<(usize, Shape)> {
+) -> Vec<(usize, NonlinearParameter)> {
     (0..found.len())
         .flat_map(|k| context.effects_of(found, k).zip(found[k].effects()))
         .flat_map(|(k, effect)| {
@@ -25,8 +26,8 @@ pub(crate) fn nonlinear_parameters(
         .collect()
 }
 
-/// The finds with their shapes where all of them together explain most; none when there is none to move. A lag stays where it is: the
-/// data has the history of a channel for the lags of a grid.
+/// The findings at the joint optimum of their nonlinear parameters; `None` when none can move. A first-order
+/// lag keeps its value: the data has lagged channels for a grid of time constants.
 pub(crate) fn descended(
     context: &Context<'_>,
     found: &[Candidate],
@@ -41,8 +42,8 @@ pub(crate) fn descended(
     if free.is_empty() || free.len() > context.budget().joint_parameters {
         return Ok(None);
     }
-    // Shapes that the data cannot tell from others stay.
-    let Ok(values) = descend_shapes(fit, data, &free) else { return Ok(None) };
+    // Nonlinear parameters that are not identifiable keep their values.
+    let Ok(values) = descend_nonlinear(fit, data, &free) else { return Ok(None) };
     if free.iter().zip(&values).all(|((_, shape), value)| (value - shape.value).abs() <= 0.0) {
         return Ok(None);
     }
@@ -53,14 +54,15 @@ pub(crate) fn descended(
             let own: Vec<f64> =
                 free.iter().zip(&values).filter(|((e, _), _)| *e == at).map(|(_, v)| *v).collect();
             if !own.is_empty() {
-                *effect = effect.with_shape(&own);
+                *effect = effect.with_nonlinear(&own);
             }
         }
     }
     Ok(Some(next))
 }
 
-/// The finds with what the data says of when something jumped: between which rows, and in the middle of them.
+/// The findings with each change point in the middle of the gap between the rows before and after it, and
+/// with that gap.
 pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate> {
     let mut next = found.to_vec();
     for candidate in &mut next {
@@ -79,7 +81,7 @@ pub(crate) fn between_rows(found: &[Candidate], data: &Dataset) -> Vec<Candidate
     next
 }
 
-/// Between which instants the jumps of a find are known to lie, s.
+/// The gaps (start, end) in which the change points of a finding lie, s.
 pub(crate) fn gaps(found: &Candidate) -> Vec<[f64; 2]> {
     found.effects().iter().filter_map(|effect| seen_as::<Shift>(&**effect)?.gap).collect()
 }

@@ -1,4 +1,4 @@
-//! How well a model predicts poses that its fit has not seen: cross-validation by whole refits.
+//! Cross-validation of a model by whole refits.
 //!
 //! ```text
 //! e_i = y_i − ŷ_i(c_{−F(i)}),   c_{−F} = fit of the same structure to all training rows outside of fold F
@@ -9,9 +9,10 @@
 //! | F(i) | fold of row i: whole configurations, at random | 1 |
 //! | e_i | [`Refits::residuals`]: exact prediction, nothing linearised | m, rad |
 //!
-//! The evidence of a candidate ([`crate::accept::evidence`]) comes from the linearised problem. A weak direction, a far pose or a fit that does not converge
-//! do their harm where the picture is not linear, so every change of the model is compared here once more before it is kept. Structure,
-//! nonlinear parameters, noise and prior are those of all training rows; coefficients are refitted in each fold.
+//! The evidence of a candidate ([`crate::accept::evidence`]) comes from the linearised problem. Weak
+//! directions, poses at the border of the workspace and fits that do not converge violate linearity, so every
+//! change of the model is compared here before it is kept. Structure, nonlinear parameters, noise and prior
+//! are those of all training rows; coefficients are estimated again in each fold.
 
 use crate::error::DiscoverError;
 use crate::model::current::{Context, ModelFit};
@@ -28,12 +29,14 @@ pub(crate) struct Refits {
     pub converged: bool,
 }
 
-/// Two models on the same unseen rows.
+/// Comparison of two models on the same held-out rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Comparison {
-    /// Mean squared deviation of all observations, of the second model over the first, in the first one's standard deviations.
+    /// Ratio, second model over first, of the sums of squared standardised residuals, both with the noise of
+    /// the first.
     pub deviation: f64,
-    /// RMS of the 3-D position error, second over first; one where no position was measured.
+    /// Ratio, second model over first, of the RMS of the 3-D position error; one where no position was
+    /// measured.
     pub position: f64,
 }
 
@@ -53,7 +56,11 @@ impl Comparison {
 }
 
 impl Context<'_> {
-    /// Refits a model with each fold of the training rows left out. Rows that are kept out of its fit are not judged.
+    /// Refits a model without each of [`FOLDS`] random folds of configurations. Rows that are excluded as
+    /// outliers have no residual.
+    ///
+    /// # Errors
+    /// When there are too few configurations, or a refit fails.
     pub fn refits(&self, model: &ModelFit, seed: u64) -> Result<Refits, DiscoverError> {
         let data = &model.data;
         let count = configurations(data).iter().max().map_or(0, |last| last + 1);
@@ -85,7 +92,7 @@ impl Context<'_> {
     }
 }
 
-/// The second model against the first, on the rows that both predict. None where they have none in common.
+/// Compares the second model with the first on the rows that both predict; `None` where there is no such row.
 pub(crate) fn compared(first: &Residuals, second: &Residuals, noise: NoiseModel) -> Option<Comparison> {
     let (mut sums, mut squares, mut seen) = ([0.0; 2], [0.0; 2], [0usize; 2]);
     for row in 0..first.position.len() {
@@ -138,14 +145,14 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_is_as_good_as_the_other_is_no_gain() {
+    fn an_equal_model_is_neither_gain_nor_loss() {
         let rows = of(&[[1e-4, 0.0, 0.0], [0.0, 2e-4, 0.0]]);
         let compared = compared(&rows, &rows, NoiseModel::default()).expect("rows");
         assert!(compared.is_no_gain(&Policy::default()) && !compared.is_loss(&Policy::default()));
     }
 
     #[test]
-    fn nothing_in_common_is_no_comparison() {
+    fn models_without_common_rows_are_not_compared() {
         let nothing = of(&[[f64::NAN; 3]]);
         assert_eq!(compared(&nothing, &nothing, NoiseModel::default()), None);
     }

@@ -1,11 +1,12 @@
-//! The final model, linearised over all rows: what would be left with some of its effects missing, or with others in their place.
+//! The final model, linearised over all rows, without some of its effects or with another candidate in their
+//! place.
 //!
 //! ```text
-//! β = argmin ‖V^{-1/2} (y − A_s β)‖² + ‖W_s β‖²  over the rows that fits may use;   e = y − A_s β  everywhere
+//! β = argmin ‖V^{-1/2} (y − A_s β)‖² + ‖W_s β‖²  over the rows of the fit;   e = y − A_s β  in all rows
 //! ```
 //!
-//! A_s are the columns of the effects that stay, and those that come in their place. The real robot and the noise stay those of the
-//! final fit: what an effect does to either is of second order.
+//! A_s are the columns of the remaining effects and of the candidate. The point of linearisation and the
+//! noise are those of the final fit: the influence of an effect on either is of second order.
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -19,7 +20,7 @@ use std::ops::Range;
 /// The model with its Gram matrix over the rows that fits may use.
 pub(crate) struct Linear<'s> {
     linearisation: &'s Linearisation<'s>,
-    /// Whitened `[A | y]`, of the rows that fits may use.
+    /// Whitened `[A | y]` of the rows of the fit.
     white: DMatrix<f64>,
     whitener: Whitener,
     used: Vec<usize>,
@@ -28,7 +29,7 @@ pub(crate) struct Linear<'s> {
 }
 
 impl<'s> Linear<'s> {
-    /// `usable` tells which rows of the data fits may use.
+    /// `usable`: rows of the data that are part of the fit.
     pub fn new(linearisation: &'s Linearisation<'s>, usable: &[bool]) -> Self {
         let r = linearisation.base.ncols();
         let whitener = linearisation.whitener(linearisation.noise);
@@ -44,7 +45,8 @@ impl<'s> Linear<'s> {
         Linear { linearisation, white, whitener, used, gram, prior }
     }
 
-    /// Squared 3-D distance that is left of every row of the data, without these effects of the model and with this candidate.
+    /// Squared 3-D residual of every row of the data, m², without these effects of the model and with this
+    /// candidate.
     pub fn left(
         &self,
         without: &[Range<usize>],

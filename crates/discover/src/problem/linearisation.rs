@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::OnceLock;
 use truepose_errormodel::{
-    AnyEffect, Dataset, Emission, ErrorJacobian, ErrorModel, FittedModel, Rest, Visits,
+    AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel, FittedModel, Visits,
 };
 use truepose_identify::{Fit, NoiseModel};
 use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, Site, rotation_log};
@@ -93,7 +93,7 @@ impl<'a> Linearisation<'a> {
             normal: OnceLock::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
-        let mut rest = Rest::new(model);
+        let mut rest = Equilibrium::new(model);
         for (visit, rows) in visits.rows.iter().enumerate() {
             for &row in rows {
                 let seen = data.seen(row);

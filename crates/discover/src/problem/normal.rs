@@ -232,7 +232,7 @@ mod tests {
     fn sums_say_what_whitened_columns_say() {
         let data = data();
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let quick = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let quick = FitOptions { max_iterations: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &quick).unwrap();
         let options = DiscoverOptions::default();
         let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
@@ -262,7 +262,7 @@ mod tests {
     fn nothing_cancels_where_visits_scatter_far_more_than_rows() {
         let data = data();
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let quick = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let quick = FitOptions { max_iterations: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &quick).unwrap();
         let options = DiscoverOptions::default();
         let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
@@ -287,7 +287,7 @@ mod tests {
         let mut data = data();
         data.position_sd.iter_mut().enumerate().for_each(|(row, sd)| *sd = [1e-5 * (1.0 + row as f64); 3]);
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let quick = FitOptions { max_rounds: 2, ..FitOptions::default() };
+        let quick = FitOptions { max_iterations: 2, ..FitOptions::default() };
         let fit = fit(&model, &data, &PivotedQr::default(), &quick).unwrap();
         let options = DiscoverOptions::default();
         assert!(Linearisation::new(&fit, &data, &options).unwrap().normal().is_none());

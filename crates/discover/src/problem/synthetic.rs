@@ -77,6 +77,6 @@ pub(crate) fn fitted(chain: &Chain, data: &Dataset) -> Fit {
     )
     .expect("fits the robot");
     let options =
-        FitOptions { prior: PriorStrength::Fixed(10.0), max_rounds: 4, ..DiscoverOptions::default().fit };
+        FitOptions { prior: PriorStrength::Fixed(10.0), max_iterations: 4, ..DiscoverOptions::default().fit };
     fit(&model, data, &PivotedQr::default(), &options).expect("a fit")
 }

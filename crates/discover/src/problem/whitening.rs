@@ -6,7 +6,7 @@
 use crate::problem::observation::Observation;
 use nalgebra::DMatrix;
 use truepose_errormodel::Dataset;
-use truepose_identify::NoiseModel;
+use truepose_identify::{NoiseModel, shrinkage};
 
 /// The numbers of one visit and component.
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl Whitener {
             let stretch = 1.0 + shared * shared * squares;
             groups.push(Group {
                 members: members.to_vec(),
-                shrink: (1.0 - 1.0 / stretch.sqrt()) / squares,
+                shrink: shrinkage(shared, squares),
                 log_determinant: stretch.ln() - 2.0 * weights.iter().map(|d| d.ln()).sum::<f64>(),
                 weights,
             });

@@ -1,12 +1,13 @@
-//! Two finds that one cause explains: a cause that was told in two shapes, one after the other, is one finding.
+//! Merging: two findings that one candidate explains become one finding.
 //!
 //! ```text
-//! score(a + b) = −2 ln L(a + b) + C_a + C_b + odds of each          against the best score of a single cause
+//! score(a + b) = −2 ln L(a + b) + C_a + C_b + π_a + π_b          against the smallest score of a single candidate
 //! ```
 //!
-//! Taken out one at a time they cannot fall: each leaves the other's half of the cause behind. So both are taken out that have the same
-//! driver (a joint's motion, the load, time), and one cause is asked for in their place. Where the data cannot tell, one is
-//! believed rather than two.
+//! Reconsideration of one finding at a time cannot remove them: each explains what the other leaves. So two
+//! findings with the same driver (a joint's motion, the load, time) are removed together, and single
+//! candidates are compared in their place. When the scores are not distinguishable, one finding is preferred
+//! to two. Symbols: [`crate::contest::competitor`].
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{collect, parametric};
@@ -25,7 +26,8 @@ use nalgebra::DMatrix;
 use std::ops::Range;
 use truepose_errormodel::Visits;
 
-/// The model with one cause in place of one of the findings and any other; none when there is no such cause.
+/// The model with one candidate in place of finding `which` and another one; `None` when no single candidate
+/// replaces a pair.
 pub(crate) fn merged(
     context: &Context<'_>,
     model: &Model,
@@ -48,7 +50,7 @@ pub(crate) fn merged(
     Ok(None)
 }
 
-/// The cause that explains what two findings do.
+/// The candidate that replaces two findings; `None` when the pair has the smaller score by more than [`TIE`].
 fn one_for_both(
     context: &Context<'_>,
     model: &Model,
@@ -88,13 +90,13 @@ fn one_for_both(
     Ok(Some(Accepted { candidate: with_estimates(best), evidence, competitors, shortlist }))
 }
 
-/// Whether two causes are driven by the same thing, so that one may be half of the other.
+/// Whether two candidates have a driver in common, so that one effect may have been found as two.
 fn have_common_driver(a: &Candidate, b: &Candidate) -> bool {
     let drivers = drivers(a);
     self::drivers(b).iter().any(|driver| drivers.contains(driver))
 }
 
-/// What drives a cause.
+/// Drivers of a candidate: joint, covariate, time or load.
 fn drivers(candidate: &Candidate) -> Vec<&str> {
     let place = &candidate.place;
     let names: Vec<&Option<String>> = match candidate.family {
@@ -120,7 +122,7 @@ mod tests {
     use truepose_kinematics::JointId;
 
     #[test]
-    fn a_rail_and_what_it_does_to_another_slide_have_one_driver() {
+    fn a_guideway_and_its_coupling_to_another_joint_have_a_common_driver() {
         let at = |joint: &str| Place { joint: Some(joint.into()), ..Place::default() };
         let rail = Candidate::new(Family::Guideway, at("d1"), Guideway::of(JointId(1)));
         let dragged = |driver: &str| {

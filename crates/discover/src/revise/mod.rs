@@ -1,4 +1,4 @@
-//! Earlier findings tested again when a new one has changed the model.
+//! Revision: earlier findings are tested again after a new one has changed the model.
 
 pub(crate) mod merge;
 pub(crate) mod reconsider;

@@ -1,7 +1,9 @@
-//! Joint reconsideration: every find has to win again with all others in the model.
+//! Reconsideration: every finding is tested again with all others in the model (backward elimination with
+//! replacement).
 //!
-//! A first find that a later one explains better falls; one that is better told at another place, or in another shape, is
-//! swapped. Each find is taken out in turn, what is left is screened, and the contest is held once more.
+//! Each finding is removed in turn, the residual is screened, and the contest is repeated. A finding that the
+//! others explain is removed; one for which another place, family or nonlinear parameter has a clearly
+//! smaller score is replaced.
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Evidence, collect, parametric};
@@ -20,7 +22,7 @@ use crate::problem::observation::typical_sd;
 use crate::screen::candidates::{Screen, TestCounts};
 use truepose_errormodel::Visits;
 
-/// Takes each of the first `count` findings out in turn and tests it again beside all others; true when something changed.
+/// Tests each of the first `count` findings again with all others in the model; true when the model changed.
 pub(crate) fn reconsidered(
     context: &Context<'_>,
     mut model: Model,
@@ -35,7 +37,7 @@ pub(crate) fn reconsidered(
         let Reselection { contest, winner, evidence } = without(context, &model, at, (&others, test_counts))?;
         let mut findings = model.findings.clone();
         let Some(winner) = winner.map(|k| &contest.competitors[k]) else {
-            // The others explain it.
+            // The other findings explain it.
             findings.remove(at);
             model = model.refitted(context, findings)?;
             moved = true;
@@ -49,7 +51,7 @@ pub(crate) fn reconsidered(
             evidence.doubt((context.policy(), context.options.alpha), floor, next.belongs_to_time())
         };
         match evidence {
-            // Another cause has to pass the same tests as one that comes in from outside.
+            // A replacement by another family or place has to pass the tests of a new finding.
             Some(evidence) if doubt(&evidence).is_some() => {
                 model.findings = findings;
                 at += 1;
@@ -70,16 +72,16 @@ pub(crate) fn reconsidered(
     Ok((model, moved))
 }
 
-/// The contest for the place of a find, and how it ended.
+/// A contest in place of a finding, and its result.
 struct Reselection {
     contest: Contest,
-    /// Number of the rival that has won; none when the others explain the find.
+    /// Index of the winner; `None` when the other findings explain this one.
     winner: Option<usize>,
-    /// What speaks for the winner, if it is another cause.
+    /// Evidence of the winner, if its family or place is another one.
     evidence: Option<Evidence>,
 }
 
-/// Holds the contest for the place of a finding.
+/// Repeats the contest without a finding.
 fn without(
     context: &Context<'_>,
     model: &Model,
@@ -90,9 +92,9 @@ fn without(
     let options = context.options;
     let held = |linearisation: &Linearisation<'_>| {
         let screen = Screen::again(linearisation, &options.without, (shortlist, others), test_counts);
-        // The periods of a gear were found while less was known: it may look for them again.
+        // The periods of a transmission were found with fewer effects in the model: they are searched again.
         let mut contest = contest(linearisation, &screen, others, candidate.family == Family::Transmission)?;
-        // The find as it stands defends its place, and its shape.
+        // The finding as it stands takes part with its nonlinear parameters.
         if let Some(own) =
             competitor(linearisation, &screen, &Visits::of(linearisation.data), candidate.clone())?
         {
@@ -106,7 +108,7 @@ fn without(
         let winner = winner(&contest, candidate, &options.policy);
         let another = winner.map(|k| &contest.competitors[k]).filter(|r| !r.candidate.same_cause(candidate));
         let tested = |best: &Competitor| {
-            // Another cause answers for itself, against the whole search.
+            // The p-value of a replacement is its own, from a full screen.
             let p = (family_wise_p(context, linearisation, others, best), parametric(&screen, best));
             collect(linearisation, &contest.present, best, p, options.seed)
         };
@@ -114,7 +116,7 @@ fn without(
         Ok(Reselection { contest, winner, evidence })
     };
     let current = &*model.current;
-    // A corrected load is in the data itself.
+    // A corrected payload is part of the data: the model has to be refitted.
     if !current.found[at].effects().is_empty() {
         let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         if let Some(linearisation) = lacking(linearisation, model.effects_of(context, at))? {
@@ -134,7 +136,7 @@ fn winner(contest: &Contest, mine: &Candidate, policy: &Policy) -> Option<usize>
     Some(still.filter(|&k| competitors[k].score < competitors[best].score + policy.tie).unwrap_or(best))
 }
 
-/// Whether both change the model in the same way.
+/// Whether both have the same family, place and parameters.
 fn same_parameters(a: &Candidate, b: &Candidate) -> bool {
     let parameters = |c: &Candidate| -> Vec<_> {
         c.effects().iter().map(|e| (e.kind(), e.parameters().to_string())).collect()

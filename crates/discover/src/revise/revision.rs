@@ -1,4 +1,4 @@
-//! When findings are revised, and which revisions are kept.
+//! Revisions of the findings, and which of them are kept.
 
 use crate::accept::admit::kept;
 use crate::accept::model::Model;
@@ -8,7 +8,8 @@ use crate::revise::merge::merged;
 use crate::revise::reconsider::reconsidered;
 use crate::screen::candidates::TestCounts;
 
-/// After a finding: every other one is tested again, and two that one cause explains are merged.
+/// After a new finding: every other one is reconsidered, and the new one is merged with another one where a
+/// single candidate explains both.
 pub(crate) fn after_finding(
     context: &Context<'_>,
     model: Model,
@@ -18,7 +19,7 @@ pub(crate) fn after_finding(
         let newest = model.findings.len() - 1;
         let (mut model, mut changed) = reconsidered(context, model, newest, test_counts)?;
         if changed {
-            // The newest won against others than those that are there now.
+            // The newest finding was selected with other findings in the model.
             let count = model.findings.len();
             model = reconsidered(context, model, count, test_counts)?.0;
         }
@@ -35,7 +36,7 @@ pub(crate) fn after_finding(
     Ok(revised.0)
 }
 
-/// At the end: every finding is tested again; whether the model changed.
+/// At the end of the search: every finding is reconsidered. Returns the model and whether it changed.
 pub(crate) fn reconsidered_once(
     context: &Context<'_>,
     model: Model,
@@ -45,7 +46,7 @@ pub(crate) fn reconsidered_once(
     guarded(context, model, |model| reconsidered(context, model, count, test_counts))
 }
 
-/// The nonlinear parameters of all findings at their joint optimum; whether the model changed.
+/// Optimises the nonlinear parameters of all findings jointly. Returns the model and whether it changed.
 pub(crate) fn descended(context: &Context<'_>, model: Model) -> Result<(Model, bool), DiscoverError> {
     guarded(context, model, |model| {
         Ok(match model.descended(context)? {
@@ -55,7 +56,7 @@ pub(crate) fn descended(context: &Context<'_>, model: Model) -> Result<(Model, b
     })
 }
 
-/// Makes a change, and drops it where the changed model is worse.
+/// Makes a change, and undoes it where the changed model predicts unseen poses worse ([`kept`]).
 fn guarded(
     context: &Context<'_>,
     model: Model,

@@ -34,7 +34,8 @@ fn series(candidate: &Candidate) -> Option<(&Expansion, FrameId, &[Axis])> {
     let series = seen_as::<Expansion>(&**effect)?;
     match &series.at {
         Place::Frame { frame, components }
-            if !AnyEffect::settles(series) && (components.len() == 1 || components[..] == Axis::ALL) =>
+            if !AnyEffect::load_dependent(series)
+                && (components.len() == 1 || components[..] == Axis::ALL) =>
         {
             Some((series, *frame, components))
         }

@@ -15,7 +15,7 @@
 //! curves and moving frames are charged so: where coefficients stand for separate causes, what the data leaves open is no virtue.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use truepose_identify::minimum;
+use truepose_solvers::minimum;
 
 /// ln w, between which w is looked for.
 const NARROWEST: f64 = -9.0;

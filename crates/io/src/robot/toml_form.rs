@@ -156,7 +156,7 @@ fn joints(value: &Value<'_>, units: Units) -> Result<Vec<Joint>, IoError> {
         if joints.iter().any(|other| other.name == joint.name) {
             return Err(table
                 .require("name")?
-                .error(format!("two joints bear the name `{}`; names must be different", joint.name)));
+                .error(format!("two joints have the name `{}`; names must be different", joint.name)));
         }
         joints.push(joint);
     }
@@ -271,7 +271,7 @@ fn targets(value: &Value<'_>, units: Units) -> Result<Vec<Target>, IoError> {
         }
         if targets.iter().any(|other| Ok(other.name.as_str()) == name.string().as_deref().map_err(|_| ())) {
             return Err(name
-                .error(format!("two targets bear the name `{}`; names must be different", name.string()?)));
+                .error(format!("two targets have the name `{}`; names must be different", name.string()?)));
         }
         let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
         let position = match table.get("xyz") {
@@ -378,7 +378,7 @@ known = false
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn what_is_wrong_is_reported() {
         let change = |from: &str, to: &str| {
             assert!(GOOD.contains(from), "{from}");
             read(&GOOD.replacen(from, to, 1)).unwrap_err()
@@ -399,7 +399,7 @@ known = false
             ),
             (
                 change("name = \"theta\"", "name = \"d1\""),
-                "r.toml:20:8: two joints bear the name `d1`; names must be different",
+                "r.toml:20:8: two joints have the name `d1`; names must be different",
             ),
             (
                 change("name = \"theta\"", "name = \"rx\""),

@@ -6,11 +6,11 @@
 
 mod table;
 
-use crate::discovery::causes::{CAUSES, Cause};
+use crate::discovery::hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
 use crate::discovery::record::Record;
 use crate::discovery::trial::Task;
-use crate::ledger::{Ledger, commit};
-use crate::{folder, say};
+use crate::journal::{Journal, commit};
+use crate::{folder, print};
 use std::error::Error;
 use truepose_discover::Policy;
 
@@ -31,26 +31,26 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
     let folder = folder("sensitivity")?.join(into);
     std::fs::create_dir_all(&folder)?;
-    say(&format!("commit {commit}; {}", folder.display()));
+    print(&format!("commit {commit}; {}", folder.display()));
     let tasks = asked.tasks();
     let mut rows = Vec::new();
     for (belief, factor, policy) in asked.policies()? {
         let part = if factor == 1.0 { "default".into() } else { format!("{belief}_x{factor}") };
-        let mut ledger: Ledger<Record> = Ledger::open(&folder, &part, &commit)?;
+        let mut journal: Journal<Record> = Journal::open(&folder, &part, &commit)?;
         for task in &tasks {
-            let word = task.cause.map_or("none", Cause::word);
-            if !ledger.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
+            let word = task.cause.map_or("none", HiddenEffect::word);
+            if !journal.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
                 let record = task.run_under(&policy);
-                say(&format!("{part}, {}: {} in {:.1} s", task.words(), record.first, record.seconds));
-                ledger.add(record)?;
+                print(&format!("{part}, {}: {} in {:.1} s", task.words(), record.first, record.seconds));
+                journal.add(record)?;
             }
         }
         let of_this = |record: &Record| tasks.iter().any(|task| task.is_of(record));
-        rows.push(table::Row::of(&part, ledger.records.into_iter().filter(of_this).collect()));
+        rows.push(table::Row::of(&part, journal.records.into_iter().filter(of_this).collect()));
     }
     let text =
         format!("commit {commit}\n\n{}", table::text(&rows, asked.robots, asked.nulls, asked.multiple)?);
-    say(&text);
+    print(&text);
     std::fs::write(folder.join("table.txt"), text)?;
     Ok(())
 }
@@ -87,7 +87,7 @@ impl Asked {
     /// Robots with one hidden cause each, and nulls.
     fn tasks(&self) -> Vec<Task> {
         let hidden = (0..self.robots).map(|seed| Task {
-            cause: Some(CAUSES[seed as usize % CAUSES.len()].0),
+            cause: Some(HIDDEN_EFFECTS[seed as usize % HIDDEN_EFFECTS.len()].0),
             multiple: self.multiple,
             seed,
             without: false,

@@ -4,7 +4,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use nalgebra::{DVector, Vector3};
-use truepose_errormodel::{Dataset, Emission, ErrorJacobian, ErrorModel, Rest};
+use truepose_errormodel::{Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel};
 use truepose_identify::Fit;
 use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
 
@@ -108,7 +108,7 @@ pub(super) fn error_source(
         return Ok(Some(ErrorSource::Motion(motion)));
     }
     let bound = model.bind(&data.schema)?;
-    let mut rest = Rest::new(model);
+    let mut rest = Equilibrium::new(model);
     let mut energy = vec![0.0; chain.site_count()];
     for row in (0..data.len()).step_by(data.len().div_ceil(ASKED).max(1)) {
         rest.settle(&bound, &data.conditions(row), fit.fitted.coefficients());

@@ -23,7 +23,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use nalgebra::Vector3;
-use truepose_errormodel::{Dataset, ErrorJacobian, Rest};
+use truepose_errormodel::{Dataset, Equilibrium, ErrorJacobian};
 use truepose_identify::Fit;
 
 /// Rows in the final model; `first` is the number of the finding's first effect. None when nothing can be shown.
@@ -50,7 +50,7 @@ pub(crate) fn trace(
         fit.fitted.covariance().view((columns.start, columns.start), (columns.len(), columns.len()));
 
     let bound = model.bind(&data.schema)?;
-    let mut rest = Rest::new(model);
+    let mut rest = Equilibrium::new(model);
     let mut points = Vec::new();
     let mut wrenches: Vec<[f64; 6]> = Vec::new();
     for row in 0..data.len() {
