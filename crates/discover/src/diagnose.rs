@@ -22,10 +22,7 @@ use truepose_identify::{FitOptions, PriorStrength, hold_out, place};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
-/// Fewest training poses of a search.
-const FEWEST: usize = 12;
-
-/// Searches a data set for effects that the declared model lacks.
+/// Runs the closed loop.
 ///
 /// `declared` are the effects of the declared model; `chain` is the nominal robot; `data` has joint values in
 /// rad or m, positions in m. A share `options.holdout` of the configurations is the test set, drawn before
@@ -46,7 +43,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
     // Lagged channels need the whole record: they are derived before the test set is drawn.
-    let data = &derived::with_derived(data);
+    let data = &derived::with_derived(data, &options.policy);
     let rows = hold_out(data, options.holdout, options.seed)?;
     on_split(chain, declared, (data, rows), solver, options, Checks::ALL, progress)
 }
@@ -64,7 +61,7 @@ pub(crate) fn on_split(
     let train = data.select(&train_rows);
     progress(Progress::Fitting);
     let placement = place(chain, &train)?;
-    let part = sample(&train, options.seed);
+    let part = sample(&train, options.seed, options.budget.sample_rows);
     let open = installation::with_unknown(chain, declared)?;
     let declared_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let chain_placed = &placement.chain;
@@ -80,9 +77,9 @@ pub(crate) fn on_split(
         first = context.fit_model(Vec::new(), &first.outliers.suspects)?;
     }
     let have = Visits::of(&train).len();
-    if have < FEWEST {
+    if have < options.policy.fewest_poses {
         let rank = first.fit.reduction.rank();
-        return Err(DiscoverError::TooFewPoses { have, rank, need: FEWEST });
+        return Err(DiscoverError::TooFewPoses { have, rank, need: options.policy.fewest_poses });
     }
     let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };
@@ -98,7 +95,7 @@ pub(crate) fn on_split(
     let all_rows = Context { data: &train, ..context.clone() };
     let mut context = &context;
     if part.len() < train.len() {
-        unsearched = Some(fallback::unsearched(&outcome.model, &train, options.seed)?);
+        unsearched = Some(fallback::unsearched(context, &outcome.model, &train)?);
         // Findings of a sample are fitted to all training rows.
         outcome.model = outcome.model.on_data_of(&all_rows)?;
         context = &all_rows;

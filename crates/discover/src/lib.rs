@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 
 mod accept;
+mod budget;
 mod conclude;
+mod constants;
 mod contest;
 mod data;
 mod diagnose;
@@ -21,6 +23,7 @@ mod statistics;
 mod termination;
 
 pub use accept::evidence::{Doubt, Evidence, Gain, Refused};
+pub use budget::Budget;
 pub use conclude::diagnosis::{
     Alternative, Check, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
 };
@@ -45,6 +48,7 @@ pub use hypotheses::variant::Variant;
 pub use hypotheses::view::TraceView;
 pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
+pub use policy::Policy;
 pub use progress::Progress;
 pub use screen::untestable::Untestable;
 pub use termination::Termination;

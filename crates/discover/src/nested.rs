@@ -43,7 +43,7 @@ pub fn nested(
     progress: &(dyn Fn(usize, Progress) + Sync),
 ) -> Result<Nested, DiscoverError> {
     options.validate()?;
-    let data = &derived::with_derived(data);
+    let data = &derived::with_derived(data, &options.policy);
     let folds = Folds::new(data, split)?;
     // In parallel: each run is a function of its fold alone.
     let runs: Vec<Diagnosis> = (0..folds.count)

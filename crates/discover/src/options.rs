@@ -1,7 +1,9 @@
 //! Options of a discovery.
 
+use crate::budget::Budget;
 use crate::error::DiscoverError;
 use crate::hypotheses::library::Library;
+use crate::policy::Policy;
 use truepose_identify::{FitOptions, PriorStrength};
 
 /// Largest number of sign flips: they are kept in memory, and a resolution of p finer than 1e-6 has no use.
@@ -27,6 +29,10 @@ pub struct DiscoverOptions {
     pub competing_fits: bool,
     /// Options of the fits.
     pub fit: FitOptions,
+    /// What is believed before the data is seen.
+    pub policy: Policy,
+    /// How much work is spent.
+    pub budget: Budget,
 }
 
 /// Decrease of χ² per iteration below which a fit of the search has converged. The penalty of one
@@ -44,6 +50,8 @@ impl Default for DiscoverOptions {
             library: Library::standard(),
             competing_fits: false,
             fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
+            policy: Policy::default(),
+            budget: Budget::default(),
         }
     }
 }

@@ -15,9 +15,6 @@ use crate::screen::untestable::untestable;
 use crate::significance::sign_flips::NullDistribution;
 use crate::termination::{History, Termination};
 
-/// With more findings than this they are reconsidered only at the end of the search.
-const FEW: usize = 4;
-
 /// Adds effects until no candidate passes all tests. `interim` is called with the outcome after each finding.
 pub(crate) fn search(
     context: &Context<'_>,
@@ -31,7 +28,7 @@ pub(crate) fn search(
     loop {
         progress(Progress::Screening(outcome.model.findings.len()));
         let current = outcome.model.current.clone();
-        let linearisation = Linearisation::new(&current.fit, &current.data)?;
+        let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         let screen = Screen::new(&linearisation, &options.library, &current.found);
         let test_counts = screen.test_counts();
         if history.first() {
@@ -46,7 +43,7 @@ pub(crate) fn search(
             None => add(context, &mut outcome, &mut history, (&linearisation, &screen, &null), progress)?,
         };
         if found {
-            if history.may_revise(&outcome.model, FEW) {
+            if history.may_revise(&outcome.model, context.budget().reconsidered) {
                 progress(Progress::Reconsidering);
                 outcome.model = after_finding(context, outcome.model, test_counts)?;
             }
@@ -60,7 +57,7 @@ pub(crate) fn search(
                 continue;
             }
         }
-        if history.may_reconsider(&outcome.model, FEW) {
+        if history.may_reconsider(&outcome.model, context.budget().reconsidered) {
             progress(Progress::Reconsidering);
             let changed;
             (outcome.model, changed) = reconsidered_once(context, outcome.model, test_counts)?;
@@ -84,9 +81,7 @@ fn add(
     screened: (&Linearisation<'_>, &Screen, &NullDistribution),
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<bool, DiscoverError> {
-    /// Candidates that may fail the tests of the refitted model before the search gives up.
-    const FAILURES: usize = 3;
-    for _ in 0..FAILURES {
+    for _ in 0..context.budget().failures {
         let current = &outcome.model.current;
         let Some(accepted) = winner(context, current, screened, &history.barred, &mut outcome.refused)?
         else {

@@ -8,6 +8,7 @@ mod journal;
 mod orders;
 mod pps;
 mod reliability;
+mod sensitivity;
 mod solvers;
 
 use std::io::Write;
@@ -37,9 +38,10 @@ fn main() -> ExitCode {
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
         "reliability" => reliability::run(&rest),
+        "sensitivity" => sensitivity::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!(
-            "unknown study `{name}`; there are: closed-loop, discovery, harm, orders, pps, reliability, solvers"
+            "unknown study `{name}`; there are: closed-loop, discovery, harm, orders, pps, reliability, sensitivity, solvers"
         )
         .into()),
     };

@@ -31,7 +31,7 @@ pub(crate) fn admitted(
         after = after.refitted(context, findings)?;
     }
     let own = after.effects_of(context, added);
-    let doubt = match objection(&after.current.fit, &after.current.found[added], own) {
+    let doubt = match objection(&after.current.fit, &after.current.found[added], own, context.policy()) {
         Some(objection) => Some(doubt_of(objection)),
         None => doubt_about(context, before, &after, true)?,
     };
@@ -59,20 +59,23 @@ fn doubt_about(
     after: &Model,
     gains: bool,
 ) -> Result<Option<Doubt>, DiscoverError> {
-    /// Allowed growth of the training RMS: the noise of rows and poses, and with it the weights, are
-    /// estimated again.
-    const GROWTH: f64 = 1.01;
     let (old, new) = (&before.current.fit, &after.current.fit);
     if old.converged && !new.converged {
         return Ok(Some(Doubt::NotConverged));
     }
     let trained = compared(&old.residuals, &new.residuals, old.noise);
-    if gains && trained.is_some_and(|trained| trained.position > GROWTH && trained.deviation > 1.0) {
+    if gains
+        && trained.is_some_and(|trained| {
+            trained.position > 1.0 + context.policy().training_growth && trained.deviation > 1.0
+        })
+    {
         return Ok(Some(Doubt::WorseFit));
     }
     let (earlier, refits) = (before.refits(context)?, after.refits(context)?);
     let unseen = compared(&earlier.residuals, &refits.residuals, old.noise);
-    let worse = unseen.is_none_or(|unseen| if gains { unseen.is_no_gain() } else { unseen.is_loss() });
+    let worse = unseen.is_none_or(|unseen| {
+        if gains { unseen.is_no_gain(context.policy()) } else { unseen.is_loss(context.policy()) }
+    });
     Ok((worse || (earlier.converged && !refits.converged)).then_some(Doubt::WorseUnseen))
 }
 
@@ -86,7 +89,8 @@ pub(crate) fn without_insignificant(
     let mut at = 0;
     while at < model.findings.len() {
         let own = model.effects_of(context, at);
-        let Some(objection) = objection(&model.current.fit, &model.current.found[at], own) else {
+        let Some(objection) = objection(&model.current.fit, &model.current.found[at], own, context.policy())
+        else {
             at += 1;
             continue;
         };

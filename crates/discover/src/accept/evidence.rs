@@ -12,6 +12,7 @@
 use crate::contest::competitor::Competitor;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
+use crate::policy::Policy;
 use crate::problem::likelihood::{Likelihood, distances};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::Observation;
@@ -97,20 +98,7 @@ pub enum Doubt {
     NotPhysical,
 }
 
-/// Fraction of the gain in random folds that an effect of time has to keep in contiguous blocks, and
-/// Student's t there. Poses of a random fold have neighbours in time in the training part, so that
-/// autocorrelated noise of the instrument is predicted in random folds and not in blocks. Chosen on robots 29
-/// to 150 of the study `harm`, whose drifts are autocorrelated noise, and on three cases with a true drift
-/// (0.9 of the gain, t from 1.8 on).
-const HOLDS_IN_BLOCKS: f64 = 0.5;
-const CLEAR_IN_BLOCKS: f64 = 1.0;
-
-const FOLDS: usize = 10;
-const BLOCKS: usize = 5;
-const HALVES: usize = 10;
-
-/// The evidence for a competitor; `(p_value, p_parametric)` are given. `present` is the likelihood without
-/// it.
+/// Collects the evidence for a competitor, given its family-wise p.
 pub(crate) fn collect(
     linearisation: &Linearisation<'_>,
     present: &Likelihood,
@@ -118,11 +106,17 @@ pub(crate) fn collect(
     (p_value, p_parametric): (f64, f64),
     seed: u64,
 ) -> Result<Evidence, DiscoverError> {
-    let random = Folds::new(linearisation.data, &Split::Random { folds: folds(linearisation, FOLDS), seed })?;
-    let blocks = Folds::new(linearisation.data, &Split::TimeBlocks { folds: folds(linearisation, BLOCKS) })?;
+    let random = Folds::new(
+        linearisation.data,
+        &Split::Random { folds: folds(linearisation, linearisation.budget.folds), seed },
+    )?;
+    let blocks = Folds::new(
+        linearisation.data,
+        &Split::TimeBlocks { folds: folds(linearisation, linearisation.budget.blocks) },
+    )?;
     let gain = |folds: &Folds| -> Result<Gain, DiscoverError> {
-        let before = present.held_out(linearisation, folds, competitor.prior_width())?;
-        let after = competitor.likelihood.held_out(linearisation, folds, competitor.prior_width())?;
+        let before = present.held_out(linearisation, folds, competitor.prior_width)?;
+        let after = competitor.likelihood.held_out(linearisation, folds, competitor.prior_width)?;
         Ok(paired(linearisation, folds, competitor, &before, &after))
     };
     let (stability, agreement) = halves(linearisation, competitor, seed)?;
@@ -140,22 +134,27 @@ pub(crate) fn collect(
 
 impl Evidence {
     /// The first test that fails; `None` when all pass. `floor`: noise standard deviation of one position, m.
-    pub(crate) fn doubt(&self, alpha: f64, floor: f64, belongs_to_time: bool) -> Option<Doubt> {
+    pub(crate) fn doubt(
+        &self,
+        (policy, alpha): (&Policy, f64),
+        floor: f64,
+        belongs_to_time: bool,
+    ) -> Option<Doubt> {
         let won = self.random.before - self.random.after;
         let blocks_agree = self.blocks.is_none_or(|blocks| {
             let won = blocks.won.max(blocks.middle);
             match belongs_to_time {
-                true => won >= HOLDS_IN_BLOCKS * self.random.won && blocks.t >= CLEAR_IN_BLOCKS,
-                false => won > -0.02,
+                true => won >= policy.time_gain_kept * self.random.won && blocks.t >= policy.time_t,
+                false => won > -policy.blocks_loss,
             }
         });
         if self.p_value > alpha {
             Some(Doubt::Chance)
-        } else if self.random.t < 2.0 || !blocks_agree {
+        } else if self.random.t < policy.held_out_t || !blocks_agree {
             Some(Doubt::NotPredictive)
-        } else if self.random.won < 0.02 && won < 0.1 * floor {
+        } else if self.random.won < policy.held_out_gain && won < policy.held_out_noise * floor {
             Some(Doubt::TooSmall)
-        } else if self.stability < 0.8 {
+        } else if self.stability < policy.stability {
             Some(Doubt::Unstable)
         } else {
             None
@@ -232,9 +231,8 @@ struct ByFold {
 impl ByFold {
     /// From standardised residuals without and with the effect.
     fn new(linearisation: &Linearisation<'_>, folds: &Folds, without: &[f64], with: &[f64]) -> Self {
-        /// Degrees of freedom of the t distribution of the log score.
-        const TAIL: f64 = 4.0;
-        let surprisal = |square: f64| (1.0 + square / TAIL).ln();
+        let tail = linearisation.policy.score_tail;
+        let surprisal = |square: f64| (1.0 + square / tail).ln();
         let mut sums = vec![[0.0; 4]; folds.count];
         for ((o, a), b) in linearisation.observations.iter().zip(without).zip(with) {
             let (a, b) = (a * a, b * b);
@@ -290,11 +288,12 @@ fn halves(
     competitor: &Competitor,
     seed: u64,
 ) -> Result<(f64, f64), DiscoverError> {
+    let (policy, count_of_halves) = (linearisation.policy, linearisation.budget.halves);
     let configuration = configurations(linearisation.data);
     let count = configuration.iter().max().map_or(0, |last| last + 1);
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x4a1f);
     let k = competitor.columns.ncols();
-    let halves: Vec<Vec<bool>> = (0..HALVES)
+    let halves: Vec<Vec<bool>> = (0..count_of_halves)
         .map(|_| {
             let mut order: Vec<usize> = (0..count).collect();
             order.shuffle(&mut random);
@@ -306,7 +305,7 @@ fn halves(
         covariance.cholesky().map_or(0.0, |c| value.dot(&c.solve(value)))
     };
     let freedom = competitor.freedom as f64;
-    let enough = freedom + 1.5 * (2.0 * freedom).sqrt();
+    let enough = freedom + policy.half_sample_deviations * (2.0 * freedom).sqrt();
     let judged: Vec<(usize, usize)> = halves
         .par_iter()
         .map(|mine| -> Result<(usize, usize), DiscoverError> {
@@ -315,11 +314,14 @@ fn halves(
             let (b, cb) = competitor.likelihood.on_visits(linearisation, &others, k)?;
             let difference = size(&(&a - &b), &ca + &cb);
             let there = usize::from(size(&a, ca) > enough) + usize::from(size(&b, cb) > enough);
-            Ok((there, usize::from(difference < freedom + 3.0 * (2.0 * freedom).sqrt())))
+            Ok((
+                there,
+                usize::from(difference < freedom + policy.agreement_deviations * (2.0 * freedom).sqrt()),
+            ))
         })
         .collect::<Result<_, _>>()?;
     let (there, agree) = judged.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-    Ok((there as f64 / (2 * HALVES) as f64, agree as f64 / HALVES as f64))
+    Ok((there as f64 / (2 * count_of_halves) as f64, agree as f64 / count_of_halves as f64))
 }
 
 /// The parametric p-value of a competitor: χ² tail times the number of tests, at most one.

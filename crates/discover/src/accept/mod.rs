@@ -6,4 +6,6 @@ pub(crate) mod evidence;
 pub(crate) mod model;
 pub(crate) mod outcome;
 pub(crate) mod refine;
+#[cfg(test)]
+mod tests;
 pub(crate) mod winner;

@@ -14,11 +14,7 @@ use crate::problem::projection::Projection;
 use crate::screen::refine::refined;
 use rayon::prelude::*;
 
-/// Sweeps over the nonlinear parameters of a finding with several effects: they are correlated.
-const SWEEPS: usize = 2;
-
-/// The finding with its nonlinear parameters optimised; `None` when it has none or the score did not
-/// increase.
+/// The finding with its nonlinear parameters optimised again; none when it has none, or the statistic does not grow.
 pub(crate) fn refined_in_model(
     context: &Context<'_>,
     current: &ModelFit,
@@ -33,13 +29,15 @@ pub(crate) fn refined_in_model(
         return Ok(None);
     }
     let own = context.effects_of(&current.found, which);
-    let Some(mut linearisation) = without(Linearisation::new(&current.fit, &current.data)?, own)? else {
+    let Some(mut linearisation) =
+        without(Linearisation::new(&current.fit, &current.data, context.options)?, own)?
+    else {
         return Ok(None);
     };
     linearisation.noise = current.fit.noise;
     let present = Projection::new(&linearisation);
     let mut gained = false;
-    for _ in 0..if parts.len() > 1 { SWEEPS } else { 1 } {
+    for _ in 0..if parts.len() > 1 { context.budget().sweeps } else { 1 } {
         let better: Vec<Option<Candidate>> = (0..parts.len())
             .into_par_iter()
             .map(|k| -> Result<Option<Candidate>, DiscoverError> {

@@ -22,32 +22,28 @@ pub(crate) fn winner(
     barred: &[Candidate],
     refused: &mut Vec<Refused>,
 ) -> Result<Option<Accepted>, DiscoverError> {
-    /// Contests without an accepted competitor after which the search gives up, and competitors tested in
-    /// each contest.
-    const CONTESTS: usize = 4;
-    const TESTED: usize = 2;
     let options = context.options;
     let mut barred: Vec<Candidate> = barred.to_vec();
-    for _ in 0..CONTESTS {
+    for _ in 0..context.budget().contests {
         let Contest { present, mut competitors } = contest(linearisation, screen, &barred, true)?;
         order_payloads(context, current, &mut competitors)?;
         if competitors.is_empty() {
             return Ok(None);
         }
-        for (k, best) in competitors.iter().enumerate().take(TESTED) {
+        for (k, best) in competitors.iter().enumerate().take(context.budget().tested) {
             let p = (null.p_value(best.surprisal), parametric(screen, best));
             let evidence = collect(linearisation, &present, best, p, options.seed)?;
             let floor = best.likelihood.noise.floor(linearisation.typical_sd());
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
             } else {
-                evidence.doubt(options.alpha, floor, best.candidate.follows_time())
+                evidence.doubt((&options.policy, options.alpha), floor, best.candidate.follows_time())
             };
             let Some(doubt) = doubt else {
                 return Ok(Some(Accepted {
                     candidate: with_estimates(best),
                     evidence,
-                    competitors: outcompeted(&competitors[k + 1..], best),
+                    competitors: outcompeted(&competitors[k + 1..], best, &options.policy),
                     shortlist: screen.shortlist(linearisation),
                 }));
             };

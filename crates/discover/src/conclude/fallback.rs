@@ -5,10 +5,10 @@
 //!
 //! | check | rows | when |
 //! | --- | --- | --- |
-//! | [`Check::Refits`] | training rows, each predicted by a refit without its fold | the search used all training rows |
-//! | [`Check::UnsearchedRows`] | training rows outside of the sample that was searched | the search used a sample |
-//! | [`Check::NestedFolds`] | training rows, each predicted by a run of the whole search without its fold | fewer than [`FEW`] poses |
-//! | [`Check::TestSet`] | the held-out test set | the run has a test set of its own |
+//! | [`Check::Refits`] | training rows, each predicted by a refit without its fold | the search had all training rows |
+//! | [`Check::UnsearchedRows`] | training rows outside of the sample that was searched | the search had a sample |
+//! | [`Check::NestedFolds`] | training rows, each predicted by a whole run of the loop without its fold | fewer than [`crate::Policy::few_poses`] |
+//! | [`Check::TestSet`] | the held-out test set | the run drew it itself |
 //!
 //! A check fails when Σ ‖e/σ‖² of the enlarged model is larger. Then all findings are withdrawn and the
 //! declared model is the result. Single effects were tested when they were added ([`crate::model::refits`]).
@@ -27,12 +27,6 @@ use crate::problem::outliers::outliers;
 use nalgebra::Vector3;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{Fit, Folds, Residuals, Split};
-
-/// With fewer training poses than this the whole search is cross-validated: a few influential poses can then
-/// change its findings.
-pub(crate) const FEW: usize = 100;
-/// Folds of that validation.
-const FOLDS: usize = 5;
 
 /// Which checks a run makes.
 #[derive(Debug, Clone, Copy)]
@@ -105,9 +99,9 @@ fn failed(
     if let Some(failed) = loss(check, &blank(pair, out), &any_loss) {
         return Ok(Some(failed));
     }
-    if checks.nested && Visits::of(train).len() < FEW {
+    if checks.nested && Visits::of(train).len() < context.policy().few_poses {
         // In a fold without findings both models are equal.
-        let pair = nested(train, context.options.seed, again)?;
+        let pair = nested(context, train, again)?;
         if let Some(failed) = loss(Check::NestedFolds, &blank(pair, out), &any_loss) {
             return Ok(Some(failed));
         }
@@ -115,7 +109,7 @@ fn failed(
     if checks.test_set {
         let held = partition.data.select(&partition.holdout_rows);
         let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
-        let out = gross(model, partition)?;
+        let out = gross(context, model, partition)?;
         let found = &model.current.found;
         let pair = [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
         if let Some(failed) = loss(Check::TestSet, &blank(pair, &out), &any_loss) {
@@ -127,8 +121,12 @@ fn failed(
 
 /// Residuals of the declared and of the enlarged model, fitted to the sample, on the training rows outside of
 /// it; NaN in rows of the sample.
-pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[Residuals; 2], DiscoverError> {
-    let sampled = crate::data::sample::sampled(train, seed);
+pub(crate) fn unsearched(
+    context: &Context<'_>,
+    model: &Model,
+    train: &Dataset,
+) -> Result<[Residuals; 2], DiscoverError> {
+    let sampled = crate::data::sample::sampled(train, context.options.seed, context.budget().sample_rows);
     let rows: Vec<usize> = (0..train.len()).filter(|&row| sampled[row]).collect();
     let found = &model.current.found;
     let first = Residuals::of(&model.declared.fit.fitted, train)?;
@@ -138,9 +136,16 @@ pub(crate) fn unsearched(model: &Model, train: &Dataset, seed: u64) -> Result<[R
 
 /// Residuals of the declared and of the enlarged model on the training rows, each row by a run of the search
 /// without its fold.
-fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2], DiscoverError> {
+fn nested(
+    context: &Context<'_>,
+    train: &Dataset,
+    again: &Again<'_>,
+) -> Result<[Residuals; 2], DiscoverError> {
     let count = configurations(train).iter().max().map_or(0, |last| last + 1);
-    let folds = Folds::new(train, &Split::Random { folds: FOLDS.min(count), seed })?;
+    let folds = Folds::new(
+        train,
+        &Split::Random { folds: context.budget().nested_folds.min(count), seed: context.options.seed },
+    )?;
     let nothing = Residuals {
         position: vec![Vector3::repeat(f64::NAN); train.len()],
         orientation: vec![None; train.len()],
@@ -163,9 +168,13 @@ fn nested(train: &Dataset, seed: u64, again: &Again<'_>) -> Result<[Residuals; 2
 }
 
 /// Outliers of the test set, as indices into it: gross errors decide for neither model.
-fn gross(model: &Model, partition: &Partition<'_>) -> Result<Vec<usize>, DiscoverError> {
+fn gross(
+    context: &Context<'_>,
+    model: &Model,
+    partition: &Partition<'_>,
+) -> Result<Vec<usize>, DiscoverError> {
     let all = with_loads(partition.data, &model.current.found);
-    let judged = Linearisation::new(&model.current.fit, &all)?;
+    let judged = Linearisation::new(&model.current.fit, &all, context.options)?;
     let residual = &judged.y - &judged.base * judged.coefficients();
     let suspects = outliers(&judged, residual.as_slice(), model.current.fit.noise).suspects;
     let held = partition.holdout_rows.iter().enumerate();

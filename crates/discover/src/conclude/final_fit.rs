@@ -45,11 +45,11 @@ impl DeclaredFit<'_> {
         all: &Dataset,
     ) -> Result<Final, DiscoverError> {
         // Only rows that are reported as outliers are excluded, so that the fit is the one of `identify`.
-        let outside = outside(&current.fit, all, current)?;
+        let outside = outside(context, &current.fit, all, current)?;
         let data = without(all, &outside.certain);
         let model = ErrorModel::new(context.chain.clone(), self.declared.to_vec())?;
         let mut fit = fit(&model, &data, context.solver, &self.fit)?;
-        let outside = self::outside(&fit, all, current)?;
+        let outside = self::outside(context, &fit, all, current)?;
         let data = without(all, &outside.certain);
         fit = fit_again(&fit, &data, context.solver, &self.fit)?;
         Ok(Final { fit, found: Vec::new(), data, outside })
@@ -65,7 +65,7 @@ pub(crate) fn enlarged(
 ) -> Result<Final, DiscoverError> {
     let last_digits = FitOptions { flat: FitOptions::default().flat, ..context.fit.clone() };
     let frozen = FitOptions { noise: NoiseSource::Fixed(current.fit.noise), ..last_digits };
-    let mut first = outside(&current.fit, all, current)?;
+    let mut first = outside(context, &current.fit, all, current)?;
     // Between the training rows before and after a change point no row can be called an outlier.
     let jumps: Vec<[f64; 2]> = between_rows(found, &current.data).iter().flat_map(gaps).collect();
     let unsure = |row: usize| jumps.iter().any(|[before, after]| (*before..*after).contains(&all.time[row]));
@@ -76,7 +76,7 @@ pub(crate) fn enlarged(
     let found = between_rows(moved.as_deref().unwrap_or(found), &data);
     let nonlinear = nonlinear_parameters(context, &found, &data);
     let fit = if nonlinear.is_empty() { fit } else { context.fitted_by(&found, &data, &frozen)? };
-    let outside = outside(&fit, all, current)?;
+    let outside = outside(context, &fit, all, current)?;
     let data = without(all, &outside.suspects);
     let fit = if outside.suspects == first.suspects {
         fit
@@ -84,7 +84,7 @@ pub(crate) fn enlarged(
         fit_again(&fit, &data, context.solver, &frozen)?
     };
     if current.fit.converged && !fit.converged {
-        return training(current, &current.found, all);
+        return training(context, current, &current.found, all);
     }
     let fit = with_nonlinear(fit, &data, &nonlinear);
     Ok(Final { fit, found, data, outside })
@@ -92,18 +92,24 @@ pub(crate) fn enlarged(
 
 /// The fit of the training rows.
 pub(crate) fn training(
+    context: &Context<'_>,
     current: &ModelFit,
     found: &[Candidate],
     all: &Dataset,
 ) -> Result<Final, DiscoverError> {
-    let outside = outside(&current.fit, all, current)?;
+    let outside = outside(context, &current.fit, all, current)?;
     let data = without(all, &outside.suspects);
     Ok(Final { fit: current.fit.clone(), found: found.to_vec(), data, outside })
 }
 
 /// Outliers of a fit, with the noise of the training rows.
-fn outside(fit: &Fit, all: &Dataset, current: &ModelFit) -> Result<Outliers, DiscoverError> {
-    let judged = Linearisation::new(fit, all)?;
+fn outside(
+    context: &Context<'_>,
+    fit: &Fit,
+    all: &Dataset,
+    current: &ModelFit,
+) -> Result<Outliers, DiscoverError> {
+    let judged = Linearisation::new(fit, all, context.options)?;
     let residual = &judged.y - &judged.base * judged.coefficients();
     Ok(outliers(&judged, residual.as_slice(), current.fit.noise))
 }

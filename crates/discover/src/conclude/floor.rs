@@ -54,9 +54,6 @@ pub enum Verdict {
     Undecided,
 }
 
-/// Level of the lack-of-fit test of the verdict.
-const LEVEL: f64 = 0.01;
-
 impl NoiseFloor {
     /// From repeated poses where there are any, else from the stated accuracy of the instrument.
     pub(crate) fn of(repeats: Option<&Repeats>, data: &Dataset) -> Self {
@@ -80,9 +77,15 @@ impl NoiseFloor {
 
     /// The verdict on a model with residuals `after`, given why the search ended and the lack of fit against
     /// repeats.
-    pub(crate) fn verdict(&self, stopped: Termination, repeats: Option<&Repeats>, after: &Errors) -> Verdict {
+    pub(crate) fn verdict(
+        &self,
+        stopped: Termination,
+        repeats: Option<&Repeats>,
+        after: &Errors,
+        level: f64,
+    ) -> Verdict {
         let lack = repeats.and_then(|repeats| repeats.lack_of_fit.as_ref()).map(|lack| lack.p_value);
-        if stopped != Termination::NothingLeft || lack.is_some_and(|p| p < LEVEL) {
+        if stopped != Termination::NothingLeft || lack.is_some_and(|p| p < level) {
             return Verdict::Unexplained;
         }
         let enough = match self.source {
@@ -127,7 +130,7 @@ mod tests {
         let floor = NoiseFloor::of(None, &Dataset::default());
         assert_eq!((floor.rms, floor.source), (None, FloorSource::Unknown));
         let nothing = Errors::default();
-        assert_eq!(floor.verdict(Termination::NothingLeft, None, &nothing), Verdict::Undecided);
+        assert_eq!(floor.verdict(Termination::NothingLeft, None, &nothing, 0.01), Verdict::Undecided);
         assert_eq!(floor.beyond(1.0, 0.5), None);
     }
 
@@ -137,8 +140,11 @@ mod tests {
         for (p, verdict) in [(0.5, Verdict::Adequate), (1e-6, Verdict::Unexplained)] {
             let repeats = repeats(1e-4, p);
             let floor = NoiseFloor::of(Some(&repeats), &Dataset::default());
-            assert_eq!(floor.verdict(Termination::NothingLeft, Some(&repeats), &nothing), verdict);
-            assert_eq!(floor.verdict(Termination::Limit, Some(&repeats), &nothing), Verdict::Unexplained);
+            assert_eq!(floor.verdict(Termination::NothingLeft, Some(&repeats), &nothing, 0.01), verdict);
+            assert_eq!(
+                floor.verdict(Termination::Limit, Some(&repeats), &nothing, 0.01),
+                Verdict::Unexplained
+            );
         }
     }
 }

@@ -6,7 +6,6 @@ pub(crate) mod fallback;
 pub(crate) mod final_fit;
 pub(crate) mod floor;
 pub(crate) mod interim;
-pub(crate) mod linear;
 pub(crate) mod partition;
 pub(crate) mod report;
 pub(crate) mod trace;

@@ -22,7 +22,6 @@ use crate::hypotheses::outlier::Outlying;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
-use crate::policy::TIE;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::Outliers;
 use crate::termination::Termination;
@@ -57,7 +56,7 @@ pub(crate) fn conclude(
     let mut after = errors(&current.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
 
     let all = with_loads(partition.data, &found);
-    let judged = Linearisation::new(&current.fit, &all)?;
+    let judged = Linearisation::new(&current.fit, &all, context.options)?;
     let trial = Trial::new(context, &current, &found, &judged, &partition);
     // Errors with the first findings only, on the same training rows.
     let between: Vec<_> =
@@ -67,7 +66,7 @@ pub(crate) fn conclude(
     let Final { fit, found, data, outside } = match (declared_fit.full_report, found.is_empty()) {
         (true, true) => declared_fit.fit(context, &current, &all)?,
         (true, false) => enlarged(context, &current, &found, &all)?,
-        (false, _) => training(&current, &found, &all)?,
+        (false, _) => training(context, &current, &found, &all)?,
     };
     let mut fit = fit;
     at_run_time(&mut fit, &found, partition.data);
@@ -88,7 +87,7 @@ pub(crate) fn conclude(
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: match declared_fit.full_report {
-                true => alternatives(&trial, k, &accepted.competitors)?,
+                true => alternatives(context, &trial, k, &accepted.competitors)?,
                 false => Vec::new(),
             },
             trace: match declared_fit.full_report {
@@ -98,7 +97,7 @@ pub(crate) fn conclude(
         });
     }
     let competitors = if wanted {
-        competing_fits(&trial, &accepted, &outside.suspects, partition.data)?
+        competing_fits(context, &trial, &accepted, &outside.suspects, partition.data)?
     } else {
         Vec::new()
     };
@@ -119,7 +118,8 @@ pub(crate) fn conclude(
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
     let repeats_after = repeats(&current.fit, &current.data);
     let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
-    let verdict = noise_floor.verdict(stopped, repeats_after.as_ref(), &after);
+    let verdict =
+        noise_floor.verdict(stopped, repeats_after.as_ref(), &after, context.policy().verdict_level);
     let train = |errors: &Errors| errors.spreads_without_outliers().0.rms;
     let beyond = noise_floor.beyond(train(&before), train(&after));
     Ok(Diagnosis {
@@ -215,17 +215,16 @@ fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
 
 /// Competing hypotheses in place of a finding, with their error on the test set.
 fn alternatives(
+    context: &Context<'_>,
     trial: &Trial<'_>,
     which: usize,
     competitors: &[(Candidate, f64)],
 ) -> Result<Vec<Alternative>, DiscoverError> {
-    /// Competing hypotheses that are listed, and unnamed ones among them, which come in many similar forms.
-    const LISTED: usize = 4;
-    const UNNAMED: usize = 2;
-    let unnamed = competitors.iter().filter(|(r, _)| !r.family.is_named()).nth(UNNAMED);
+    let unnamed =
+        competitors.iter().filter(|(r, _)| !r.family.is_named()).nth(context.budget().listed_unnamed);
     let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
     let listed = competitors.iter().filter(|(r, behind)| r.family.is_named() || *behind < last);
-    let listed: Vec<_> = listed.take(LISTED).collect();
+    let listed: Vec<_> = listed.take(context.budget().listed).collect();
     listed
         .par_iter()
         .map(|(candidate, behind)| {
@@ -234,7 +233,7 @@ fn alternatives(
                 place: candidate.place.clone(),
                 holdout: trial.instead(which, candidate)?.1,
                 behind: *behind,
-                equivalent: *behind < TIE,
+                equivalent: *behind < context.policy().tie,
             })
         })
         .collect()
@@ -243,16 +242,19 @@ fn alternatives(
 /// Fits, to all rows except outliers, of the competing hypotheses that are not distinguishable from the
 /// findings.
 fn competing_fits(
+    context: &Context<'_>,
     trial: &Trial<'_>,
     accepted: &[Accepted],
     out: &[usize],
     data: &Dataset,
 ) -> Result<Vec<CompetingFit>, DiscoverError> {
-    /// For one finding.
-    const FITTED: usize = 2;
     let mut fits = Vec::new();
     for (finding, accepted) in accepted.iter().enumerate() {
-        let tied = accepted.competitors.iter().filter(|(_, behind)| *behind < TIE).take(FITTED);
+        let tied = accepted
+            .competitors
+            .iter()
+            .filter(|(_, behind)| *behind < context.policy().tie)
+            .take(context.budget().fitted);
         for (candidate, _) in tied {
             let (mut fit, found) = trial.fit_instead(finding, candidate, out)?;
             at_run_time(&mut fit, &found, data);

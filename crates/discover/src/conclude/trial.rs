@@ -1,13 +1,13 @@
 //! Errors on training rows and test set without some findings, or with a competing hypothesis in place of
 //! one.
 
-use crate::conclude::linear::Linear;
 use crate::conclude::partition::Partition;
 use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
+use crate::problem::linear::Linear;
 use crate::problem::linearisation::Linearisation;
 use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals};
 
@@ -105,10 +105,12 @@ impl<'a> Trial<'a> {
         without: std::ops::Range<usize>,
         with: Option<&Candidate>,
     ) -> Result<Rms, DiscoverError> {
-        /// Converges to a tenth of a percent of an RMS.
-        const ITERATIONS: usize = 6;
         let noise = NoiseSource::Fixed(self.current.fit.noise);
-        let options = FitOptions { noise, max_iterations: ITERATIONS, ..self.context.fit.clone() };
+        let options = FitOptions {
+            noise,
+            max_iterations: self.context.budget().trial_iterations,
+            ..self.context.fit.clone()
+        };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
         let data = self.context.prepared(&found, &self.current.outliers.suspects);

@@ -9,7 +9,7 @@ use crate::contest::look_ahead;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
-use crate::policy::{TIE, penalty_per_coefficient};
+use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
@@ -20,21 +20,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
-/// Largest distance from the best score at which other sets of components are tried.
-const FAR: f64 = 120.0;
-/// The same for unnamed curves, of which each set of components has many coefficients.
-const NEAR: f64 = 30.0;
-/// Least decrease of the score for another set of components.
-const WORTH: f64 = 1.0;
-/// Groups of candidates (family and place) that are compared, and variants of each.
-const CAUSES: usize = 10;
-const VARIANTS: usize = 3;
-/// Transmissions to which further periods may be added in one contest.
-const GEARS: usize = 2;
-/// Periods that may be added to one transmission.
-const MOST_PERIODS: usize = 12;
-
-/// The competitors, best first, and the likelihood of the present model without any of them.
+/// The competitors, the preferred one first, and the likelihood of the present model.
 pub(crate) struct Contest {
     pub present: Likelihood,
     pub competitors: Vec<Competitor>,
@@ -60,19 +46,20 @@ pub(crate) fn contest(
     if more_periods_allowed {
         add_periods(linearisation, screen, &visits, &mut found)?;
     }
-    let competitors: Vec<Competitor> = found.into_iter().filter_map(simplest).collect();
+    let competitors: Vec<Competitor> =
+        found.into_iter().filter_map(|shapes| simplest(shapes, linearisation.policy)).collect();
     let best = least(&competitors);
     let mut competitors: Vec<Competitor> = competitors
         .into_par_iter()
         .map(|r| {
-            if r.score < best + component_margin(&r) {
+            if r.score < best + component_reach(&r, linearisation.policy) {
                 with_best_components(linearisation, screen, &visits, r)
             } else {
                 Ok(r)
             }
         })
         .collect::<Result<_, _>>()?;
-    rank(&mut competitors);
+    rank(&mut competitors, linearisation.policy);
     let first = look_ahead::first(linearisation, screen, &visits, &competitors, &causes)?;
     competitors[..=first].rotate_right(usize::from(first > 0));
     Ok(Contest { present, competitors })
@@ -81,8 +68,8 @@ pub(crate) fn contest(
 /// The best groups of candidates, and the best group of every named family that has none among them.
 fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
     let penalty = penalty_per_coefficient(linearisation.len());
-    let mut selected: Vec<&Cause> = causes.iter().take(CAUSES).collect();
-    for cause in causes.iter().skip(CAUSES) {
+    let mut selected: Vec<&Cause> = causes.iter().take(linearisation.budget.causes).collect();
+    for cause in causes.iter().skip(linearisation.budget.causes) {
         let (_, gain, freedom) = &cause.variants[0];
         let known = selected.iter().any(|other| other.family == cause.family);
         if cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0 {
@@ -102,7 +89,7 @@ fn refined_variants(
     let mut competitors = Vec::new();
     let mut freedoms = Vec::new();
     for (candidate, _, freedom) in &cause.variants {
-        if freedoms.contains(freedom) || freedoms.len() >= VARIANTS {
+        if freedoms.contains(freedom) || freedoms.len() >= linearisation.budget.variants {
             continue;
         }
         freedoms.push(*freedom);
@@ -128,7 +115,7 @@ fn add_periods(
         })
         .collect();
     transmissions.sort_by(|&a, &b| least(&found[a]).total_cmp(&least(&found[b])));
-    transmissions.truncate(GEARS);
+    transmissions.truncate(linearisation.budget.transmissions);
     let grown: Vec<Option<Competitor>> = transmissions
         .par_iter()
         .map(|&k| {
@@ -143,19 +130,19 @@ fn add_periods(
     Ok(())
 }
 
-/// The variant with the fewest coefficients among those whose score is within half of [`TIE`] of the best.
-fn simplest(mut shapes: Vec<Competitor>) -> Option<Competitor> {
-    shapes.retain(|r| plausible(r) && r.score.is_finite());
+/// The simplest variant of a cause that is not distinguishable from the best one.
+fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> {
+    shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
     let best = least(&shapes);
-    let tied = shapes.into_iter().filter(|r| r.score < best + 0.5 * TIE);
+    let tied = shapes.into_iter().filter(|r| r.score < best + policy.variant_ties * policy.tie);
     tied.min_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)))
 }
 
-/// Sorts by score; those within [`TIE`] of the best by simplicity: family, number of unknowns, score.
-fn rank(competitors: &mut [Competitor]) {
+/// Best first; of those that are not distinguishable from the best one, the simplest.
+fn rank(competitors: &mut [Competitor], policy: &Policy) {
     competitors.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = least(competitors);
-    let tied = competitors.iter().take_while(|r| r.score < best + TIE).count();
+    let tied = competitors.iter().take_while(|r| r.score < best + policy.tie).count();
     competitors[..tied].sort_by(|a, b| {
         let family = a.candidate.hypothesis().rank().cmp(&b.candidate.hypothesis().rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
@@ -163,8 +150,11 @@ fn rank(competitors: &mut [Competitor]) {
 }
 
 /// Largest distance from the best score at which other sets of components of a competitor are tried.
-fn component_margin(competitor: &Competitor) -> f64 {
-    if competitor.candidate.family.is_named() { FAR } else { NEAR }
+fn component_reach(competitor: &Competitor, policy: &Policy) -> f64 {
+    match competitor.candidate.family.is_named() {
+        true => policy.component_reach,
+        false => policy.component_reach_unnamed,
+    }
 }
 
 fn least(competitors: &[Competitor]) -> f64 {
@@ -183,7 +173,11 @@ fn with_best_components(
         let mut best: Option<Competitor> = None;
         for candidate in current.candidate.neighbours() {
             let Some(other) = competitor(linearisation, screen, visits, candidate)? else { continue };
-            if other.score < best.as_ref().map_or(current.score - WORTH, |best| best.score) {
+            if other.score
+                < best
+                    .as_ref()
+                    .map_or(current.score - linearisation.policy.component_margin, |best| best.score)
+            {
                 best = Some(other);
             }
         }
@@ -204,11 +198,12 @@ fn more_periods(
     let joint = candidate.periodic_in(linearisation.chain())?;
     let grid = periodogram::grid(linearisation, joint);
     let log_tests = (grid.len().max(2) as f64).ln();
-    let threshold = 2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + TIE;
+    let threshold =
+        2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + linearisation.policy.tie;
     let mut grown = candidate.clone();
     let mut projection = present.with(&linearisation.columns_of(&grown).ok()?)?;
     let mut added = 0;
-    while added < MOST_PERIODS {
+    while added < linearisation.budget.periods {
         let wave = periodogram::scan(linearisation, &projection, joint, &grid)?;
         let (period, gain, surprisal) = wave.strongest()?;
         // The surprisal among poses has to exceed ln(periods on the grid): Bonferroni's bound at one expected

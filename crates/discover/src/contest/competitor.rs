@@ -16,7 +16,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::hypotheses::limits::Limit;
-use crate::policy::{WIDE, penalty_per_coefficient};
+use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
@@ -24,9 +24,6 @@ use crate::statistics::coefficients::CoefficientDistribution;
 use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
-
-/// Penalty of an unnamed structure beside a named family.
-const UNNAMED: f64 = 25.0;
 
 /// A candidate with optimised nonlinear parameters, and its likelihood.
 pub(crate) struct Competitor {
@@ -44,8 +41,10 @@ pub(crate) struct Competitor {
     /// The part of π that does not depend on the data: tests of the family, and the prior against unnamed
     /// structures.
     prior_penalty: f64,
-    /// Standard deviation w of the distribution of its coefficients, in expected sizes.
+    /// Of the distribution from which its coefficients look drawn, expected sizes.
     pub width: f64,
+    /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes.
+    pub prior_width: f64,
     pub likelihood: Likelihood,
 }
 
@@ -53,12 +52,6 @@ impl Competitor {
     /// Number of estimated parameters: degrees of freedom and nonlinear parameters.
     pub fn unknowns(&self) -> usize {
         self.freedom + self.candidate.nonlinear().count()
-    }
-
-    /// Prior standard deviation of its coefficients in the model, in expected sizes: 2 w, twice the most
-    /// likely one.
-    pub fn prior_width(&self) -> f64 {
-        2.0 * self.width.max(1e-3)
     }
 
     /// Difference of score from another competitor without the part that does not depend on the data;
@@ -81,11 +74,12 @@ pub(crate) fn competitor(
     let likelihood = Likelihood::new(linearisation, &columns, visits)?;
     let distribution = likelihood.coefficient_distribution(0..columns.ncols());
     let (log_prior_odds, prior_penalty) =
-        (log_prior_odds(linearisation, screen, &candidate), prior_penalty(screen, &candidate));
+        (log_prior_odds(linearisation, screen, &candidate), prior_penalty(linearisation, screen, &candidate));
     let total =
         likelihood.deviance + cost(&candidate, &distribution, score.freedom, linearisation) + log_prior_odds;
     let (freedom, gain, surprisal) = (score.freedom, score.gain, score.surprisal);
     let width = distribution.width;
+    let prior_width = linearisation.policy.prior_widths * width.max(1e-3);
     Ok(Some(Competitor {
         candidate,
         columns,
@@ -96,6 +90,7 @@ pub(crate) fn competitor(
         log_prior_odds,
         prior_penalty,
         width,
+        prior_width,
         likelihood,
     }))
 }
@@ -107,13 +102,11 @@ pub(crate) fn competitor(
 pub(crate) fn outcompeted<'a>(
     competitors: impl IntoIterator<Item = &'a Competitor>,
     winner: &Competitor,
+    policy: &Policy,
 ) -> Vec<(Candidate, f64)> {
-    /// Difference of −2 ln L within which two candidates with equal degrees of freedom span the same space:
-    /// their wide priors differ by as much.
-    const SAME: f64 = 0.05;
     let a_curve = winner.candidate.hypothesis().is_curve();
     let itself = |r: &Competitor| {
-        let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < SAME;
+        let alike = (r.likelihood.deviance - winner.likelihood.deviance).abs() < policy.same_explanation;
         let unnamed = !r.candidate.family.is_named() && r.freedom == winner.freedom && alike;
         (unnamed && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
@@ -142,37 +135,37 @@ pub(crate) fn log_prior_odds(
     screen: &Screen,
     candidate: &Candidate,
 ) -> f64 {
-    prior_penalty(screen, candidate)
+    prior_penalty(linearisation, screen, candidate)
         + penalty_per_coefficient(linearisation.len()) * candidate.scales() as f64
 }
 
 /// The part of π that does not depend on the data: 2 ln(tests of the family) for each period, and the prior
 /// against unnamed structures.
-fn prior_penalty(screen: &Screen, candidate: &Candidate) -> f64 {
-    let unnamed = if candidate.family.is_named() { 0.0 } else { UNNAMED };
+fn prior_penalty(linearisation: &Linearisation<'_>, screen: &Screen, candidate: &Candidate) -> f64 {
+    let unnamed = if candidate.family.is_named() { 0.0 } else { linearisation.policy.unnamed_penalty };
     2.0 * candidate.periods().max(1) as f64 * (screen.tests_of(candidate.family) as f64).ln() + unnamed
 }
 
 /// Whether size and sign of the coefficients are physical.
-pub(crate) fn plausible(competitor: &Competitor) -> bool {
+pub(crate) fn plausible(competitor: &Competitor, policy: &Policy) -> bool {
     let first = (competitor.likelihood.coefficients[0], competitor.likelihood.deviation(0));
-    is_physical(|limit| competitor.candidate.has_limit(limit), competitor.width, first)
+    is_physical(|limit| competitor.candidate.has_limit(limit), competitor.width, first, policy)
 }
 
-/// A link compliance is at most [`WIDE`] expected sizes (500 N would bend the link by a tenth of its length).
+/// A link compliance is at most [`Policy::wide`] expected sizes (500 N would bend the link by a tenth of its length).
 /// A compliance is positive: its first coefficient, `first` = (value, standard deviation), is above −2
 /// standard deviations.
-fn is_physical(has: impl Fn(Limit) -> bool, width: f64, first: (f64, f64)) -> bool {
+fn is_physical(has: impl Fn(Limit) -> bool, width: f64, first: (f64, f64), policy: &Policy) -> bool {
     let (value, deviation) = first;
-    let paper = has(Limit::BoundedWidth) && width > WIDE;
-    let pushes_back = has(Limit::FirstNotNegative) && value <= -2.0 * deviation;
+    let paper = has(Limit::BoundedWidth) && width > policy.wide;
+    let pushes_back = has(Limit::FirstNotNegative) && value <= -policy.negative_compliance * deviation;
     !paper && !pushes_back
 }
 
 /// The candidate with the estimates of the contest: prior width, and mass of a corrected payload.
 pub(crate) fn with_estimates(competitor: &Competitor) -> Candidate {
     let mut candidate = competitor.candidate.clone();
-    candidate.width = Some(competitor.prior_width());
+    candidate.width = Some(competitor.prior_width);
     if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + competitor.likelihood.coefficients[0]).max(0.0);
     }
@@ -189,7 +182,7 @@ mod tests {
     #[test]
     fn a_link_compliance_is_bounded_and_a_compliance_is_not_negative() {
         let is_physical = |hypothesis: &dyn Hypothesis, width, first| {
-            is_physical(|limit| hypothesis.limits().contains(&limit), width, first)
+            is_physical(|limit| hypothesis.limits().contains(&limit), width, first, &Policy::default())
         };
         assert!(is_physical(&OfLinks, 20.0, (20.0, 1.0)));
         assert!(!is_physical(&OfLinks, 600.0, (600.0, 5.0)));

@@ -16,7 +16,7 @@
 use crate::contest::competitor::{Competitor, cost, log_prior_odds};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::policy::{TIE, penalty_per_coefficient};
+use crate::policy::penalty_per_coefficient;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Accumulated;
@@ -24,13 +24,7 @@ use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
-/// Competitors that are joined with a partner, and partners tried.
-const COMPETITORS: usize = 8;
-const PARTNERS: usize = 80;
-/// Least penalised score statistic of a partner.
-const LEAST: f64 = 12.0;
-
-/// Index of the competitor that should be tested first.
+/// The position of the competitor that comes first.
 pub(crate) fn first(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -45,7 +39,7 @@ pub(crate) fn first(
     let first: Vec<&Candidate> = causes
         .iter()
         .filter(|cause| cause.family.is_named())
-        .take(PARTNERS)
+        .take(linearisation.budget.partners)
         .map(|cause| &cause.variants[0].0)
         .collect();
     let partners: Vec<(&Candidate, Accumulated)> = first
@@ -54,7 +48,7 @@ pub(crate) fn first(
         .collect::<Result<_, DiscoverError>>()?;
     let named: Vec<usize> = (0..competitors.len())
         .filter(|&k| k == 0 || competitors[k].candidate.family.is_named())
-        .take(COMPETITORS)
+        .take(linearisation.budget.competitors)
         .collect();
     let pairs: Vec<Option<(f64, Candidate, f64)>> = named
         .par_iter()
@@ -75,7 +69,9 @@ pub(crate) fn first(
                     Some((gain - penalty * freedom as f64, freedom, *partner))
                 })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, freedom, partner)) = best.filter(|best| best.0 > LEAST) else {
+            let Some((worth, freedom, partner)) =
+                best.filter(|best| best.0 > linearisation.policy.partner_margin)
+            else {
                 return Ok(Some((competitor.score, competitor.candidate.clone(), 0.0)));
             };
             let columns = linearisation.columns_of(partner)?;
@@ -108,7 +104,7 @@ pub(crate) fn first(
     }
     let Some((chosen, score)) = best else { return Ok(0) };
     let Some((own, ..)) = &pairs[0] else { return Ok(0) };
-    if chosen == 0 || score > own - 2.0 * TIE {
+    if chosen == 0 || score > own - linearisation.policy.pair_ties * linearisation.policy.tie {
         return Ok(0);
     }
     // The member of the pair with the smaller score, if it is a competitor as well; a competitor that is

@@ -4,3 +4,5 @@ pub(crate) mod competition;
 pub(crate) mod competitor;
 pub(crate) mod look_ahead;
 pub(crate) mod payload;
+#[cfg(test)]
+mod tests;

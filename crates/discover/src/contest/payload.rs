@@ -31,7 +31,7 @@ pub(crate) fn order_payloads(
             let mut found = current.found.clone();
             found.push(candidate);
             let with = context.fit_model(found, &current.outliers.suspects)?;
-            let linearisation = Linearisation::new(&with.fit, &with.data)?;
+            let linearisation = Linearisation::new(&with.fit, &with.data, context.options)?;
             let nothing = DMatrix::zeros(linearisation.len(), 0);
             Ok(Likelihood::new(&linearisation, &nothing, &Visits::of(&with.data))?.deviance)
         })

@@ -1,18 +1,12 @@
 //! Derived channels: first-order lags of temperatures on a grid of time constants, and the carried mass.
 
+use crate::policy::Policy;
 use truepose_errormodel::{Dataset, is_derived};
-
-/// Time constants tried for each temperature.
-const LAGS: usize = 12;
-
-/// Longest time constant, as a fraction of the length of the record: with a longer one the lagged temperature
-/// has no turning point in the record and is not distinguishable from a drift.
-const LONGEST: f64 = 1.0 / 3.0;
 
 /// The data with the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
 /// constants in equal ratios, from twice the mean interval between poses to [`LONGEST`] of the length of the
 /// record.
-pub(crate) fn with_derived(data: &Dataset) -> Dataset {
+pub(crate) fn with_derived(data: &Dataset, policy: &Policy) -> Dataset {
     let mut more = data.clone();
     more.add_carried();
     let from = data.time.iter().copied().fold(f64::INFINITY, f64::min);
@@ -24,9 +18,9 @@ pub(crate) fn with_derived(data: &Dataset) -> Dataset {
     let visits = data.visit.iter().max().map_or(1, |last| last + 1);
     let shortest = (2.0 * length / visits as f64).max(1e-3 * length);
     for channel in data.schema.channels.iter().filter(|channel| channel.temperature) {
-        let longest = (LONGEST * length).max(shortest);
-        for k in 0..LAGS {
-            let lag = shortest * (longest / shortest).powf(k as f64 / (LAGS - 1) as f64);
+        let longest = (policy.longest_lag * length).max(shortest);
+        for k in 0..policy.lags {
+            let lag = shortest * (longest / shortest).powf(k as f64 / (policy.lags.max(2) - 1) as f64);
             // Three digits: the lag is part of a name.
             let digits = 10f64.powf(lag.log10().floor() - 2.0);
             more.follow_late(&channel.name, (lag / digits).round() * digits);

@@ -9,22 +9,19 @@ use rand_chacha::ChaCha8Rng;
 use std::borrow::Cow;
 use truepose_errormodel::{Dataset, Visits};
 
-/// Rows of a sample.
-const ROWS: usize = 1000;
-
 /// The data, or a random sample of its poses, in their order. All rows of a pose are in the sample or none.
-pub(crate) fn sample(data: &Dataset, seed: u64) -> Cow<'_, Dataset> {
-    if data.len() <= ROWS + ROWS / 4 {
+pub(crate) fn sample(data: &Dataset, seed: u64, most: usize) -> Cow<'_, Dataset> {
+    if data.len() <= most + most / 4 {
         return Cow::Borrowed(data);
     }
-    let taken = sampled(data, seed);
+    let taken = sampled(data, seed, most);
     let rows: Vec<usize> = (0..data.len()).filter(|&row| taken[row]).collect();
     Cow::Owned(data.select(&rows))
 }
 
 /// Which rows are in the sample.
-pub(crate) fn sampled(data: &Dataset, seed: u64) -> Vec<bool> {
-    if data.len() <= ROWS + ROWS / 4 {
+pub(crate) fn sampled(data: &Dataset, seed: u64, most: usize) -> Vec<bool> {
+    if data.len() <= most + most / 4 {
         return vec![true; data.len()];
     }
     let visits = Visits::of(data);
@@ -33,7 +30,7 @@ pub(crate) fn sampled(data: &Dataset, seed: u64) -> Vec<bool> {
     let mut taken = vec![false; visits.len()];
     let mut rows = 0;
     for visit in order {
-        if rows >= ROWS {
+        if rows >= most {
             break;
         }
         taken[visit] = true;

@@ -16,15 +16,11 @@
 
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::limits::Limit;
+use crate::policy::Policy;
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
 use truepose_identify::{Fit, Warning};
-
-/// Level of the Wald test: a single test of a finding that the family-wise test has selected.
-const SIGNIFICANT: f64 = 0.01;
-/// Largest error of a drive, rad; of a coupling, rad per rad of the other joint.
-const LARGEST_ANGLE: f64 = 1e-2;
 
 /// Why a fitted effect is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +33,12 @@ pub(crate) enum Objection {
 
 /// Tests a finding whose effects have these indices in the model of a fit. `None` when it passes; a corrected
 /// payload has no effects and passes.
-pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> Option<Objection> {
+pub(crate) fn objection(
+    fit: &Fit,
+    found: &Candidate,
+    effects: Range<usize>,
+    policy: &Policy,
+) -> Option<Objection> {
     let model = fit.fitted.model();
     let columns: Vec<usize> = effects
         .flat_map(|effect| model.columns_of(effect))
@@ -55,16 +56,16 @@ pub(crate) fn objection(fit: &Fit, found: &Candidate, effects: Range<usize>) -> 
         _ => false,
     });
     let bounded = found.has_limit(Limit::DriveAngle);
-    let too_large = |k: usize| matches!(unit(k), "rad" | "rad/rad") && values[k].abs() > LARGEST_ANGLE;
+    let too_large = |k: usize| matches!(unit(k), "rad" | "rad/rad") && values[k].abs() > policy.largest_angle;
     if out_of_bounds || (bounded && (0..columns.len()).any(too_large)) {
         return Some(Objection::NotPhysical);
     }
     let own = covariance.select_rows(&columns).select_columns(&columns);
-    is_nothing(&values, own).then_some(Objection::NotSignificant)
+    is_nothing(&values, own, policy.not_significant).then_some(Objection::NotSignificant)
 }
 
 /// Whether the hypothesis that all coefficients are zero is accepted: p(W) above [`SIGNIFICANT`].
-fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>) -> bool {
+fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>, not_significant: f64) -> bool {
     // In standard deviations: the units of the columns differ by many powers of ten.
     let sizes: DVector<f64> = covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
     let scaled = DVector::from_fn(values.len(), |k, _| values[k] / sizes[k]);
@@ -73,7 +74,8 @@ fn is_nothing(values: &DVector<f64>, covariance: nalgebra::DMatrix<f64>) -> bool
     });
     let Some(factor) = correlation.cholesky() else { return false };
     let statistic = scaled.dot(&factor.solve(&scaled));
-    ChiSquared::new(values.len() as f64).is_ok_and(|distribution| distribution.sf(statistic) > SIGNIFICANT)
+    ChiSquared::new(values.len() as f64)
+        .is_ok_and(|distribution| distribution.sf(statistic) > not_significant)
 }
 
 #[cfg(test)]
@@ -84,10 +86,10 @@ mod tests {
     #[test]
     fn coefficients_within_their_intervals_may_still_be_significant_together() {
         let values = DVector::from_vec(vec![1.5, 1.5]);
-        assert!(is_nothing(&values, DMatrix::identity(2, 2)));
+        assert!(is_nothing(&values, DMatrix::identity(2, 2), 0.01));
         // The sum is known ten times better than each coefficient.
         let together = DMatrix::from_row_slice(2, 2, &[1.0, -0.98, -0.98, 1.0]);
-        assert!(!is_nothing(&values, together));
-        assert!(is_nothing(&DVector::from_vec(vec![1e-9]), DMatrix::from_element(1, 1, 1e-18)));
+        assert!(!is_nothing(&values, together, 0.01));
+        assert!(is_nothing(&DVector::from_vec(vec![1e-9]), DMatrix::from_element(1, 1, 1e-18), 0.01));
     }
 }

@@ -1,11 +1,13 @@
 //! The fit of the declared model with a list of findings; outliers are excluded, corrected payloads are
 //! estimated.
 
+use crate::budget::Budget;
 use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
+use crate::policy::Policy;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::{Outliers, outliers};
@@ -39,14 +41,18 @@ pub(crate) struct ModelFit {
     pub fit: Fit,
 }
 
-/// Refits at most, until the set of outliers stays; and with payloads to correct: masses converge slowly,
-/// because they are correlated with compliances.
-const ITERATIONS: usize = 4;
-const ITERATIONS_WITH_LOADS: usize = 8;
-
 impl Context<'_> {
-    /// Fits the declared model with these findings. Outliers are excluded and corrected payloads are
-    /// estimated, in turns with the fit until both stay. `known`: rows that are excluded at first.
+    /// What is believed before the data is seen.
+    pub fn policy(&self) -> &Policy {
+        &self.options.policy
+    }
+
+    /// How much work is spent.
+    pub fn budget(&self) -> &Budget {
+        &self.options.budget
+    }
+
+    /// Fits the declared model with these findings; outliers are excluded, corrected loads are estimated.
     pub fn fit_model(&self, found: Vec<Candidate>, known: &[usize]) -> Result<ModelFit, DiscoverError> {
         self.fit_model_from(found, known, None)
     }
@@ -68,17 +74,17 @@ impl Context<'_> {
                 None => self.fitted(&found, &data)?,
                 Some(last) => fit_again(last, &data, self.solver, &self.fit)?,
             };
-            let linearisation = Linearisation::new(&fit, &data)?;
+            let linearisation = Linearisation::new(&fit, &data, self.options)?;
             let moved = corrected(&linearisation, &mut found)?;
             // All rows are tested, the excluded ones too.
             let whole = self.prepared(&found, &[]);
-            let judged = Linearisation::new(&fit, &whole)?;
+            let judged = Linearisation::new(&fit, &whole, self.options)?;
             let residual = &judged.y - &judged.base * judged.coefficients();
             let outliers = outliers(&judged, residual.as_slice(), fit.noise);
             iterations += 1;
             // Of thousands of rows some lie at the threshold: one in 2000 may change.
             let settled = differing(&outliers.suspects, &out) <= whole.len() / 2000;
-            let most = if moved { ITERATIONS_WITH_LOADS } else { ITERATIONS };
+            let most = if moved { self.budget().load_iterations } else { self.budget().outlier_iterations };
             if (settled && !moved) || iterations > most {
                 return Ok(ModelFit { found, outliers, data, fit });
             }

@@ -12,10 +12,6 @@ use crate::model::current::Context;
 use truepose_errormodel::{Dataset, NonlinearParameter};
 use truepose_identify::{Fit, descend_nonlinear};
 
-/// With more nonlinear parameters than this they keep their values: the joint optimisation would take
-/// minutes.
-const MOST: usize = 24;
-
 /// (index of the effect in the model, parameter with its value and search range) of every finding.
 pub(crate) fn nonlinear_parameters(
     context: &Context<'_>,
@@ -49,7 +45,7 @@ pub(crate) fn descended(
     let first = context.declared.len();
     let mut free = nonlinear_parameters(context, found, data);
     free.retain(|(k, _)| !on_a_grid[k - first]);
-    if free.is_empty() || free.len() > MOST {
+    if free.is_empty() || free.len() > context.budget().joint_parameters {
         return Ok(None);
     }
     // Nonlinear parameters that are not identifiable keep their values.

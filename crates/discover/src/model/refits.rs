@@ -6,7 +6,7 @@
 //!
 //! | symbol | here | unit |
 //! | --- | --- | --- |
-//! | F(i) | fold of row i: whole configurations, [`FOLDS`] at random | 1 |
+//! | F(i) | fold of row i: whole configurations, at random | 1 |
 //! | e_i | [`Refits::residuals`]: exact prediction, nothing linearised | m, rad |
 //!
 //! The evidence of a candidate ([`crate::accept::evidence`]) comes from the linearised problem. Weak
@@ -16,12 +16,10 @@
 
 use crate::error::DiscoverError;
 use crate::model::current::{Context, ModelFit};
+use crate::policy::Policy;
 use rayon::prelude::*;
 use truepose_errormodel::configurations;
 use truepose_identify::{FitOptions, Folds, NoiseModel, NoiseSource, Residuals, Split, fit_again};
-
-/// Folds of the refits.
-const FOLDS: usize = 5;
 
 /// Residuals of the training rows, each from a refit without its configuration.
 #[derive(Debug, Clone)]
@@ -42,22 +40,19 @@ pub(crate) struct Comparison {
     pub position: f64,
 }
 
-/// Smallest relevant change of an error, relative: the 2 % of [`crate::accept::evidence`].
-const COUNTS: f64 = 0.02;
-
 impl Comparison {
     /// Whether the second model, with one effect more, predicts no better than the first: its standardised
     /// error is not smaller, or its position error is larger by 2 % or more (positions may lose a little
     /// where orientations gain).
-    pub fn is_no_gain(&self) -> bool {
-        let gain = self.deviation < 1.0 && self.position < 1.0 + COUNTS;
+    pub fn is_no_gain(&self, policy: &Policy) -> bool {
+        let gain = self.deviation < 1.0 && self.position < 1.0 + policy.counts;
         !gain
     }
 
     /// Whether the second model predicts worse than the first by 2 % or more, in the standardised or in the
     /// position error.
-    pub fn is_loss(&self) -> bool {
-        let as_good = self.deviation.sqrt() < 1.0 + COUNTS && self.position < 1.0 + COUNTS;
+    pub fn is_loss(&self, policy: &Policy) -> bool {
+        let as_good = self.deviation.sqrt() < 1.0 + policy.counts && self.position < 1.0 + policy.counts;
         !as_good
     }
 }
@@ -71,7 +66,7 @@ impl Context<'_> {
     pub fn refits(&self, model: &ModelFit, seed: u64) -> Result<Refits, DiscoverError> {
         let data = &model.data;
         let count = configurations(data).iter().max().map_or(0, |last| last + 1);
-        let folds = Folds::new(data, &Split::Random { folds: FOLDS.min(count), seed })?;
+        let folds = Folds::new(data, &Split::Random { folds: self.budget().refit_folds.min(count), seed })?;
         let options = FitOptions { noise: NoiseSource::Fixed(model.fit.noise), ..self.fit.clone() };
         let parts: Vec<(Vec<usize>, Residuals, bool)> = (0..folds.count)
             .into_par_iter()
@@ -148,14 +143,14 @@ mod tests {
         let second = of(&[[5e-5, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, 1e-4, 0.0]]);
         let compared = compared(&first, &second, NoiseModel::default()).expect("two rows in common");
         assert!((compared.position - 0.5).abs() < 1e-12 && (compared.deviation - 0.25).abs() < 1e-12);
-        assert!(!compared.is_no_gain() && !compared.is_loss());
+        assert!(!compared.is_no_gain(&Policy::default()) && !compared.is_loss(&Policy::default()));
     }
 
     #[test]
     fn an_equal_model_is_neither_gain_nor_loss() {
         let rows = of(&[[1e-4, 0.0, 0.0], [0.0, 2e-4, 0.0]]);
         let compared = compared(&rows, &rows, NoiseModel::default()).expect("rows");
-        assert!(compared.is_no_gain() && !compared.is_loss());
+        assert!(compared.is_no_gain(&Policy::default()) && !compared.is_loss(&Policy::default()));
     }
 
     #[test]

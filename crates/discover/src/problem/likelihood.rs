@@ -14,7 +14,6 @@
 //! 0.1 mm look alike when both are weighed with the scatter from before.
 
 use crate::error::DiscoverError;
-use crate::policy::WIDE;
 use crate::problem::linearisation::Linearisation;
 use crate::statistics::coefficients::CoefficientDistribution;
 use crate::statistics::product::cross;
@@ -23,9 +22,6 @@ use std::ops::Range;
 use std::sync::OnceLock;
 use truepose_errormodel::Visits;
 use truepose_identify::{Folds, Freedom, NoiseModel, Residuals, estimate_noise};
-
-/// Times that the noise is estimated.
-const ITERATIONS: usize = 5;
 
 /// A model with a candidate's columns, fitted by generalized least squares.
 pub(crate) struct Likelihood {
@@ -38,6 +34,8 @@ pub(crate) struct Likelihood {
     pub covariance: DMatrix<f64>,
     /// Raw X, m × k.
     extra: DMatrix<f64>,
+    /// Prior standard deviation of γ, expected sizes.
+    wide: f64,
     /// Precision that the priors add.
     prior: DMatrix<f64>,
     /// Raw and whitened [A | X | y], once they are asked for.
@@ -68,7 +66,7 @@ impl Likelihood {
             prior.view_mut((0, 0), (r, r)).copy_from(&cross(rows, rows));
         }
         for at in r..n {
-            prior[(at, at)] = 1.0 / (WIDE * WIDE);
+            prior[(at, at)] = 1.0 / (linearisation.policy.wide * linearisation.policy.wide);
         }
         let known = linearisation.normal().map(|normal| (normal, normal.candidate_products(extra)));
         let gram = |noise: NoiseModel| match &known {
@@ -92,7 +90,7 @@ impl Likelihood {
             let again =
                 estimate_noise(linearisation.data, visits, &as_residuals(linearisation, &residual), &freedom);
             iterations += 1;
-            if iterations < ITERATIONS && !near(&noise, &again) {
+            if iterations < linearisation.budget.noise_iterations && !near(&noise, &again) {
                 noise = again;
                 continue;
             }
@@ -105,6 +103,7 @@ impl Likelihood {
                 coefficients: solution.rows(r, k).into_owned(),
                 covariance: factor.covariance(r),
                 extra: extra.clone(),
+                wide: linearisation.policy.wide,
                 prior,
                 rows: OnceLock::new(),
             });
@@ -123,6 +122,7 @@ impl Likelihood {
         CoefficientDistribution::of(
             &coefficients,
             &self.covariance.view((first, first), (count, count)).into_owned(),
+            self.wide,
         )
     }
 
@@ -147,7 +147,7 @@ impl Likelihood {
         let n = raw.ncols() - 1;
         let mut prior = self.prior.clone();
         for at in n - self.extra.ncols()..n {
-            prior[(at, at)] = width.min(WIDE).powi(-2);
+            prior[(at, at)] = width.min(linearisation.policy.wide).powi(-2);
         }
         let mut by_fold = vec![Vec::new(); folds.count];
         for (at, o) in linearisation.observations.iter().enumerate() {

@@ -11,9 +11,12 @@
 //! A candidate's column is `P J_e Φ e_k`, as in the fit: J_e at the real posture, Φ there as well where it depends on what the
 //! robot carries, else at the nominal one.
 
+use crate::budget::Budget;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
+use crate::options::DiscoverOptions;
+use crate::policy::Policy;
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
@@ -31,6 +34,8 @@ use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, Site, rotat
 pub(crate) struct Linearisation<'a> {
     pub data: &'a Dataset,
     pub fit: &'a Fit,
+    pub policy: &'a Policy,
+    pub budget: &'a Budget,
     pub observations: Vec<Observation>,
     /// How many visits the data has.
     pub visits: usize,
@@ -61,7 +66,7 @@ pub(crate) struct Station {
 
 impl<'a> Linearisation<'a> {
     /// Linearises the data at a fit.
-    pub fn new(fit: &'a Fit, data: &'a Dataset) -> Result<Self, DiscoverError> {
+    pub fn new(fit: &'a Fit, data: &'a Dataset, options: &'a DiscoverOptions) -> Result<Self, DiscoverError> {
         let model = fit.fitted.model();
         let chain = model.chain();
         let bound = model.bind(&data.schema)?;
@@ -74,6 +79,8 @@ impl<'a> Linearisation<'a> {
         let mut linearisation = Linearisation {
             data,
             fit,
+            policy: &options.policy,
+            budget: &options.budget,
             observations: Vec::new(),
             visits: visits.len(),
             base: DMatrix::zeros(0, 0),

@@ -1,10 +1,17 @@
 //! The data linearised at a fit, and a candidate beside the model of that fit.
 
+#[cfg(test)]
+pub(crate) mod dense;
 pub(crate) mod likelihood;
+pub(crate) mod linear;
 pub(crate) mod linearisation;
 pub(crate) mod normal;
 pub(crate) mod observation;
+#[cfg(test)]
+mod oracle;
 pub(crate) mod outliers;
 pub(crate) mod projection;
+#[cfg(test)]
+pub(crate) mod synthetic;
 pub(crate) mod tables;
 pub(crate) mod whitening;

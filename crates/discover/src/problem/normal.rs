@@ -198,6 +198,7 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::DiscoverOptions;
     use crate::problem::linearisation::Linearisation;
     use truepose_errormodel::ErrorModel;
     use truepose_errormodel::effects::Geometric;
@@ -231,9 +232,10 @@ mod tests {
     fn sums_say_what_whitened_columns_say() {
         let data = data();
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let options = FitOptions { max_iterations: 2, ..FitOptions::default() };
-        let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
-        let linearisation = Linearisation::new(&fit, &data).unwrap();
+        let quick = FitOptions { max_iterations: 2, ..FitOptions::default() };
+        let fit = fit(&model, &data, &PivotedQr::default(), &quick).unwrap();
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
         let extra = DMatrix::from_fn(linearisation.len(), 3, |i, j| (0.3 * i as f64 + j as f64).cos());
         let normal = linearisation.normal().expect("four classes");
         let candidate = normal.candidate_products(&extra);
@@ -260,9 +262,10 @@ mod tests {
     fn nothing_cancels_where_visits_scatter_far_more_than_rows() {
         let data = data();
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let options = FitOptions { max_iterations: 2, ..FitOptions::default() };
-        let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
-        let linearisation = Linearisation::new(&fit, &data).unwrap();
+        let quick = FitOptions { max_iterations: 2, ..FitOptions::default() };
+        let fit = fit(&model, &data, &PivotedQr::default(), &quick).unwrap();
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
         // The same in every number of a visit: only the mean of a group speaks, 1/ρ² for each.
         let extra = DMatrix::from_element(linearisation.len(), 1, 1.0);
         let noise = NoiseModel { position_sd: 0.0, visit_sd: 1e-2, orientation_sd: 1e-3 };
@@ -284,8 +287,9 @@ mod tests {
         let mut data = data();
         data.position_sd.iter_mut().enumerate().for_each(|(row, sd)| *sd = [1e-5 * (1.0 + row as f64); 3]);
         let model = ErrorModel::new(samples::ur10(), vec![Box::new(Geometric::default())]).unwrap();
-        let options = FitOptions { max_iterations: 2, ..FitOptions::default() };
-        let fit = fit(&model, &data, &PivotedQr::default(), &options).unwrap();
-        assert!(Linearisation::new(&fit, &data).unwrap().normal().is_none());
+        let quick = FitOptions { max_iterations: 2, ..FitOptions::default() };
+        let fit = fit(&model, &data, &PivotedQr::default(), &quick).unwrap();
+        let options = DiscoverOptions::default();
+        assert!(Linearisation::new(&fit, &data, &options).unwrap().normal().is_none());
     }
 }

@@ -25,20 +25,9 @@ pub(crate) struct Outliers {
     pub distance: Vec<f64>,
 }
 
-/// Expected number of good rows that would be kept out, and reported.
-const SUSPECT: f64 = 0.05;
-const CERTAIN: f64 = 0.002;
-/// Odds from which on a row is gross rather than one of the tail's.
-const SURE: f64 = 99.0;
-/// Standard error of the logarithm of the ratio of quantiles, times √visits: of order statistics of a χ²_3.
-const RATIO_ERROR: f64 = 1.4;
-/// Nothing below so many robust deviations is an outlier.
-const LEAST: f64 = 5.0;
-/// At most this share of the rows: more are no outliers, but an effect.
-const MOST: f64 = 0.15;
-
 /// Judges the rows of a scene by these raw residuals.
 pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], noise: NoiseModel) -> Outliers {
+    let policy = linearisation.policy;
     let standardised = linearisation.whitener(noise).deleted(residual);
     let mut squares = vec![f64::NAN; linearisation.data.len()];
     let mut counts = vec![0usize; linearisation.data.len()];
@@ -66,7 +55,7 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
     let scale = scale_under(&distribution);
     let expected = |square: f64| whole.len() as f64 * distribution.above(square / (3.0 * scale));
     let heavier = SquareDistribution::new(tail(
-        ratio * (2.0 * RATIO_ERROR / (linearisation.visits.max(1) as f64).sqrt()).exp(),
+        ratio * (2.0 * policy.outlier_ratio_error / (linearisation.visits.max(1) as f64).sqrt()).exp(),
     ));
     let scale_then = scale_under(&heavier);
     let expected_then = |square: f64| whole.len() as f64 * heavier.above(square / (3.0 * scale_then));
@@ -75,27 +64,27 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
             continue;
         }
         found.distance[row] = (square / scale / 3.0).sqrt();
-        if square > 3.0 * LEAST * LEAST * scale / 3.0 {
-            if expected(square) < SUSPECT {
+        if square > 3.0 * policy.outlier_least * policy.outlier_least * scale / 3.0 {
+            if expected(square) < policy.outlier_suspect {
                 found.suspects.push(row);
             }
             let expected = expected_then(square);
-            if expected < CERTAIN {
+            if expected < policy.outlier_certain {
                 found.certain.push(row);
                 found.p_value = found.p_value.max(expected);
             }
         }
     }
-    let gross = split(&by_row, scale_under, LEAST * LEAST);
+    let gross = split(&by_row, scale_under, policy.outlier_least * policy.outlier_least, policy.outlier_most);
     // Rows of one visit may share what sets them apart: no more than as many are independent as there are visits.
     let independent = (linearisation.visits as f64 / whole.len() as f64).min(1.0);
     let p_value = chance(gross.gain * independent);
-    if p_value < CERTAIN {
+    if p_value < policy.outlier_certain {
         for (&row, &odds) in of_rows.iter().zip(&gross.odds) {
             if odds > 1.0 && !found.suspects.contains(&row) {
                 found.suspects.push(row);
             }
-            if odds > SURE && !found.certain.contains(&row) {
+            if odds > policy.outlier_odds && !found.certain.contains(&row) {
                 found.certain.push(row);
                 found.p_value = found.p_value.max(p_value);
             }
@@ -106,7 +95,7 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
     if found.certain.is_empty() {
         found.p_value = 1.0;
     }
-    if found.suspects.len() as f64 > MOST * whole.len() as f64 {
+    if found.suspects.len() as f64 > policy.outlier_most * whole.len() as f64 {
         found.suspects.clear();
         found.certain.clear();
     }
@@ -133,4 +122,52 @@ fn tail(ratio: f64) -> f64 {
         if of(middle) > ratio { low = middle } else { high = middle }
     }
     0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::DiscoverOptions;
+    use crate::problem::synthetic::{data, fitted, normal};
+
+    const NOISE: NoiseModel = NoiseModel { position_sd: 3e-5, visit_sd: 0.0, orientation_sd: 2e-4 };
+
+    /// Outliers of 80 poses with normal residuals of which some rows are displaced so many standard deviations.
+    fn judged(displaced: &[usize], deviations: f64) -> Outliers {
+        let (chain, data) = data(80, 3, &|_, _, _| [0.0; 3]);
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let residual: Vec<f64> = (linearisation.observations.iter().enumerate())
+            .map(|(at, o)| {
+                let sd = if o.component < 3 { NOISE.position(2e-5) } else { 2e-4 };
+                let moved = if displaced.contains(&o.row) && o.component == 0 { deviations } else { 0.0 };
+                sd * (normal(at) + moved)
+            })
+            .collect();
+        outliers(&linearisation, &residual, NOISE)
+    }
+
+    #[test]
+    fn normal_residuals_have_no_outliers() {
+        let none = judged(&[], 0.0);
+        assert!(none.suspects.is_empty() && none.certain.is_empty());
+        assert!((none.p_value - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn displaced_rows_are_reported_and_no_others() {
+        for rows in [vec![5], vec![5, 30, 62, 90]] {
+            let found = judged(&rows, 25.0);
+            assert_eq!(found.certain, rows);
+            assert!(found.p_value < DiscoverOptions::default().policy.outlier_certain);
+            assert!(rows.iter().all(|&row| found.distance[row] > 8.0));
+        }
+    }
+
+    #[test]
+    fn what_a_quarter_of_the_rows_have_is_an_effect() {
+        let rows: Vec<usize> = (0..110).step_by(4).collect();
+        assert!(judged(&rows, 25.0).suspects.is_empty());
+    }
 }

@@ -31,12 +31,11 @@ use crate::statistics::product::{cross, orthonormal};
 use crate::statistics::surprisal::Surprisal;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
 
-/// Directions of which less than this share is left are absorbed by the present model.
-const ABSORBED: f64 = 2e-3;
-
 /// The present model, projected out.
 pub(crate) struct Projection {
     pub whitener: Whitener,
+    /// Explained fraction left of a direction below which the model absorbs it.
+    pub absorbed: f64,
     /// Q_1, m × r.
     pub q: DMatrix<f64>,
     /// y, m.
@@ -82,9 +81,6 @@ pub(crate) struct Score {
     pub by_unit: DMatrix<f32>,
 }
 
-/// More units than this are merged, neighbours in time together.
-const MOST_UNITS: usize = 400;
-
 impl Projection {
     pub fn new(linearisation: &Linearisation<'_>) -> Self {
         let whitener = linearisation.whitener(linearisation.noise);
@@ -103,13 +99,25 @@ impl Projection {
         let along = top.tr_mul(&y);
         let residual = &y - &top * &along;
         let rss = residual.norm_squared() + (&bottom * &along).norm_squared();
-        let merge = linearisation.visits.div_ceil(MOST_UNITS).max(1);
+        let merge = linearisation.visits.div_ceil(linearisation.budget.units).max(1);
         let unit: Vec<usize> = linearisation.observations.iter().map(|o| o.visit / merge).collect();
         let units = linearisation.visits.div_ceil(merge);
         let q_by_unit = by_unit(&top, &residual, &unit, units);
         let tables = Tables::new(linearisation, &whitener, (&top, &residual), &unit);
         let flipped = flipped(&residual, &q_by_unit);
-        Projection { whitener, q: top, y, residual, rss, unit, units, q_by_unit, flipped, tables }
+        Projection {
+            absorbed: linearisation.policy.absorbed,
+            whitener,
+            q: top,
+            y,
+            residual,
+            rss,
+            unit,
+            units,
+            q_by_unit,
+            flipped,
+            tables,
+        }
     }
 
     /// With further raw columns (m × k) in the present model; none when nothing of them is left.
@@ -122,6 +130,7 @@ impl Projection {
         let q_by_unit = by_unit(&q, &residual, &self.unit, self.units);
         Some(Projection {
             whitener: self.whitener.clone(),
+            absorbed: self.absorbed,
             rss: self.rss - explained.norm_squared(),
             unit: self.unit.clone(),
             units: self.units,
@@ -139,7 +148,7 @@ impl Projection {
         let x = self.whitener.of(more);
         let along = cross(&self.q, &x);
         let raw = cross(&x, &x);
-        let basis = basis(&raw, &(&raw - cross(&along, &along)))?;
+        let basis = basis(&raw, &(&raw - cross(&along, &along)), self.absorbed)?;
         // With what they have in the prior's rows they are orthogonal to the known ones, so that y, which has nothing
         // there, tells what they explain.
         let new = (x - &self.q * along) * basis;
@@ -190,7 +199,7 @@ impl Projection {
             };
             let Sums { along: before, raw, by_unit } = &accumulated.sums;
             let left = raw - cross(before, before) - cross(&along, &along);
-            let basis = basis(raw, &left)?;
+            let basis = basis(raw, &left, self.absorbed)?;
             // X̃ᵀ r̃ with the new r̃.
             let score = by_unit.row_sum().transpose()
                 - along.tr_mul(&explained)
@@ -275,7 +284,7 @@ impl Projection {
         if !(total > 0.0 && total.is_finite()) {
             return None;
         }
-        let basis = basis(raw, &left)?;
+        let basis = basis(raw, &left, self.absorbed)?;
         let by_unit = by_unit * &basis;
         let freedom = basis.ncols();
         let squares: f64 = by_unit.column_iter().map(|column| column.sum().powi(2)).sum();
@@ -314,17 +323,17 @@ fn by_unit(columns: &DMatrix<f64>, residual: &DVector<f64>, unit: &[usize], unit
 }
 
 /// T with `Tᵀ (left) T = 1`, over directions of which enough is left.
-pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> Option<DMatrix<f64>> {
     let scale: Vec<f64> =
         raw.diagonal().iter().map(|&v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 }).collect();
     let k = scale.len();
     if k == 1 {
         let share = left[(0, 0)] * scale[0] * scale[0];
-        return (share > ABSORBED).then(|| DMatrix::from_element(1, 1, scale[0] / share.sqrt()));
+        return (share > absorbed).then(|| DMatrix::from_element(1, 1, scale[0] / share.sqrt()));
     }
     let scaled = DMatrix::from_fn(k, k, |i, j| left[(i, j)] * scale[i] * scale[j]);
     let eigen = SymmetricEigen::new(scaled);
-    let kept: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > ABSORBED).collect();
+    let kept: Vec<usize> = (0..k).filter(|&i| eigen.eigenvalues[i] > absorbed).collect();
     if kept.is_empty() {
         return None;
     }

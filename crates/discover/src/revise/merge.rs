@@ -18,7 +18,6 @@ use crate::contest::competitor::{cost, log_prior_odds, outcompeted, with_estimat
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
-use crate::policy::TIE;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::{Screen, TestCounts};
@@ -61,7 +60,7 @@ fn one_for_both(
     let others = model.others(&pair);
     let fewer = context.fit_model(others.clone(), &model.current.outliers.suspects)?;
     let both = pair.map(|k| &model.findings[k]);
-    let linearisation = Linearisation::new(&fewer.fit, &fewer.data)?;
+    let linearisation = Linearisation::new(&fewer.fit, &fewer.data, options)?;
     let shortlist: Vec<Candidate> = both.iter().flat_map(|a| a.shortlist.iter().cloned()).collect();
     let screen = Screen::again(&linearisation, &options.library, (&shortlist, &others), test_counts);
     let contest = contest(&linearisation, &screen, &others, false)?;
@@ -81,12 +80,12 @@ fn one_for_both(
             + log_prior_odds(&linearisation, &screen, candidate)
     };
     let score = likelihood.deviance + pays(0, 0..first) + pays(1, first..width);
-    if best.score > score + TIE {
+    if best.score > score + options.policy.tie {
         return Ok(None);
     }
     let p = (family_wise_p(context, &linearisation, &others, best), parametric(&screen, best));
     let evidence = collect(&linearisation, &contest.present, best, p, options.seed)?;
-    let competitors = outcompeted(&contest.competitors, best);
+    let competitors = outcompeted(&contest.competitors, best, &options.policy);
     Ok(Some(Accepted { candidate: with_estimates(best), evidence, competitors, shortlist }))
 }
 

@@ -14,7 +14,7 @@ use crate::contest::competitor::{Competitor, competitor, outcompeted, with_estim
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
-use crate::policy::TIE;
+use crate::policy::Policy;
 use crate::problem::likelihood::without as lacking;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
@@ -44,9 +44,11 @@ pub(crate) fn reconsidered(
         };
         let next = with_estimates(winner);
         let changed = !same_parameters(&next, &findings[at].candidate);
-        findings[at].competitors = outcompeted(&contest.competitors, winner);
+        findings[at].competitors = outcompeted(&contest.competitors, winner, context.policy());
         let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
-        let doubt = |evidence: &Evidence| evidence.doubt(context.options.alpha, floor, next.follows_time());
+        let doubt = |evidence: &Evidence| {
+            evidence.doubt((context.policy(), context.options.alpha), floor, next.follows_time())
+        };
         match evidence {
             // A replacement by another family or place has to pass the tests of a new finding.
             Some(evidence) if doubt(&evidence).is_some() => {
@@ -103,7 +105,7 @@ fn without(
                 None => contest.competitors.push(own),
             }
         }
-        let winner = winner(&contest, candidate);
+        let winner = winner(&contest, candidate, &options.policy);
         let another = winner.map(|k| &contest.competitors[k]).filter(|r| !r.candidate.same_cause(candidate));
         let tested = |best: &Competitor| {
             // The p-value of a replacement is its own, from a full screen.
@@ -116,24 +118,24 @@ fn without(
     let current = &*model.current;
     // A corrected payload is part of the data: the model has to be refitted.
     if !current.found[at].effects().is_empty() {
-        let linearisation = Linearisation::new(&current.fit, &current.data)?;
+        let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         if let Some(linearisation) = lacking(linearisation, model.effects_of(context, at))? {
             return held(&linearisation);
         }
     }
     let fewer = context.fit_model(others.to_vec(), &current.outliers.suspects)?;
-    held(&Linearisation::new(&fewer.fit, &fewer.data)?)
+    held(&Linearisation::new(&fewer.fit, &fewer.data, options)?)
 }
 
 /// Index of the winner. Another family or place needs a score that is smaller by [`TIE`]; the same one may
 /// change its nonlinear parameters. `None` when no score is below the −2 ln L of the model without the
 /// finding.
-fn winner(contest: &Contest, mine: &Candidate) -> Option<usize> {
+fn winner(contest: &Contest, mine: &Candidate, policy: &Policy) -> Option<usize> {
     let competitors = &contest.competitors;
     let worth = |&k: &usize| competitors[k].score < contest.present.deviance;
     let still = competitors.iter().position(|r| r.candidate.same_cause(mine));
     let best = Some(0).filter(|_| !competitors.is_empty()).filter(worth).or(still.filter(worth))?;
-    Some(still.filter(|&k| competitors[k].score < competitors[best].score + TIE).unwrap_or(best))
+    Some(still.filter(|&k| competitors[k].score < competitors[best].score + policy.tie).unwrap_or(best))
 }
 
 /// Whether both have the same family, place and parameters.
@@ -142,4 +144,40 @@ fn same_parameters(a: &Candidate, b: &Candidate) -> bool {
         c.effects().iter().map(|e| (e.kind(), e.parameters().to_string())).collect()
     };
     a.same_cause(b) && parameters(a) == parameters(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::DiscoverOptions;
+    use crate::problem::synthetic::{data_of, fitted, normal};
+
+    #[test]
+    fn a_finding_keeps_its_place_unless_another_is_better_by_more_than_a_tie() {
+        let actual = |joints: &[f64]| {
+            let mut actual = joints.to_vec();
+            actual[1] += 4e-4 * (7.0 * joints[1]).sin();
+            actual
+        };
+        let (chain, data) =
+            data_of(60, 6, &actual, &|_, _, row| std::array::from_fn(|axis| 2e-5 * normal(3 * row + axis)));
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let screen = Screen::new(&linearisation, &options.library, &[]);
+        let mut contest = contest(&linearisation, &screen, &[], false).unwrap();
+        let (best, second) =
+            (contest.competitors[0].candidate.clone(), contest.competitors[1].candidate.clone());
+        let least = contest.competitors[0].score;
+        let policy = &options.policy;
+        assert_eq!(winner(&contest, &best, policy), Some(0));
+        contest.competitors[1].score = least + policy.tie - 0.1;
+        assert_eq!(winner(&contest, &second, policy), Some(1));
+        contest.competitors[1].score = least + policy.tie + 0.1;
+        assert_eq!(winner(&contest, &second, policy), Some(0));
+        // Where nothing is worth its unknowns the others explain it.
+        let present = contest.present.deviance;
+        contest.competitors.iter_mut().for_each(|competitor| competitor.score = present + 1.0);
+        assert_eq!(winner(&contest, &second, policy), None);
+    }
 }

@@ -194,7 +194,7 @@ impl Screen {
         }
         for wave in &self.periods {
             for hypothesis in self.library.periodic(wave.joint) {
-                for (period, gain) in wave.peaks(3) {
+                for (period, gain) in wave.peaks(linearisation.budget.peaks) {
                     let Some(effect) = hypothesis.at_period(wave.joint, period) else { continue };
                     let place = Place::joint(linearisation.chain(), wave.joint);
                     let variant = Variant { place, change: Change::Add(vec![effect]) };
@@ -233,11 +233,10 @@ impl Screen {
 
     /// The best causes without a name, in all their variants: those that may come in for a find when it is looked at again.
     pub fn shortlist(&self, linearisation: &Linearisation<'_>) -> Vec<Candidate> {
-        const LISTED: usize = 60;
         self.causes(linearisation)
             .into_iter()
             .filter(|cause| !cause.family.is_named())
-            .take(LISTED)
+            .take(linearisation.budget.shortlist)
             .flat_map(|cause| cause.variants.into_iter().map(|(candidate, ..)| candidate))
             .collect()
     }

@@ -2,6 +2,8 @@
 
 pub(crate) mod candidates;
 pub(crate) mod functions;
+#[cfg(test)]
+mod oracle;
 pub(crate) mod periodogram;
 pub(crate) mod refine;
 pub(crate) mod untestable;

@@ -24,9 +24,6 @@ pub(crate) struct Periodogram {
     pub by_unit: DMatrix<f32>,
 }
 
-/// Finest periods that are looked for: parts of a turn, and of a slide's visited travel.
-const CYCLES_PER_TURN: f64 = 256.0;
-const CYCLES_PER_TRAVEL: f64 = 400.0;
 /// Frequencies handled at once.
 const BATCH: usize = 64;
 
@@ -41,10 +38,11 @@ pub(crate) fn grid(linearisation: &Linearisation<'_>, joint: JointId) -> Vec<f64
     if range.is_nan() || range < 1e-6 {
         return Vec::new();
     }
+    let policy = linearisation.policy;
     let turns = turns(linearisation, joint);
-    let (first, last) = if turns { (2.5, CYCLES_PER_TURN) } else { (2.0, CYCLES_PER_TRAVEL) };
+    let (first, last) = if turns { (2.5, policy.cycles_per_turn) } else { (2.0, policy.cycles_per_travel) };
     let unit = if turns { TAU } else { range };
-    let step = 0.25 * unit / range;
+    let step = policy.frequency_step * unit / range;
     let first = f64::max(first, unit / range);
     let count = (((last - first) / step).floor().max(-1.0) + 1.0) as usize;
     (0..count).map(|k| unit / (first + k as f64 * step)).collect()
@@ -82,7 +80,7 @@ pub(crate) fn scan(
                 let raw = response.products(&waves.columns(2 * k, 2));
                 let pair = along.columns(2 * k, 2);
                 let left = &raw - pair.tr_mul(&pair);
-                let Some(turn) = basis(&raw, &left) else {
+                let Some(turn) = basis(&raw, &left, projection.absorbed) else {
                     told.push(PeriodScore::absorbed());
                     continue;
                 };

@@ -22,18 +22,14 @@ pub struct Untestable {
 
 /// Causes that this data cannot test, with the size that could have been seen.
 pub(crate) fn untestable(linearisation: &Linearisation<'_>, screen: &Screen) -> Vec<Untestable> {
-    /// Less of a cause than this is left by the declared model.
-    const LEFT: f64 = 0.05;
-    /// Less than this is left only of what the declared model has itself.
-    const DECLARED: f64 = 1e-4;
-    /// Noncentrality at which the screen finds one unknown four times in five.
-    const POWER: f64 = 30.0;
+    let policy = linearisation.policy;
     let mut list: Vec<Untestable> = Vec::new();
     for screened in screen.candidates.iter().filter(|s| s.candidate.family.is_named()) {
         let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
         let share = screened.score.as_ref().map_or(0.0, |score| score.share);
-        // An effect of this 3-D RMS leaves a whitened sum of squares of POWER.
-        let rms = (linearisation.noise.floor(linearisation.typical_sd()).powi(2) * POWER
+        // An effect of this 3-D RMS leaves a whitened sum of squares of that noncentrality.
+        let rms = (linearisation.noise.floor(linearisation.typical_sd()).powi(2)
+            * policy.detectable_noncentrality
             / linearisation.len() as f64
             / share.max(1e-9))
         .sqrt();
@@ -45,6 +41,8 @@ pub(crate) fn untestable(linearisation: &Linearisation<'_>, screen: &Screen) -> 
         }
     }
     // What is declared already is no question; what does nothing at all here is one that other data could answer.
-    list.retain(|u| u.detectable.is_none() || (u.share < LEFT && u.share > DECLARED));
+    list.retain(|u| {
+        u.detectable.is_none() || (u.share < policy.untestable_left && u.share > policy.untestable_declared)
+    });
     list
 }

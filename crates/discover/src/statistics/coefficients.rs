@@ -14,7 +14,6 @@
 //! a curve of twenty coefficients of which three are needed is not charged for twenty, as counting them would (Schwarz 1978). Only
 //! curves and moving frames are charged so: where coefficients stand for separate causes, what the data leaves open is no virtue.
 
-use crate::policy::WIDE;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use truepose_solvers::minimum;
 
@@ -32,8 +31,8 @@ pub(crate) struct CoefficientDistribution {
 }
 
 impl CoefficientDistribution {
-    /// Of estimates with their covariance under the wide prior; of none there is nothing to say.
-    pub fn of(coefficients: &DVector<f64>, covariance: &DMatrix<f64>) -> Self {
+    /// Of estimates with their covariance under a prior with this standard deviation (`wide`, expected sizes); of none there is nothing to say.
+    pub fn of(coefficients: &DVector<f64>, covariance: &DMatrix<f64>, wide: f64) -> Self {
         if coefficients.is_empty() {
             return CoefficientDistribution { width: 1.0, penalty: 0.0 };
         }
@@ -45,17 +44,17 @@ impl CoefficientDistribution {
             .iter()
             .zip(turned.iter())
             .filter_map(|(&variance, &value)| {
-                let precision = 1.0 / variance.max(f64::MIN_POSITIVE) - WIDE.powi(-2);
+                let precision = 1.0 / variance.max(f64::MIN_POSITIVE) - wide.powi(-2);
                 // Without the pull of the wide prior.
-                let unshrunk = value / (variance * precision);
-                (precision > 1e-3 * WIDE.powi(-2)).then_some((precision, unshrunk * unshrunk * precision))
+                let emitted = value / (variance * precision);
+                (precision > 1e-3 * wide.powi(-2)).then_some((precision, emitted * emitted * precision))
             })
             .collect();
         let penalty = |log: f64| -> f64 {
             let square = (2.0 * log).exp();
             let one = |&(p, t): &(f64, f64)| {
                 let held = 1.0 + square * p;
-                held.ln() + t / held - t / (1.0 + WIDE * WIDE * p)
+                held.ln() + t / held - t / (1.0 + wide * wide * p)
             };
             directions.iter().map(one).sum()
         };
@@ -69,9 +68,9 @@ mod tests {
     use super::*;
 
     fn distribution(values: &[f64], deviations: &[f64]) -> CoefficientDistribution {
-        let variances = deviations.iter().map(|d| 1.0 / (d.powi(-2) + WIDE.powi(-2)));
+        let variances = deviations.iter().map(|d| 1.0 / (d.powi(-2) + 100f64.powi(-2)));
         let covariance = DMatrix::from_diagonal(&DVector::from_iterator(values.len(), variances));
-        CoefficientDistribution::of(&DVector::from_column_slice(values), &covariance)
+        CoefficientDistribution::of(&DVector::from_column_slice(values), &covariance, 100.0)
     }
 
     #[test]

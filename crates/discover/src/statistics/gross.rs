@@ -70,14 +70,17 @@ pub(crate) struct Gross {
 }
 
 /// Splits squared distances t² into a bulk and gross errors. `scale` is the variance of one axis at which the bulk's median is the
-/// sample's, were this its law; `least` the t² from which on an error may be gross, in such variances.
-pub(crate) fn split(squares: &[f64], scale: impl Fn(&SquareDistribution) -> f64, least: f64) -> Gross {
+/// sample's, were this its law; `least` the t² from which on an error may be gross, in such variances; `most` the largest fraction of gross errors.
+pub(crate) fn split(
+    squares: &[f64],
+    scale: impl Fn(&SquareDistribution) -> f64,
+    least: f64,
+    most: f64,
+) -> Gross {
     /// Steps of 1/ν from zero to one.
     const STEPS: usize = 40;
     /// Of the share of gross errors.
     const ITERATIONS: usize = 40;
-    /// More are no outliers.
-    const MOST: f64 = 0.15;
     let start = least / 3.0;
     let (mut alone, mut best) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     let mut found = Gross { gain: 0.0, odds: vec![0.0; squares.len()] };
@@ -100,7 +103,7 @@ pub(crate) fn split(squares: &[f64], scale: impl Fn(&SquareDistribution) -> f64,
         let mut share = 0.5 / count.max(1.0);
         for _ in 0..ITERATIONS {
             let odds = |r: &f64| share * r / (1.0 - share + share * r);
-            share = (ratio.iter().map(odds).sum::<f64>() / count).min(MOST);
+            share = (ratio.iter().map(odds).sum::<f64>() / count).min(most);
         }
         let value: f64 = good.iter().zip(&ratio).map(|(ln, r)| ln + (1.0 - share + share * r).ln()).sum();
         if value > best {
@@ -125,7 +128,7 @@ mod tests {
         let mut sorted = squares.to_vec();
         sorted.sort_by(f64::total_cmp);
         let median = sorted[sorted.len() / 2];
-        split(squares, |distribution| median / (3.0 * distribution.quantile(0.5)), 25.0)
+        split(squares, |distribution| median / (3.0 * distribution.quantile(0.5)), 25.0, 0.15)
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::record::Record;
 use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
-use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Library, Place, diagnose};
+use truepose_discover::{Diagnosis, DiscoverOptions, Family, Finding, Library, Place, Policy, diagnose};
 use truepose_solvers::PivotedQr;
 
 /// A robot to come.
@@ -32,11 +32,11 @@ impl Task {
     /// The plant and the results of the search.
     pub fn diagnosed(&self) -> Result<(Made, Diagnosis), Box<dyn Error>> {
         let made = make(self.cause, self.multiple, self.seed)?;
-        let diagnosis = self.look(&made)?;
+        let diagnosis = self.look(&made, &Policy::default())?;
         Ok((made, diagnosis))
     }
 
-    fn look(&self, made: &Made) -> Result<Diagnosis, Box<dyn Error>> {
+    fn look(&self, made: &Made, policy: &Policy) -> Result<Diagnosis, Box<dyn Error>> {
         let options = DiscoverOptions {
             holdout: HOLDOUT.0,
             seed: HOLDOUT.1,
@@ -44,6 +44,7 @@ impl Task {
                 Some(cause) => Library::standard().without(cause.family()),
                 None => Library::standard(),
             },
+            policy: policy.clone(),
             ..DiscoverOptions::default()
         };
         let data = &made.seen.data;
@@ -52,6 +53,11 @@ impl Task {
 
     /// One line of the table. What the loop refuses, and where it panics, is a result as well.
     pub fn run(&self) -> Record {
+        self.run_under(&Policy::default())
+    }
+
+    /// The same under other beliefs.
+    pub fn run_under(&self, policy: &Policy) -> Record {
         let mut record = self.blank();
         let made = match make(self.cause, self.multiple, self.seed) {
             Ok(made) => made,
@@ -63,7 +69,8 @@ impl Task {
         };
         self.describe(&made, &mut record);
         let (begun, spent) = (Instant::now(), processor_seconds());
-        let looked = catch_unwind(AssertUnwindSafe(|| self.look(&made).map_err(|error| error.to_string())));
+        let looked =
+            catch_unwind(AssertUnwindSafe(|| self.look(&made, policy).map_err(|error| error.to_string())));
         record.seconds = begun.elapsed().as_secs_f64();
         record.processor = processor_seconds() - spent;
         match looked {
@@ -72,6 +79,11 @@ impl Task {
             Ok(Ok(diagnosis)) => self.judge(&made, &diagnosis, &mut record),
         }
         record
+    }
+
+    /// Whether a line is that of this robot.
+    pub fn is_of(&self, record: &Record) -> bool {
+        record.is(self.cause.map_or("none", HiddenEffect::word), self.multiple, self.seed)
     }
 
     /// The line of a diagnosis.

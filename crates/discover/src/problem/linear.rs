@@ -17,9 +17,6 @@ use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// Prior standard deviation of the candidate's coefficients, expected sizes.
-const WIDE: f64 = 100.0;
-
 /// The linearised model with its Gram matrix over the rows of the fit.
 pub(crate) struct Linear<'s> {
     linearisation: &'s Linearisation<'s>,
@@ -85,7 +82,7 @@ impl<'s> Linear<'s> {
                 gram[(i, s + j)] = along[(place(i), j)];
                 gram[(s + j, i)] = along[(place(i), j)];
             }
-            prior[(s + j, s + j)] = 1.0 / (WIDE * WIDE);
+            prior[(s + j, s + j)] = 1.0 / (self.linearisation.policy.wide * self.linearisation.policy.wide);
         }
         gram.view_mut((s, s), (k, k)).copy_from(&cross(&white, &white));
         let (solution, _) = solved(&gram, &prior)?;

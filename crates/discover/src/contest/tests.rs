@@ -1,0 +1,75 @@
+//! Contests on small data with one joint that is off, and with two.
+
+use crate::contest::competition::{Contest, contest};
+use crate::hypotheses::family::Family;
+use crate::options::DiscoverOptions;
+use crate::problem::linearisation::Linearisation;
+use crate::problem::synthetic::{data_of, fitted, normal};
+use crate::screen::candidates::Screen;
+use truepose_errormodel::Dataset;
+use truepose_kinematics::Chain;
+
+/// An arm whose third joint has a transmission error of 0.4 mrad, nine cycles a radian times `finer`.
+fn measured(finer: f64) -> (Chain, Dataset) {
+    let actual = move |joints: &[f64]| {
+        let mut actual = joints.to_vec();
+        actual[2] += 4e-4 * (9.0 * finer * joints[2]).sin();
+        actual
+    };
+    data_of(60, 5, &actual, &|_, _, row| std::array::from_fn(|axis| 2e-5 * normal(3 * row + axis)))
+}
+
+fn held(chain: &Chain, data: &Dataset, options: &DiscoverOptions, see: impl FnOnce(&Contest, f64)) {
+    let fit = fitted(chain, data);
+    let linearisation = Linearisation::new(&fit, data, options).unwrap();
+    let screen = Screen::new(&linearisation, &options.library, &[]);
+    let p = screen.null(options.flips, options.seed).p_value(screen.largest());
+    see(&contest(&linearisation, &screen, &[], true).unwrap(), p);
+}
+
+#[test]
+fn a_transmission_error_wins_at_its_joint_with_its_period() {
+    let (chain, data) = measured(1.0);
+    held(&chain, &data, &DiscoverOptions::default(), |contest, p| {
+        assert!(p < 0.002, "{p}");
+        let first = &contest.competitors[0];
+        assert_eq!(
+            (first.candidate.family, first.candidate.words()),
+            (Family::Transmission, "transmission j3".into())
+        );
+        let period = first.candidate.effects()[0].parameters()["period"].as_f64().unwrap();
+        assert!((period / (std::f64::consts::TAU / 9.0) - 1.0).abs() < 0.01, "{period}");
+        assert!(first.score < contest.present.deviance);
+        // Best first.
+        assert!(contest.competitors[1..].windows(2).all(|pair| pair[0].score <= pair[1].score + 6.0));
+    });
+}
+
+#[test]
+fn the_order_of_rows_and_where_the_base_stands_change_nothing() {
+    let (chain, data) = measured(0.7);
+    let options = DiscoverOptions { flips: 499, ..DiscoverOptions::default() };
+    let mut first = None;
+    held(&chain, &data, &options, |contest, p| {
+        first = Some((contest.competitors[0].candidate.words(), contest.competitors[0].score, p));
+    });
+    let (words, score, p) = first.unwrap();
+    let backwards: Vec<usize> = (0..data.len()).rev().collect();
+    let other = data.select(&backwards);
+    let mut base = *chain.base();
+    base.pose.translation += nalgebra::Vector3::new(0.3, -0.2, 0.1);
+    let moved = chain.clone().with_base(base).unwrap();
+    let mut shifted = data.clone();
+    for position in &mut shifted.position {
+        *position = std::array::from_fn(|axis| position[axis] + [0.3, -0.2, 0.1][axis]);
+    }
+    for (chain, data) in [(&chain, &other), (&moved, &shifted)] {
+        held(chain, data, &options, |contest, again| {
+            let best = &contest.competitors[0];
+            assert_eq!(best.candidate.words(), words);
+            assert!((best.score - score).abs() < 1e-3 * score.abs(), "{} {score}", best.score);
+            // Signs are drawn for poses in their order.
+            assert!((again - p).abs() < 0.01, "{again} {p}");
+        });
+    }
+}

@@ -1,0 +1,64 @@
+//! The screen's accelerated paths against the dense reference: functions of the pose at all sites together, and periods.
+
+use crate::hypotheses::library::Library;
+use truepose_errormodel::effects::Transmission;
+
+use crate::options::DiscoverOptions;
+use crate::problem::dense::Dense;
+use crate::problem::linearisation::Linearisation;
+use crate::problem::projection::Projection;
+use crate::problem::synthetic::{data, fitted, wave};
+use crate::screen::functions::Functions;
+use crate::screen::periodogram::{grid, scan};
+
+#[test]
+fn functions_and_periods_score_as_whole_matrices_do() {
+    let error = |pose: usize, joints: &[f64], row: usize| {
+        let wobble = 2e-4 * (9.0 * joints[2]).sin();
+        std::array::from_fn(|axis| wobble + 6e-5 * wave(7 * pose + axis) + 4e-5 * wave(900 + 5 * row + axis))
+    };
+    let (chain, data) = data(48, 2, &error);
+    let fit = fitted(&chain, &data);
+    let options = DiscoverOptions::default();
+    let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+    let projection = Projection::new(&linearisation);
+    let dense = Dense::new(&linearisation, linearisation.noise);
+    let absorbed = options.policy.absorbed;
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + b.abs());
+
+    let candidates = Library::standard().candidates(&chain, &data);
+    let functions = Functions::new(&linearisation, &projection, &candidates).unwrap();
+    let mut compared = 0;
+    for candidate in candidates.iter().step_by(37) {
+        let Some(fast) = functions.score(&linearisation, candidate) else { continue };
+        let x = linearisation.columns_of(candidate).unwrap();
+        let expected = dense.score(&x, &projection.unit, absorbed);
+        assert_eq!(
+            fast.as_ref().map(|s| s.freedom),
+            expected.as_ref().map(|s| s.freedom),
+            "{}",
+            candidate.words()
+        );
+        if let (Some(fast), Some(expected)) = (fast, expected) {
+            assert!(
+                close(fast.gain, expected.statistic),
+                "{}: {} {}",
+                candidate.words(),
+                fast.gain,
+                expected.statistic
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared > 30, "{compared}");
+
+    let joint = chain.movable()[2];
+    let periods: Vec<f64> = grid(&linearisation, joint).into_iter().step_by(29).collect();
+    let periodogram = scan(&linearisation, &projection, joint, &periods).expect("a joint that moves");
+    assert!(periods.len() > 10);
+    for (&period, &fast) in periods.iter().zip(&periodogram.gains) {
+        let x = linearisation.columns(&[Box::new(Transmission::of(joint, period))]).unwrap();
+        let expected = dense.score(&x, &projection.unit, absorbed).expect("two directions");
+        assert!(close(fast, expected.statistic), "{period}: {fast} {}", expected.statistic);
+    }
+}

@@ -1,0 +1,112 @@
+//! What one half and twice a belief of `discover` change: robots of the power study and nulls, under each policy.
+//!
+//! `study sensitivity [--robots N] [--nulls N] [--multiple M] [--beliefs B,B] [--factors F,F] [--folder NAME]` runs what is not yet in its
+//! tables. Robot k has the k-th cause of the power study (in turn) at `M` times the detectable size, and seed k; all policies see the same
+//! robots. Beliefs are those of [`truepose_discover::Policy`]; without `--beliefs` all of them.
+
+mod table;
+
+use crate::discovery::hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
+use crate::discovery::record::Record;
+use crate::discovery::trial::Task;
+use crate::journal::{Journal, commit};
+use crate::{folder, print};
+use std::error::Error;
+use truepose_discover::Policy;
+
+/// What was asked for.
+struct Asked {
+    robots: u64,
+    nulls: u64,
+    multiple: f64,
+    beliefs: Vec<String>,
+    factors: Vec<f64>,
+    folder: Option<String>,
+}
+
+/// Runs the study.
+pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
+    let asked = Asked::of(arguments)?;
+    let commit = commit();
+    let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
+    let folder = folder("sensitivity")?.join(into);
+    std::fs::create_dir_all(&folder)?;
+    print(&format!("commit {commit}; {}", folder.display()));
+    let tasks = asked.tasks();
+    let mut rows = Vec::new();
+    for (belief, factor, policy) in asked.policies()? {
+        let part = if factor == 1.0 { "default".into() } else { format!("{belief}_x{factor}") };
+        let mut journal: Journal<Record> = Journal::open(&folder, &part, &commit)?;
+        for task in &tasks {
+            let word = task.cause.map_or("none", HiddenEffect::word);
+            if !journal.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
+                let record = task.run_under(&policy);
+                print(&format!("{part}, {}: {} in {:.1} s", task.words(), record.first, record.seconds));
+                journal.add(record)?;
+            }
+        }
+        let of_this = |record: &Record| tasks.iter().any(|task| task.is_of(record));
+        rows.push(table::Row::of(&part, journal.records.into_iter().filter(of_this).collect()));
+    }
+    let text =
+        format!("commit {commit}\n\n{}", table::text(&rows, asked.robots, asked.nulls, asked.multiple)?);
+    print(&text);
+    std::fs::write(folder.join("table.txt"), text)?;
+    Ok(())
+}
+
+impl Asked {
+    fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
+        let every = Policy::default().table().into_iter().map(|(belief, _)| belief.to_owned());
+        let mut asked = Asked {
+            robots: 20,
+            nulls: 20,
+            multiple: 2.0,
+            beliefs: every.collect(),
+            factors: vec![0.5, 2.0],
+            folder: None,
+        };
+        let mut rest = arguments.iter();
+        while let Some(word) = rest.next() {
+            let mut next = || rest.next().ok_or_else(|| format!("`{word}` lacks its value"));
+            match word.as_str() {
+                "--robots" => asked.robots = next()?.parse()?,
+                "--nulls" => asked.nulls = next()?.parse()?,
+                "--multiple" => asked.multiple = next()?.parse()?,
+                "--beliefs" => asked.beliefs = next()?.split(',').map(str::to_owned).collect(),
+                "--factors" => {
+                    asked.factors = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
+                }
+                "--folder" => asked.folder = Some(next()?.clone()),
+                word => return Err(format!("unknown option `{word}` of the study").into()),
+            }
+        }
+        Ok(asked)
+    }
+
+    /// Robots with one hidden cause each, and nulls.
+    fn tasks(&self) -> Vec<Task> {
+        let hidden = (0..self.robots).map(|seed| Task {
+            cause: Some(HIDDEN_EFFECTS[seed as usize % HIDDEN_EFFECTS.len()].0),
+            multiple: self.multiple,
+            seed,
+            without: false,
+        });
+        let nulls = (0..self.nulls).map(|seed| Task { cause: None, multiple: 0.0, seed, without: false });
+        hidden.chain(nulls).collect()
+    }
+
+    /// The default policy, and each belief times each factor.
+    fn policies(&self) -> Result<Vec<(String, f64, Policy)>, Box<dyn Error>> {
+        let default = Policy::default();
+        let mut all = vec![(String::new(), 1.0, default.clone())];
+        for belief in &self.beliefs {
+            for &factor in self.factors.iter().filter(|&&factor| factor != 1.0) {
+                let policy = default.scaled(belief, factor);
+                let policy = policy.ok_or_else(|| format!("`{belief}` is no belief of the policy"))?;
+                all.push((belief.clone(), factor, policy));
+            }
+        }
+        Ok(all)
+    }
+}
