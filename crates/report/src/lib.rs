@@ -7,6 +7,7 @@ mod identification;
 mod layout;
 mod page;
 mod plan;
+mod poses;
 mod run;
 mod specification;
 mod spread;
@@ -25,9 +26,10 @@ pub use identification::{
 pub use layout::{Alignment, table};
 pub use page::{
     CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,
-    identification_report, worst_of_poses,
+    identification_report,
 };
 pub use plan::PlanSummary;
+pub use poses::worst_of_poses;
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};
 pub use spread::{PositionSpread, RotationSpread};

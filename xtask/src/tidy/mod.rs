@@ -6,6 +6,7 @@
 mod layers;
 mod length;
 mod manifests;
+mod modules;
 mod names;
 mod supply;
 mod words;
@@ -47,6 +48,7 @@ pub fn run(root: &Path) -> Result<()> {
         &deny,
     )?);
     findings.extend(length::check(&files));
+    findings.extend(modules::check(&files));
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
 

@@ -1,15 +1,16 @@
 //! `truepose identify`: fit a declared error model, and say what it is worth.
 
+use super::identified::{met, origin, refused};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
-use truepose_errormodel::{Dataset, ModelError, Visits, configurations};
-use truepose_identify::{IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
+use truepose_errormodel::{Dataset, Visits, configurations};
+use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{check_writable, read_measurements, write_fit};
-use truepose_report::{IdentificationSummary, identification_report, millimetres};
+use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
 pub fn run(args: &Identify) -> Result<(), Failure> {
@@ -85,39 +86,6 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     }
     let Some(last) = summary.stages.last() else { return Ok(()) };
     met(args, last.locked.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
-}
-
-/// Where a fit comes from.
-pub(super) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
-    provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
-    provenance.insert("verb".into(), "identify".into());
-    provenance.insert("solver".into(), solver.into());
-    provenance.insert("rows".into(), rows.into());
-}
-
-/// An error with the file that it is about, where it is about the data.
-pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
-    match error {
-        IdentifyError::NothingMeasured { .. }
-        | IdentifyError::Placement { .. }
-        | IdentifyError::Model(ModelError::MissingSignal { .. }) => {
-            Failure::Input(format!("{}: {error}", args.measured.data.display()))
-        }
-        _ => error.into(),
-    }
-}
-
-/// The criterion that was asked for, against an RMS, m.
-pub(super) fn met(args: &Identify, judged: f64) -> Result<(), Failure> {
-    let Some(required) = args.require else { return Ok(()) };
-    if judged <= required {
-        return Ok(());
-    }
-    Err(Failure::Criterion(format!(
-        "RMS {} is above the required {}",
-        millimetres(judged),
-        millimetres(required)
-    )))
 }
 
 /// Folds numbered by a channel.

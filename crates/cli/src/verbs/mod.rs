@@ -8,6 +8,7 @@ pub mod discover;
 pub mod effects;
 pub mod export;
 pub mod files;
+mod identified;
 pub mod identify;
 pub mod map;
 pub mod plan;

@@ -1,6 +1,6 @@
 //! Identification of files that are larger than memory: read block by block, several times.
 
-use super::identify::{met, origin, refused};
+use super::identified::{met, origin, refused};
 use super::print_json;
 use crate::args::Identify;
 use crate::failure::Failure;

@@ -14,7 +14,8 @@
 //! of a DH or MDH row become origin and axis z.
 
 use super::comparison::of_chain;
-use super::left::{ExportOptions, Exported, judged, not_constant};
+use super::left::{Exported, judged, not_constant};
+use super::options::ExportOptions;
 use super::project::project;
 use super::reference::Reference;
 use crate::CompensateError;

@@ -14,7 +14,8 @@
 //! `base`.
 
 use super::geometry::corrected_chain;
-use super::left::{ExportOptions, Exported};
+use super::left::Exported;
+use super::options::ExportOptions;
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::FittedModel;

@@ -16,7 +16,8 @@
 
 use super::comparison::of_chain;
 use super::geometry::{corrected_chain, split};
-use super::left::{ExportOptions, Exported, judged};
+use super::left::{Exported, judged};
+use super::options::ExportOptions;
 use super::origins::placed;
 use super::reference::Reference;
 use crate::CompensateError;

@@ -14,7 +14,6 @@ pub use commands::{CommandView, CommandsView, commands_report};
 pub use comparison::comparison_report;
 pub use discovery::discovery_report;
 pub use identification::identification_report;
-pub use rows::worst_of_poses;
 
 use crate::RunRecord;
 use crate::figure::{COLOURS, escape, standalone};

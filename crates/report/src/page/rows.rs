@@ -2,7 +2,7 @@
 
 use crate::figure::unit_words;
 use std::collections::BTreeSet;
-use truepose_errormodel::{Dataset, configurations, is_derived};
+use truepose_errormodel::{Dataset, is_derived};
 use truepose_identify::Residuals;
 use truepose_kinematics::{Chain, Load};
 
@@ -97,20 +97,6 @@ impl Rows {
 /// Length of an error.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// The largest error of each configuration among these rows, m: what a specification is held against.
-pub fn worst_of_poses(data: &Dataset, rows: &[usize], errors: &Residuals) -> Vec<f64> {
-    let configuration = configurations(data);
-    let mut worst = vec![f64::NAN; configuration.iter().max().map_or(0, |last| last + 1)];
-    for (k, &row) in rows.iter().enumerate() {
-        if let Some(distance) = errors.distance(k) {
-            let at = &mut worst[configuration[data.visit[row]]];
-            *at = at.max(distance);
-        }
-    }
-    worst.retain(|v| v.is_finite());
-    worst
 }
 
 /// What the robot did, and how many of the inputs are joints.

@@ -8,6 +8,7 @@
 
 mod draw;
 mod driven;
+mod fits;
 mod hidden;
 mod makes;
 mod record;
