@@ -5,10 +5,12 @@
 
 mod layers;
 mod length;
+mod links;
 mod manifests;
 mod modules;
 mod names;
 mod supply;
+mod unused;
 mod words;
 
 use anyhow::{Context, Result, bail};
@@ -49,6 +51,8 @@ pub fn run(root: &Path) -> Result<()> {
     )?);
     findings.extend(length::check(&files));
     findings.extend(modules::check(&files));
+    findings.extend(links::check(&files));
+    findings.extend(unused::check(&metadata, &manifest, &files)?);
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
 
