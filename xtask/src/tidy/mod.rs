@@ -7,6 +7,7 @@ mod layers;
 mod length;
 mod links;
 mod manifests;
+mod minimal;
 mod modules;
 mod names;
 mod supply;
@@ -52,6 +53,8 @@ pub fn run(root: &Path) -> Result<()> {
     findings.extend(length::check(&files));
     findings.extend(modules::check(&files));
     findings.extend(links::check(&files));
+    let lock = std::fs::read_to_string(root.join("Cargo.lock")).context("cannot read Cargo.lock")?;
+    findings.extend(minimal::check(&manifest, &lock)?);
     findings.extend(unused::check(&metadata, &manifest, &files)?);
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
