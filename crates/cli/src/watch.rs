@@ -1,120 +1,174 @@
-//! Ends a run that was interrupted or went beyond its limits: within a tenth of a second, with what was found so far, without
-//! a half-written file.
+//! Watches a run from the main thread: ends it within a tenth of a second when it was interrupted or went beyond its limits, with what
+//! was found so far, without a half-written file.
 
-use crate::args::Args;
 use crate::failure::Failure;
 use crate::terminal;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use truepose_io::discard_unfinished;
+use truepose_io::stop_writing;
 
 /// How often limits are looked at.
 const STEP: Duration = Duration::from_millis(40);
 /// As shells have it for a program that was interrupted.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 /// A limit that the caller set was reached.
-const LIMIT: i32 = 3;
-
-#[derive(Debug, Default)]
-struct SoFar {
-    doing: String,
-    found: Vec<String>,
-}
+const LIMIT: u8 = 3;
+/// As Rust has it for a program that panicked.
+const PANICKED: u8 = 101;
+/// Stack of the thread that works, bytes: as much as Linux gives to a main thread.
+const STACK: usize = 8 << 20;
 
 /// What was kept of a run that ended before its end.
 #[derive(Debug, Default)]
 pub struct Kept {
     /// Files that were written.
     pub files: Vec<PathBuf>,
-    /// What a person is shown of it; empty where the line about what was found says it all.
+    /// What a person is shown of it; empty where the line about what was found is enough.
     pub text: String,
 }
 
 /// Writes what there is, given why the run ends.
 type Keep = Box<dyn FnOnce(&str) -> Kept + Send>;
 
-static KEEP: Mutex<Option<Keep>> = Mutex::new(None);
-
-static SO_FAR: Mutex<SoFar> = Mutex::new(SoFar { doing: String::new(), found: Vec::new() });
-
-/// What is going on now.
-pub fn doing(words: &str) {
-    SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).doing = words.to_owned();
+#[derive(Default)]
+struct Status {
+    doing: String,
+    found: Vec<String>,
+    keep: Option<Keep>,
+    ended: bool,
 }
 
-/// Something was found.
-pub fn found(words: &str) {
-    SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).found.push(words.to_owned());
+/// How far a run is: written by the thread that works, read by the one that watches.
+#[derive(Clone, Default)]
+pub struct Watch(Arc<Mutex<Status>>);
+
+impl Watch {
+    /// What is going on now.
+    pub fn doing(&self, words: &str) {
+        self.status().doing = words.to_owned();
+    }
+
+    /// Something was found.
+    pub fn found(&self, words: &str) {
+        self.status().found.push(words.to_owned());
+    }
+
+    /// What to do with what there is, should the run end here.
+    pub fn keep(&self, write: impl FnOnce(&str) -> Kept + Send + 'static) {
+        self.status().keep = Some(Box::new(write));
+    }
+
+    /// The whole result is about to be written: what there was before it is not kept any more.
+    pub fn whole(&self) {
+        self.status().keep = None;
+    }
+
+    /// For the thread that works; where the run was ended it goes no further than here.
+    fn status(&self) -> MutexGuard<'_, Status> {
+        let status = self.locked();
+        if status.ended {
+            drop(status);
+            loop {
+                std::thread::park();
+            }
+        }
+        status
+    }
+
+    fn locked(&self) -> MutexGuard<'_, Status> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
-/// What to do with what there is, should the run end here.
-pub fn keep(write: impl FnOnce(&str) -> Kept + Send + 'static) {
-    *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(write));
+/// Limits of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Wall-clock time.
+    pub time: Option<Duration>,
+    /// Memory in use, bytes.
+    pub memory: Option<u64>,
 }
 
-/// The whole result is about to be written: what there was before it is not kept any more.
-pub fn whole() {
-    *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = None;
+/// What the watching thread is sent.
+enum Event {
+    Interrupted,
+    Done(Result<(), Failure>),
 }
 
-/// Begins to watch.
+/// Does some work on a thread of its own and watches it to its end, or to that of the run: then with the program's exit code.
 ///
 /// # Errors
-/// When signals or the memory in use cannot be watched here.
-pub fn begin(args: &Args) -> Result<(), Failure> {
-    if args.memory_limit.is_some() && resident().is_none() {
+/// Those of the work; and when signals or the memory in use cannot be watched here.
+pub fn watched(
+    limits: Limits,
+    work: impl FnOnce(&Watch) -> Result<(), Failure> + Send + 'static,
+) -> Result<ExitCode, Failure> {
+    if limits.memory.is_some() && resident().is_none() {
         return Err(Failure::Input(
             "--memory-limit: this system does not say how much memory a program uses".into(),
         ));
     }
     let (sender, receiver) = channel();
+    let interrupt = sender.clone();
     ctrlc::set_handler(move || {
-        let _ = sender.send(());
+        let _ = interrupt.send(Event::Interrupted);
     })?;
-    let (time, memory) = (args.time_limit, args.memory_limit);
-    let json = std::env::args_os().any(|argument| argument == "--json");
+    let watch = Watch::default();
+    let working = watch.clone();
     let began = Instant::now();
-    std::thread::Builder::new().name("watch".into()).spawn(move || {
-        loop {
-            match receiver.recv_timeout(STEP) {
-                Ok(()) => end("interrupted", began, json, INTERRUPTED),
-                Err(RecvTimeoutError::Disconnected) => return,
-                Err(RecvTimeoutError::Timeout) => (),
-            }
-            if time.is_some_and(|limit| began.elapsed() > limit) {
-                end("the time limit was reached", began, json, LIMIT);
-            }
-            if let (Some(limit), Some(used)) = (memory, memory.and_then(|_| resident()))
-                && used > limit
-            {
-                let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
-                end(&words, began, json, LIMIT);
-            }
-        }
+    // Not joined where the run ends early: it ends with the program.
+    let worker = std::thread::Builder::new().name("work".into()).stack_size(STACK).spawn(move || {
+        let _ = sender.send(Event::Done(work(&working)));
     })?;
-    Ok(())
+    loop {
+        match receiver.recv_timeout(STEP) {
+            Ok(Event::Done(done)) => return done.map(|()| ExitCode::SUCCESS),
+            Ok(Event::Interrupted) => return Ok(ended(&watch, "interrupted", began, INTERRUPTED)),
+            // The handler of signals holds a sender for ever: a thread that panicked sends nothing.
+            Err(RecvTimeoutError::Disconnected) => return Ok(ExitCode::from(PANICKED)),
+            Err(RecvTimeoutError::Timeout) if worker.is_finished() => {
+                // What it sent in its last moment is there by now.
+                return match receiver.try_recv() {
+                    Ok(Event::Done(done)) => done.map(|()| ExitCode::SUCCESS),
+                    _ => Ok(ExitCode::from(PANICKED)),
+                };
+            }
+            Err(RecvTimeoutError::Timeout) => (),
+        }
+        if limits.time.is_some_and(|limit| began.elapsed() > limit) {
+            return Ok(ended(&watch, "the time limit was reached", began, LIMIT));
+        }
+        if let (Some(limit), Some(used)) = (limits.memory, limits.memory.and_then(|_| resident()))
+            && used > limit
+        {
+            let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
+            return Ok(ended(&watch, &words, began, LIMIT));
+        }
+    }
 }
 
-/// Says what was found so far and ends the program.
-fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
-    // Held to the end, so that nobody writes the whole result over it meanwhile.
-    let mut keep = KEEP.lock().unwrap_or_else(PoisonError::into_inner);
-    let kept = keep.take().map_or_else(Kept::default, |write| write(why));
-    discard_unfinished();
-    let so_far = SO_FAR.lock().unwrap_or_else(PoisonError::into_inner);
+/// Shows and writes what was found so far. The program has to end now: the thread that works goes no further than to its next report, and
+/// can write no file.
+fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
+    let json = std::env::args_os().any(|argument| argument == "--json");
+    let mut status = watch.locked();
+    let kept = status.keep.take().map_or_else(Kept::default, |write| write(why));
+    stop_writing();
+    status.ended = true;
     let seconds = began.elapsed().as_secs_f64();
-    let doing = if so_far.doing.is_empty() { "reading" } else { &so_far.doing };
+    let doing = if status.doing.is_empty() { "reading" } else { &status.doing };
     let files: Vec<String> = kept.files.iter().map(|file| file.display().to_string()).collect();
     if json {
         let value = serde_json::json!({
-            "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": so_far.found,
+            "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": status.found,
             "files": files,
         });
         terminal::print(&format!("{value:#}\n"));
     } else {
-        let found = match so_far.found.as_slice() {
+        let found = match status.found.as_slice() {
             [] => "nothing yet".to_owned(),
             found => format!("{} (not yet judged on held-out rows)", found.join(", ")),
         };
@@ -128,7 +182,7 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
         false => format!("what was found so far is in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::log(&format!("error: {why}; {files}"));
-    std::process::exit(code)
+    ExitCode::from(code)
 }
 
 /// Memory in use, bytes.

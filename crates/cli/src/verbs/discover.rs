@@ -7,7 +7,7 @@ use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
-use crate::watch::{self, Kept};
+use crate::watch::{Kept, Watch};
 use std::path::{Path, PathBuf};
 use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, RivalFit, diagnose, nested};
 use truepose_errormodel::{FittedModel, ModelError};
@@ -16,7 +16,7 @@ use truepose_io::{check_writable, make_folder, read_measurements, write_fit, wri
 use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
 
 /// Runs the verb.
-pub fn run(args: &Discover) -> Result<(), Failure> {
+pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         check_writable(out)?;
     }
@@ -46,16 +46,16 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     let solver = args.solver.build();
     let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
-    let bar = Bar::spinner();
+    let bar = Bar::spinner(watch);
     let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
         Progress::SoFar(so_far) => {
             let (out, origin) = (args.out.clone(), origin.clone());
             let ledger = folder.as_ref().map(Folder::result);
-            watch::keep(move |why| incomplete(*so_far, settings, &origin, out, ledger, why));
+            watch.keep(move |why| incomplete(*so_far, settings, &origin, out, ledger, why));
         }
         step => {
             if let Progress::Found(words) = &step {
-                watch::found(words);
+                watch.found(words);
             }
             bar.say(&word(&step));
         }
@@ -67,11 +67,11 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         // Should a limit end the validation, the finished run is shown and written as it is.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
         let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
-        watch::keep(move |why| without_validation(whole, fitted, &origin, why));
+        watch.keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
             return Err(Failure::Input("--nested: a single configuration cannot be divided".into()));
         };
-        let bar = Bar::spinner();
+        let bar = Bar::spinner(watch);
         let judged = nested(&chain, &declared, &data, &split, &*solver, &options, &|fold, step| {
             bar.say(&format!("fold {} of {folds}: {}", fold + 1, word(&step)));
         })?;
@@ -80,7 +80,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.against(limit, &found, &data);
     }
-    watch::whole();
+    watch.whole();
     if args.json {
         print_json(&summary)?;
     } else {

@@ -7,13 +7,14 @@ use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::watch::Watch;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{check_writable, read_measurements, write_fit};
 use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
-pub fn run(args: &Identify) -> Result<(), Failure> {
+pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         check_writable(out)?;
     }
@@ -21,7 +22,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
     if args.stream {
-        return super::stream::identify(args, &chain, &effects);
+        return super::stream::identify(args, &chain, &effects, watch);
     }
     let (mut data, info, warnings) =
         read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
@@ -41,7 +42,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     };
     // Said with the result, or with the error where there is none.
     let suspected = suspected(&chain, &data, &args.measured.data);
-    let progress = Progress::steps(Step::ALL.len());
+    let progress = Progress::steps(Step::ALL.len(), watch);
     let solver = args.solver.build();
     let mut found = identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(word(step)))
         .map_err(|error| {

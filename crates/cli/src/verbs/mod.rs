@@ -1,4 +1,4 @@
-//! The verbs: each is parse, one library call, print.
+//! The verbs: each reads its files, calls the libraries, prints and writes.
 
 mod beyond;
 pub mod check;
