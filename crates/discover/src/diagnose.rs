@@ -3,12 +3,13 @@
 use crate::diagnosis::Diagnosis;
 use crate::fallback::{Checks, withdrawn};
 use crate::final_fit::Plain;
+use crate::observer::Begin;
 use crate::sample::sample;
 use crate::search::Search;
 use crate::working::Ground;
 use crate::{DiscoverError, DiscoverOptions, conclude, derived, fallback, installation, wide};
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
-use truepose_identify::{FitOptions, PriorStrength, hold_out, place};
+use truepose_identify::{Answer, FitOptions, PriorStrength, hold_out, place, proceed};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -41,19 +42,21 @@ const FEWEST: usize = 12;
 ///
 /// # Errors
 /// When the model does not fit the data, nothing was measured, there are too few visits, or an option is out of its range.
-pub fn diagnose(
+pub fn diagnose<A: Answer>(
     chain: &Chain,
     declared: &[Box<dyn AnyEffect>],
     data: &Dataset,
     solver: &dyn Solver,
     options: &DiscoverOptions,
-    progress: &(dyn Fn(Progress) + Sync),
+    observer: &(dyn Fn(Progress) -> A + Sync),
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
     // History is made on the whole record, before anything is drawn from it.
     let data = &derived::with_derived(data);
     let rows = hold_out(data, options.holdout, options.seed)?;
-    on_split(chain, declared, (data, rows), solver, options, Checks::ALL, progress)
+    on_split(chain, declared, (data, rows), solver, options, Checks::ALL, &|step| {
+        Ok(proceed(observer(step))?)
+    })
 }
 
 /// Runs the closed loop on given training rows, and judges it on the others.
@@ -64,10 +67,10 @@ pub(crate) fn on_split(
     solver: &dyn Solver,
     options: &DiscoverOptions,
     checks: Checks,
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &Begin<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let train = data.select(&train_rows);
-    progress(Progress::Fitting);
+    progress(Progress::Fitting)?;
     let placement = place(chain, &train)?;
     let part = sample(&train, options.seed);
     let open = installation::with_unknown(chain, declared)?;
@@ -93,7 +96,7 @@ pub(crate) fn on_split(
     let plain = Plain { declared: &open, fit: whole_fit, thorough: checks.test_set };
     let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
     let (stopped, last) = search.run(&whole, progress)?;
-    progress(Progress::Checking);
+    progress(Progress::Checking)?;
     let mut unsearched = None;
     if part.len() < train.len() {
         unsearched = Some(fallback::unsearched(&search, &train)?);
@@ -101,8 +104,9 @@ pub(crate) fn on_split(
         search.go_over_to(&train)?;
     }
     search.between_rows()?;
-    let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| ());
+    let again =
+        |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| Ok(()));
     let withdrawn = withdrawn(&mut search, &whole, (&train, unsearched), checks, &again)?;
-    progress(Progress::Judging);
+    progress(Progress::Judging)?;
     conclude::conclude(search, whole, (stopped, last), withdrawn, &plain)
 }

@@ -27,6 +27,7 @@ mod look_ahead;
 mod merge;
 mod nested;
 mod normal;
+mod observer;
 mod options;
 mod outliers;
 mod payload;

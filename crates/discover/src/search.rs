@@ -5,6 +5,7 @@ use crate::descend::{between_rows, descended, gaps};
 use crate::diagnosis::{Refused, Stop, Untestable};
 use crate::evidence::{Doubt, Evidence};
 use crate::flips::NullDistribution;
+use crate::observer::Begin;
 use crate::refits::Refits;
 use crate::rival::Rival;
 use crate::scene::Scene;
@@ -73,7 +74,7 @@ impl<'a> Search<'a> {
     pub fn run(
         &mut self,
         whole: &conclude::Whole<'_>,
-        progress: &(dyn Fn(Progress) + Sync),
+        progress: &Begin<'_>,
     ) -> Result<(Stop, LastWord), DiscoverError> {
         /// With more finds than this they are looked at again only at the end.
         const FEW: usize = 4;
@@ -87,7 +88,7 @@ impl<'a> Search<'a> {
         let mut told = SoFar::new(&self.now, whole)?;
         loop {
             rounds += 1;
-            progress(Progress::Screening(self.accepted.len()));
+            progress(Progress::Screening(self.accepted.len()))?;
             let now = Arc::clone(&self.now);
             let scene = Scene::new(&now.fit, &now.data)?;
             let screen = Screen::new(&scene, &self.options.without, &now.found);
@@ -120,7 +121,7 @@ impl<'a> Search<'a> {
                 if !looked_again && self.accepted.len() > FEW {
                     // Once, at the end: if that changes something, there may be more to find.
                     looked_again = true;
-                    progress(Progress::Reconsidering);
+                    progress(Progress::Reconsidering)?;
                     let count = self.accepted.len();
                     if self.revise(|search| reconsider::reconsider(search, count))? {
                         continue;
@@ -132,10 +133,10 @@ impl<'a> Search<'a> {
             circling |= together.contains(&self.finds());
             if self.accepted.len() <= FEW && !circling {
                 together.push(self.finds());
-                progress(Progress::Reconsidering);
+                progress(Progress::Reconsidering)?;
                 self.revise(looked_at_again)?;
             }
-            progress(Progress::SoFar(Box::new(told.after(self, whole, last)?)));
+            progress(Progress::SoFar(Box::new(told.after(self, whole, last)?)))?;
         }
     }
 
@@ -144,7 +145,7 @@ impl<'a> Search<'a> {
         &mut self,
         now: &Working,
         (scene, screen, null): (&Scene<'_>, &Screen, &NullDistribution),
-        progress: &(dyn Fn(Progress) + Sync),
+        progress: &Begin<'_>,
     ) -> Result<Option<()>, DiscoverError> {
         /// Candidates that may fail as part of the model before nobody is asked any more.
         const FAILURES: usize = 3;
@@ -156,7 +157,7 @@ impl<'a> Search<'a> {
                 return Ok(None);
             };
             let candidate = accepted.candidate.clone();
-            progress(Progress::Found(candidate.words()));
+            progress(Progress::Found(candidate.words()))?;
             let evidence = accepted.evidence.clone();
             let Some(doubt) = self.admit(accepted)? else {
                 self.barred.clear();

@@ -14,6 +14,7 @@ mod linearise;
 mod minimum;
 mod noise;
 mod observability;
+mod observer;
 mod placement;
 mod plain;
 mod planning;
@@ -42,6 +43,7 @@ pub use linearise::{
 pub use minimum::minimum;
 pub use noise::NoiseModel;
 pub use observability::{Observability, observability};
+pub use observer::{Answer, proceed};
 pub use placement::{Placement, Undetermined, place};
 pub use plain::{Plain, Way, plain};
 pub use planning::{Plan, PlanOptions, Planned, Why, plan};
