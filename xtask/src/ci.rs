@@ -12,10 +12,14 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 16] = [
+const STEPS: [Step; 17] = [
     Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
     Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
     Step { environment: &[], arguments: &["test", "--workspace"] },
+    Step {
+        environment: &[],
+        arguments: &["test", "-p", "truepose-errormodel", "--features", "ndarray", "--lib", "arrays"],
+    },
     Step {
         environment: &[],
         arguments: &["test", "-p", "truepose-io", "--features", "parquet", "--test", "parquet"],

@@ -5,7 +5,11 @@ use super::{Finding, SourceFile};
 const MOST: usize = 400;
 
 /// Files that are being split.
-const BEING_SPLIT: [&str; 2] = ["crates/identify/src/fit/mod.rs", "crates/identify/src/linearise/mod.rs"];
+const BEING_SPLIT: [&str; 3] = [
+    "crates/identify/src/fit/mod.rs",
+    "crates/identify/src/linearise/mod.rs",
+    "crates/report/src/discovery.rs",
+];
 
 /// Counts lines; a file that is all tests is not counted.
 pub fn check(files: &[SourceFile]) -> Vec<Finding> {
