@@ -65,7 +65,7 @@ impl Dataset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ndarray::{array, s};
+    use ndarray::{Axis, array};
     use truepose_kinematics::samples;
 
     #[test]
@@ -75,8 +75,9 @@ mod tests {
         let joints = Array2::from_shape_fn((4, n), |(row, joint)| 0.1 * row as f64 - 0.2 * joint as f64);
         let positions = Array2::from_shape_fn((4, 3), |(row, axis)| row as f64 + 0.25 * axis as f64);
         // Views with other strides than an array of their own.
-        let table = ndarray::concatenate![ndarray::Axis(1), joints, positions];
-        let data = Dataset::from_arrays(&chain, table.slice(s![.., ..n]), table.slice(s![.., n..]), None);
+        let table = ndarray::concatenate![Axis(1), joints, positions];
+        let (left, right) = table.view().split_at(Axis(1), n);
+        let data = Dataset::from_arrays(&chain, left, right, None);
         let data = data.expect("arrays that fit");
         assert_eq!(data.joints_array(), joints);
         assert_eq!(data.positions_array(), positions);
