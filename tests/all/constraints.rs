@@ -3,7 +3,7 @@
 use truepose_errormodel::effects::{
     Backlash, Coupling, Geometric, JointCompliance, LoadNonlinearity, Side, Transmission,
 };
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Limited};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Term};
 use truepose_identify::{
     FitOptions, Folds, Method, NoiseSource, PriorStrength, Split, Warning, cross_validate, fit,
 };
@@ -80,7 +80,7 @@ fn a_tolerance_of_the_users_own_is_held_or_its_violation_told() {
     let (chain, data) = heavy(40);
     let tolerance = [-1e-4, 1e-4];
     let effects: Vec<Box<dyn AnyEffect>> = vec![
-        Box::new(Limited::new(Box::new(Geometric::default()), tolerance).unwrap()),
+        Box::new(Term::new(Box::new(Geometric::default())).bounded(tolerance).unwrap()),
         Box::new(JointCompliance::of(JointId(3))),
     ];
     let model = ErrorModel::new(chain, effects).unwrap();

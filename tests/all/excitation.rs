@@ -3,7 +3,7 @@
 use crate::plants::{geometric, geometric_plant, with_three_targets};
 use nalgebra::Vector3;
 use truepose_identify::reduction::Cause;
-use truepose_identify::{FitOptions, excitation, fit, place};
+use truepose_identify::{Excitation, FitOptions, excitation, fit, place};
 use truepose_kinematics::{Placed, Pose, Target, samples};
 use truepose_simulate::{Campaign, Instrument, Plant};
 use truepose_solvers::PivotedQr;
@@ -24,7 +24,7 @@ fn a_joint_that_hardly_moves_is_named_first() {
     }
     let data = plant.measure(&campaign, 8).unwrap();
     let found = fit(&geometric(&chain), &data, &PivotedQr::default(), &FitOptions::default()).unwrap();
-    let (weak, advice) = excitation(&found, &data).unwrap();
+    let Excitation { weak_directions: weak, advice, .. } = excitation(&found, &data).unwrap();
     assert!(weak > 0, "j5 over ±0.36° hides its neighbours' errors from each other");
     assert_eq!(chain.joint(advice[0].joint).name, "j5", "{advice:?}");
     assert!(advice[0].seen.upper - advice[0].seen.lower < 0.02);
@@ -43,7 +43,7 @@ fn a_joint_that_stands_still_is_unexcited_and_named() {
     let found = fit(&geometric(&chain), &data, &PivotedQr::default(), &FitOptions::default()).unwrap();
     let unexcited = found.reduction.dropped.iter().filter(|d| d.cause == Cause::Unexcited).count();
     assert_eq!(unexcited, 4, "of six errors at a turning joint, two can pass it in any case");
-    let (weak, advice) = excitation(&found, &data).unwrap();
+    let Excitation { weak_directions: weak, advice, .. } = excitation(&found, &data).unwrap();
     assert!(weak >= 4);
     assert_eq!(chain.joint(advice[0].joint).name, "j3", "{advice:?}");
 }
@@ -54,7 +54,7 @@ fn varied_data_needs_no_advice() {
     let data =
         noisy(geometric_plant(&chain, 5)).measure(&Campaign::random(&chain, 80, 3).unwrap(), 8).unwrap();
     let found = fit(&geometric(&chain), &data, &PivotedQr::default(), &FitOptions::default()).unwrap();
-    assert_eq!(excitation(&found, &data).unwrap(), (0, Vec::new()));
+    assert_eq!(excitation(&found, &data).unwrap(), Excitation::default());
 }
 
 #[test]

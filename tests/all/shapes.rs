@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use truepose_errormodel::effects::{Geometric, Shift, Spot, Thermal, Transmission};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel};
 use truepose_identify::{
-    FitOptions, FittedShape, Folds, Identification, IdentificationOptions, Method, Shapes, Split, Warning,
-    cross_validate, fit, identify,
+    FitOptions, FittedNonlinear, Folds, Identification, IdentificationOptions, Method, NonlinearSearch,
+    Split, Warning, cross_validate, fit, identify,
 };
 use truepose_kinematics::{Chain, FrameId, JointId, Placed, Pose, samples};
 use truepose_simulate::physics::temperature::Shop;
@@ -37,7 +37,7 @@ fn measure(plant: &Plant, visits: usize, channels: Vec<ChannelPlan>) -> Dataset 
     plant.measure(&campaign, 3).unwrap()
 }
 
-fn identified(data: &Dataset, effect: Box<dyn AnyEffect>, shapes: Shapes) -> Identification {
+fn identified(data: &Dataset, effect: Box<dyn AnyEffect>, shapes: NonlinearSearch) -> Identification {
     let effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default()), effect];
     let options = IdentificationOptions {
         fit: FitOptions { shapes, ..FitOptions::default() },
@@ -47,7 +47,7 @@ fn identified(data: &Dataset, effect: Box<dyn AnyEffect>, shapes: Shapes) -> Ide
 }
 
 #[track_caller]
-fn only(found: &Identification) -> &FittedShape {
+fn only(found: &Identification) -> &FittedNonlinear {
     assert_eq!(found.fit.shapes.len(), 1);
     let shape = &found.fit.shapes[0];
     let stored = found.fit.fitted.model().effects()[shape.effect].shape();
@@ -76,21 +76,21 @@ fn a_period_is_found_from_a_wrong_start() {
     let data = mesh();
     let truth = std::f64::consts::TAU / 61.0;
     let free: Box<dyn AnyEffect> = Box::new(wave(0.31, [0.06, 0.5]));
-    let found = identified(&data, free.clone(), Shapes::Profiled);
+    let found = identified(&data, free.clone(), NonlinearSearch::Profiled);
     let shape = only(&found);
     assert!((shape.value / truth - 1.0).abs() < 2e-4, "{shape:?}, true {truth}");
     assert!(shape.interval[0] < truth && truth < shape.interval[1], "{shape:?}, true {truth}");
     assert!(found.fit.converged && !shape.at_bound());
 
     // Taken as it stands it explains nothing.
-    let fixed = identified(&data, free.clone(), Shapes::Fixed);
+    let fixed = identified(&data, free.clone(), NonlinearSearch::Fixed);
     assert!(fixed.fit.shapes.is_empty());
     assert!(found.fit.positions().rms < 0.6 * fixed.fit.positions().rms);
     let held = |i: &Identification| i.declared.held_out.as_ref().unwrap().residuals.positions().rms;
     assert!(held(&found) < 0.6 * held(&fixed), "{} {}", held(&found), held(&fixed));
 
     // Side by side with the coefficients, the same optimum.
-    let joint = identified(&data, free, Shapes::Joint);
+    let joint = identified(&data, free, NonlinearSearch::Joint);
     let sd = (shape.interval[1] - shape.interval[0]) / 4.0;
     assert!((only(&joint).value - shape.value).abs() < 1e-3 * sd);
 }
@@ -98,11 +98,11 @@ fn a_period_is_found_from_a_wrong_start() {
 #[test]
 fn at_the_optimum_no_neighbouring_period_fits_better() {
     let data = mesh();
-    let found = identified(&data, Box::new(wave(0.31, [0.06, 0.5])), Shapes::Profiled);
+    let found = identified(&data, Box::new(wave(0.31, [0.06, 0.5])), NonlinearSearch::Profiled);
     let shape = only(&found);
     let sd = (shape.interval[1] - shape.interval[0]) / 4.0;
     let options = FitOptions {
-        shapes: Shapes::Fixed,
+        shapes: NonlinearSearch::Fixed,
         noise: truepose_identify::NoiseSource::Fixed(found.fit.noise),
         // As loose as a kind of few unknowns is held: the four of a wave hardly feel it.
         prior: truepose_identify::PriorStrength::Fixed(found.fit.prior.kappa.max(10.0)),
@@ -127,7 +127,7 @@ fn the_instant_of_a_shift_is_found_between_two_visits() {
     let bump = flaws::Shift { at: "base".into(), when_s: 4321.0, size_mm: 0.25, size_mrad: 0.1 };
     let data = measure(&plant(|f| f.shift.push(bump), Shop::steady(20.0).unwrap()), 250, Vec::new());
     let shift = Shift { at_range: Some([300.0, 7000.0]), ..Shift::of(Spot::Frame(FrameId::BASE), 600.0) };
-    let found = identified(&data, Box::new(shift), Shapes::Profiled);
+    let found = identified(&data, Box::new(shift), NonlinearSearch::Profiled);
     let shape = only(&found);
     assert!(shape.interval[0] <= 4321.0 && 4321.0 <= shape.interval[1], "{shape:?}");
     assert!(shape.interval[1] - shape.interval[0] < 100.0, "a visit takes half a minute: {shape:?}");
@@ -149,7 +149,7 @@ fn a_lag_is_found_from_a_wrong_start() {
         lag_range: Some([30.0, 6000.0]),
         ..Thermal::of(Spot::Joint(JointId(2)), "temperature")
     };
-    let found = identified(&data, Box::new(growth), Shapes::Profiled);
+    let found = identified(&data, Box::new(growth), NonlinearSearch::Profiled);
     let shape = only(&found);
     // A thermometer, a link of 0.6 m and 20 µm of noise tell it to a fifth or so.
     assert!(shape.interval[0] < 600.0 && 600.0 < shape.interval[1], "{shape:?}");
@@ -214,7 +214,8 @@ fn a_range_without_the_truth_in_it_says_so() {
     let data = mesh();
     let truth = std::f64::consts::TAU / 61.0;
     // The best value lies just below the range: its valley is cut in half.
-    let found = identified(&data, Box::new(wave(0.2, [1.0008 * truth, 1.01 * truth])), Shapes::Profiled);
-    let told = |w: &Warning| matches!(w, Warning::ShapeAtBound { name, .. } if name == "period");
+    let found =
+        identified(&data, Box::new(wave(0.2, [1.0008 * truth, 1.01 * truth])), NonlinearSearch::Profiled);
+    let told = |w: &Warning| matches!(w, Warning::NonlinearAtBound { name, .. } if name == "period");
     assert!(found.fit.warnings.iter().any(told), "{:?} {:?}", found.fit.shapes, found.fit.warnings);
 }

@@ -47,8 +47,8 @@ impl Progress {
         Progress { bar, watch: watch.clone() }
     }
 
-    /// What is going on.
-    pub fn say(&self, word: &str) {
+    /// Shows the current step.
+    pub fn show(&self, word: &str) {
         self.watch.doing(word);
         self.bar.set_message(word.to_string());
     }

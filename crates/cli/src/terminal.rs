@@ -14,7 +14,7 @@ pub fn log(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", shown(text));
 }
 
-/// Names come from files and from those who type: what would steer the terminal is shown, not done.
+/// Escapes control characters: names come from files and arguments.
 fn shown(text: &str) -> Cow<'_, str> {
     let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
     if !text.contains(steers) {

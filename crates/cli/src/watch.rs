@@ -1,5 +1,5 @@
-//! Watches a run from the main thread: ends it within a tenth of a second when it was interrupted or went beyond its limits, with what
-//! was found so far, without a half-written file.
+//! Watches a run from the main thread: ends it within a tenth of a second when it was interrupted or went beyond its limits, keeping
+//! the findings so far, without a half-written file.
 
 use crate::failure::Failure;
 use crate::terminal;
@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use truepose_io::stop_writing;
 
-/// How often limits are looked at.
+/// Interval at which limits are checked.
 const STEP: Duration = Duration::from_millis(40);
 /// As shells have it for a program that was interrupted.
 const INTERRUPTED: u8 = 130;
@@ -18,15 +18,15 @@ const INTERRUPTED: u8 = 130;
 const LIMIT: u8 = 3;
 /// As Rust has it for a program that panicked.
 const PANICKED: u8 = 101;
-/// Stack of the thread that works, bytes: as much as Linux gives to a main thread.
+/// Stack of the working thread, bytes: as much as Linux gives to a main thread.
 const STACK: usize = 8 << 20;
 
-/// What was kept of a run that ended before its end.
+/// What is kept of a run that was ended early.
 #[derive(Debug, Default)]
 pub struct Kept {
     /// Files that were written.
     pub files: Vec<PathBuf>,
-    /// What a person is shown of it; empty where the line about what was found is enough.
+    /// Text for the terminal, besides the line about the findings; may be empty.
     pub text: String,
 }
 
@@ -41,32 +41,32 @@ struct Status {
     ended: bool,
 }
 
-/// How far a run is: written by the thread that works, read by the one that watches.
+/// Status of a run: written by the working thread, read by the main thread.
 #[derive(Clone, Default)]
 pub struct Watch(Arc<Mutex<Status>>);
 
 impl Watch {
-    /// What is going on now.
+    /// Records the current step.
     pub fn doing(&self, words: &str) {
         self.status().doing = words.to_owned();
     }
 
-    /// Something was found.
+    /// Records a finding.
     pub fn found(&self, words: &str) {
         self.status().found.push(words.to_owned());
     }
 
-    /// What to do with what there is, should the run end here.
+    /// Sets how the findings so far are written if the run is ended now.
     pub fn keep(&self, write: impl FnOnce(&str) -> Kept + Send + 'static) {
         self.status().keep = Some(Box::new(write));
     }
 
-    /// The whole result is about to be written: what there was before it is not kept any more.
+    /// The complete result is about to be written: findings so far are not kept any more.
     pub fn whole(&self) {
         self.status().keep = None;
     }
 
-    /// For the thread that works; where the run was ended it goes no further than here.
+    /// For the working thread, which stops here once the run was ended.
     fn status(&self) -> MutexGuard<'_, Status> {
         let status = self.locked();
         if status.ended {
@@ -92,13 +92,13 @@ pub struct Limits {
     pub memory: Option<u64>,
 }
 
-/// What the watching thread is sent.
+/// Events that the main thread receives.
 enum Event {
     Interrupted,
     Done(Result<(), Failure>),
 }
 
-/// Does some work on a thread of its own and watches it to its end, or to that of the run: then with the program's exit code.
+/// Runs `work` on a thread of its own until it is done or the run is ended; the exit code of the program.
 ///
 /// # Errors
 /// Those of the work; and when signals or the memory in use cannot be watched here.
@@ -108,7 +108,7 @@ pub fn watched(
 ) -> Result<ExitCode, Failure> {
     if limits.memory.is_some() && resident().is_none() {
         return Err(Failure::Input(
-            "--memory-limit: this system does not say how much memory a program uses".into(),
+            "--memory-limit: this system does not report the memory that a program uses".into(),
         ));
     }
     let (sender, receiver) = channel();
@@ -150,8 +150,8 @@ pub fn watched(
     }
 }
 
-/// Shows and writes what was found so far. The program has to end now: the thread that works goes no further than to its next report, and
-/// can write no file.
+/// Shows and writes the findings so far. The program has to end now: the working thread stops at its next report, and cannot write any
+/// file.
 fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
     let mut status = watch.locked();
@@ -169,17 +169,17 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
         terminal::print(&format!("{value:#}\n"));
     } else {
         let found = match status.found.as_slice() {
-            [] => "nothing yet".to_owned(),
-            found => format!("{} (not yet judged on held-out rows)", found.join(", ")),
+            [] => "none".to_owned(),
+            found => format!("{} (not yet evaluated on held-out rows)", found.join(", ")),
         };
         terminal::print(&format!(
-            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Found so far: {found}.\n{}",
+            "INCOMPLETE: {why} after {seconds:.1} s, while {doing}. Findings so far: {found}.\n{}",
             kept.text
         ));
     }
     let files = match files.is_empty() {
         true => "no file was written".to_owned(),
-        false => format!("what was found so far is in {}, marked as incomplete", files.join(" and ")),
+        false => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::log(&format!("error: {why}; {files}"));
     ExitCode::from(code)

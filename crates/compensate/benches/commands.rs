@@ -6,7 +6,7 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use truepose_compensate::{Compensator, CompensatorOptions, Status, Wanted};
+use truepose_compensate::{CommandRequest, Compensator, CompensatorOptions, Status};
 use truepose_errormodel::Schema;
 use truepose_kinematics::{Chain, Conditions, PostureBuffer, joint_jacobian, samples};
 
@@ -99,9 +99,9 @@ fn run(chain: &Chain, words: &str, tolerance: f64, seeded: bool) {
         }
         best = best.min(begun.seconds());
     }
-    let list: Vec<Wanted<'_>> = jobs
+    let list: Vec<CommandRequest<'_>> = jobs
         .iter()
-        .map(|(target, conditions)| Wanted {
+        .map(|(target, conditions)| CommandRequest {
             target: *target,
             conditions,
             seed: seeded.then_some(&conditions.joints[..]),

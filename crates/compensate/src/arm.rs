@@ -13,7 +13,7 @@
 //! | ε | `errors` | 6 a frame | m, rad | frame i |
 //!
 //! An axis that is not z is turned to z by a constant rotation on either side. Components of an `E_i` that never change are
-//! part of the constants: `E = T · Ry Rz Rx`, so that one that yields about z costs one turn of two columns at run time.
+//! part of the constants: `E = T · Ry Rz Rx`, so that one that varies about z costs one turn of two columns at run time.
 
 use crate::command::MOST;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -37,11 +37,11 @@ pub(crate) enum Factor {
     Turn,
     /// The next joint slides.
     Slide,
-    /// No factor: something that stands at this place.
+    /// No factor: a mark at this place.
     Mark(Mark),
 }
 
-/// Something whose place is asked for: which, and where its point and its direction lie in the axes of the factors so far.
+/// A mark whose place is computed: which, and where its point and its direction lie in the axes of the factors so far.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mark {
     pub what: usize,

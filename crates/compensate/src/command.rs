@@ -1,4 +1,4 @@
-//! What is asked of the compensator, and what it answers.
+//! Requests to the compensator, and its commands.
 
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Deref, DerefMut};
@@ -42,7 +42,7 @@ impl DerefMut for Values {
     }
 }
 
-/// Where a point of the real robot is wanted, in the measurement frame.
+/// Desired position of a point of the real robot, in the measurement frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Position of the target point, m.
@@ -72,9 +72,9 @@ impl Target {
     }
 }
 
-/// One of many desired poses, for `Compensator::commands`: what `Compensator::command` is asked.
+/// One of many desired poses, for `Compensator::commands`.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct CommandRequest<'a> {
     /// The pose.
     pub target: Target,
     /// Under which conditions.
@@ -86,13 +86,13 @@ pub struct Wanted<'a> {
 /// What became of a desired pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// The command brings the real robot there, within the tolerances: held against the exact model.
+    /// The command brings the real robot there, within the tolerances, as verified with the exact model.
     Ok,
     /// The pose is out of reach.
     Unreachable,
     /// Only joint values beyond their limits would reach it.
     Limit,
-    /// The search did not come to an end, or was asked for what are no numbers.
+    /// The search did not converge, or the request has values that are not finite.
     NotConverged,
 }
 
@@ -138,7 +138,7 @@ impl Extrapolation {
     }
 
     /// Of these conditions. `read` are the positions, in the domain and in the conditions, of the channels that the
-    /// model reads, `timed` says whether it reads the time. A domain that knows no joints was never recorded and judges nothing.
+    /// model reads, `timed` says whether it reads the time. A domain without joints was never recorded: nothing counts as extrapolation.
     pub(crate) fn of(
         domain: &Domain,
         joints: &[f64],
@@ -174,7 +174,7 @@ impl Extrapolation {
     }
 }
 
-/// The answer: joint values, and what they are worth.
+/// A command: joint values, and their accuracy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
     /// Movable joints, rad or m, always within their limits. Where the status is not ok: the nearest that was found.
@@ -183,16 +183,16 @@ pub struct Command {
     pub status: Status,
     /// How far the real robot's point ends from the desired one according to the exact model, m.
     pub position_error: f64,
-    /// How far its tool is turned from the desired orientation, rad; zero when none was asked for.
+    /// How far its tool is turned from the desired orientation, rad; zero when none was requested.
     pub orientation_error: f64,
     /// Evaluations of the exact model.
     pub rounds: usize,
-    /// How far the model was asked beyond what it was fitted on.
+    /// Distance beyond the range of the data of the fit.
     pub extrapolation: Extrapolation,
     /// The direction in which each joint has to arrive, −1, 0, +1: what the command was computed for.
     pub approach: Values,
     /// False when a straight move from the seed would arrive from another side than `approach` (the joint is to end
-    /// within its play): come in from the stated side instead.
+    /// within its backlash): come in from the stated side instead.
     pub approach_holds: bool,
 }
 
@@ -203,7 +203,7 @@ mod tests {
     use truepose_kinematics::{Payload, samples};
 
     #[test]
-    fn what_lies_beyond_is_said_by_how_much() {
+    fn extrapolation_is_reported_with_its_size() {
         let chain = samples::scara();
         let domain = Domain {
             joints: vec![Interval { lower: -1.0, upper: 1.0 }; 4],

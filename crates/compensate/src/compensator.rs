@@ -8,7 +8,7 @@
 //! stuck again: without limits ──► reached? limit : unreachable
 //! ```
 //!
-//! Every `ok` was held against the exact model at the command that is returned. The same question has the same answer to
+//! Every `ok` is verified with the exact model at the command that is returned. Equal requests give equal commands to
 //! the last bit: nothing is carried over from one command to the next.
 
 mod entry;
@@ -40,7 +40,7 @@ pub struct Compensator<'m> {
     real: RealArm<'m>,
     nominal: Arm,
     starts: Starts,
-    /// For models that can be asked for several commands at once.
+    /// For models that support batch evaluation.
     kernel: Option<Kernel>,
     /// Joint units per unit of the search.
     scale: [f64; MOST],

@@ -5,7 +5,7 @@ use thiserror::Error;
 use truepose_errormodel::ModelError;
 use truepose_kinematics::ChainError;
 
-/// A model that cannot be compensated, mapped or exported as asked.
+/// A model that cannot be compensated, mapped or exported as requested.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CompensateError {
@@ -96,6 +96,6 @@ pub enum CompensateError {
         export: Accuracy,
     },
     /// Corrected geometry that describes no robot.
-    #[error("the corrected geometry is no robot: {0}")]
+    #[error("the corrected geometry is not a valid robot: {0}")]
     Geometry(#[from] ChainError),
 }

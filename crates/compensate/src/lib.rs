@@ -21,12 +21,12 @@ pub use accuracy::{
     AccuracyMap, MapGrid, MapNode, MapOptions, PredictedError, accuracy_map, correction_helps,
     predicted_error, radius_95,
 };
-pub use command::{Command, Extrapolation, MOST, Status, Target, Values, Wanted};
+pub use command::{Command, CommandRequest, Extrapolation, MOST, Status, Target, Values};
 pub use compensator::Compensator;
 pub use error::CompensateError;
 pub use export::{
-    AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorLeft, ErrorTable,
-    ErrorTables, ExportOptions, Exported, JointOrigin, JointOrigins, axis_table, corrected_chain,
+    AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorTable, ErrorTables,
+    ExportOptions, Exported, JointOrigin, JointOrigins, RemainingError, axis_table, corrected_chain,
     error_tables, joint_origins, middle_conditions,
 };
 pub use exported_accuracy::Accuracy;

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_values_are_rejected() {
         assert!(CompensatorOptions::default().validate().is_ok());
         let bad = [
             CompensatorOptions { position_tolerance: 0.0, ..Default::default() },

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! x_1 = J_p⁺ e_p                       J_p⁺ = J_pᵀ (J_p J_pᵀ + μ_1 I)⁻¹
-//! P   = J_r (I − J_p⁺ J_p)             what still turns when the point stands still
+//! P   = J_r (I − J_p⁺ J_p)             joint motion that leaves the point at rest
 //! x   = x_1 + Pᵀ (P Pᵀ + μ_2 I)⁻¹ (e_r − J_r x_1)
 //! ```
 //!

@@ -5,13 +5,13 @@
 //! T(s) = C_0 M(q_1) C_1 …    see `arm`: only frames whose ε some effect moves are computed anew
 //! ```
 //!
-//! What yields is asked where the robot comes to rest, as at fit time ([`Rest`]). The result is that of
+//! Compliances are evaluated in static equilibrium, as at fit time ([`Equilibrium`]). The result is that of
 //! `Predictor::predict`, to round-off.
 
 use crate::arm::{Arm, Reached};
 use crate::command::MOST;
 use nalgebra::Vector3;
-use truepose_errormodel::{BoundModel, Emission, FittedModel, ModelError, Rest, Schema};
+use truepose_errormodel::{BoundModel, Emission, Equilibrium, FittedModel, ModelError, Schema};
 use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId, sin_cos};
 
 /// The real robot of a fitted model.
@@ -19,7 +19,7 @@ use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId, sin_cos};
 pub(crate) struct RealArm<'m> {
     fitted: &'m FittedModel,
     bound: BoundModel<'m>,
-    /// Effects that have to be asked at every posture.
+    /// Effects that have to be evaluated at every posture.
     moving: Vec<usize>,
     /// ε_0, in the order of `Chain::site_index`.
     constant: Vec<f64>,
@@ -32,7 +32,7 @@ pub(crate) struct RealArm<'m> {
     posture: PostureBuffer,
     emission: Emission,
     /// For models of which some effect depends on what the robot carries.
-    rest: Option<Rest>,
+    rest: Option<Equilibrium>,
 }
 
 impl<'m> RealArm<'m> {
@@ -57,7 +57,11 @@ impl<'m> RealArm<'m> {
             posture: PostureBuffer::new(chain),
             // An effect speaks of a column at most once a component of two frames or so.
             emission: Emission::with_capacity(12 * moving_columns.max(still.len())),
-            rest: model.effects().iter().any(|effect| effect.settles()).then(|| Rest::new(model)),
+            rest: model
+                .effects()
+                .iter()
+                .any(|effect| effect.load_dependent())
+                .then(|| Equilibrium::new(model)),
         };
         let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
         conditions.channels = vec![0.0; schema.channels.len()];

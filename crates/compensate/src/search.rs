@@ -1,8 +1,8 @@
 //! Down to a pose from one start: Levenberg and Marquardt far away, Newton near the end.
 //!
 //! ```text
-//! x ← x + J⁻¹ e                     |e|² below `NEAR`, regular, and while each round takes off a factor of four
-//! x ← x + J_s⁻¹ e                   after a step s of Newton's that foretells that its J_s will do once more
+//! x ← x + J⁻¹ e                     |e|² below `NEAR`, regular, and while each round reduces it by a factor of four
+//! x ← x + J_s⁻¹ e                   after a step s of Newton's after which its J_s is expected to suffice once more
 //! x ← x + Jᵀ(J Jᵀ + μ I)⁻¹ e         else, with μ = s (|e|²/2 + w); s adapts to whether the step helped
 //! ```
 //!
@@ -13,7 +13,7 @@
 //! | w | `BIAS` | 1 |
 //!
 //! J are the joints' own axes on the robot that is evaluated; how its errors change with the joints is left out of J and
-//! is in e, so that on the exact model this is a quasi-Newton iteration that gains two to three digits a round.
+//! is in e, so that on the exact model this is a quasi-Newton iteration that gains two to three digits per iteration.
 //! Source: Sugihara 2011 (damping by |e|², which needs no knowledge of whether the pose can be reached).
 
 use crate::arm::Reached;
@@ -40,7 +40,7 @@ pub(crate) enum Ending {
     There,
     /// No step brings it nearer.
     Stuck,
-    /// Rounds ran out, or the model made no number.
+    /// The iterations are exhausted, or the model gave a value that is not finite.
     GaveUp,
 }
 
@@ -62,10 +62,10 @@ impl Walk {
 /// |e|² from which Newton's step is tried.
 pub(crate) const NEAR: f64 = 2e-3;
 const BIAS: f64 = 1e-8;
-/// A walk whose |e|² fell by less than a hundredth in so many rounds is at the edge of what can be reached.
+/// A walk whose |e|² fell by less than a hundredth in so many iterations is at the edge of what can be reached.
 const CHECK: usize = 10;
 
-/// Walks from x until the gap closes, nothing helps, or the rounds run out.
+/// Walks from x until the error vanishes, no step improves it, or the iterations are exhausted.
 pub(crate) fn walk(
     robot: &mut impl Robot,
     task: &Task,

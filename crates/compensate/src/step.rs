@@ -29,7 +29,7 @@ impl Limits {
     pub const NONE: Limits = Limits { lower: [f64::NEG_INFINITY; MOST], upper: [f64::INFINITY; MOST] };
 }
 
-/// The linear problem of one round.
+/// The linear problem of one iteration.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Linear<'a> {
     pub columns: &'a [[f64; 6]],
@@ -208,7 +208,7 @@ impl Factors {
 }
 
 /// Solves a symmetric positive definite system of size n, given by its lower triangle; y becomes the solution.
-/// A pivot that round-off made nothing of leaves its unknown at zero.
+/// A pivot that round-off annihilated leaves its unknown at zero.
 pub(crate) fn cholesky_solve(matrix: &mut [[f64; 6]; 6], y: &mut [f64; 6], n: usize) {
     for k in 0..n {
         let mut pivot = matrix[k][k];

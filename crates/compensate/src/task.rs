@@ -1,4 +1,4 @@
-//! How far the robot is from where it should be, and how its joints change that.
+//! Error of the pose, and its derivative with respect to the joints.
 //!
 //! ```text
 //! e = [ (p_d − p)/L ; log(R_d Rᵀ) ]         J_k = [ z_k × (p − o_k)/L ; z_k ]  or, for a slide,  [ z_k ; 0 ]
@@ -28,7 +28,7 @@ pub(crate) struct Task {
     pub orientation_tolerance: f64,
 }
 
-/// How each joint changes that.
+/// Derivative with respect to each joint.
 pub(crate) type Columns = [[f64; 6]; MOST];
 
 /// How far away it is from one configuration.
@@ -82,7 +82,7 @@ impl Task {
         }
     }
 
-    /// True when a step with the J from in front of a step of this length is expected to close the gap: J has changed by about
+    /// True when a step with the J from in front of a step of this length is expected to remove the error: J has changed by about
     /// that much of itself.
     pub fn foretells(&self, gap: &Gap, length: f64) -> bool {
         gap.position(self.length) * length <= 0.2 * self.position_tolerance

@@ -45,7 +45,7 @@ fn bands_hold_95_percent() {
 }
 
 #[test]
-fn a_map_shows_what_compensation_is_worth() {
+fn a_map_shows_the_accuracy_before_and_after_compensation() {
     let chain = samples::ur10();
     let mut fit = elastic(&chain, 5);
     fit.noise.position_sd = 2e-5;

@@ -26,7 +26,7 @@ fn corrected_origins_predict_as_the_model_does() {
         let fit = of(&chain, vec![Box::new(Geometric::default())], 3);
         let exported = corrected_chain(&fit, &options(&chain)).expect("an export");
         assert!(exported.left_out.is_empty());
-        assert!(exported.error_left.max < 1e-13, "{}: {:e}", chain.name(), exported.error_left.max);
+        assert!(exported.remaining_error.max < 1e-13, "{}: {:e}", chain.name(), exported.remaining_error.max);
         let mut predictor = fit.bind(&Schema::default()).expect("bound");
         let mut draw = Draw(6);
         for _ in 0..50 {
@@ -45,8 +45,8 @@ fn what_is_left_out_is_named_and_measured() {
     let fit = elastic(&chain, 3);
     let exported = corrected_chain(&fit, &options(&chain)).expect("an export");
     assert_eq!(exported.left_out, ["joint_compliance"]);
-    assert!((1e-4..2e-2).contains(&exported.error_left.rms), "{:?}", exported.error_left);
-    assert!(exported.error_left.max >= exported.error_left.rms);
+    assert!((1e-4..2e-2).contains(&exported.remaining_error.rms), "{:?}", exported.remaining_error);
+    assert!(exported.remaining_error.max >= exported.remaining_error.rms);
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn tables_of_axes_predict_as_the_model_does() {
     for chain in samples::all() {
         let fit = of(&chain, vec![Box::new(Geometric::default())], 3);
         let table = axis_table(&fit, &options(&chain), &AxisTableOptions::default()).expect("a table");
-        assert!(table.error_left.max < 1e-12, "{}: {:e}", chain.name(), table.error_left.max);
+        assert!(table.remaining_error.max < 1e-12, "{}: {:e}", chain.name(), table.remaining_error.max);
         let size = chain.characteristic_length();
         let hayati =
             table.value.rows.iter().filter(|r| matches!(r.link, Some(AxisLink::Hayati { .. }))).count();
@@ -93,13 +93,13 @@ fn joint_dependent_errors_come_back_from_their_tables() {
             chain.movable().iter().filter(|&&j| chain.joint(j).unit() == "rad").count()
         );
         // Linear pieces of half a degree leave 1e-5 of half a milliradian.
-        assert!(exported.error_left.max < 1e-7, "{}: {:?}", chain.name(), exported.error_left);
+        assert!(exported.remaining_error.max < 1e-7, "{}: {:?}", chain.name(), exported.remaining_error);
     }
     let heavy = samples::heavy();
     let exported = error_tables(&elastic(&heavy, 3), &options(&heavy), 41).expect("tables");
     let plain = corrected_chain(&elastic(&heavy, 3), &options(&heavy)).expect("an export");
     // Gravity turns with several joints at once: the tables carry most of it, not all.
-    assert!(exported.error_left.rms < plain.error_left.rms && exported.error_left.rms > 1e-6);
+    assert!(exported.remaining_error.rms < plain.remaining_error.rms && exported.remaining_error.rms > 1e-6);
     assert!(error_tables(&elastic(&heavy, 3), &options(&heavy), 1).is_err());
 }
 

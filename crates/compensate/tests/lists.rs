@@ -3,7 +3,9 @@
 mod fits;
 
 use fits::{Draw, beside, elastic, fitted, load, target_at};
-use truepose_compensate::{Approach, Command, Compensator, CompensatorOptions, Status, Target, Wanted};
+use truepose_compensate::{
+    Approach, Command, CommandRequest, Compensator, CompensatorOptions, Status, Target,
+};
 use truepose_errormodel::effects::{Geometric, JointCompliance, OwnWeight};
 use truepose_errormodel::{FittedModel, Schema};
 use truepose_kinematics::nalgebra::Vector3;
@@ -41,10 +43,14 @@ struct Jobs {
 }
 
 impl Jobs {
-    fn list(&self) -> Vec<Wanted<'_>> {
+    fn list(&self) -> Vec<CommandRequest<'_>> {
         let each = self.targets.iter().zip(&self.conditions).zip(&self.seeds);
-        each.map(|((target, conditions), seed)| Wanted { target: *target, conditions, seed: seed.as_deref() })
-            .collect()
+        each.map(|((target, conditions), seed)| CommandRequest {
+            target: *target,
+            conditions,
+            seed: seed.as_deref(),
+        })
+        .collect()
     }
 }
 
@@ -80,7 +86,7 @@ fn mixed(chain: &Chain, fit: &FittedModel, count: usize) -> Jobs {
     jobs
 }
 
-fn one_by_one(compensator: &mut Compensator<'_>, list: &[Wanted<'_>]) -> Vec<Command> {
+fn one_by_one(compensator: &mut Compensator<'_>, list: &[CommandRequest<'_>]) -> Vec<Command> {
     list.iter().map(|one| compensator.command(&one.target, one.conditions, one.seed)).collect()
 }
 
@@ -189,7 +195,7 @@ fn ok_means_that_the_model_is_there() {
 
 /// Springs whose weights are unknowns are asked posture by posture; the answer is as exact.
 #[test]
-fn models_that_cannot_be_asked_side_by_side_are_answered_as_well() {
+fn models_without_batch_evaluation_give_commands_as_well() {
     let chain = samples::heavy();
     let free = JointCompliance { own_weight: OwnWeight::Free, ..JointCompliance::default() };
     let fit = fits::of(&chain, vec![Box::new(Geometric::default()), Box::new(free)], 3);

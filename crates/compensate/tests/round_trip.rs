@@ -110,7 +110,7 @@ fn positions_alone_keep_the_seeds_orientation() {
 }
 
 #[test]
-fn out_of_reach_is_said_and_by_how_much() {
+fn out_of_reach_is_reported_with_its_size() {
     for chain in samples::all() {
         let fit = fitted(&chain, 5);
         let mut compensator = bound(&fit);
@@ -186,7 +186,7 @@ fn beyond_the_limits_is_limit() {
 }
 
 #[test]
-fn a_scara_that_is_asked_to_tilt_has_its_position_and_says_so() {
+fn a_scara_that_is_asked_to_tilt_has_its_position_with_a_message() {
     let chain = samples::scara();
     let fit = fitted(&chain, 5);
     let mut compensator = bound(&fit);
@@ -203,9 +203,9 @@ fn a_scara_that_is_asked_to_tilt_has_its_position_and_says_so() {
 }
 
 #[test]
-fn play_is_taken_from_the_side_of_the_move() {
+fn backlash_follows_the_direction_of_the_move() {
     let chain = samples::ur10();
-    let fit = fits::with_play(&chain, JointId(1), 2e-4);
+    let fit = fits::with_backlash(&chain, JointId(1), 2e-4);
     let options = CompensatorOptions { approach: Approach::FromSeed, ..Default::default() };
     let mut compensator = Compensator::bind(&fit, &schema(), options).expect("bound");
     let goal = [0.3, -1.0, 0.7, 0.2, -0.5, 1.1];
@@ -271,14 +271,14 @@ fn what_is_no_number_is_refused_without_a_word() {
 #[test]
 fn missing_signals_are_refused_when_it_is_bound() {
     let chain = samples::ur10();
-    let fit = fits::with_play(&chain, JointId(1), 2e-4);
+    let fit = fits::with_backlash(&chain, JointId(1), 2e-4);
     let blind = Schema { approach: false, ..schema() };
     let refused = Compensator::bind(&fit, &blind, CompensatorOptions::default()).expect_err("no approach");
     assert!(refused.to_string().contains("approach of joint `j1`"), "{refused}");
 }
 
 #[test]
-fn the_same_question_has_the_same_answer() {
+fn equal_requests_give_equal_commands() {
     let chain = samples::seven();
     let fit = fitted(&chain, 5);
     let (mut one, mut other) = (bound(&fit), bound(&fit));

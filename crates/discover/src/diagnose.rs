@@ -1,36 +1,27 @@
 //! The closed loop: fit, find the residual, trace it to an effect that the model lacks, add it, again.
 
-use crate::diagnosis::Diagnosis;
-use crate::fallback::{Checks, withdrawn};
-use crate::final_fit::Plain;
+use crate::accept::model::Model;
+use crate::accept::outcome::Outcome;
+use crate::conclude::diagnosis::Diagnosis;
+use crate::conclude::fallback;
+use crate::conclude::fallback::{Checks, withdrawn};
+use crate::conclude::final_fit::Plain;
+use crate::conclude::interim::SoFar;
+use crate::conclude::report::conclude;
+use crate::conclude::whole::Whole;
+use crate::data::derived;
+use crate::data::sample::sample;
+use crate::error::DiscoverError;
+use crate::model::current::Ground;
+use crate::model::{installation, wide};
 use crate::observer::Begin;
-use crate::sample::sample;
-use crate::search::Search;
-use crate::working::Ground;
-use crate::{DiscoverError, DiscoverOptions, conclude, derived, fallback, installation, wide};
+use crate::options::DiscoverOptions;
+use crate::progress::Progress;
+use crate::search::search;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_identify::{Answer, FitOptions, PriorStrength, hold_out, place, proceed};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
-
-/// Where a discovery is, for a progress bar.
-#[derive(Debug, Clone)]
-pub enum Progress {
-    /// Fitting the declared model.
-    Fitting,
-    /// Screening all candidates, so many effects having been found.
-    Screening(usize),
-    /// An effect was added.
-    Found(String),
-    /// What there is after each find, for whoever interrupts the loop: fitted to the training rows, without rivals.
-    SoFar(Box<Diagnosis>),
-    /// Looking at earlier finds again.
-    Reconsidering,
-    /// Holding the enlarged model against the declared one on data that it has not seen.
-    Checking,
-    /// Judging the result on the rows that were drawn out first.
-    Judging,
-}
 
 /// Fewest poses with which a search makes sense.
 const FEWEST: usize = 12;
@@ -75,16 +66,17 @@ pub(crate) fn on_split(
     let part = sample(&train, options.seed);
     let open = installation::with_unknown(chain, declared)?;
     let declared_fit = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
-    let mut ground =
-        Ground { chain: &placement.chain, declared: &open, data: &part, solver, fit: declared_fit };
-    let mut first = ground.working(Vec::new(), &[])?;
+    let chain_placed = &placement.chain;
+    let mut context =
+        Ground { chain: chain_placed, declared: &open, data: &part, solver, fit: declared_fit, options };
+    let mut first = context.working(Vec::new(), &[])?;
     // How far the declared errors lie from what was expected of them is not for the finds to say.
     let wide = wide::as_fitted(&open, &first.fit);
-    ground.fit = options.fit.clone();
-    if matches!(ground.fit.prior, PriorStrength::Evidence | PriorStrength::Kinds) {
-        ground.declared = &wide;
-        ground.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
-        first = ground.working(Vec::new(), &first.outliers.suspects)?;
+    context.fit = options.fit.clone();
+    if matches!(context.fit.prior, PriorStrength::Evidence | PriorStrength::VarianceGroups) {
+        context.declared = &wide;
+        context.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
+        first = context.working(Vec::new(), &first.outliers.suspects)?;
     }
     let have = Visits::of(&train).len();
     if have < FEWEST {
@@ -92,21 +84,29 @@ pub(crate) fn on_split(
         return Err(DiscoverError::TooFewVisits { have, rank, need: FEWEST });
     }
     let whole_fit = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
-    let mut search = Search::new(ground, options, first);
     let plain = Plain { declared: &open, fit: whole_fit, thorough: checks.test_set };
-    let whole = conclude::Whole { data, train_rows, holdout_rows, placement: placement.clone() };
-    let (stopped, last) = search.run(&whole, progress)?;
+    let whole = Whole { data, train_rows, holdout_rows, placement: placement.clone() };
+    let mut told = SoFar::new(&first, &whole)?;
+    let mut interim =
+        |outcome: &Outcome| progress(Progress::SoFar(Box::new(told.after(&context, outcome, &whole)?)));
+    let mut outcome = search(&context, Model::declared(first), progress, &mut interim)?;
     progress(Progress::Checking)?;
     let mut unsearched = None;
+    let all_rows = Ground { data: &train, ..context.clone() };
+    let mut context = &context;
     if part.len() < train.len() {
-        unsearched = Some(fallback::unsearched(&search, &train)?);
+        unsearched = Some(fallback::unsearched(&outcome.model, &train, options.seed)?);
         // What was found in a part of the data is fitted to all of it.
-        search.go_over_to(&train)?;
+        outcome.model = outcome.model.on_data_of(&all_rows)?;
+        context = &all_rows;
     }
-    search.between_rows()?;
+    outcome.model = outcome.model.between_rows(context)?;
     let again =
         |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| Ok(()));
-    let withdrawn = withdrawn(&mut search, &whole, (&train, unsearched), checks, &again)?;
+    let withdrawn = withdrawn(context, &outcome.model, &whole, (&train, unsearched), checks, &again)?;
+    if withdrawn.is_some() {
+        outcome.model = outcome.model.without_findings();
+    }
     progress(Progress::Judging)?;
-    conclude::conclude(search, whole, (stopped, last), withdrawn, &plain)
+    conclude(context, outcome, whole, withdrawn, &plain)
 }

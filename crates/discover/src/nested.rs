@@ -4,9 +4,13 @@
 //! held-out rows as well. Here each fold is left out before anything is looked at, and predicted by whatever the loop
 //! finds on the others.
 
+use crate::conclude::diagnosis::Diagnosis;
+use crate::conclude::fallback::Checks;
+use crate::data::derived;
 use crate::diagnose::on_split;
-use crate::fallback::Checks;
-use crate::{Diagnosis, DiscoverError, DiscoverOptions, Progress, derived};
+use crate::error::DiscoverError;
+use crate::options::DiscoverOptions;
+use crate::progress::Progress;
 use rayon::prelude::*;
 use truepose_errormodel::{AnyEffect, Dataset};
 use truepose_identify::{Answer, Folds, Residuals, Split, Spread, proceed};

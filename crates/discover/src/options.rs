@@ -1,6 +1,7 @@
 //! How to look.
 
-use crate::{DiscoverError, Family};
+use crate::error::DiscoverError;
+use crate::hypotheses::family::Family;
 use truepose_identify::{FitOptions, PriorStrength};
 
 /// Sign flips beyond this many say nothing that fewer do not, and have to be kept in memory.
@@ -42,7 +43,7 @@ impl Default for DiscoverOptions {
             most: 24,
             without: Vec::new(),
             rival_fits: false,
-            fit: FitOptions { flat: FLAT, prior: PriorStrength::Kinds, ..FitOptions::default() },
+            fit: FitOptions { flat: FLAT, prior: PriorStrength::VarianceGroups, ..FitOptions::default() },
         }
     }
 }

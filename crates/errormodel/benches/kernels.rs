@@ -2,9 +2,10 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use truepose_errormodel::batch::Lanes;
 use truepose_errormodel::effects::{Geometric, JointCompliance, LinkCompliance, Polynomial, WrenchComponent};
-use truepose_errormodel::lanes::{LANES, Lanes, error_jacobians};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Rest, Schema};
+use truepose_errormodel::lanes::{LANES, error_jacobians};
+use truepose_errormodel::{AnyEffect, Dataset, Equilibrium, ErrorModel, Schema};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Conditions, Load, Payload, TargetId, samples};
 
@@ -58,7 +59,7 @@ fn at_rest_one_row(bencher: Bencher<'_, '_>, name: &str) {
     let model = model(name);
     let (data, coefficients) = (data(model.chain()), some(&model));
     let bound = model.bind(&data.schema).expect("nothing is missing");
-    let mut rest = Rest::new(&model);
+    let mut rest = Equilibrium::new(&model);
     let conditions: Conditions = data.conditions(7);
     bencher.bench_local(|| rest.settle(&bound, black_box(&conditions), &coefficients));
 }

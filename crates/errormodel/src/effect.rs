@@ -1,7 +1,9 @@
 //! The seam through which effects enter: the only trait that an author of an effect implements.
 
+use crate::emission::Emission;
+use crate::error::ModelError;
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{Emission, ModelError};
+use crate::signal::Signal;
 use serde::{Serialize, de::DeserializeOwned};
 use std::any::Any;
 use std::fmt::Debug;
@@ -37,31 +39,9 @@ impl Column {
     }
 }
 
-/// An input that not every data set has. Asked for by name, resolved once, then read as `at.signal(k)`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Signal {
-    /// The time of the row, s.
-    Time,
-    /// The direction in which a joint last moved: −1, 0, +1.
-    Approach(JointId),
-    /// A channel, by its name.
-    Channel(String),
-}
-
-impl Signal {
-    /// In words.
-    pub fn describe(&self, chain: &Chain) -> String {
-        match self {
-            Signal::Time => "a `time` column".into(),
-            Signal::Approach(joint) => format!("the approach of joint `{}`", chain.joint(*joint).name),
-            Signal::Channel(name) => format!("a channel `{name}`"),
-        }
-    }
-}
-
 /// A parameter in which an effect is not linear: a period, a time constant, an instant.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub struct NonlinearParameter {
     /// Its name.
     pub name: String,
     /// SI unit.
@@ -105,7 +85,7 @@ pub enum Search {
 /// struct EncoderGain { joint: JointId }
 ///
 /// impl Effect for EncoderGain {
-///     const KIND: &'static str = "acme/encoder_gain";
+///     const FAMILY: &'static str = "acme/encoder_gain";
 ///     fn columns(&self, chain: &Chain) -> Vec<Column> {
 ///         vec![Column::new(format!("gain {}", chain.joint(self.joint).name), "1", 1e-3)]
 ///     }
@@ -118,7 +98,7 @@ pub enum Search {
 /// ```
 pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + 'static {
     /// Its tag in files. Third parties prefix theirs: `acme/belt`.
-    const KIND: &'static str;
+    const FAMILY: &'static str;
 
     /// One line for a list of effects.
     const ABOUT: &'static str = "";
@@ -142,14 +122,14 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
     /// Whether what it says depends on frames or wrenches. Then it is asked again where the real robot comes to rest,
     /// since weights act on the posture that they have bent; `false` saves that for what depends on joint values and
     /// signals alone.
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         true
     }
 
     /// The joints that yield, one for each column, when this is all that the effect says: column k is joint k's own motion,
     /// in proportion to the load about (along) it, [`Posture::joint_load`]. Who evaluates many postures at once need not ask
     /// such an effect posture by posture. `None`, which is always right, leaves it to `eval`.
-    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
+    fn compliances(&self, _chain: &Chain) -> Option<Vec<JointId>> {
         None
     }
 
@@ -163,45 +143,42 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
 
     /// Parameters in which it is not linear and that are to be found, with their present values: they are profiled by
     /// the fit (variable projection). Empty when all of them are known.
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         Vec::new()
     }
 
     /// The same effect with other values of those parameters.
-    fn with_shape(&self, _values: &[f64]) -> Self {
+    fn with_nonlinear(&self, _values: &[f64]) -> Self {
         self.clone()
     }
 }
 
-/// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and by nothing else.
+/// Any effect, behind one object-safe trait. Implemented for every [`Effect`] and for [`Term`](crate::Term), which forwards to one;
+/// no method has a default, so that nothing is forgotten when it is forwarded.
 pub trait AnyEffect: Any + Debug + Send + Sync {
-    /// [`Effect::KIND`].
+    /// [`Effect::FAMILY`].
     fn kind(&self) -> &'static str;
     /// [`Effect::columns`].
     fn columns(&self, chain: &Chain) -> Vec<Column>;
     /// [`Effect::eval`].
     fn eval(&self, at: &Posture<'_>, out: &mut Emission);
     /// [`Effect::eval_lanes`].
-    fn eval_lanes(&self, _at: &LanePosture<'_>, _out: &mut LaneEmission) -> bool {
-        false
-    }
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool;
     /// [`Effect::needs`].
     fn needs(&self) -> Vec<Signal>;
-    /// [`Effect::settles`].
-    fn settles(&self) -> bool;
-    /// [`Effect::springs`].
-    fn springs(&self, _chain: &Chain) -> Option<Vec<JointId>> {
-        None
-    }
+    /// [`Effect::load_dependent`].
+    fn load_dependent(&self) -> bool;
+    /// [`Effect::compliances`].
+    fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>>;
     /// [`Effect::validate`].
     ///
     /// # Errors
     /// As [`Effect::validate`].
     fn validate(&self, chain: &Chain) -> Result<(), ModelError>;
     /// [`Effect::shape`].
-    fn shape(&self) -> Vec<Shape>;
-    /// [`Effect::with_shape`].
-    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect>;
+    fn shape(&self) -> Vec<NonlinearParameter>;
+    /// [`Effect::with_nonlinear`].
+    fn with_nonlinear(&self, values: &[f64]) -> Box<dyn AnyEffect>;
     /// Its parameters as they stand in a file.
     fn parameters(&self) -> serde_json::Value;
     /// A copy.
@@ -210,7 +187,7 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
 
 impl<E: Effect> AnyEffect for E {
     fn kind(&self) -> &'static str {
-        E::KIND
+        E::FAMILY
     }
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         Effect::columns(self, chain)
@@ -224,20 +201,20 @@ impl<E: Effect> AnyEffect for E {
     fn needs(&self) -> Vec<Signal> {
         Effect::needs(self)
     }
-    fn settles(&self) -> bool {
-        Effect::settles(self)
+    fn load_dependent(&self) -> bool {
+        Effect::load_dependent(self)
     }
-    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
-        Effect::springs(self, chain)
+    fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
+        Effect::compliances(self, chain)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         Effect::validate(self, chain)
     }
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         Effect::shape(self)
     }
-    fn with_shape(&self, values: &[f64]) -> Box<dyn AnyEffect> {
-        Box::new(Effect::with_shape(self, values))
+    fn with_nonlinear(&self, values: &[f64]) -> Box<dyn AnyEffect> {
+        Box::new(Effect::with_nonlinear(self, values))
     }
     fn parameters(&self) -> serde_json::Value {
         // A struct that serde cannot write as JSON (a map with keys that are not strings) has no parameters in a file.

@@ -8,7 +8,7 @@ use thiserror::Error;
 pub enum ModelError {
     /// A family that the registry does not know.
     #[error("unknown effect family `{kind}`; known families: {}", known.join(", "))]
-    UnknownKind {
+    UnknownFamily {
         /// What was asked for.
         kind: String,
         /// What there is.
@@ -61,6 +61,14 @@ pub enum ModelError {
         have: String,
         /// Unit at fit time.
         need: String,
+    },
+    /// A measurement that does not fit the robot or the rows before it.
+    #[error("measurement {row}: {reason}")]
+    Measurement {
+        /// Its number, from zero.
+        row: usize,
+        /// What is wrong with which value.
+        reason: String,
     },
     /// A column, coefficient vector or matrix of the wrong size.
     #[error("{what}: {have} where {need} are needed")]

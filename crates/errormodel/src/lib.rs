@@ -2,37 +2,42 @@
 
 #[cfg(feature = "ndarray")]
 mod arrays;
+pub mod batch;
 mod dataset;
+mod derived;
 mod effect;
 pub mod effects;
 mod emission;
+mod equilibrium;
 mod error;
 mod fitted;
 mod generalized;
 mod jacobian;
 pub mod lanes;
-mod limited;
 mod model;
+mod noise;
 mod real;
 mod registry;
-mod rest;
+mod signal;
+mod term;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, Dwell, DwellTolerance, Schema, Seen, Visits, approach_from_order,
-    configurations, is_derived, late_channel, visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, Measurement, Schema, Seen, Visits,
+    approach_from_order, configurations, is_derived, late_channel, visits_from_rows,
 };
-pub use effect::{AnyEffect, Column, Effect, Search, Shape, Signal, UNBOUNDED};
+pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};
+pub use equilibrium::Equilibrium;
 pub use error::ModelError;
 pub use fitted::{
-    Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Noise, Predictor, Sample,
-    TargetKnown,
+    Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Predictor, Sample, TargetKnown,
 };
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;
-pub use limited::Limited;
 pub use model::{BoundModel, ErrorModel};
+pub use noise::{NoiseModel, SMALLEST_SD};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
-pub use rest::Rest;
+pub use signal::Signal;
+pub use term::Term;

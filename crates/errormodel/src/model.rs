@@ -40,7 +40,7 @@ impl ErrorModel {
         }
         let pace = |k: usize| match columns[first[k]..first[k + 1]].iter().all(|c| c.site.is_some()) {
             true => Pace::Constant,
-            false if effects[k].settles() => Pace::Settling,
+            false if effects[k].load_dependent() => Pace::Settling,
             false => Pace::Moving,
         };
         let paces = (0..effects.len()).map(pace).collect();

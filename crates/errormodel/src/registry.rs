@@ -45,7 +45,7 @@ impl EffectRegistry {
     /// With one more kind; one of the same tag is replaced.
     pub fn with<E: Effect>(mut self) -> Self {
         let build: Build = |value| Ok(Box::new(serde_json::from_value::<E>(value)?));
-        self.kinds.insert(E::KIND, (build, E::ABOUT));
+        self.kinds.insert(E::FAMILY, (build, E::ABOUT));
         self
     }
 
@@ -65,7 +65,7 @@ impl EffectRegistry {
         chain: &Chain,
     ) -> Result<Box<dyn AnyEffect>, ModelError> {
         let Some((build, _)) = self.kinds.get(kind) else {
-            return Err(ModelError::UnknownKind {
+            return Err(ModelError::UnknownFamily {
                 kind: kind.into(),
                 known: self.kinds.keys().map(|k| (*k).to_string()).collect(),
             });

@@ -37,19 +37,19 @@ pub fn check_effect<E: Effect>(effect: &E, chain: &Chain) {
     let json = serde_json::to_value(effect).unwrap_or_else(|error| panic!("cannot be written: {error}"));
     let registry = EffectRegistry::empty().with::<E>();
     let back = registry
-        .build(E::KIND, json.clone(), chain)
+        .build(E::FAMILY, json.clone(), chain)
         .unwrap_or_else(|error| panic!("cannot be read back: {error}"));
     assert_eq!(back.parameters(), json, "comes back from a file as something else");
 
     let shape = effect.shape();
     let values: Vec<f64> = shape.iter().map(|s| 0.5 * (s.lower + s.upper)).collect();
-    let moved = effect.with_shape(&values).shape();
+    let moved = effect.with_nonlinear(&values).shape();
     assert_eq!(moved.len(), shape.len());
     for (now, value) in moved.iter().zip(&values) {
         assert!((now.value - value).abs() <= 1e-12 * value.abs(), "shape `{}` does not read back", now.name);
     }
 
-    if let Some(joints) = effect.springs(chain) {
+    if let Some(joints) = effect.compliances(chain) {
         assert_eq!(joints.len(), columns.len(), "springs: one joint for each column");
         assert!(effect.needs().is_empty(), "springs read no signals");
         let mut buffer = PostureBuffer::new(chain);

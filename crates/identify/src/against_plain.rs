@@ -12,6 +12,7 @@ use crate::{
     cross_validate, fit,
 };
 use truepose_errormodel::{Dataset, ErrorModel};
+use truepose_solvers::order::high_median;
 use truepose_solvers::{Need, PivotedQr, Solver};
 
 /// Bounded held-out error over that of plain least squares above which a strategy is worse, and no longer merely different: a robust
@@ -38,9 +39,7 @@ pub(crate) fn fitted(
 
 /// Bounded held-out error over that of plain least squares.
 pub(crate) fn ratio(plain: &CrossValidation, other: &CrossValidation) -> f64 {
-    let mut sizes = distances(&plain.residuals);
-    sizes.sort_by(f64::total_cmp);
-    let Some(&median) = sizes.get(sizes.len() / 2) else { return 1.0 };
+    let Some(median) = high_median(distances(&plain.residuals)) else { return 1.0 };
     let bounded = |residuals: &Residuals| {
         let of = distances(residuals);
         of.iter().map(|d| d.min(3.0 * median).powi(2)).sum::<f64>() / of.len().max(1) as f64

@@ -15,9 +15,9 @@
 //! For a given g the best s² is `(q + Σ_k t_k² / (1 + g² d_k²)) / N`. Source: as of [`crate::Prior`].
 
 use crate::IdentifyError;
-use crate::minimum::minimum;
 use nalgebra::DMatrix;
 use truepose_solvers::accumulator::{ColumnScale, Factor};
+use truepose_solvers::minimum;
 
 /// The range in which κ is looked for.
 pub(crate) const LEAST: f64 = 0.1;

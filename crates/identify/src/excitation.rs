@@ -24,6 +24,16 @@ pub struct Advice {
     pub gains: usize,
 }
 
+/// Directions that the data of a fit determines poorly, and which joints would help.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Excitation {
+    /// How many directions are known no better than by their prior standard deviation.
+    pub weak_directions: usize,
+    /// Joints to move, the most helpful first.
+    pub advice: Vec<Advice>,
+}
+
 /// Visits on which the question is asked.
 const VISITS: usize = 200;
 
@@ -31,7 +41,7 @@ const VISITS: usize = 200;
 ///
 /// # Errors
 /// When a factorisation fails.
-pub fn excitation(fit: &Fit, data: &Dataset) -> Result<(usize, Vec<Advice>), IdentifyError> {
+pub fn excitation(fit: &Fit, data: &Dataset) -> Result<Excitation, IdentifyError> {
     let model = fit.fitted.model();
     let data = &*data.derived_for(model)?;
     // Whole visits, so that every target is there; a thinned sample is made as heavy as all of them.
@@ -51,7 +61,7 @@ pub fn excitation(fit: &Fit, data: &Dataset) -> Result<(usize, Vec<Advice>), Ide
         .collect();
     let now = weak(fit, &sample, &structural, weight)?;
     if now == 0 {
-        return Ok((0, Vec::new()));
+        return Ok(Excitation { weak_directions: 0, advice: Vec::new() });
     }
     let ranges = joint_ranges(model.chain(), Some(data));
     let mut advice = Vec::new();
@@ -70,7 +80,7 @@ pub fn excitation(fit: &Fit, data: &Dataset) -> Result<(usize, Vec<Advice>), Ide
         }
     }
     advice.sort_by(|a, b| b.gains.cmp(&a.gains).then(a.joint.cmp(&b.joint)));
-    Ok((now, advice))
+    Ok(Excitation { weak_directions: now, advice })
 }
 
 /// Directions whose posterior standard deviation is above the prior one.

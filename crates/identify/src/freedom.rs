@@ -19,7 +19,7 @@
 //! Both projections are the whitening itself, in the limit: by a visit that shares infinitely much only deviations from its mean are left.
 
 use crate::linearise::{factorise, gram};
-use crate::{Fit, IdentifyError, NoiseModel, Prior};
+use crate::{IdentifyError, NoiseModel, Prior};
 use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, ErrorModel, Visits};
 use truepose_solvers::accumulator::Factor;
@@ -62,24 +62,6 @@ impl Freedom {
     /// Of positions.
     pub fn positions(self) -> f64 {
         self.within + self.between
-    }
-
-    /// Of a fit on its data.
-    ///
-    /// # Errors
-    /// When the data is not that of the fit.
-    pub fn of(fit: &Fit, data: &Dataset) -> Result<Self, IdentifyError> {
-        let model = fit.fitted.model();
-        let data = &*data.derived_for(model)?;
-        let taken = Taken {
-            model,
-            data,
-            visits: &Visits::of(data),
-            noise: fit.noise,
-            coefficients: fit.fitted.coefficients(),
-            kept: &fit.reduction.kept,
-        };
-        taken.left(&fit.factor, &fit.prior)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The whole of an identification: placement, what the frames alone explain, the declared model, and how far to trust it.
 
 use crate::{
-    Advice, Answer, CrossValidation, Fit, FitOptions, Folds, IdentifyError, Method, Observability, Placement,
-    Repeats, Residuals, Split, Warning, against_plain, cross_validate, excitation, fit, hold_out,
+    Answer, CrossValidation, Excitation, Fit, FitOptions, Folds, IdentifyError, Method, Observability,
+    Placement, Repeats, Residuals, Split, Warning, against_plain, cross_validate, excitation, fit, hold_out,
     observability, place, proceed, repeats,
 };
 use nalgebra::DMatrix;
@@ -48,8 +48,21 @@ pub struct Stage {
     pub held_out: Option<CrossValidation>,
 }
 
+/// Rows that were drawn before anything else and took no part in the stages.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct TestSet {
+    /// Rows of the data, ascending; the residuals are in their order.
+    pub rows: Vec<usize>,
+    /// Of the installation parameters (base, tool and target frames) alone.
+    pub frames_only: Residuals,
+    /// Of the declared model.
+    pub declared: Residuals,
+}
+
 /// Everything that an identification found.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Identification {
     /// Where base, tool and targets were found, if they were looked for.
     pub placement: Placement,
@@ -63,14 +76,14 @@ pub struct Identification {
     pub repeated: Vec<f64>,
     /// The fit of the declared model.
     pub fit: Fit,
-    /// Residuals on the configurations that were drawn out first: (frames only, declared model).
-    pub locked: Option<(Residuals, Residuals)>,
+    /// The configurations that were held out first; none where all were used.
+    pub test_set: Option<TestSet>,
     /// Pure error from repeated visits.
     pub repeats: Option<Repeats>,
     /// Observability indices of the data.
     pub observability: Observability,
     /// Directions that the data leaves weak, and which joints would help.
-    pub weak: (usize, Vec<Advice>),
+    pub excitation: Excitation,
 }
 
 /// Where an identification is, for a progress bar.
@@ -175,13 +188,16 @@ fn steps(
     }
     begin(Step::Judging)?;
     let pure = repeats(&declared_fit, train);
-    let weak = excitation(&declared_fit, train)?;
+    let excitation = excitation(&declared_fit, train)?;
     let observability = observability(&declared_fit, Visits::of(train).len())?;
-    let mut locked = None;
+    let mut test_set = None;
     if !held_rows.is_empty() {
         let held = data.select(&held_rows);
-        locked =
-            Some((Residuals::of(&frames_fit.fitted, &held)?, Residuals::of(&declared_fit.fitted, &held)?));
+        test_set = Some(TestSet {
+            rows: held_rows,
+            frames_only: Residuals::of(&frames_fit.fitted, &held)?,
+            declared: Residuals::of(&declared_fit.fitted, &held)?,
+        });
         let frozen =
             crate::FitOptions { noise: crate::NoiseSource::Fixed(declared_fit.noise), ..options.fit.clone() };
         let (shapes, scatter) = (std::mem::take(&mut declared_fit.shapes), declared_fit.scatter);
@@ -201,10 +217,10 @@ fn steps(
         declared,
         repeated,
         fit: declared_fit,
-        locked,
+        test_set,
         repeats: pure,
         observability,
-        weak,
+        excitation,
     })
 }
 

@@ -7,11 +7,11 @@ mod error;
 mod evidence;
 mod excitation;
 mod fit;
+mod fit_model;
 mod folds;
 mod freedom;
 mod identification;
 mod linearise;
-mod minimum;
 mod noise;
 mod observability;
 mod observer;
@@ -25,23 +25,26 @@ mod residuals;
 mod resolution;
 mod shapes;
 mod streamed;
+mod student;
 mod suspicion;
 mod variance;
 
 pub use comparison::{Compared, Paired, Trial, compare};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
-pub use excitation::{Advice, excitation};
-pub use fit::{Fit, FitOptions, NoiseSource, Refusal, Warning, fit, fit_again, refit, student_quantile};
+pub use excitation::{Advice, Excitation, excitation};
+pub use fit::{
+    Fit, FitOptions, FittedNonlinear, NoiseSource, NonlinearSearch, Refusal, Warning, fit_again, refit,
+};
+pub use fit_model::fit;
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
-pub use identification::{Identification, IdentificationOptions, Stage, Step, identify};
+pub use identification::{Identification, IdentificationOptions, Stage, Step, TestSet, identify};
 pub use linearise::{
     Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
     left_over, triangular, triangular_of,
 };
-pub use minimum::minimum;
-pub use noise::NoiseModel;
+pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
 pub use placement::{Placement, Undetermined, place};
@@ -51,7 +54,9 @@ pub use prior::{Prior, PriorStrength};
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, repeats};
 pub use residuals::{Residuals, Spread};
-pub use shapes::{FittedShape, Shapes, descend_shapes, judge_shapes};
+pub use shapes::{descend_nonlinear, judge_nonlinear};
 pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
+pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};
+pub use truepose_errormodel::NoiseModel;
 pub use variance::estimate_noise;

@@ -11,49 +11,10 @@
 //! `u = r / σ`, σ² = s² + τ² and `d = 1/σ`, whitening is `(I + ρ² d dᵀ)^{-1/2} u`, which is
 //! `u − (1 − 1/√(1 + ρ²|d|²)) d (d·u) / |d|²` (Golub and Van Loan, §2.1.4, the rank-one formula).
 
-use serde::{Deserialize, Serialize};
-
-/// Standard deviations of one component of one row.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct NoiseModel {
-    /// τ, m.
-    pub position_sd: f64,
-    /// ρ, m.
-    pub visit_sd: f64,
-    /// ω, rad.
-    pub orientation_sd: f64,
-}
-
-impl Default for NoiseModel {
-    /// A tenth of a millimetre, and what that is in angle at a third of a metre: a start, replaced by estimates.
-    fn default() -> Self {
-        NoiseModel { position_sd: 1e-4, visit_sd: 0.0, orientation_sd: 3e-4 }
-    }
-}
-
-/// No deviation is taken to be smaller than this (m or rad): nothing is measured to a picometre.
-pub(crate) const SMALLEST_SD: f64 = 1e-12;
-
-impl NoiseModel {
-    /// σ of a position's component, given what the instrument states (NaN: nothing).
-    pub fn position(&self, stated: f64) -> f64 {
-        combine(self.position_sd, stated)
-    }
-
-    /// σ of an orientation's component, given what the instrument states (NaN: nothing).
-    pub fn orientation(&self, stated: f64) -> f64 {
-        combine(self.orientation_sd, stated)
-    }
-
-    /// Expected 3-D RMS of one new row around a perfect model, m, for an instrument that states `stated`.
-    pub fn floor(&self, stated: f64) -> f64 {
-        (3.0 * (self.position(stated).powi(2) + self.visit_sd.powi(2))).sqrt()
-    }
-}
-
-fn combine(own: f64, stated: f64) -> f64 {
-    let stated = if stated.is_nan() { 0.0 } else { stated };
-    own.hypot(stated).max(SMALLEST_SD)
+/// By how much what the rows of a visit share is taken out when they are whitened: `(1 − 1/√(1 + ρ²|d|²)) / |d|²`, of ρ = `shared` and
+/// |d|² = `squares`, the sum of 1/σ² over the rows; zero of no rows.
+pub fn shrinkage(shared: f64, squares: f64) -> f64 {
+    if squares > 0.0 { (1.0 - 1.0 / (1.0 + shared * shared * squares).sqrt()) / squares } else { 0.0 }
 }
 
 /// Whitens one axis of one visit, in place: `rows` are the block's rows (each `width` numbers of `block`) whose
@@ -73,7 +34,7 @@ pub(crate) fn whiten(
         return;
     }
     let squares: f64 = sd.iter().map(|sigma| 1.0 / (sigma * sigma)).sum();
-    let shrink = (1.0 - 1.0 / (1.0 + visit_sd * visit_sd * squares).sqrt()) / squares;
+    let shrink = shrinkage(visit_sd, squares);
     if shrink <= 0.0 {
         return;
     }

@@ -1,4 +1,4 @@
-//! One closure that is told how far a long run is, and decides whether it goes on.
+//! One closure that receives the steps of a long run, and decides whether it goes on.
 
 use crate::IdentifyError;
 use std::ops::ControlFlow;

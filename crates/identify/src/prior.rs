@@ -47,13 +47,13 @@ pub enum PriorStrength {
     Evidence,
     /// κ from the data, and a width of its own for each kind of unknown (of one family, in one unit) that is larger than the others
     /// let expect, or has few.
-    Kinds,
+    VarianceGroups,
 }
 
 impl PriorStrength {
     /// Whether the data is asked for κ.
     pub(crate) fn asks_the_data(self) -> bool {
-        matches!(self, PriorStrength::Evidence | PriorStrength::Kinds)
+        matches!(self, PriorStrength::Evidence | PriorStrength::VarianceGroups)
     }
 }
 
@@ -86,7 +86,7 @@ impl Prior {
         let kappa = match strength {
             PriorStrength::None => f64::INFINITY,
             PriorStrength::Fixed(kappa) => kappa,
-            PriorStrength::Evidence | PriorStrength::Kinds => START,
+            PriorStrength::Evidence | PriorStrength::VarianceGroups => START,
         };
         Self::wide(model, reduction, kappa, vec![1.0; kinds(model).1])
     }
@@ -113,7 +113,7 @@ impl Prior {
 
     /// κ of a kind of few unknowns that is not yet in the model.
     pub(crate) fn of_few(&self, strength: PriorStrength) -> f64 {
-        if strength == PriorStrength::Kinds { self.kappa.max(LOOSE) } else { self.kappa }
+        if strength == PriorStrength::VarianceGroups { self.kappa.max(LOOSE) } else { self.kappa }
     }
 
     /// How many times wider than its expected size, on top of κ, each column of the model is held: the width w of its kind.
@@ -194,7 +194,7 @@ impl Prior {
 impl Prior {
     /// With the width of each kind nearer to what the data says of it; `factor` as in [`Prior::from_evidence`], `beta` its solution with
     /// this prior. None where there is but one.
-    pub(crate) fn by_kinds(
+    pub(crate) fn by_variance_groups(
         &self,
         model: &ErrorModel,
         reduction: &Reduction,

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::{Dataset, FittedModel, Visits};
 use truepose_kinematics::{Conditions, rotation_log};
+use truepose_solvers::order::{quantile, sorted};
 
 /// Residuals of each row: measured − predicted, in the measurement frame.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -105,20 +106,16 @@ impl Residuals {
 impl Spread {
     /// Of these magnitudes.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.collect();
-        if sorted.is_empty() {
+        let sorted = sorted(values);
+        let Some(p95) = quantile(&sorted, 0.95) else {
             return Spread::default();
-        }
-        sorted.sort_by(f64::total_cmp);
+        };
         let n = sorted.len() as f64;
-        let position = 0.95 * (n - 1.0);
-        let below = position.floor() as usize;
-        let above = (below + 1).min(sorted.len() - 1);
         Spread {
             count: sorted.len(),
             mean: sorted.iter().sum::<f64>() / n,
             rms: (sorted.iter().map(|v| v * v).sum::<f64>() / n).sqrt(),
-            p95: sorted[below] + (position - below as f64) * (sorted[above] - sorted[below]),
+            p95,
             max: sorted[sorted.len() - 1],
         }
     }

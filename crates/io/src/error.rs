@@ -16,7 +16,7 @@ pub enum IoError {
     Read {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The file could not be written; nothing was left behind.
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_said() {
+    fn places_are_reported() {
         let cell = IoError::Cell {
             file: "data.csv".into(),
             line: 12,

@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_units_and_shapes_are_said() {
+    fn wrong_units_and_shapes_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("d.csv");
         let units = ExportUnits { length: *Unit::named("kg").unwrap(), ..ExportUnits::default() };

@@ -19,7 +19,7 @@ pub struct MapRow {
     pub before: f64,
     /// With 95 % the compensated robot misses it by no more, m.
     pub after_95: f64,
-    /// Whether the model was asked beyond what it was fitted on.
+    /// Whether the place is outside of the range of the data of the fit.
     pub extrapolates: bool,
     /// What lies beyond that, in words.
     pub beyond: String,

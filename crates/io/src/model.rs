@@ -6,7 +6,7 @@ use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use serde_json::Value as Json;
 use std::path::Path;
-use truepose_errormodel::{AnyEffect, EffectRegistry, Limited, ModelError};
+use truepose_errormodel::{AnyEffect, EffectRegistry, ModelError, Term};
 use truepose_kinematics::Chain;
 
 /// Reads a declared model: its effects, in the order of the file.
@@ -74,7 +74,8 @@ fn effect(
     })?;
     match table.get("bounds") {
         Some(value) => {
-            Ok(Box::new(Limited::new(effect, bounds(&value)?).map_err(|e| value.error(e.to_string()))?))
+            let bounds = bounds(&value)?;
+            Ok(Box::new(Term::new(effect).bounded(bounds).map_err(|e| value.error(e.to_string()))?))
         }
         None => Ok(effect),
     }
@@ -313,7 +314,7 @@ driver = "d2"
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn what_is_wrong_is_reported() {
         let error = |rest: &str| read(&format!("[[effects]]\n{rest}\n")).unwrap_err();
         let cases = [
             (

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn what_is_wrong_is_reported() {
         assert_eq!(
             read("x[mm],y[mm],z[mm]\n1,,3\n").unwrap_err(),
             "t.csv:2: column `y[mm]` (2): is empty; a desired pose needs all of x, y, z"

@@ -74,7 +74,7 @@ impl Text {
     }
 }
 
-/// A message when the first bytes say that the file is in another encoding than UTF-8.
+/// A message when the first bytes show another encoding than UTF-8.
 pub(crate) fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16; save the file as UTF-8"),
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_utf8_is_said() {
+    fn what_is_not_utf8_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("robot.toml");
         std::fs::write(&path, b"name = \"a\"\nx = \"\xfc\"\n").unwrap();

@@ -1,4 +1,4 @@
-//! A TOML document that knows where each of its values stands.
+//! A TOML document with the place of each value.
 
 use crate::IoError;
 use crate::nearest::{listed, meant};
@@ -114,7 +114,7 @@ impl<'a> Value<'a> {
     pub fn number(&self) -> Result<f64, IoError> {
         match self.any_number()? {
             Some(number) if number.abs() > LARGEST && number.is_finite() => {
-                Err(self.error(format!("{} cannot be meant to be {number:e}", self.name)))
+                Err(self.error(format!("{} is not plausible: {number:e}", self.name)))
             }
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(self.error(format!("{} has to be a finite number", self.name))),
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_documents_are_said() {
+    fn broken_documents_are_reported() {
         for broken in ["a = \n", "a = 1\na = 2\n", "[x\n", &"[".repeat(100_000), "a = 'x"] {
             let message = Document::parse(&text(broken)).err().unwrap().to_string();
             assert!(message.starts_with("r.toml:") && message.contains(": is not TOML: "), "{message}");

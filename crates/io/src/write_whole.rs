@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_folder_is_said() {
+    fn a_missing_folder_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("no/out.json");
         let message = write_whole(&path, b"x").unwrap_err().to_string();
@@ -261,7 +261,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_folder_that_is_not_writable_is_said() {
+    fn a_folder_that_is_not_writable_is_reported() {
         // Whoever may do anything can write everywhere except where nobody can.
         let path = Path::new("/proc/truepose-out.json");
         if Path::new("/proc/self").exists() {

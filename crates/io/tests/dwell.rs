@@ -94,7 +94,7 @@ fn blocks_of_any_size_have_the_groups_of_the_whole_file() {
 }
 
 #[test]
-fn flicker_beyond_the_tolerance_is_said() {
+fn flicker_beyond_the_tolerance_is_reported() {
     let text: String = table(20)
         .lines()
         .enumerate()
@@ -132,8 +132,7 @@ fn a_target_that_was_lost_was_not_measured() {
     assert_eq!(
         words,
         [
-            "x, y and z are all 0 and in line 4: taken as not measured, as an instrument writes that has lost its target; leave the \
-          cells empty"
+            "x, y and z are all 0 and in line 4: read as not measured: instruments write this when the target is lost; leave the cells empty"
         ]
     );
     assert_eq!(warnings[0].line, Some(3));

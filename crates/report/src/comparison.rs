@@ -1,19 +1,19 @@
-//! Solver strategies side by side.
+//! A comparison of solver strategies.
 
 use crate::layout::Alignment::{Left, Right};
-use crate::{PositionSpread, significant, table, warning_words};
+use crate::{PositionStatistics, significant, table, warning_text};
 use serde::Serialize;
 use std::fmt;
 use truepose_identify::{Compared, Trial, Warning};
 
-/// A row a strategy.
+/// The strategies, one row each.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ComparisonSummary {
     /// Name of the robot.
     pub robot: String,
-    /// How the held-out columns were made.
+    /// How the folds of the cross-validation were made.
     pub held_out_by: String,
-    /// The strategies, in the order in which they were asked for.
+    /// The strategies, in the order of the options.
     pub strategies: Vec<StrategySummary>,
 }
 
@@ -22,34 +22,34 @@ pub struct ComparisonSummary {
 pub struct StrategySummary {
     /// As it is chosen on the command line.
     pub solver: String,
-    /// What it reached.
+    /// Its result.
     #[serde(flatten)]
     pub outcome: StrategyOutcome,
 }
 
-/// What a strategy reached, or why it did not.
+/// The result of a strategy, or why there is none.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum StrategyOutcome {
     /// A fit.
     Fitted {
         /// On the data of the fit.
-        train: PositionSpread,
+        train: PositionStatistics,
         /// On held-out configurations.
-        held_out: PositionSpread,
+        held_out: PositionStatistics,
         /// Grouped errors.
         rank: usize,
         /// Coefficients that are not zero.
         nonzero: usize,
-        /// Rounds of the fit.
+        /// Iterations of the fit.
         rounds: usize,
-        /// Whether they came to rest.
+        /// Whether they converged.
         converged: bool,
         /// Wall time of the fit, s.
         seconds: f64,
-        /// Held-out error with rows that lie far off bounded, over that of the first strategy.
+        /// Held-out error (errors limited to three medians), divided by that of the first strategy.
         ratio: f64,
-        /// What a user should know: not converged, refused, much worse than the first.
+        /// Warnings: not converged, rejected, much worse than the first.
         warnings: Vec<String>,
         /// Two-sided p-value of the paired difference to the first strategy; null for that one.
         p_value: Option<f64>,
@@ -62,7 +62,7 @@ pub enum StrategyOutcome {
 }
 
 impl ComparisonSummary {
-    /// Of a comparison.
+    /// Summary of a comparison.
     pub fn new(robot: &str, held_out_by: String, compared: &[Compared]) -> Self {
         let strategies = compared
             .iter()
@@ -94,22 +94,22 @@ fn fitted(trial: &Trial) -> StrategyOutcome {
     }
 }
 
-/// What has to be said of a strategy wherever its figures stand.
+/// Warnings that qualify the figures of a strategy.
 fn warnings(trial: &Trial) -> Vec<String> {
-    let told = |w: &&Warning| matches!(w, Warning::NotConverged { .. } | Warning::FellBack { .. });
-    let mut words: Vec<String> = trial.fit.warnings.iter().filter(told).map(warning_words).collect();
+    let relevant = |w: &&Warning| matches!(w, Warning::NotConverged { .. } | Warning::FellBack { .. });
+    let mut list: Vec<String> = trial.fit.warnings.iter().filter(relevant).map(warning_text).collect();
     if trial.is_worse() {
-        words.push(format!(
-            "predicts what it did not see WORSE than the first strategy, by a factor of {} (errors beyond three medians bounded): do \
-             not take it for this data",
+        list.push(format!(
+            "predicts held-out configurations WORSE than the first strategy, by a factor of {} (errors limited to three medians): do \
+             not use it for this data",
             significant(trial.ratio, 3)
         ));
     }
-    words
+    list
 }
 
 impl StrategySummary {
-    /// Its name, with the word where its figures are of no use.
+    /// Its name, marked where the fit did not converge.
     pub(crate) fn marked(&self) -> String {
         match &self.outcome {
             StrategyOutcome::Fitted { converged: false, .. } => format!("{}, NOT CONVERGED", self.solver),
@@ -150,21 +150,21 @@ impl fmt::Display for ComparisonSummary {
                     rounds.to_string(),
                     significant(seconds * 1e3, 3),
                 ],
-                StrategyOutcome::Failed { error } => vec![s.solver.clone(), format!("no answer: {error}")],
+                StrategyOutcome::Failed { error } => vec![s.solver.clone(), format!("no fit: {error}")],
             })
             .collect();
         write!(
             f,
             "{}",
             table(
-                &["solver", "train", "held out", "p", "rank", "not zero", "rounds", "ms"],
+                &["solver", "training", "held out", "p", "rank", "not zero", "iterations", "ms"],
                 &[Left, Right, Right, Right, Right, Right, Right, Right],
                 &rows
             )
         )?;
         writeln!(
             f,
-            " held out: {}; p: paired difference of squared errors to the first line",
+            " held out: {}; p: paired test of the squared errors against the first line",
             self.held_out_by
         )?;
         self.warnings().iter().try_for_each(|words| writeln!(f, "warning: {words}"))

@@ -1,11 +1,11 @@
-//! What an identification found: one summary, shown as text or as JSON.
+//! The result of an identification: one summary, shown as text or as JSON.
 
-mod shape;
+mod nonlinear_parameter;
 mod text;
 
-pub use shape::ShapeSummary;
+pub use nonlinear_parameter::NonlinearParameterSummary;
 
-use crate::{PositionSpread, RotationSpread, advice_words, warning_words};
+use crate::{OrientationStatistics, PositionStatistics, advice_text, warning_text};
 use serde::Serialize;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::reduction::{Cause, group_words};
@@ -14,78 +14,79 @@ use truepose_identify::{Identification, Observability, Repeats, Residuals, Stage
 /// Everything that is shown of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IdentificationSummary {
-    /// Whether the rounds of the fit came to rest; where they did not, no other number here is final.
+    /// Whether the fit converged; where it did not, no other figure here is final.
     pub converged: bool,
-    /// Rounds of the fit.
+    /// Iterations of the fit.
     pub rounds: usize,
     /// Name of the robot.
     pub robot: String,
     /// Rows of data.
     pub rows: usize,
-    /// Standstills of the robot.
+    /// Pose measurements.
     pub visits: usize,
     /// Different pairs of joint values and load.
     pub configurations: usize,
     /// The solver, as it is chosen on the command line.
     pub solver: String,
-    /// What was found of base, tool and targets; absent when all are known.
+    /// Base, tool and target frames that were estimated; absent when all are known.
     pub placement: Option<PlacementSummary>,
     /// Errors of the robot as described, of its frames alone, and of the declared model, in this order.
     pub stages: Vec<StageSummary>,
-    /// How the held-out columns were made.
+    /// How the folds of the cross-validation were made.
     pub held_out_by: Option<String>,
     /// Held-out RMS of the declared model for each repetition of a random split, mm.
     pub repeated_rms_mm: Vec<f64>,
     /// Residuals of the declared model by axis x, y, z: mean is signed.
-    pub axes: Vec<PositionSpread>,
+    pub axes: Vec<PositionStatistics>,
     /// Residuals of the declared model by target.
-    pub targets: Vec<(String, PositionSpread)>,
-    /// How measurements scatter.
+    pub targets: Vec<(String, PositionStatistics)>,
+    /// Noise standard deviations.
     pub noise: NoiseSummary,
     /// Unknowns before the reduction.
     pub unknowns: usize,
     /// Grouped errors.
     pub rank: usize,
-    /// Of the dropped columns, those that no data on this robot with this kind of measurement can tell from others.
+    /// Dropped columns that are not identifiable from any data of this kind on this robot.
     pub structural: usize,
-    /// Of the dropped columns, those that only more varied data would excite.
+    /// Dropped columns that this data does not excite.
     pub unexcited: usize,
-    /// Directions with a posterior standard deviation above the expected size.
+    /// Directions whose posterior standard deviation exceeds the prior standard deviation.
     pub weak_directions: usize,
     /// Gap of the singular values where the structural rank was cut, and where the rank of the data was cut; null when
     /// nothing was cut or what was cut is exactly zero.
     pub gaps: [Option<f64>; 2],
-    /// Width of the prior in expected sizes; null without one.
+    /// Scale factor of the prior standard deviations; null without a prior.
     pub prior: Option<f64>,
     /// The grouped errors.
     pub groups: Vec<GroupSummary>,
-    /// Parameters in which effects are not linear, where they were looked for.
-    pub shapes: Vec<ShapeSummary>,
-    /// What would determine more.
+    /// Nonlinear parameters that were estimated within a range.
+    #[serde(rename = "shapes")]
+    pub nonlinear_parameters: Vec<NonlinearParameterSummary>,
+    /// Motions that would make more directions identifiable.
     pub advice: Vec<String>,
     /// Observability indices.
     pub observability: Observability,
-    /// Repeated visits.
+    /// Repeatability (pure error) from repeated pose measurements.
     pub repeats: Option<Repeats>,
-    /// What limits the accuracy, in a sentence.
+    /// What limits the accuracy, in sentences.
     pub limit: String,
-    /// The visits with the largest errors: number, row (from 1), distance in mm.
+    /// The pose measurements with the largest errors: label, row (from 1), distance in mm.
     pub worst: Vec<(String, usize, f64)>,
-    /// What a user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// Poses that the judged fit did not see against a specification, where one was given.
+    /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
 }
 
-/// Where base, tool and targets were found.
+/// Estimated base, tool and target frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlacementSummary {
-    /// What was looked for.
+    /// The frames that were estimated.
     pub found: Vec<String>,
-    /// RMS of the 3-D distance that the placement alone leaves, mm.
+    /// RMS of the 3-D position error with the nominal arm, mm.
     pub rms_mm: f64,
-    /// What the data does not fix, and what would.
+    /// What the data does not determine, and what would.
     pub undetermined: Vec<String>,
 }
 
@@ -95,25 +96,26 @@ pub struct StageSummary {
     /// `as described`, `base and tool`, `declared model`.
     pub name: String,
     /// On the data of the fit.
-    pub train: PositionSpread,
-    /// On data that the fit did not see.
-    pub held_out: Option<PositionSpread>,
-    /// On the configurations that were locked away first.
-    pub locked: Option<PositionSpread>,
+    pub train: PositionStatistics,
+    /// Cross-validated: each fold predicted by a fit without it.
+    pub held_out: Option<PositionStatistics>,
+    /// On the held-out test set (`--holdout`).
+    #[serde(rename = "locked")]
+    pub test_set: Option<PositionStatistics>,
     /// Orientation, on the data of the fit.
-    pub train_rotation: Option<RotationSpread>,
-    /// Orientation, on data that the fit did not see.
-    pub held_out_rotation: Option<RotationSpread>,
+    pub train_rotation: Option<OrientationStatistics>,
+    /// Orientation, cross-validated.
+    pub held_out_rotation: Option<OrientationStatistics>,
 }
 
-/// How measurements scatter around the model.
+/// Noise standard deviations of the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseSummary {
     /// Standard deviation of a position's component, on top of what the instrument states, mm.
     pub position_sd_mm: f64,
     /// Whether the instrument states standard deviations.
     pub stated: bool,
-    /// Standard deviation shared by the rows of a visit, per component, mm.
+    /// Standard deviation shared by the rows of a pose measurement (repeatability), per component, mm.
     pub visit_sd_mm: f64,
     /// Standard deviation of an orientation's component, mrad; null where none was measured.
     pub orientation_sd_mrad: Option<f64>,
@@ -122,7 +124,7 @@ pub struct NoiseSummary {
 /// One grouped error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GroupSummary {
-    /// In words.
+    /// Name of the group and its members.
     pub words: String,
     /// Value in SI units.
     pub value: f64,
@@ -130,8 +132,9 @@ pub struct GroupSummary {
     pub half_width: f64,
     /// SI unit.
     pub unit: String,
-    /// Standard deviation after the fit, over the expected size.
-    pub against_expected: f64,
+    /// Posterior standard deviation divided by the prior standard deviation.
+    #[serde(rename = "against_expected")]
+    pub ratio_to_prior: f64,
 }
 
 /// The grouped errors of a fit.
@@ -146,14 +149,14 @@ pub(crate) fn groups(fit: &truepose_identify::Fit) -> Vec<GroupSummary> {
             value: fit.fitted.coefficients()[group.column],
             half_width: half[group.column],
             unit: column.unit.clone(),
-            against_expected: variance.max(0.0).sqrt() / column.scale,
+            ratio_to_prior: variance.max(0.0).sqrt() / column.scale,
         }
     };
     fit.reduction.groups.iter().map(group).collect()
 }
 
 impl IdentificationSummary {
-    /// Of an identification; `labels` are the file's own numbers of the visits, `solver` its text.
+    /// Summary of an identification; `labels` are the numbers of the pose measurements in the file, `solver` its text.
     pub fn new(
         found: &Identification,
         data: &Dataset,
@@ -168,14 +171,14 @@ impl IdentificationSummary {
         let dropped = |cause: Cause| fit.reduction.dropped.iter().filter(|d| d.cause == cause).count();
         let gap = |g: f64| g.is_finite().then_some(g);
         let residuals = &found.declared.train;
-        // With a locked hold-out the last fit saw all rows, the stages only the training part.
+        // With a held-out test set the last fit uses all rows, the stages only the training part.
         let targets = if residuals.position.len() == data.len() {
             by_target(residuals, data, chain)
         } else {
             Vec::new()
         };
         let visits = Visits::of(data);
-        let worst = fit
+        let largest = fit
             .residuals
             .worst_visits(&visits, 5)
             .into_iter()
@@ -207,17 +210,17 @@ impl IdentificationSummary {
             rank: fit.reduction.rank(),
             structural: dropped(Cause::Structural),
             unexcited: dropped(Cause::Unexcited),
-            weak_directions: found.weak.0,
+            weak_directions: found.excitation.weak_directions,
             gaps: [gap(fit.reduction.structural.gap), gap(fit.reduction.practical.gap)],
             prior: gap(fit.prior.kappa),
             groups,
-            shapes: ShapeSummary::all(fit),
-            advice: found.weak.1.iter().take(4).map(|a| advice_words(chain, a)).collect(),
+            nonlinear_parameters: NonlinearParameterSummary::all(fit),
+            advice: found.excitation.advice.iter().take(4).map(|a| advice_text(chain, a)).collect(),
             observability: found.observability.clone(),
             repeats: found.repeats.clone(),
             limit: String::new(),
-            worst,
-            warnings: fit.warnings.iter().map(warning_words).collect(),
+            worst: largest,
+            warnings: fit.warnings.iter().map(warning_text).collect(),
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,
@@ -240,11 +243,11 @@ fn placement(found: &Identification) -> Option<PlacementSummary> {
 }
 
 fn stages(found: &Identification) -> Vec<StageSummary> {
-    let stage = |name: &str, stage: &Stage, locked: Option<&Residuals>| StageSummary {
+    let stage = |name: &str, stage: &Stage, test_set: Option<&Residuals>| StageSummary {
         name: name.into(),
         train: stage.train.positions().into(),
         held_out: stage.held_out.as_ref().map(|cv| cv.residuals.positions().into()),
-        locked: locked.map(|r| r.positions().into()),
+        test_set: test_set.map(|r| r.positions().into()),
         train_rotation: rotation(&stage.train),
         held_out_rotation: stage.held_out.as_ref().and_then(|cv| rotation(&cv.residuals)),
     };
@@ -253,13 +256,17 @@ fn stages(found: &Identification) -> Vec<StageSummary> {
         let plain = Stage { train: nominal.clone(), held_out: None };
         stages.push(stage("as described", &plain, None));
     }
-    stages.push(stage("base, tool, targets", &found.frames_only, found.locked.as_ref().map(|l| &l.0)));
+    stages.push(stage(
+        "base, tool, targets",
+        &found.frames_only,
+        found.test_set.as_ref().map(|test| &test.frames_only),
+    ));
     let declared = if found.fit.converged { "declared model" } else { "declared model, NOT CONVERGED" };
-    stages.push(stage(declared, &found.declared, found.locked.as_ref().map(|l| &l.1)));
+    stages.push(stage(declared, &found.declared, found.test_set.as_ref().map(|test| &test.declared)));
     stages
 }
 
-fn rotation(residuals: &Residuals) -> Option<RotationSpread> {
+fn rotation(residuals: &Residuals) -> Option<OrientationStatistics> {
     let spread = residuals.orientations();
     (spread.count > 0).then(|| spread.into())
 }
@@ -268,7 +275,7 @@ fn by_target(
     residuals: &Residuals,
     data: &Dataset,
     chain: &truepose_kinematics::Chain,
-) -> Vec<(String, PositionSpread)> {
+) -> Vec<(String, PositionStatistics)> {
     if chain.targets().len() < 2 {
         return Vec::new();
     }
@@ -277,35 +284,38 @@ fn by_target(
     };
     (0..chain.targets().len())
         .map(|k| (chain.targets()[k].name.clone(), residuals.positions_of(&rows_of(k)).into()))
-        .filter(|(_, spread): &(String, PositionSpread)| spread.count > 0)
+        .filter(|(_, spread): &(String, PositionStatistics)| spread.count > 0)
         .collect()
 }
 
 /// What limits the accuracy.
 fn limit(summary: &IdentificationSummary) -> String {
     let Some(last) = summary.stages.last() else { return String::new() };
-    let judged = last.locked.or(last.held_out).unwrap_or(last.train);
+    let held_out = last.test_set.or(last.held_out).unwrap_or(last.train);
     if let Some(repeats) = &summary.repeats {
-        let floor = repeats.rms * 1e3;
-        let ratio = judged.rms_mm / floor.max(1e-12);
-        let fits = repeats.lack_of_fit.is_none_or(|l| l.p_value > 0.05);
-        return if fits || ratio < 1.1 {
-            format!(
-                "repeated visits scatter by {} mm (3-D RMS): the model is at the limit of the robot and the instrument",
-                crate::significant(floor, 3)
-            )
+        let repeatability = repeats.rms * 1e3;
+        let ratio = held_out.rms_mm / repeatability.max(1e-12);
+        let conclusion = if repeats.lack_of_fit.is_none_or(|l| l.p_value > 0.05) {
+            "The lack of fit is not significant: the model is adequate.".to_owned()
+        } else if ratio < 1.1 {
+            "The error of the model is within 10 % of it.".to_owned()
         } else {
             format!(
-                "repeated visits scatter by {} mm (3-D RMS), the model misses by {} times as much: it lacks an effect",
-                crate::significant(floor, 3),
+                "The error of the model is {} times as large: the model lacks an effect.",
                 crate::significant(ratio, 2)
             )
         };
+        return format!(
+            "Repeatability (pure error): {} mm RMS. {conclusion}",
+            crate::significant(repeatability, 3)
+        );
     }
-    if summary.weak_directions > 0 && judged.rms_mm > 1.3 * last.train.rms_mm {
-        return "the model fits its own data much better than data it did not see: measure more, and more varied, \
-                configurations"
+    if summary.weak_directions > 0 && held_out.rms_mm > 1.3 * last.train.rms_mm {
+        return "The error on held-out data is much larger than on the data of the fit: measure more, and more varied, \
+                configurations."
             .into();
     }
-    "no configuration was visited twice, so that noise and missing effects cannot be told apart: repeat a few visits".into()
+    "Repeatability unknown: no configuration was measured twice, so that noise and missing effects are not distinguishable. \
+     Repeat some pose measurements."
+        .into()
 }

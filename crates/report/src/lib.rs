@@ -10,18 +10,20 @@ mod plan;
 mod poses;
 mod run;
 mod specification;
-mod spread;
+mod statistics;
 mod streamed;
 mod suspicion;
-mod words;
+mod wording;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, BothParts, DiscoverySummary, FindingSummary, LackOfFitSummary,
-    NestedSummary, Reference, RefusedSummary, Settings, UnexplainedSummary, UntestableSummary,
+    AlternativeSummary, BeforeAfter, DiscoverySettings, DiscoverySummary, FindingSummary, LackOfFitSummary,
+    NestedSummary, NoiseFloorSummary, NoiseReference, RefusedSummary, TooFewPoses, TrainAndHoldout,
+    UnexplainedSummary, UntestableSummary, WithdrawnSummary,
 };
 pub use identification::{
-    GroupSummary, IdentificationSummary, NoiseSummary, PlacementSummary, ShapeSummary, StageSummary,
+    GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
+    StageSummary,
 };
 pub use layout::{Alignment, table};
 pub use page::{
@@ -29,13 +31,13 @@ pub use page::{
     identification_report,
 };
 pub use plan::PlanSummary;
-pub use poses::worst_of_poses;
+pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use specification::{SpecificationSummary, Verdict};
-pub use spread::{PositionSpread, RotationSpread};
+pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
-pub use suspicion::suspicion_words;
-pub use words::{
-    advice_words, count, millimetres, milliradians, parameter_words, significant, value_with_interval,
-    warning_words,
+pub use suspicion::suspicion_text;
+pub use wording::{
+    advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,
+    warning_text,
 };

@@ -5,25 +5,25 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use truepose_identify::{Plan, Why};
 
-/// What a plan would bring.
+/// The expected benefit of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlanSummary {
-    /// Visits that show something new.
+    /// New pose measurements.
     pub new: usize,
-    /// Visits that repeat others from the other side.
+    /// Repeated pose measurements, approached from the opposite direction.
     pub repeats: usize,
-    /// Expected 3-D RMS error that the coefficients leave where it matters, now, mm.
+    /// Expected 3-D RMS error from the uncertainty of the coefficients, at the poses of interest, now, mm.
     pub now_mm: f64,
-    /// With the plan, mm.
+    /// The same with the plan, mm.
     pub then_mm: f64,
-    /// Where rivals are told apart: Σ T, and the value that settles it.
+    /// With a competing hypothesis: the discrimination statistic Σ T, and its critical value.
     pub separation: Option<(f64, f64)>,
     /// O1–O5 (now, then), in units of today's deviations.
     pub observability: [(f64, f64); 5],
 }
 
 impl PlanSummary {
-    /// Of a plan.
+    /// Summary of a plan.
     pub fn new(plan: &Plan) -> Self {
         let repeats = plan.visits.iter().filter(|visit| visit.why == Why::Repeat).count();
         PlanSummary {
@@ -41,29 +41,29 @@ impl fmt::Display for PlanSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{} and {} from the other side",
-            count(self.new, "new visit"),
+            "{} and {} with the opposite direction of approach",
+            count(self.new, "new pose measurement"),
             count(self.repeats, "repeat")
         )?;
-        if let Some((total, settled)) = self.separation {
-            let word = if total > settled { "enough to settle it" } else { "not enough to settle it" };
+        if let Some((total, critical)) = self.separation {
+            let conclusion = if total > critical { "sufficient" } else { "not sufficient" };
             writeln!(
                 f,
-                "the two explanations differ by T = {} over the plan; {} settles it at 99 %: {word}",
+                "discrimination of the two hypotheses: T = {} with the plan, critical value {} (99 %): {conclusion}",
                 significant(total, 3),
-                significant(settled, 3)
+                significant(critical, 3)
             )?;
         }
         writeln!(
             f,
-            "what the coefficients leave open after compensation, RMS: {} now, {} with the plan",
+            "expected position error after compensation, from the uncertainty of the coefficients (RMS): {} now, {} with the plan",
             millimetres(self.now_mm * 1e-3),
             millimetres(self.then_mm * 1e-3)
         )?;
-        let words: Vec<String> = (1..)
+        let indices: Vec<String> = (1..)
             .zip(&self.observability)
             .map(|(k, (now, then))| format!("O{k} {} → {}", significant(*now, 3), significant(*then, 3)))
             .collect();
-        writeln!(f, "{}", words.join("  "))
+        writeln!(f, "{}", indices.join("  "))
     }
 }

@@ -1,4 +1,4 @@
-//! What makes a run repeatable: `run.json`.
+//! The record that makes a run reproducible: `run.json`.
 
 use serde::{Deserialize, Serialize};
 

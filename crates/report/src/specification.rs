@@ -1,23 +1,23 @@
-//! Against a specification: how many poses are inside, and what that says about all poses.
+//! Conformity with a specification: how many held-out poses are inside, and the bounds for all poses.
 //!
 //! | symbol | here | unit |
 //! | --- | --- | --- |
 //! | n | held-out poses: different pairs of joint values and load | 1 |
 //! | k | of them inside: every row of every visit within the limit | 1 |
-//! | L | share with P(K ≥ k ; n, L) = 5 %: the lower 95 % bound | 1 |
-//! | U | share with P(K ≤ k ; n, U) = 5 %: the upper 95 % bound | 1 |
+//! | L | fraction with P(K ≥ k ; n, L) = 5 %: the lower 95 % bound | 1 |
+//! | U | fraction with P(K ≤ k ; n, U) = 5 %: the upper 95 % bound | 1 |
 //!
 //! *Pass* when L ≥ 95 %: with 95 % confidence, 95 % of poses are inside (a 95 %/95 % tolerance statement without a
-//! distribution). *Fail* when U < 95 %. Else it cannot be told; 59 poses that are all inside are the fewest that pass.
+//! distribution). *Fail* when U < 95 %. Otherwise it is not decided; 59 poses that are all inside are the fewest that pass.
 //! Source: Clopper and Pearson 1934; Wilks 1941 for the limit.
 
 use crate::{count, significant};
 use serde::{Deserialize, Serialize};
 
-/// Confidence, and the share of poses that it is about.
+/// Confidence level, and the fraction of poses that has to be inside.
 const LEVEL: f64 = 0.95;
 
-/// What the held-out poses say about a limit.
+/// Conformity of the held-out poses with a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SpecificationSummary {
     /// The limit of the 3-D position error, mm.
@@ -26,13 +26,13 @@ pub struct SpecificationSummary {
     pub poses: usize,
     /// Of them inside.
     pub inside: usize,
-    /// With 95 % confidence, at least this share of all poses is inside.
+    /// With 95 % confidence, at least this fraction of all poses is inside.
     pub share_at_least: f64,
-    /// With 95 % confidence, at most this share of all poses is inside.
+    /// With 95 % confidence, at most this fraction of all poses is inside.
     pub share_at_most: f64,
     /// With 95 % confidence, 95 % of all poses are within this, mm; none with fewer than 59 poses.
     pub tolerance_mm: Option<f64>,
-    /// The answer.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
@@ -45,7 +45,8 @@ pub enum Verdict {
     /// They are not.
     Fail,
     /// These poses are too few, or too near to the limit.
-    CannotTell,
+    #[serde(rename = "cannot_tell")]
+    Undecided,
 }
 
 impl SpecificationSummary {
@@ -56,35 +57,35 @@ impl SpecificationSummary {
         let n = sorted.len();
         let inside = sorted.iter().filter(|v| **v <= limit).count();
         let risk = 1.0 - LEVEL;
-        let low = if inside == 0 { 0.0 } else { solve(|p| at_least(n, inside, p) - risk) };
-        let high = if inside == n { 1.0 } else { solve(|p| risk - at_most(n, inside, p)) };
+        let lower = if inside == 0 { 0.0 } else { solve(|p| at_least(n, inside, p) - risk) };
+        let upper = if inside == n { 1.0 } else { solve(|p| risk - at_most(n, inside, p)) };
         // The smallest order statistic that is above 95 % of poses with 95 % confidence.
         let order = (1..=n).find(|m| at_most(n, m - 1, LEVEL) >= LEVEL);
         SpecificationSummary {
             limit_mm: limit * 1e3,
             poses: n,
             inside,
-            share_at_least: low,
-            share_at_most: high,
+            share_at_least: lower,
+            share_at_most: upper,
             tolerance_mm: order.map(|m| sorted[m - 1] * 1e3),
-            verdict: match (low >= LEVEL, high < LEVEL) {
+            verdict: match (lower >= LEVEL, upper < LEVEL) {
                 (true, _) => Verdict::Pass,
                 (_, true) => Verdict::Fail,
-                _ => Verdict::CannotTell,
+                _ => Verdict::Undecided,
             },
         }
     }
 
-    /// In words.
-    pub fn words(&self) -> String {
-        let percent = |share: f64| format!("{} %", significant(100.0 * share, 3));
+    /// One sentence: the verdict with its figures.
+    pub fn sentence(&self) -> String {
+        let percent = |fraction: f64| format!("{} %", significant(100.0 * fraction, 3));
         let answer = match self.verdict {
             Verdict::Pass => "pass".to_owned(),
             Verdict::Fail => "fail".to_owned(),
-            Verdict::CannotTell if self.poses < 59 => {
-                "cannot tell (at least 59 held-out poses are needed)".to_owned()
+            Verdict::Undecided if self.poses < 59 => {
+                "not decided (at least 59 held-out poses are needed)".to_owned()
             }
-            Verdict::CannotTell => "cannot tell".to_owned(),
+            Verdict::Undecided => "not decided".to_owned(),
         };
         let limit = match self.tolerance_mm {
             Some(mm) => {
@@ -93,8 +94,8 @@ impl SpecificationSummary {
             None => String::new(),
         };
         format!(
-            "Specification {} mm: {answer}. {} of {} are inside; with 95 % confidence, between {} and {} of all \
-             poses are (each bound by itself; 95 % are asked for).{limit}",
+            "Specification {} mm: {answer}. {} of {} are inside; with 95 % confidence (one-sided bounds), between {} and {} of all \
+             poses are inside (required: 95 %).{limit}",
             significant(self.limit_mm, 3),
             self.inside,
             count(self.poses, "held-out pose"),
@@ -105,12 +106,12 @@ impl SpecificationSummary {
 }
 
 impl Verdict {
-    /// In a word or two.
-    pub fn words(self) -> &'static str {
+    /// Name of the verdict.
+    pub fn name(self) -> &'static str {
         match self {
             Verdict::Pass => "pass",
             Verdict::Fail => "fail",
-            Verdict::CannotTell => "cannot tell",
+            Verdict::Undecided => "not decided",
         }
     }
 }
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn fifty_nine_poses_inside_are_the_fewest_that_pass() {
         let of = |n: usize| SpecificationSummary::new(1.0, &vec![0.5; n]);
-        assert_eq!(of(58).verdict, Verdict::CannotTell);
+        assert_eq!(of(58).verdict, Verdict::Undecided);
         assert_eq!(of(59).verdict, Verdict::Pass);
         assert!(of(58).tolerance_mm.is_none());
         assert!((of(59).tolerance_mm.unwrap() - 500.0).abs() < 1e-9);
@@ -169,7 +170,7 @@ mod tests {
         let values = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 2.0, 2.0];
         let s = SpecificationSummary::new(1.0, &values);
         assert!((s.share_at_least - 0.4931).abs() < 1e-4 && (s.share_at_most - 0.9632).abs() < 1e-4);
-        assert_eq!(s.verdict, Verdict::CannotTell);
+        assert_eq!(s.verdict, Verdict::Undecided);
         assert_eq!(SpecificationSummary::new(0.01, &values).verdict, Verdict::Fail);
     }
 

@@ -1,10 +1,10 @@
-//! What was identified from data of any length: one summary, shown as text or as JSON.
+//! The result of an identification block by block: one summary, shown as text or as JSON.
 
 use crate::identification::groups;
 use crate::layout::Alignment::{Left, Right};
 use crate::{
-    GroupSummary, PositionSpread, RotationSpread, count, significant, table, value_with_interval,
-    warning_words,
+    GroupSummary, OrientationStatistics, PositionStatistics, count, significant, table, value_with_interval,
+    warning_text,
 };
 use serde::Serialize;
 use std::fmt;
@@ -14,55 +14,55 @@ use truepose_identify::reduction::Cause;
 /// Grouped errors beyond this many are not printed one by one (they are all in the JSON).
 const MOST_GROUPS: usize = 60;
 
-/// Everything that is shown of it.
+/// Everything that is shown of a streamed identification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StreamedSummary {
     /// Name of the robot.
     pub robot: String,
     /// Rows of data.
     pub rows: usize,
-    /// Standstills of the robot.
+    /// Pose measurements.
     pub visits: usize,
-    /// Rows that decided which unknowns there are, and how measurements scatter.
+    /// Rows of the sample that determines the structure of the model and the noise.
     pub sampled: usize,
     /// The solver, as it is chosen on the command line.
     pub solver: String,
-    /// What was found of base, tool and targets.
+    /// Base, tool and target frames that were estimated.
     pub found: Vec<String>,
     /// Distances of all rows to the fit.
-    pub train: PositionSpread,
+    pub train: PositionStatistics,
     /// Angles, where orientations were measured.
-    pub train_rotation: Option<RotationSpread>,
-    /// Held out.
-    pub held_out: Option<PositionSpread>,
-    /// Held-out angles.
-    pub held_out_rotation: Option<RotationSpread>,
+    pub train_rotation: Option<OrientationStatistics>,
+    /// Position errors in cross-validation.
+    pub held_out: Option<PositionStatistics>,
+    /// Angles in cross-validation.
+    pub held_out_rotation: Option<OrientationStatistics>,
     /// RMS of each fold, mm.
     pub fold_rms_mm: Vec<f64>,
-    /// Standard deviation of a position's component in the sample, on top of what the instrument states, mm.
+    /// Standard deviation of a position's component in the sample, in addition to the stated accuracy of the instrument, mm.
     pub position_sd_mm: f64,
-    /// Standard deviation shared by the rows of a visit, per component, mm.
+    /// Standard deviation shared by the rows of a pose measurement (repeatability), per component, mm.
     pub visit_sd_mm: f64,
-    /// Unknowns before the reduction, and how many were kept.
+    /// Unknowns before the reduction.
     pub unknowns: usize,
-    /// Kept.
+    /// Unknowns that are kept.
     pub rank: usize,
-    /// Dropped because no data of this kind can tell them apart.
+    /// Dropped because they are not identifiable from any data of this kind.
     pub structural: usize,
     /// Dropped because the sample does not excite them.
     pub unexcited: usize,
-    /// Width of the prior in expected sizes; null without one.
+    /// Scale factor of the prior standard deviations; null without a prior.
     pub prior: Option<f64>,
-    /// Whether normal equations had digits enough; otherwise triangular factors were added up.
+    /// Whether the normal equations were accurate enough; otherwise triangular factors were merged.
     pub normal_equations: bool,
     /// The grouped errors.
     pub groups: Vec<GroupSummary>,
-    /// What a user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
 impl StreamedSummary {
-    /// Of what was found.
+    /// Summary of a streamed identification.
     pub fn new(found: &Streamed, solver: &str) -> Self {
         let fit = &found.fit;
         let dropped = |cause: Cause| fit.reduction.dropped.iter().filter(|d| d.cause == cause).count();
@@ -89,17 +89,27 @@ impl StreamedSummary {
             prior: fit.prior.kappa.is_finite().then_some(fit.prior.kappa),
             normal_equations: found.gram,
             groups: groups(fit),
-            warnings: fit.warnings.iter().map(warning_words).collect(),
+            warnings: fit.warnings.iter().map(warning_text).collect(),
         }
     }
 }
 
 impl fmt::Display for StreamedSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}: {}, {}", self.robot, count(self.rows, "row"), count(self.visits, "visit"))?;
-        writeln!(f, "read block by block; {} decided which unknowns there are", count(self.sampled, "row"))?;
+        writeln!(
+            f,
+            "{}: {}, {}",
+            self.robot,
+            count(self.rows, "row"),
+            count(self.visits, "pose measurement")
+        )?;
+        writeln!(
+            f,
+            "read block by block; the structure of the model is from a sample of {}",
+            count(self.sampled, "row")
+        )?;
         if !self.found.is_empty() {
-            writeln!(f, "found from them: {}", self.found.join(", "))?;
+            writeln!(f, "estimated from the sample: {}", self.found.join(", "))?;
         }
         writeln!(f, "\nposition error, mm (3-D distance)")?;
         let row = |name: &str, cells: Vec<String>| {
@@ -109,10 +119,10 @@ impl fmt::Display for StreamedSummary {
         };
         let header = ["rows", "mean", "RMS", "95 %", "max"];
         let alignment = [Left, Right, Right, Right, Right];
-        let mut rows = vec![row("train", self.train.cells())];
+        let mut rows = vec![row("training", self.train.cells())];
         rows.extend(self.held_out.map(|held| row("held out", held.cells())));
         write!(f, "{}", table(&header, &alignment, &rows))?;
-        let train = self.train_rotation.map(|turned| row("train", turned.cells()));
+        let train = self.train_rotation.map(|turned| row("training", turned.cells()));
         let held = self.held_out_rotation.map(|turned| row("held out", turned.cells()));
         let rows: Vec<Vec<String>> = train.into_iter().chain(held).collect();
         if !rows.is_empty() {
@@ -130,10 +140,10 @@ impl fmt::Display for StreamedSummary {
         }
         writeln!(
             f,
-            "\n{} of {} unknowns can be identified: {} depend on others on any data of this kind, {} on the sample",
+            "\n{} of {} unknowns are identifiable: {} are dependent for any data of this kind, {} for the sample",
             self.rank, self.unknowns, self.structural, self.unexcited
         )?;
-        writeln!(f, "\ngrouped errors, 95 % intervals")?;
+        writeln!(f, "\ngrouped errors, 95 % confidence intervals")?;
         let group = |group: &GroupSummary| {
             let (value, half, unit) = value_with_interval(group.value, group.half_width, &group.unit);
             vec![value, "±".into(), half, unit, group.words.clone()]

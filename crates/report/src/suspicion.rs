@@ -1,11 +1,11 @@
-//! A likely mistake in a table, in words.
+//! A suspected mistake in a table of measurements, as text.
 
 use crate::{count, significant};
 use truepose_identify::{Cause, Suspicion};
 use truepose_kinematics::{Chain, JointKind};
 
-/// What was probably done to a table, what says so, and what to do. `lines` are the file's line of each row, where there is a file.
-pub fn suspicion_words(chain: &Chain, found: &Suspicion, lines: &[u64]) -> String {
+/// The suspected mistake, the evidence for it, and what to do. `lines` are the line numbers of the rows in the file, if any.
+pub fn suspicion_text(chain: &Chain, found: &Suspicion, lines: &[u64]) -> String {
     let mm = |v: f64| format!("{} mm", significant(v * 1e3, 3));
     let axis = |k: usize| ["x", "y", "z"].get(k).copied().unwrap_or("?");
     let joint = |k: usize| chain.movable().get(k).map_or("?", |&j| chain.joint(j).name.as_str());
@@ -13,61 +13,64 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion, lines: &[u64]) -> Strin
     let with_base = chain.base().known;
     let (what, undone) = match found.cause.clone() {
         Cause::SwappedAxes { a, b } if with_base => {
-            (format!("{} and {} look swapped", axis(a), axis(b)), "swapping them")
+            (format!("{} and {} seem swapped", axis(a), axis(b)), "swapping them")
         }
         Cause::MirroredAxis { axis: k } if with_base => {
-            (format!("{} looks as if it had the wrong sign", axis(k)), "turning it round")
+            (format!("{} seems to have the wrong sign", axis(k)), "changing it")
         }
         // Wherever the base stands, all mirror images are the same.
         Cause::SwappedAxes { .. } | Cause::MirroredAxis { .. } => (
-            "the measurement frame looks left-handed: two of x, y, z swapped, or one with the wrong sign"
+            "the measurement frame seems left-handed: two of x, y, z swapped, or one with the wrong sign"
                 .into(),
-            "putting that right",
+            "correcting that",
         ),
-        Cause::PositionUnit { factor } => (format!("positions look like {}", unit(factor)), "scaling them"),
+        Cause::PositionUnit { factor } => (format!("positions seem to be {}", unit(factor)), "scaling them"),
         Cause::JointUnit { kind, factor } => {
             let (kind, words) = match (kind, factor > 1.0) {
-                (JointKind::Prismatic, true) => ("slides", "metres under a header in mm"),
-                (JointKind::Prismatic, false) => ("slides", "millimetres under a header in m"),
-                (_, true) => ("turning joints", "radians under a header in deg"),
-                (_, false) => ("turning joints", "degrees under a header in rad"),
+                (JointKind::Prismatic, true) => ("prismatic joints", "metres under a header in mm"),
+                (JointKind::Prismatic, false) => ("prismatic joints", "millimetres under a header in m"),
+                (_, true) => ("revolute joints", "radians under a header in deg"),
+                (_, false) => ("revolute joints", "degrees under a header in rad"),
             };
-            (format!("values of {kind} look like {words}"), "converting them")
+            (format!("values of {kind} seem to be {words}"), "converting them")
         }
         Cause::ShiftedJoints { by } => {
             let n = chain.movable().len();
             let places = count(usize::min(by, n.saturating_sub(by)), "place");
             (
                 format!(
-                    "joint columns look moved by {places}: {} holds what belongs to {}",
+                    "joint columns seem shifted by {places}: {} contains the values of {}",
                     joint(by),
                     joint(0)
                 ),
-                "moving them back",
+                "shifting them back",
             )
         }
-        Cause::ReversedJoints => ("joint columns look reversed, from tip to base".into(), "reversing them"),
+        Cause::ReversedJoints => ("joint columns seem reversed, from tip to base".into(), "reversing them"),
         Cause::SwappedJoints { a, b } => {
-            (format!("the columns of {} and {} look swapped", joint(a), joint(b)), "swapping them")
+            (format!("the columns of {} and {} seem swapped", joint(a), joint(b)), "swapping them")
         }
         Cause::NegatedJoint { joint: k } => {
-            (format!("{} looks as if it counted the other way", joint(k)), "turning its sign")
+            (format!("{} seems to have the opposite sign", joint(k)), "changing its sign")
         }
         Cause::OffsetJoint { joint: k, by } => (
-            format!("the zero of {} looks {}° off", joint(k), significant(by.to_degrees(), 3)),
-            "adding that",
+            format!("the zero of {} seems {}° off", joint(k), significant(by.to_degrees(), 3)),
+            "correcting it",
         ),
         Cause::StaleJoints { late } => (
-            format!("joint values look like those of the visit {}", if late { "before" } else { "after" }),
-            "moving them by one visit",
+            format!(
+                "joint values seem to be those of the pose measurement {}",
+                if late { "before" } else { "after" }
+            ),
+            "shifting them by one pose measurement",
         ),
         Cause::SwappedTargets { a, b } => {
-            (format!("targets {} and {} look swapped", target(a), target(b)), "swapping them")
+            (format!("targets {} and {} seem swapped", target(a), target(b)), "swapping them")
         }
         Cause::SwappedLabels { a, b, rows } => {
             return format!(
-                "targets {} and {} look swapped in {}, up to {} off: with the names exchanged they lie where the others say ({} RMS); correct the \
-                 names",
+                "targets {} and {} seem swapped in {}, up to {} off: with the names exchanged they agree with the other rows ({} RMS); correct \
+                 the names",
                 target(a),
                 target(b),
                 named(&rows, lines),
@@ -77,9 +80,9 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion, lines: &[u64]) -> Strin
         }
         Cause::StrayRows { rows } => {
             return format!(
-                "{} {} far from where the others say, up to {}, against {} RMS of theirs: look at {}, or take `--solver tukey(qr)`",
+                "{} {} with the other rows: errors up to {}, against {} RMS of the others; check {}, or use `--solver tukey(qr)`",
                 named(&rows, lines),
-                if rows.len() == 1 { "lies" } else { "lie" },
+                if rows.len() == 1 { "disagrees" } else { "disagree" },
                 mm(found.before),
                 mm(found.after),
                 if rows.len() == 1 { "it" } else { "them" },
@@ -87,14 +90,14 @@ pub fn suspicion_words(chain: &Chain, found: &Suspicion, lines: &[u64]) -> Strin
         }
         Cause::BaseElsewhere => {
             return format!(
-                "the base is not where the description has it: as it stands the robot misses by {}, with the base where it fits \
-                 best {}; correct [base], or say `known = false` there",
+                "the base differs from the description: the position error is {} with the described base and {} with the base that fits \
+                 best; correct [base], or set `known = false` there",
                 mm(found.before),
                 mm(found.after)
             );
         }
     };
-    format!("{what}: registration leaves {}, after {undone} {}", mm(found.before), mm(found.after))
+    format!("{what}: registration RMS {}, after {undone} {}", mm(found.before), mm(found.after))
 }
 
 /// Rows by their numbers, with their lines in the file.
@@ -112,7 +115,7 @@ fn named(rows: &[usize], lines: &[u64]) -> String {
     format!("{} {}{more}", if rows.len() == 1 { "row" } else { "rows" }, listed.join(", "))
 }
 
-/// What a factor that puts positions right says about their unit.
+/// The mistake in the unit that a factor on positions corrects.
 fn unit(factor: f64) -> &'static str {
     match factor {
         f if f > 500.0 => "metres taken for millimetres (a factor of 1000)",
@@ -130,35 +133,35 @@ mod tests {
     use truepose_kinematics::{Placed, samples};
 
     #[test]
-    fn causes_in_words() {
+    fn causes_as_text() {
         let chain = samples::ur10();
-        let words =
-            |cause: Cause| suspicion_words(&chain, &Suspicion { cause, before: 0.812, after: 4e-4 }, &[]);
+        let text =
+            |cause: Cause| suspicion_text(&chain, &Suspicion { cause, before: 0.812, after: 4e-4 }, &[]);
         assert_eq!(
-            words(Cause::SwappedAxes { a: 0, b: 1 }),
-            "x and y look swapped: registration leaves 812 mm, after swapping them 0.400 mm"
+            text(Cause::SwappedAxes { a: 0, b: 1 }),
+            "x and y seem swapped: registration RMS 812 mm, after swapping them 0.400 mm"
         );
         assert!(
-            words(Cause::PositionUnit { factor: 1e3 })
-                .starts_with("positions look like metres taken for millimetres (a factor of 1000):")
+            text(Cause::PositionUnit { factor: 1e3 })
+                .starts_with("positions seem to be metres taken for millimetres (a factor of 1000):")
         );
         let names: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();
-        let shifted = words(Cause::ShiftedJoints { by: 1 });
+        let shifted = text(Cause::ShiftedJoints { by: 1 });
         assert!(
             shifted.starts_with(&format!(
-                "joint columns look moved by 1 place: {} holds what belongs to {}",
+                "joint columns seem shifted by 1 place: {} contains the values of {}",
                 names[1], names[0]
             )),
             "{shifted}"
         );
         let lost = chain.clone().with_base(Placed { known: false, ..*chain.base() });
         let lost = lost.map(|c| {
-            suspicion_words(
+            suspicion_text(
                 &c,
                 &Suspicion { cause: Cause::MirroredAxis { axis: 2 }, before: 0.8, after: 0.0 },
                 &[],
             )
         });
-        assert!(lost.is_ok_and(|w| w.starts_with("the measurement frame looks left-handed")));
+        assert!(lost.is_ok_and(|w| w.starts_with("the measurement frame seems left-handed")));
     }
 }

@@ -1,4 +1,4 @@
-//! Where the robot comes to rest: every spring and beam carries the wrench of the *deflected* posture.
+//! Static equilibrium of the robot: every compliance carries the wrench of the *deflected* posture.
 //!
 //! ```text
 //! T = B · D_0 · S_0 · Π_i [ before_i · motion_i(q_i + δ_i) · R_i(q_i) · S_i · after_i · D_i · G_i · K_i ] · tool · D_tool
@@ -7,14 +7,14 @@
 //! | symbol | what | depends on |
 //! | --- | --- | --- |
 //! | D | constant displacement | nothing |
-//! | δ | play, gears, coupling, drift of the joint's motion | q, approach, load, t |
-//! | R | the carriage on its rail | q |
+//! | δ | backlash, transmission, coupling, drift of the joint's motion | q, approach, load, t |
+//! | R | the carriage on its guideway | q |
 //! | S | foundation; drive and bearing | the wrench that they carry |
 //! | G, K | growth of the link; the link as a beam | t; the wrench at its tip, its own weight |
 //!
 //! The outward pass composes the transforms with the deflections as they are; the inward pass sums the weights
 //! (force, and moment about the *measurement frame's origin*), which give new deflections. That is repeated until
-//! nothing moves. Each step leaves the share (load × compliance / arm ≈ 1e-2) of the change before, so that
+//! nothing moves. Each step leaves the fraction (load × compliance / arm ≈ 1e-2) of the change before, so that
 //! seven steps reach round-off. Source: the fixed-point form of K(x) x = w(x), any text on structural mechanics.
 
 use crate::SimulateError;
@@ -28,9 +28,9 @@ const MOST_ITERATIONS: usize = 80;
 /// m and rad: a hundred thousandth of a nanometre.
 const STILL: f64 = 1e-14;
 
-/// A robot at rest.
+/// The robot in static equilibrium.
 #[derive(Debug, Clone)]
-pub(crate) struct AtRest {
+pub(crate) struct Equilibrium {
     /// Measurement frame → tool, the tool's own displacement included.
     pub tool: Rigid,
     /// Load about (N·m) or along (N) each joint's axis; zero for fixed joints.
@@ -42,7 +42,7 @@ pub(crate) struct AtRest {
 struct Deflections {
     base: [f64; 6],
     joints: Vec<[f64; 6]>,
-    play: Vec<f64>,
+    backlash: Vec<f64>,
     beams: Vec<[f64; 6]>,
 }
 
@@ -88,8 +88,8 @@ impl Assembly {
         }
     }
 
-    /// The robot at rest under these conditions.
-    pub fn at_rest(&self, truth: &Truth, conditions: &Conditions) -> Result<AtRest, SimulateError> {
+    /// The static equilibrium under these conditions.
+    pub fn equilibrium(&self, truth: &Truth, conditions: &Conditions) -> Result<Equilibrium, SimulateError> {
         let movable = self.coordinates.iter().flatten().count();
         if conditions.joints.len() != movable {
             return Err(SimulateError::Shape {
@@ -103,7 +103,7 @@ impl Assembly {
         let mut now = Deflections {
             base: [0.0; 6],
             joints: vec![[0.0; 6]; n],
-            play: vec![0.0; n],
+            backlash: vec![0.0; n],
             beams: vec![[0.0; 6]; n],
         };
         let mut iterations = 0;
@@ -112,11 +112,11 @@ impl Assembly {
             let (next, loads) = self.inward(truth, conditions, &shape);
             let change_m = now.farthest(&next);
             if change_m <= STILL {
-                return Ok(AtRest { tool: shape.tool, loads });
+                return Ok(Equilibrium { tool: shape.tool, loads });
             }
             now = next;
             iterations += 1;
-            // A change of a thousand metres, or one that is no number, comes to no rest.
+            // A change of a thousand metres, or one that is not a number, does not converge.
             if iterations == MOST_ITERATIONS || change_m.is_nan() || change_m > 1e3 {
                 return Err(SimulateError::NoEquilibrium { robot: self.name.clone(), iterations, change_m });
             }
@@ -134,16 +134,17 @@ impl Assembly {
             Shape { base: at, axes: Vec::with_capacity(n), links: Vec::with_capacity(n), tool: at };
         for (i, (joint, errors)) in self.joints.iter().zip(&truth.joints).enumerate() {
             let q = self.value(conditions, i);
-            let gears: f64 = errors.gears.iter().map(|gear| gear.error(joint.kind, q)).sum();
+            let transmission: f64 = errors.transmission.iter().map(|one| one.error(joint.kind, q)).sum();
             let dragged: f64 = errors
                 .couplings
                 .iter()
                 .map(|c| c.error(self.joints[c.driver].kind, self.value(conditions, c.driver)))
                 .sum();
-            let motion = q * (1.0 + moved.scales[i]) + gears + dragged + moved.joints[i] + now.play[i];
+            let motion =
+                q * (1.0 + moved.scales[i]) + transmission + dragged + moved.joints[i] + now.backlash[i];
             at = at * joint.before * joint.motion(motion);
-            if let Some(rail) = &errors.rail {
-                at *= displaced(&rail.displacement(q));
+            if let Some(guideway) = &errors.guideway {
+                at *= displaced(&guideway.displacement(q));
             }
             at *= displaced(&now.joints[i]);
             shape.axes.push(at);
@@ -163,7 +164,7 @@ impl Assembly {
         let mut next = Deflections {
             base: [0.0; 6],
             joints: vec![[0.0; 6]; n],
-            play: vec![0.0; n],
+            backlash: vec![0.0; n],
             beams: vec![[0.0; 6]; n],
         };
         let mut loads = vec![0.0; n];
@@ -190,15 +191,15 @@ impl Assembly {
                 carried.hang(link * Point3::from(own.com), self.gravity * own.mass);
             }
             let at_axis = carried.seen_from(&shape.axes[i]);
-            next.joints[i] = errors.bearing.yielding(joint.kind, &joint.axis, &at_axis);
+            next.joints[i] = errors.stiffness.deflection(joint.kind, &joint.axis, &at_axis);
             loads[i] = match joint.kind {
                 JointKind::Revolute => joint.axis.dot(&at_axis.moment),
                 JointKind::Prismatic => joint.axis.dot(&at_axis.force),
                 JointKind::Fixed => 0.0,
             };
-            if let (Some(play), Some(k)) = (&errors.play, self.coordinates[i]) {
+            if let (Some(backlash), Some(k)) = (&errors.backlash, self.coordinates[i]) {
                 let approach = conditions.approach.get(k).copied().unwrap_or(0.0);
-                next.play[i] = play.error(approach, loads[i]);
+                next.backlash[i] = backlash.error(approach, loads[i]);
             }
         }
         next.base = truth.foundation.settling(&carried.seen_from(&shape.base));
@@ -212,10 +213,10 @@ impl Deflections {
         let sixes = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, worse);
         let lists =
             |a: &[[f64; 6]], b: &[[f64; 6]]| a.iter().zip(b).map(|(a, b)| sixes(a, b)).fold(0.0, worse);
-        let play = self.play.iter().zip(&other.play).map(|(a, b)| (a - b).abs()).fold(0.0, worse);
+        let backlash = self.backlash.iter().zip(&other.backlash).map(|(a, b)| (a - b).abs()).fold(0.0, worse);
         [sixes(&self.base, &other.base), lists(&self.joints, &other.joints), lists(&self.beams, &other.beams)]
             .into_iter()
-            .fold(play, worse)
+            .fold(backlash, worse)
     }
 }
 
@@ -224,7 +225,7 @@ fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-/// What hangs on the rest of the robot: force, and moment about the measurement frame's origin.
+/// Load of all links beyond this point: force, and moment about the measurement frame's origin.
 #[derive(Debug, Clone, Copy, Default)]
 struct Carried {
     force: Vector3<f64>,
@@ -249,7 +250,7 @@ impl Carried {
 mod tests {
     use super::*;
     use crate::physics::beam::Beam;
-    use crate::physics::bearing::Bearing;
+    use crate::physics::joint_stiffness::JointStiffness;
     use truepose_kinematics::{Gravity, GravityFrame, Joint, Link, Payload, Placement, samples};
 
     /// One arm of 1 m along x that turns about z, gravity along −y, all its mass at the end.
@@ -268,20 +269,20 @@ mod tests {
     }
 
     #[test]
-    fn a_soft_arm_comes_to_rest_where_its_spring_holds_it() {
+    fn a_compliant_arm_reaches_static_equilibrium() {
         // k θ = m g L cos θ, not m g L: at 1 kN·m/rad the difference is five millimetres of two hundred.
         let chain = pendulum(1.0, 25.0);
         let mut truth = Truth::of(&chain);
-        truth.joints[0].bearing = Bearing::drive(1000.0);
-        let rest =
-            Assembly::of(&chain).at_rest(&truth, &Conditions::at(&chain, &[0.0])).expect("equilibrium");
-        let theta = -rest.tool.translation.vector.y.asin();
+        truth.joints[0].stiffness = JointStiffness::drive(1000.0);
+        let equilibrium =
+            Assembly::of(&chain).equilibrium(&truth, &Conditions::at(&chain, &[0.0])).expect("equilibrium");
+        let theta = -equilibrium.tool.translation.vector.y.asin();
         assert!((1000.0 * theta - 25.0 * 9.81 * theta.cos()).abs() < 1e-9, "{theta}");
         assert!((theta - 25.0 * 9.81 / 1000.0).abs() > 5e-3);
     }
 
     #[test]
-    fn springs_hold_the_slope_of_the_potential_energy() {
+    fn joint_torques_equal_the_slope_of_the_potential_energy() {
         // At rest every drive carries −∂V/∂q of the deflected posture: V from the rigid robot's tool alone.
         let chain = Chain::new(
             "two",
@@ -298,20 +299,21 @@ mod tests {
         let stiffness = [3e3, 2e3];
         let mut soft = Truth::of(&chain);
         for (joint, k) in soft.joints.iter_mut().zip(stiffness) {
-            joint.bearing = Bearing::drive(k);
+            joint.stiffness = JointStiffness::drive(k);
         }
         let assembly = Assembly::of(&chain);
         let at = |q: [f64; 2]| Conditions::at(&chain, &q).with_load(load);
-        let rest = assembly.at_rest(&soft, &at([0.4, -0.9])).expect("equilibrium");
-        let deflected = [0.4 + rest.loads[0] / stiffness[0], -0.9 + rest.loads[1] / stiffness[1]];
+        let equilibrium = assembly.equilibrium(&soft, &at([0.4, -0.9])).expect("equilibrium");
+        let deflected =
+            [0.4 + equilibrium.loads[0] / stiffness[0], -0.9 + equilibrium.loads[1] / stiffness[1]];
         let energy = |q: [f64; 2]| {
-            let rigid = assembly.at_rest(&Truth::of(&chain), &at(q)).expect("equilibrium");
+            let rigid = assembly.equilibrium(&Truth::of(&chain), &at(q)).expect("equilibrium");
             40.0 * 9.81 * (rigid.tool * Point3::new(0.2, 0.1, 0.0)).y
         };
         for k in 0..2 {
             let step = |d: f64| energy(std::array::from_fn(|i| deflected[i] + if i == k { d } else { 0.0 }));
             let slope = -(step(1e-5) - step(-1e-5)) / 2e-5;
-            assert!((slope - rest.loads[k]).abs() < 1e-5, "{slope} against {}", rest.loads[k]);
+            assert!((slope - equilibrium.loads[k]).abs() < 1e-5, "{slope} against {}", equilibrium.loads[k]);
         }
     }
 
@@ -323,11 +325,11 @@ mod tests {
         truth.joints[0].beam = Some(Beam::slender(root, tip, 1e4, 1e4).expect("a beam"));
         truth.joints[0].link = Some(Link { mass: 8.0, com: (root + tip) / 2.0 });
         let load = Load::Payload(Payload { mass: 5.0, com: Vector3::zeros() });
-        let rest = Assembly::of(&chain)
-            .at_rest(&truth, &Conditions::at(&chain, &[0.0]).with_load(load))
+        let equilibrium = Assembly::of(&chain)
+            .equilibrium(&truth, &Conditions::at(&chain, &[0.0]).with_load(load))
             .expect("equilibrium");
         let expected = -(5.0 * 9.81 / 3e4 + 8.0 * 9.81 / 8e4);
-        assert!((rest.tool.translation.vector.y - expected).abs() < 1e-15);
+        assert!((equilibrium.tool.translation.vector.y - expected).abs() < 1e-15);
     }
 
     #[test]
@@ -336,8 +338,11 @@ mod tests {
         let mut truth = Truth::of(&chain);
         let conditions = Conditions::at(&chain, &[0.1; 6]);
         let assembly = Assembly::of(&chain);
-        assert!(assembly.at_rest(&truth, &conditions).is_ok());
-        truth.joints[1].bearing = Bearing::drive(10.0);
-        assert!(matches!(assembly.at_rest(&truth, &conditions), Err(SimulateError::NoEquilibrium { .. })));
+        assert!(assembly.equilibrium(&truth, &conditions).is_ok());
+        truth.joints[1].stiffness = JointStiffness::drive(10.0);
+        assert!(matches!(
+            assembly.equilibrium(&truth, &conditions),
+            Err(SimulateError::NoEquilibrium { .. })
+        ));
     }
 }

@@ -11,7 +11,7 @@ pub enum SimulateError {
     Unknown {
         /// `joint`, `frame` or `target`.
         what: &'static str,
-        /// What was asked for.
+        /// The options of the run.
         name: String,
         /// What there is.
         known: Vec<String>,

@@ -10,7 +10,7 @@
 //! | σ_r, σ_t | along and across the line of sight | m | measurement |
 //! | a, b | `sd`, `radial_per_metre`, `transverse_per_metre` | m, m/m | |
 //! | R | range from the station | m | measurement |
-//! | u_visit, u_φ | repeatability of one standstill | m, rad | measurement |
+//! | u_visit, u_φ | repeatability of one pose measurement | m, rad | measurement |
 //!
 //! Source: ASME B89.4.19 and the makers' data sheets of laser trackers (15 µm + 6 µm/m across, less along).
 
@@ -35,7 +35,7 @@ pub enum Tail {
 /// An instrument that measures points, and perhaps the tool's orientation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instrument {
-    /// Where it stands in the measurement frame, m.
+    /// Its position in the measurement frame, m.
     pub station: Vector3<f64>,
     /// Standard deviation an axis at range zero, m.
     pub sd: f64,
@@ -69,7 +69,7 @@ impl Default for Instrument {
     }
 }
 
-/// How well the robot comes back: what all rows of one visit share.
+/// Repeatability of the robot: the deviation that all rows of one pose measurement share.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Repeatability {
     /// Standard deviation an axis, m.
@@ -87,7 +87,7 @@ pub struct Blunders {
     pub outlier_size: f64,
     /// Declared payloads (kg) and what really hung there (kg).
     pub mislabelled: Vec<(f64, f64)>,
-    /// Share of the loaded visits whose declared payload is wrong.
+    /// Fraction of the loaded pose measurements whose declared payload is wrong.
     pub wrong_payload_share: f64,
     /// True mass over declared mass on those.
     pub wrong_payload_factor: f64,
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_values_are_rejected() {
         assert!(Instrument { sd: -1.0, ..Instrument::default() }.checked().is_err());
         let student = Tail::Student { freedom: 2.0 };
         assert!(Instrument { tail: student, ..Instrument::default() }.checked().is_err());

@@ -81,7 +81,7 @@ impl Plant {
                     approach: approach.clone(),
                     channels: Vec::new(),
                 };
-                let tool = self.at_rest(&conditions)?.tool;
+                let tool = self.equilibrium(&conditions)?.tool;
                 let point = (tool * Point3::from(self.true_target(target)?)).coords;
                 let off = shared + turned.cross(&(point - tool.translation.vector));
                 let mut measured = point + off + self.instrument.error(&point, &mut of_row);
@@ -142,7 +142,7 @@ impl Plant {
         }
     }
 
-    /// What really hangs on the tool when this is declared.
+    /// The true load of the tool when this is declared.
     fn really_carried(&self, declared: Load, rng: &mut ChaCha8Rng) -> Load {
         let chance = rng.random::<f64>();
         let Load::Payload(payload) = declared else { return declared };
@@ -262,7 +262,7 @@ mod tests {
     fn a_mislabelled_payload_is_declared_and_not_carried() {
         let chain = samples::heavy();
         let mut truth = crate::Truth::of(&chain);
-        truth.joints[1].bearing = crate::physics::bearing::Bearing::drive(2e6);
+        truth.joints[1].stiffness = crate::physics::joint_stiffness::JointStiffness::drive(2e6);
         let mut plant = Plant::new(&chain, truth).expect("a plant");
         let campaign = Campaign::of(vec![vec![0.0; 6]]).with_each_payload(&[20.0, 50.0], [0.0; 3]);
         let right = plant.observe(&campaign, 1).expect("data");

@@ -1,6 +1,6 @@
 //! A robot as it is, with the instrument that measures it.
 
-use crate::equilibrium::{Assembly, AtRest};
+use crate::equilibrium::{Assembly, Equilibrium};
 use crate::physics::temperature::Shop;
 use crate::rigid::to_pose;
 use crate::{Blunders, Instrument, Repeatability, SimulateError, Truth};
@@ -70,13 +70,13 @@ impl Plant {
     }
 
     /// True pose of the tool in the measurement frame under these conditions, without any noise. The load is taken
-    /// to be what really hangs there; temperatures follow from the time alone, not from the channels.
+    /// to be the true load; temperatures follow from the time alone, not from the channels.
     ///
     /// # Errors
     /// [`SimulateError::Shape`] for a wrong number of joint values, [`SimulateError::NoEquilibrium`] for a robot
     /// that cannot carry its load.
     pub fn true_pose(&self, conditions: &Conditions) -> Result<Pose, SimulateError> {
-        Ok(to_pose(&self.at_rest(conditions)?.tool))
+        Ok(to_pose(&self.equilibrium(conditions)?.tool))
     }
 
     /// True position of a target (none is the tool's origin) in the measurement frame, m, without any noise.
@@ -88,21 +88,21 @@ impl Plant {
         conditions: &Conditions,
         target: Option<TargetId>,
     ) -> Result<Vector3<f64>, SimulateError> {
-        let rest = self.at_rest(conditions)?;
-        Ok((rest.tool * Point3::from(self.true_target(target)?)).coords)
+        let equilibrium = self.equilibrium(conditions)?;
+        Ok((equilibrium.tool * Point3::from(self.true_target(target)?)).coords)
     }
 
-    /// Load about (N·m) or along (N) each joint's axis at rest, movable joints only.
+    /// Load about (N·m) or along (N) each joint's axis in static equilibrium, movable joints only.
     ///
     /// # Errors
     /// Those of [`Plant::true_pose`].
     pub fn joint_loads(&self, conditions: &Conditions) -> Result<Vec<f64>, SimulateError> {
-        let rest = self.at_rest(conditions)?;
-        Ok(self.chain.movable().iter().map(|joint| rest.loads[joint.index()]).collect())
+        let equilibrium = self.equilibrium(conditions)?;
+        Ok(self.chain.movable().iter().map(|joint| equilibrium.loads[joint.index()]).collect())
     }
 
-    pub(crate) fn at_rest(&self, conditions: &Conditions) -> Result<AtRest, SimulateError> {
-        self.assembly.at_rest(&self.truth, conditions)
+    pub(crate) fn equilibrium(&self, conditions: &Conditions) -> Result<Equilibrium, SimulateError> {
+        self.assembly.equilibrium(&self.truth, conditions)
     }
 
     /// Where a target really sits in the tool's axes, m.

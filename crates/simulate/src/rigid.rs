@@ -2,7 +2,7 @@
 //!
 //! The model multiplies rotation matrices; the plant composes quaternions, splits each joint into what
 //! stands still before its axis, its motion, and what moves with it, and takes rotation vectors for small
-//! displacements where the model takes a product of three rotations. The two share no line.
+//! displacements where the model takes a product of three rotations. The two have no code in common.
 //!
 //! ```text
 //!          before            motion(q)            after

@@ -1,19 +1,19 @@
-//! Everything that is wrong with one robot, in numbers.
+//! All errors of one simulated robot, as numbers.
 
 use crate::SimulateError;
+use crate::physics::backlash::DeadBand;
 use crate::physics::beam::Beam;
-use crate::physics::bearing::Bearing;
 use crate::physics::changes::Change;
 use crate::physics::coupling::Coupling;
 use crate::physics::foundation::Foundation;
-use crate::physics::gear::Gear;
-use crate::physics::play::Play;
-use crate::physics::rail::Rail;
+use crate::physics::guideway::GuidewayProfile;
+use crate::physics::joint_stiffness::JointStiffness;
+use crate::physics::transmission::TransmissionError;
 use crate::rigid::{Rigid, TakenApart};
 use nalgebra::{Point3, Vector3};
 use truepose_kinematics::{Chain, Joint, JointId, JointKind, Link, Placement};
 
-/// What is wrong with a robot. [`Truth::of`] is a robot without any error.
+/// The true errors of a robot. [`Truth::of`] is a robot without any error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     /// Constant displacement `[tx ty tz rx ry rz]` behind each frame, in its axes: base, joints, tool; m, rad.
@@ -21,26 +21,26 @@ pub struct Truth {
     pub frames: Vec<[f64; 6]>,
     /// How far each target lies from where it is declared, tool axes, m.
     pub targets: Vec<Vector3<f64>>,
-    /// The floor.
+    /// The elastic foundation.
     pub foundation: Foundation,
     /// Each joint and the link that it moves, fixed ones included.
     pub joints: Vec<JointTruth>,
-    /// What changes with time.
+    /// Changes with time.
     pub changes: Vec<Change>,
 }
 
 /// One joint as it is, and the link behind it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointTruth {
-    /// Springs of drive and bearing.
-    pub bearing: Bearing,
-    /// The guideway of a slide.
-    pub rail: Option<Rail>,
-    /// Periodic errors.
-    pub gears: Vec<Gear>,
-    /// Play.
-    pub play: Option<Play>,
-    /// Joints that drag this one along.
+    /// Stiffness of drive and bearing.
+    pub stiffness: JointStiffness,
+    /// Errors of the linear guideway of a prismatic joint.
+    pub guideway: Option<GuidewayProfile>,
+    /// Transmission errors.
+    pub transmission: Vec<TransmissionError>,
+    /// Backlash.
+    pub backlash: Option<DeadBand>,
+    /// Coupling to other joints.
     pub couplings: Vec<Coupling>,
     /// The link's true mass and centre.
     pub link: Option<Link>,

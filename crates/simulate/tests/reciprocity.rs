@@ -6,7 +6,7 @@
 
 use truepose_kinematics::nalgebra::{Matrix3, Matrix6, Vector3};
 use truepose_kinematics::{Conditions, Load, Wrench};
-use truepose_simulate::physics::bearing::Bearing;
+use truepose_simulate::physics::joint_stiffness::JointStiffness;
 use truepose_simulate::{Plant, robots};
 
 /// Small displacement of the tool in its own axes, per newton and newton metre, by central differences.
@@ -40,7 +40,7 @@ fn check(plant: &Plant, joints: &[f64]) {
     let mut truth = plant.truth().clone();
     for joint in &mut truth.joints {
         joint.link = None;
-        joint.bearing = Bearing { hardens_at: f64::INFINITY, ..joint.bearing };
+        joint.stiffness = JointStiffness { hardens_at: f64::INFINITY, ..joint.stiffness };
     }
     let plant = plant.clone().with_truth(truth).expect("a plant");
     let c = compliance(&plant, joints);

@@ -57,7 +57,7 @@ pub enum SolveError {
         /// Upper bound.
         upper: f64,
     },
-    /// The solver says beforehand that it cannot do this.
+    /// The solver does not support a property of the problem.
     #[error("`{solver}` does not support {need}: take a solver that does, or leave that out")]
     Unsupported {
         /// Name of the solver.

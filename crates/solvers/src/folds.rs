@@ -21,6 +21,7 @@ pub struct GroupedFolds {
 
 /// Which strength wins a cross-validation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Choice {
     /// The one of least held-out error.
     #[default]

@@ -8,7 +8,10 @@ mod dense;
 mod error;
 mod folds;
 pub mod kernels;
+mod minimum;
+mod need;
 pub mod nonlinear;
+pub mod order;
 mod problem;
 mod rank;
 pub mod ridge;
@@ -23,13 +26,21 @@ pub use backends::{NormalEquations, PivotedQr, Svd};
 pub use conic::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 pub use error::SolveError;
 pub use folds::{Choice, GroupedFolds};
+pub use minimum::{golden_section, minimum};
 pub use nalgebra;
-#[cfg(feature = "argmin")]
-pub use nonlinear::LevenbergMarquardt;
-pub use nonlinear::{NonlinearLeastSquares, NonlinearSolution};
+pub use need::Need;
+pub use nonlinear::{LevenbergMarquardt, NonlinearLeastSquares, NonlinearSolution};
 pub use problem::{Bounds, LeastSquares};
-pub use rank::{RankDecision, RankRule, decide_rank};
+pub(crate) use rank::decide_rank;
+pub use rank::{RankDecision, RankRule};
 pub use ridge::{Ridge, RidgeStrength};
 pub use robust::{Loss, Robust, Start, Trimming};
-pub use solver::{Fallback, Need, Solution, Solver, SolverInfo, Status};
+pub use solver::{Fallback, Solution, Solver, SolverInfo, Status};
 pub use spec::SolverSpec;
+
+/// What most programs need: `use truepose_solvers::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Bounds, LeastSquares, Need, PivotedQr, Robust, Solution, SolveError, Solver, SolverSpec, Status,
+    };
+}

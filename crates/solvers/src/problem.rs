@@ -10,7 +10,7 @@
 //! | s | `scale` | p | that of x_j: its expected size |
 //! | lower, upper | `bounds` | p | that of x_j |
 
-use crate::{Need, SolveError, Solver};
+use crate::SolveError;
 use nalgebra::{DMatrix, DVector};
 
 /// A weighted linear least-squares problem, borrowed from its owner.
@@ -171,19 +171,6 @@ impl<'a> LeastSquares<'a> {
             check_len("column_groups", p, groups.len())?;
         }
         self.bounds.map_or(Ok(()), |b| b.validate(p))
-    }
-
-    /// [`validate`](Self::validate), and whether `solver` supports what this problem brings. Every backend calls
-    /// it first.
-    pub fn admit(&self, solver: &dyn Solver) -> Result<(), SolveError> {
-        let refuse = |need| Err(SolveError::Unsupported { solver: solver.name().to_owned(), need });
-        if self.is_bounded() && !solver.supports(Need::Bounds) {
-            return refuse(Need::Bounds);
-        }
-        if self.weights.is_some() && !solver.supports(Need::Weights) {
-            return refuse(Need::Weights);
-        }
-        self.validate()
     }
 
     /// Square root of the weight of a row.

@@ -62,7 +62,7 @@ impl RankRule {
     }
 }
 
-/// The rank, and what it rests on.
+/// The rank, with the values next to the cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RankDecision {
     /// Number of values kept.

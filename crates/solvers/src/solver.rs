@@ -1,9 +1,9 @@
-//! The seam: what a solver is given, what it hands back, and how it ended.
+//! The `Solver` trait, its `Solution` and the termination `Status`.
 
-use crate::{LeastSquares, RankDecision, SolveError};
+use crate::{LeastSquares, Need, RankDecision, SolveError};
 use nalgebra::DVector;
 
-/// A strategy for linear least squares. A stranger's needs these three methods, and passes
+/// A strategy for linear least squares. A third-party solver implements these three methods, and passes
 /// [`testkit::check_solver`](crate::testkit::check_solver).
 ///
 /// ```
@@ -41,10 +41,25 @@ use nalgebra::DVector;
 pub trait Solver: Send + Sync {
     /// The name by which it is chosen and reported.
     fn name(&self) -> &str;
-    /// Whether it can deal with this; asked before any work.
+    /// Whether it supports this property of a problem; checked before any work.
     fn supports(&self, need: Need) -> bool;
     /// Solves. Not converging, or a deficient rank, is a [`Status`], not an error.
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError>;
+}
+
+impl LeastSquares<'_> {
+    /// [`validate`](Self::validate), and whether `solver` supports what this problem brings. Every backend calls
+    /// it first.
+    pub fn admit(&self, solver: &dyn Solver) -> Result<(), SolveError> {
+        let refuse = |need| Err(SolveError::Unsupported { solver: solver.name().to_owned(), need });
+        if self.is_bounded() && !solver.supports(Need::Bounds) {
+            return refuse(Need::Bounds);
+        }
+        if self.weights.is_some() && !solver.supports(Need::Weights) {
+            return refuse(Need::Weights);
+        }
+        self.validate()
+    }
 }
 
 impl<S: Solver + ?Sized> Solver for Box<S> {
@@ -56,37 +71,6 @@ impl<S: Solver + ?Sized> Solver for Box<S> {
     }
     fn solve(&self, problem: &LeastSquares<'_>) -> Result<Solution, SolveError> {
         (**self).solve(problem)
-    }
-}
-
-/// What a problem may ask of a solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Need {
-    /// Columns that depend on each other.
-    RankDeficient,
-    /// Weights of rows.
-    Weights,
-    /// Box constraints.
-    Bounds,
-    /// Resistance to wrong rows.
-    Outliers,
-    /// Columns that enter or stay out together.
-    ColumnGroups,
-    /// No penalty on the unknowns: the gradient of the squares (as weighted in the end) vanishes.
-    Unpenalised,
-}
-
-impl std::fmt::Display for Need {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Need::RankDeficient => "a deficient rank",
-            Need::Weights => "weights",
-            Need::Bounds => "bounds",
-            Need::Outliers => "outliers",
-            Need::ColumnGroups => "groups of columns",
-            Need::Unpenalised => "the absence of a penalty",
-        })
     }
 }
 
@@ -121,7 +105,7 @@ pub enum Status {
     NotStarted,
     /// The arithmetic broke down; `x` is NaN.
     NumericalFailure,
-    /// The caller asked to stop.
+    /// The caller cancelled the run.
     Interrupted,
 }
 
@@ -141,12 +125,13 @@ pub struct Solution {
     pub rank: usize,
     /// How it ended.
     pub status: Status,
-    /// On what the answer rests.
+    /// Diagnostics.
     pub info: SolverInfo,
 }
 
-/// On what an answer rests. Fields that a solver does not have stay at their default.
+/// Diagnostics of a solution. Fields that a solver does not compute stay at their default.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
 pub struct SolverInfo {
     /// ‖W^{1/2} (A x − y)‖.
     pub residual_norm: f64,
@@ -166,7 +151,7 @@ pub struct SolverInfo {
     pub effective_parameters: Option<f64>,
     /// Residual of the optimality conditions, relative, measured by us and not by the backend.
     pub optimality: Option<f64>,
-    /// Factors by which a robust fit multiplied the weights of the rows.
+    /// Factors by which a robust fit multiplied the weights of the rows; all 1 where it found no contamination.
     pub row_weights: Option<Vec<f64>>,
     /// Robust estimate of the standard deviation of a whitened row.
     pub noise: Option<f64>,
@@ -189,6 +174,8 @@ pub enum Fallback {
     IndefiniteGram,
     /// A start from a trimmed fit was not possible; the plain fit was the start.
     PlainStart,
+    /// The data gives no evidence of wrong visits: the answer is that of the inner solver, with every weight as it was.
+    NoContamination,
 }
 
 impl Solution {

@@ -1,4 +1,4 @@
-//! Time that work takes: on one thread, what the system says that it ran; on all of them, what passed on the wall.
+//! Time of a computation: CPU time of one thread, or wall time of all threads.
 
 use std::error::Error;
 use std::time::Instant;

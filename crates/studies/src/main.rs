@@ -1,10 +1,10 @@
 #![doc = include_str!("../README.md")]
 
 mod clock;
+mod closed_loop;
 mod discovery;
-mod drive;
 mod harm;
-mod ledger;
+mod journal;
 mod orders;
 mod pps;
 mod reliability;
@@ -14,7 +14,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Where studies leave their tables and figures.
+/// Folder for the tables and figures of a study.
 fn folder(study: &str) -> std::io::Result<PathBuf> {
     let root = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
     let folder = root.join("studies").join(study);
@@ -23,7 +23,7 @@ fn folder(study: &str) -> std::io::Result<PathBuf> {
 }
 
 /// Text to the terminal.
-fn say(text: &str) {
+fn print(text: &str) {
     let _ = writeln!(std::io::stdout().lock(), "{text}");
 }
 
@@ -32,14 +32,14 @@ fn main() -> ExitCode {
     let rest: Vec<String> = std::env::args().skip(2).collect();
     let done = match name.as_str() {
         "discovery" => discovery::run(&rest),
-        "drive" => drive::run(&rest),
+        "closed-loop" | "drive" => closed_loop::run(&rest),
         "harm" => harm::run(&rest),
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
         "reliability" => reliability::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!(
-            "unknown study `{name}`; there are: discovery, drive, harm, orders, pps, reliability, solvers"
+            "unknown study `{name}`; there are: closed-loop, discovery, harm, orders, pps, reliability, solvers"
         )
         .into()),
     };

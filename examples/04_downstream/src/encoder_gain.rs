@@ -13,7 +13,7 @@ pub struct EncoderGain {
 }
 
 impl Effect for EncoderGain {
-    const KIND: &'static str = "acme/encoder_gain";
+    const FAMILY: &'static str = "acme/encoder_gain";
     const ABOUT: &'static str = "a joint's encoder reads a constant fraction too much";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {

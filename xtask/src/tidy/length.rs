@@ -4,13 +4,6 @@ use super::{Finding, SourceFile};
 
 const MOST: usize = 400;
 
-/// Files that are being split.
-const BEING_SPLIT: [&str; 3] = [
-    "crates/identify/src/fit/mod.rs",
-    "crates/identify/src/linearise/mod.rs",
-    "crates/report/src/discovery.rs",
-];
-
 /// Counts lines; a file that is all tests is not counted.
 pub fn check(files: &[SourceFile]) -> Vec<Finding> {
     let counted = files.iter().filter(|file| file.path.ends_with(".rs") && !is_all_tests(&file.path));
@@ -19,10 +12,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Finding> {
         let lines = file.text.lines().count();
         if lines > MOST {
             let text = format!("{} has {lines} lines; {MOST} is the ceiling: split it", file.path);
-            findings.push(match BEING_SPLIT.contains(&file.path.as_str()) {
-                true => Finding::Warning(text),
-                false => Finding::Fault(text),
-            });
+            findings.push(Finding::Fault(text));
         }
     }
     findings

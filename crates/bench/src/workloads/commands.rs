@@ -6,7 +6,7 @@ use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
-use truepose_compensate::{Command, Compensator, CompensatorOptions, Status, Target, Wanted};
+use truepose_compensate::{Command, CommandRequest, Compensator, CompensatorOptions, Status, Target};
 use truepose_errormodel::effects::{Geometric, JointCompliance};
 use truepose_errormodel::{ErrorModel, FittedModel, Schema};
 use truepose_kinematics::nalgebra::DMatrix;
@@ -64,7 +64,7 @@ fn prepare(folder: &Path) -> Result<Way, Failure> {
         let mut list = Vec::with_capacity(TOGETHER);
         for (targets, conditions) in targets.chunks(TOGETHER).zip(conditions.chunks(TOGETHER)) {
             list.clear();
-            list.extend(targets.iter().zip(conditions).map(|(target, conditions)| Wanted {
+            list.extend(targets.iter().zip(conditions).map(|(target, conditions)| CommandRequest {
                 target: *target,
                 conditions,
                 seed: Some(&conditions.joints),

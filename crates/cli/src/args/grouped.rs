@@ -6,14 +6,14 @@ use truepose_io::{MeasurementsOptions, Quantity, Unit};
 /// How rows are grouped.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Grouped {
-    /// Joint values that differ by no more are of one dwell and one configuration: an angle for turning joints, a length for slides, or
-    /// both, e.g. 0.001deg or 0.001deg,20um; 0 for equal to the last bit [default: 1e-5rad,10um]
+    /// Tolerance within which joint values belong to one dwell and one configuration: an angle for revolute joints, a length for
+    /// prismatic joints, or both, e.g. 0.001deg or 0.001deg,20um; 0: exactly equal values [default: 1e-5rad,10um]
     #[arg(long, value_name = "ANGLE,LENGTH", allow_hyphen_values = true, value_parser = parse_tolerance)]
     pub dwell_tolerance: Option<DwellTolerance>,
 }
 
 impl Grouped {
-    /// How to read measurements of which something has to be measured.
+    /// Options for measurements, which need a measured position or orientation.
     pub fn measured(&self) -> MeasurementsOptions {
         MeasurementsOptions {
             dwell: self.dwell_tolerance.unwrap_or_default(),
@@ -21,7 +21,7 @@ impl Grouped {
         }
     }
 
-    /// How to read rows of which nothing has to be measured.
+    /// Options for rows without measured values.
     pub fn conditions(&self) -> MeasurementsOptions {
         MeasurementsOptions { measured_required: false, ..self.measured() }
     }
@@ -48,7 +48,7 @@ fn parse_tolerance(text: &str) -> Result<DwellTolerance, String> {
             Some(Quantity::Angle) => &mut angle,
             Some(Quantity::Length) => &mut length,
             _ => {
-                return Err("a tolerance needs a unit: rad, deg or mrad for turning joints, m, mm or um for slides, as in 0.001deg".into());
+                return Err("a tolerance needs a unit: rad, deg or mrad for revolute joints, m, mm or um for prismatic joints, as in 0.001deg".into());
             }
         };
         if !(value.is_finite() && value >= 0.0) {

@@ -1,61 +1,61 @@
-//! What can be typed.
+//! The command line.
 
-mod beside;
-mod from_data;
-mod from_fit;
+mod fitted;
 mod grouped;
+mod measured;
+mod other;
 mod values;
 
-pub use beside::{Check, Effects, Simulate, Verify};
-pub use from_data::{Compare, Discover, Identify, Measured, SplitKind};
-pub use from_fit::{Compensate, Export, ExportFormat, Map, Plan, Predict};
+pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 pub use grouped::Grouped;
+pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
+pub use other::{Check, Effects, Simulate, Verify};
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// Finds out why a robot arm does not go where it is told, and makes it go there.
+/// Robot calibration: identifies geometric and elastic errors of a robot arm, finds effects that the model lacks, and compensates
 #[derive(Debug, Parser)]
 #[command(name = "truepose", version, max_term_width = 100)]
 pub struct Args {
-    /// Threads to use; results do not depend on it [default: all cores]
+    /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// End after so long, with what was found so far, e.g. 10min (exit code 3)
+    /// End the run after this time and keep the findings so far, e.g. 10min (exit code 3)
     #[arg(long, global = true, display_order = 901, value_name = "TIME", allow_hyphen_values = true, value_parser = values::parse_time)]
     pub time_limit: Option<std::time::Duration>,
-    /// End when more memory is in use, with what was found so far, e.g. 2GB (exit code 3)
+    /// End the run when it uses more memory, and keep the findings so far, e.g. 2GB (exit code 3)
     #[arg(long, global = true, display_order = 902, value_name = "SIZE", allow_hyphen_values = true, value_parser = values::parse_memory)]
     pub memory_limit: Option<u64>,
-    /// What to do
+    /// The verb
     #[command(subcommand)]
     pub verb: Verb,
 }
 
 impl Args {
-    /// What was typed; ends the program where that makes no sense.
+    /// Parses the command line; ends the program where it is not valid.
     pub fn typed() -> Self {
         let command = negative(Args::command());
         Args::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
     }
 }
 
-/// A number below zero is a value, so that what is said is that it is too small, not that there is no such option.
+/// Takes numbers below zero as values, so that the message is "too small" and not "no such option".
 fn negative(command: Command) -> Command {
     let one = |arg: Arg| if arg.get_action().takes_values() { arg.allow_negative_numbers(true) } else { arg };
     command.mut_args(one).mut_subcommands(negative)
 }
 
-/// What to do.
+/// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
-    /// Fit a declared error model to measured poses, and say what it is worth
+    /// Fit a declared error model to measured poses, and estimate its accuracy on held-out data
     Identify(Identify),
-    /// Find what a declared model lacks: name it, add it, and prove the gain on held-out data
+    /// Find effects that the declared model lacks, add them, and test the enlarged model on held-out data
     Discover(Discover),
-    /// Say what to measure next: for accuracy, or to tell two explanations apart
+    /// Plan further measurements: for accuracy, or to distinguish two hypotheses
     Plan(Plan),
-    /// Predict where the real robot is, from a fit
+    /// Predict the position of the real robot from a fit
     Predict(Predict),
     /// Compute the joint commands that bring the real robot to desired poses
     Compensate(Compensate),
@@ -65,17 +65,17 @@ pub enum Verb {
     Map(Map),
     /// Fit one model with several solver strategies, on the same folds, and test the differences
     Compare(Compare),
-    /// Read files and say what was understood: every unit, range and count
+    /// Read files and list what they contain: every unit, range and count
     Check(Check),
     /// List the effects and solvers that can be declared
     Effects(Effects),
-    /// Measure a simulated robot with real physics, and write what a laser tracker would have written
+    /// Simulate measurements of a robot by a laser tracker, with physical error sources
     Simulate(Simulate),
     /// Repeat a run from the run.json of its report, and compare the results
     Verify(Verify),
 }
 
-/// Which robot.
+/// The robot.
 #[derive(Debug, clap::Args)]
 pub struct Robot {
     /// Robot description (.toml or .urdf)

@@ -1,10 +1,10 @@
-//! Values that are typed in a form of their own.
+//! Parsers of option values with a unit or a format of their own.
 
 /// `evidence`, `none`, or κ.
 pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
     use truepose_identify::PriorStrength;
     match text {
-        "evidence" => Ok(PriorStrength::Kinds),
+        "evidence" => Ok(PriorStrength::VarianceGroups),
         "none" => Ok(PriorStrength::None),
         _ => match text.parse::<f64>() {
             Ok(kappa) if kappa.is_finite() && kappa > 0.0 => Ok(PriorStrength::Fixed(kappa)),

@@ -1,4 +1,4 @@
-//! What is said of inputs that the fit never saw: joints and conditions beyond its data, targets, orientations.
+//! Extrapolation: inputs beyond the data of the fit, targets and orientations that were not measured.
 
 use crate::terminal;
 use std::collections::BTreeMap;
@@ -42,7 +42,7 @@ impl Tally {
         self.beyond
     }
 
-    /// Says it, in so many of these things (`row`, `command`, `place`).
+    /// Warns, counting in `thing`s (`row`, `command`, `place`).
     pub fn warn(&self, thing: &str, chain: &Chain, channels: &[Channel]) {
         if self.beyond == 0 {
             return;
@@ -90,10 +90,10 @@ fn amount(what: Beyond, by: f64, chain: &Chain, channels: &[Channel]) -> String 
     format!("by up to {} {unit}", significant(by, 3))
 }
 
-/// Whether the fit knows where a target sits on the tool; a warning where it was declared and never measured.
+/// Whether the position of a target on the tool is known; a warning where it was declared and never measured.
 ///
 /// # Errors
-/// When it was to be found from the data and was not in it.
+/// When it was to be estimated from the data and was not in it.
 pub fn seen(fitted: &FittedModel, target: Option<TargetId>) -> Result<Option<String>, String> {
     let chain = fitted.chain();
     let what = match target {
@@ -103,16 +103,16 @@ pub fn seen(fitted: &FittedModel, target: Option<TargetId>) -> Result<Option<Str
     match fitted.target_known(target) {
         TargetKnown::Measured => Ok(None),
         TargetKnown::Declared => Ok(Some(format!(
-            "{what} was not measured in the data of the fit: its place on the tool is as declared, without a correction of its own"
+            "{what} was not measured in the data of the fit: its position on the tool is as declared, without an estimated correction"
         ))),
         TargetKnown::Undetermined => Err(format!(
-            "{what} was not measured in the data of the fit, and its place was to be found from it (`known = false`): \
-             it is not known. Measure it, fit again, or name a target that was measured"
+            "{what} was not measured in the data of the fit, and its position was to be estimated from it (`known = false`): \
+             it is unknown. Measure it and fit again, or use a target that was measured"
         )),
     }
 }
 
-/// Whether the fit knows how the tool is turned; a warning where it was declared and never measured.
+/// Whether the orientation of the tool is known; a warning where it was declared and never measured.
 ///
 /// # Errors
 /// When it was to be found from positions that do not determine it.
@@ -120,10 +120,10 @@ pub fn oriented(fitted: &FittedModel) -> Result<Option<String>, String> {
     match fitted.orientation_known() {
         TargetKnown::Measured => Ok(None),
         TargetKnown::Declared => Ok(Some(
-            "the data of the fit has no orientations: how the tool is turned is as declared, and not verified".into(),
+            "the data of the fit has no orientations: the orientation of the tool is as declared, and not verified".into(),
         )),
         TargetKnown::Undetermined => Err(
-            "the data of the fit has no orientations, and how the tool is turned was to be found from it (`known = false`): \
+            "the data of the fit has no orientations, and the orientation of the tool was to be estimated from it (`known = false`): \
              positions do not determine it. Fit with orientations, or declare the tool"
                 .into(),
         ),

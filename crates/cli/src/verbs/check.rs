@@ -118,9 +118,9 @@ fn data_text(info: &CsvInfo) -> String {
         .columns
         .iter()
         .map(|column| {
-            // Names, numbers and directions have no unit that could have been left out.
-            let said = column.unit_given || column.unit == "1";
-            let unit = if said { column.unit.clone() } else { format!("{} (assumed)", column.unit) };
+            // Names, numbers and directions have no unit.
+            let known = column.unit_given || column.unit == "1";
+            let unit = if known { column.unit.clone() } else { format!("{} (assumed)", column.unit) };
             let (lower, upper) = column
                 .range
                 .map_or((String::new(), String::new()), |(a, b)| (significant(a, 6), significant(b, 6)));
@@ -131,7 +131,7 @@ fn data_text(info: &CsvInfo) -> String {
         "\ndata {}: {}, {}, {}\n",
         info.file.display(),
         count(info.rows, "row"),
-        count(info.visits, "visit"),
+        count(info.visits, "pose measurement"),
         count(info.configurations, "configuration")
     );
     if let Some(grouping) = &info.grouping {
@@ -145,15 +145,19 @@ fn data_text(info: &CsvInfo) -> String {
     text
 }
 
-/// What was taken for one dwell, and for one configuration, and with which tolerance.
+/// How rows are grouped into pose measurements and configurations, and with which tolerance.
 fn grouping_text(of: &Grouping) -> String {
     let angle = |v: f64| format!("{}°", significant(v.to_degrees(), 2));
     let um = |v: f64| format!("{} µm", significant(v * 1e6, 2));
     let tolerance = format!("{} or {}", angle(of.angle), um(of.length));
     let mut text = if of.numbered {
-        format!(" visits are those of the file; joints within {tolerance} are one configuration")
+        format!(
+            " pose measurements as numbered in the file (column `visit`); joints within {tolerance} are one configuration"
+        )
     } else {
-        format!(" no column `visit`: consecutive rows with joints within {tolerance} are one visit")
+        format!(
+            " no column `visit`: consecutive rows with joints within {tolerance} are one pose measurement"
+        )
     };
     if of.flickering > 0 {
         let mut most = Vec::new();
@@ -163,12 +167,15 @@ fn grouping_text(of: &Grouping) -> String {
         if of.flicker_length > 0.0 {
             most.push(um(of.flicker_length));
         }
-        text +=
-            &format!("; joints flicker by up to {} in {}", most.join(" and "), count(of.flickering, "row"));
+        text += &format!(
+            "; joint values vary within a dwell by up to {} in {}",
+            most.join(" and "),
+            count(of.flickering, "row")
+        );
     }
     if of.parted > 0 {
-        let parted = count(of.parted, "visit");
-        text += &format!("; measured positions alone part {parted} from the one before");
+        let parted = count(of.parted, "pose measurement");
+        text += &format!("; {parted} separated from the one before by measured positions alone");
     }
     text + " (--dwell-tolerance)\n"
 }

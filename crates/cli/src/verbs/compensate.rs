@@ -9,8 +9,8 @@ use crate::terminal;
 use crate::watch::Watch;
 use rayon::prelude::*;
 use truepose_compensate::{
-    Command, CompensateError, Compensator, CompensatorOptions, Status, Target, Wanted, correction_helps,
-    radius_95,
+    Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
+    correction_helps, radius_95,
 };
 use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel};
 use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
@@ -20,7 +20,7 @@ use truepose_report::{CommandView, CommandsView, commands_report, count, millime
 
 /// Poses that one thread takes at a time.
 const CHUNK: usize = 2048;
-/// Of which so many are asked together.
+/// Poses that are solved together.
 const TOGETHER: usize = 64;
 
 /// Runs the verb.
@@ -34,48 +34,49 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     let mut commands = commands(args, &fitted, &poses, watch)?;
     let channels =
         poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?.schema.channels.clone();
-    let worth = judged(&fitted, &poses, &mut commands)?;
+    let expected = expected(&fitted, &poses, &mut commands)?;
     let rows: Vec<CommandRow> = commands
         .iter()
-        .zip(&worth)
-        .map(|(command, worth)| CommandRow {
+        .zip(&expected)
+        .map(|(command, expected)| CommandRow {
             joints: command.joints.to_vec(),
             status: status(command.status),
-            within_95: worth.within_95,
-            corrected: worth.corrected,
-            beyond: beyond::words(&worth.beyond, fitted.chain(), &channels),
+            within_95: expected.within_95,
+            corrected: expected.corrected,
+            beyond: beyond::words(&expected.beyond, fitted.chain(), &channels),
         })
         .collect();
     write_commands(&args.out, fitted.chain(), &poses, &rows)?;
 
     let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
-    let words = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
+    let statuses = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
     let mut tally = beyond::Tally::default();
-    let ok = commands.iter().zip(&worth).filter(|(command, _)| command.status == Status::Ok);
-    ok.clone().for_each(|(_, worth)| tally.add(&worth.beyond));
+    let ok = commands.iter().zip(&expected).filter(|(command, _)| command.status == Status::Ok);
+    ok.clone().for_each(|(_, expected)| tally.add(&expected.beyond));
     tally.warn("command", fitted.chain(), &channels);
-    let nominal = ok.filter(|(_, worth)| !worth.corrected).count();
+    let nominal = ok.filter(|(_, expected)| !expected.corrected).count();
     if let Some(folder) = &folder {
         let view = CommandsView {
             robot: fitted.chain().name().into(),
-            status: words
+            status: statuses
                 .iter()
                 .map(|s| (s.word().into(), of(*s)))
                 .filter(|s: &(String, usize)| s.1 > 0)
                 .collect(),
             extrapolating: tally.beyond(),
-            commands: views(&poses, &commands, &worth),
+            commands: views(&poses, &commands, &expected),
         };
         folder.write(&view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
     }
     if args.json {
-        let counts: serde_json::Map<_, _> = words.iter().map(|s| (s.word().into(), of(*s).into())).collect();
+        let counts: serde_json::Map<_, _> =
+            statuses.iter().map(|s| (s.word().into(), of(*s).into())).collect();
         return print_json(&serde_json::json!({
             "poses": rows.len(), "status": counts, "extrapolating": tally.beyond(), "nominal": nominal,
         }));
     }
     let parts: Vec<String> =
-        words.iter().filter(|s| of(**s) > 0).map(|s| format!("{} {}", of(*s), s.word())).collect();
+        statuses.iter().filter(|s| of(**s) > 0).map(|s| format!("{} {}", of(*s), s.word())).collect();
     terminal::print(&format!(
         "{}: {}; written to {}\n",
         count(rows.len(), "pose"),
@@ -86,20 +87,20 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         commands.iter().filter(|c| c.status != Status::Ok).map(|c| c.position_error).fold(0.0, f64::max);
     if worst > 0.0 {
         terminal::print(&format!(
-            "the nearest that was found for the others is up to {} off, and is not written\n",
+            "largest error of the nearest command for the other poses: {} (these commands are not written)\n",
             millimetres(worst)
         ));
     }
     if nominal > 0 {
         terminal::print(&format!(
-            "{} where the correction is less than its own uncertainty: the nominal robot's command is written\n",
+            "{} where the correction is smaller than its uncertainty: the command of the nominal robot is written\n",
             count(nominal, "pose")
         ));
     }
     Ok(())
 }
 
-/// Refuses poses of which the fit cannot know the target or the orientation, and warns of what was only declared.
+/// Rejects poses whose target or orientation is unknown to the fit, and warns of those that were only declared.
 fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), Failure> {
     let refused = |row: usize, words: String| {
         let line = poses.rows.line.get(row).map_or(String::new(), |line| format!("line {line}: "));
@@ -119,32 +120,33 @@ fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), F
     }
     if fitted.domain.joints.is_empty() {
         terminal::log(
-            "warning: the fit does not record what it was fitted on: extrapolation is not detected",
+            "warning: the fit does not record the range of its data: extrapolation is not detected",
         );
     }
     Ok(())
 }
 
-/// What a command is worth.
-struct Worth {
-    /// With 95 % the point ends no farther from where it is wanted, m.
+/// The expected accuracy of a command.
+struct Expected {
+    /// Distance from the desired position within which the point lies with 95 % probability, m.
     within_95: f64,
-    /// How far the nominal robot would end from there, m.
+    /// Distance of the nominal robot from there under this command, m.
     correction: f64,
     /// Whether the command is the model's; else it is the nominal robot's.
     corrected: bool,
     beyond: Vec<(Beyond, f64)>,
 }
 
-/// Holds every command against the data of the fit and the nominal command, which takes its place where it is expected to be nearer.
-fn judged(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Result<Vec<Worth>, Failure> {
+/// Compares every command with the data of the fit and with the nominal command, which replaces it where it is expected to be
+/// more accurate.
+fn expected(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Result<Vec<Expected>, Failure> {
     let inputs = poses.rows.derived_for(fitted.model())?;
     let coverage = Coverage::new(fitted, &inputs.schema)?;
     let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
     let ideal = FittedModel::new(nothing, Vec::new(), DMatrix::zeros(0, 0))?;
     let nominal = Compensator::bind(&ideal, &inputs.schema, CompensatorOptions::default())?;
     let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
-    let parts: Vec<Vec<Worth>> = commands
+    let parts: Vec<Vec<Expected>> = commands
         .par_chunks_mut(CHUNK)
         .enumerate()
         .map(|(part, commands)| {
@@ -159,7 +161,7 @@ fn judged(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Resu
                 let at = coverage.judge(&conditions, target);
                 let meant = coverage.nominal(&conditions, target).translation;
                 let displacement = at.pose.translation - meant;
-                let mut worth = Worth {
+                let mut expected = Expected {
                     within_95: radius_95(&(at.covariance + noise)),
                     correction: (meant - poses.rows.measured_position(row)).norm(),
                     corrected: true,
@@ -170,17 +172,17 @@ fn judged(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Resu
                     let other = nominal.command(&asked, &conditions, Some(&command.joints));
                     if other.status == Status::Ok {
                         command.joints = other.joints;
-                        // Off by what is not corrected, at the most.
-                        worth.within_95 += displacement.norm();
-                        worth.corrected = false;
+                        // At most the displacement that is not corrected is added.
+                        expected.within_95 += displacement.norm();
+                        expected.corrected = false;
                         conditions.joints.clear();
                         conditions.joints.extend_from_slice(&other.joints);
-                        worth.beyond = coverage.judge(&conditions, target).beyond;
+                        expected.beyond = coverage.judge(&conditions, target).beyond;
                         let there = coverage.judge(&conditions, target).pose.translation;
                         command.position_error = (there - asked.position).norm();
                     }
                 }
-                worth
+                expected
             };
             commands.iter_mut().enumerate().map(one).collect()
         })
@@ -188,25 +190,25 @@ fn judged(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Resu
     Ok(parts.into_iter().flatten().collect())
 }
 
-/// What the page and its JSON have of every command.
-fn views(poses: &Poses, commands: &[Command], worth: &[Worth]) -> Vec<CommandView> {
-    let one = |(row, (command, worth)): (usize, (&Command, &Worth))| CommandView {
+/// Commands as page and JSON show them.
+fn views(poses: &Poses, commands: &[Command], expected: &[Expected]) -> Vec<CommandView> {
+    let one = |(row, (command, expected)): (usize, (&Command, &Expected))| CommandView {
         row: row + 1,
         status: command.status.word().into(),
         at_mm: (poses.rows.measured_position(row) * 1e3).into(),
         left_mm: command.position_error * 1e3,
-        correction_mm: worth.correction * 1e3,
-        within_95_mm: worth.within_95 * 1e3,
-        extrapolates: !worth.beyond.is_empty(),
+        correction_mm: expected.correction * 1e3,
+        within_95_mm: expected.within_95 * 1e3,
+        extrapolates: !expected.beyond.is_empty(),
     };
-    commands.iter().zip(worth).enumerate().map(one).collect()
+    commands.iter().zip(expected).enumerate().map(one).collect()
 }
 
-/// What is asked of one row.
-fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> Wanted<'a> {
+/// The request of one row.
+fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandRequest<'a> {
     let mut target = Target::at(poses.rows.measured_position(row)).of(poses.rows.target[row]);
     target.orientation = poses.rows.measured_rotation(row);
-    Wanted { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
+    CommandRequest { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
 }
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
@@ -237,7 +239,7 @@ fn commands(
                     inputs.conditions_into(row, conditions);
                 }
                 let wanted = |(conditions, &row): (_, &usize)| wanted(poses, conditions, row);
-                let wanted: Vec<Wanted<'_>> = conditions.iter().zip(rows).map(wanted).collect();
+                let wanted: Vec<CommandRequest<'_>> = conditions.iter().zip(rows).map(wanted).collect();
                 compensator.commands(&wanted, &mut commands);
             }
             commands

@@ -1,4 +1,4 @@
-//! `truepose discover`: find what a declared model lacks, add it, and prove the gain.
+//! `truepose discover`: find effects that the declared model lacks, add them, and test the enlarged model.
 
 use super::identify::{different, split, split_words};
 use super::reporting::Folder;
@@ -13,7 +13,7 @@ use truepose_discover::{Diagnosis, DiscoverError, DiscoverOptions, Progress, Riv
 use truepose_errormodel::{FittedModel, ModelError};
 use truepose_identify::IdentifyError;
 use truepose_io::{check_writable, make_folder, read_measurements, write_fit, write_whole};
-use truepose_report::{DiscoverySummary, NestedSummary, Settings, discovery_report};
+use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
 /// Runs the verb.
 pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
@@ -44,41 +44,44 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
-    let settings = Settings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let settings =
+        DiscoverySettings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner(watch);
     let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
         Progress::SoFar(so_far) => {
             let (out, origin) = (args.out.clone(), origin.clone());
-            let ledger = folder.as_ref().map(Folder::result);
-            watch.keep(move |why| incomplete(*so_far, settings, &origin, out, ledger, why));
+            let result = folder.as_ref().map(Folder::result);
+            watch.keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
         }
         step => {
             if let Progress::Found(words) = &step {
                 watch.found(words);
             }
-            bar.say(&word(&step));
+            bar.show(&progress_text(&step));
         }
     })
     .map_err(|error| refused(args, error))?;
     drop(bar);
     let mut summary = DiscoverySummary::new(&found, settings);
     if let Some(folds) = args.nested {
-        // Should a limit end the validation, the finished run is shown and written as it is.
+        // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
         let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
         watch.keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
-            return Err(Failure::Input("--nested: a single configuration cannot be divided".into()));
+            return Err(Failure::Input(
+                "--nested: a single configuration cannot be divided into folds".into(),
+            ));
         };
         let bar = Bar::spinner(watch);
         let judged = nested(&chain, &declared, &data, &split, &*solver, &options, &|fold, step| {
-            bar.say(&format!("fold {} of {folds}: {}", fold + 1, word(&step)));
+            bar.show(&format!("fold {} of {folds}: {}", fold + 1, progress_text(&step)));
         })?;
         summary.nested = Some(NestedSummary::new(&judged, split_words(&split)));
     }
     if let Some(limit) = args.spec {
-        summary = summary.against(limit, &found, &data);
+        summary = summary.with_specification(limit, &found, &data);
     }
     watch.whole();
     if args.json {
@@ -116,10 +119,12 @@ fn refused(args: &Discover, error: DiscoverError) -> Failure {
     }
 }
 
-/// One file a rival, named by what it says.
+/// One file for each competing hypothesis, named after it.
 fn write_rivals(folder: &Path, rivals: &[RivalFit]) -> Result<(), Failure> {
     if rivals.is_empty() {
-        terminal::log("no rivals to write: nothing else explains the data as well as what was found");
+        terminal::log(
+            "no competing hypothesis to write: all findings are distinguishable from their alternatives",
+        );
     }
     for rival in rivals {
         let plain = |c: char| if c.is_alphanumeric() || c == '_' || c == '.' { c } else { '-' };
@@ -127,7 +132,11 @@ fn write_rivals(folder: &Path, rivals: &[RivalFit]) -> Result<(), Failure> {
         let file = folder.join(format!("{}-{words}.json", rival.finding + 1));
         write_fit(&file, &rival.fit.fitted)?;
         let words = rival.candidate.words();
-        terminal::log(&format!("wrote {}: {words} in place of find {}", file.display(), rival.finding + 1));
+        terminal::log(&format!(
+            "wrote {}: {words} in place of finding {}",
+            file.display(),
+            rival.finding + 1
+        ));
     }
     Ok(())
 }
@@ -152,18 +161,18 @@ impl Origin {
     }
 }
 
-/// What is shown and written of a finished run: its summary, the file of the fit and the file of the ledger.
+/// A completed search: its summary, the file of the fit and the file of the result.
 type Finished = (DiscoverySummary, Option<PathBuf>, Option<PathBuf>);
 
-/// Shows and writes a finished run whose validation was ended; each file whole or not at all.
+/// Shows and writes a completed search whose nested cross-validation was ended; each file whole or not at all.
 fn without_validation(
-    (mut summary, out, ledger): Finished,
+    (mut summary, out, result): Finished,
     mut fitted: FittedModel,
     origin: &Origin,
     why: &str,
 ) -> Kept {
-    summary.incomplete = Some(format!("{why}: the nested validation was not finished"));
-    let text = format!("The search itself came to its end; its validation did not.\n\n{summary}");
+    summary.incomplete = Some(format!("{why}: the nested cross-validation is not complete"));
+    let text = format!("The search is complete; its nested cross-validation is not.\n\n{summary}");
     let mut written = Vec::new();
     if let Some(out) = out {
         origin.write(&mut fitted, true);
@@ -171,23 +180,23 @@ fn without_validation(
             written.push(out);
         }
     }
-    written.extend(ledger.filter(|ledger| write_ledger(ledger, &summary)));
+    written.extend(result.filter(|result| write_result(result, &summary)));
     Kept { files: written, text }
 }
 
-/// Whether the ledger could be written.
-fn write_ledger(ledger: &Path, summary: &DiscoverySummary) -> bool {
+/// Whether the result could be written.
+fn write_result(result: &Path, summary: &DiscoverySummary) -> bool {
     serde_json::to_string_pretty(summary)
-        .is_ok_and(|text| write_whole(ledger, (text + "\n").as_bytes()).is_ok())
+        .is_ok_and(|text| write_whole(result, (text + "\n").as_bytes()).is_ok())
 }
 
-/// Writes what was found before the run ended, marked as incomplete; each file whole or not at all. Says which were written.
+/// Writes the findings so far, marked as incomplete, each file whole or not at all; returns the files.
 fn incomplete(
     mut found: Diagnosis,
-    settings: Settings,
+    settings: DiscoverySettings,
     origin: &Origin,
     out: Option<PathBuf>,
-    ledger: Option<PathBuf>,
+    result: Option<PathBuf>,
     why: &str,
 ) -> Kept {
     let summary =
@@ -200,19 +209,19 @@ fn incomplete(
             written.push(out);
         }
     }
-    written.extend(ledger.filter(|ledger| write_ledger(ledger, &summary)));
+    written.extend(result.filter(|result| write_result(result, &summary)));
     Kept { files: written, text: String::new() }
 }
 
-fn word(step: &Progress) -> String {
+fn progress_text(step: &Progress) -> String {
     match step {
         Progress::Fitting => "fitting the declared model".into(),
         Progress::Screening(0) => "screening all candidates".into(),
-        Progress::Screening(found) => format!("screening again, {found} found"),
-        Progress::Found(words) => format!("found {words}; fitting"),
-        Progress::SoFar(_) => "keeping what was found".into(),
-        Progress::Checking => "checking on data that the search has not seen".into(),
-        Progress::Reconsidering => "looking at earlier finds again".into(),
-        Progress::Judging => "judging on the rows that were held out".into(),
+        Progress::Screening(found) => format!("screening again with {found} added"),
+        Progress::Found(words) => format!("added {words}; fitting"),
+        Progress::SoFar(_) => "storing the findings so far".into(),
+        Progress::Checking => "checking on data that the search did not use".into(),
+        Progress::Reconsidering => "testing earlier findings again".into(),
+        Progress::Judging => "evaluating on the held-out test set".into(),
     }
 }

@@ -5,19 +5,19 @@ use crate::args::{Export, ExportFormat};
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{
-    Accuracy, AxisConvention, AxisTableOptions, Comparison, ErrorLeft, ExportOptions, Exported, JointOrigins,
-    axis_table, error_tables, joint_origins,
+    Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
+    RemainingError, axis_table, error_tables, joint_origins,
 };
 use truepose_errormodel::{EffectRegistry, FittedModel, TargetKnown};
 use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
 use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::Vector3;
 
-/// A file's text, and what it says of itself.
+/// The text of a file, with its statement of accuracy.
 struct Written {
     text: String,
     left_out: Vec<&'static str>,
-    error_left: ErrorLeft,
+    remaining_error: RemainingError,
     comparison: Comparison,
     statement: Vec<String>,
 }
@@ -53,7 +53,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         let rms = |a: Accuracy| serde_json::json!({"aligned_mm": 1e3 * a.aligned, "as_written_mm": 1e3 * a.as_written});
         return print_json(&serde_json::json!({
             "left_out": written.left_out,
-            "error_left": {"rms_mm": 1e3 * written.error_left.rms, "max_mm": 1e3 * written.error_left.max},
+            "error_left": {"rms_mm": 1e3 * written.remaining_error.rms, "max_mm": 1e3 * written.remaining_error.max},
             "rms": {
                 "nominal": rms(nominal), "export": rms(export), "model": rms(model),
                 "rows": rows, "drawn_from": drawn_from, "measured": measured,
@@ -68,11 +68,11 @@ pub fn run(args: &Export) -> Result<(), Failure> {
 }
 
 fn written<T>(text: String, exported: Exported<T>, statement: Vec<String>) -> Written {
-    let Exported { left_out, error_left, comparison, .. } = exported;
-    Written { text, left_out, error_left, comparison, statement }
+    let Exported { left_out, remaining_error, comparison, .. } = exported;
+    Written { text, left_out, remaining_error, comparison, statement }
 }
 
-/// What the file says at its front, and the terminal after the first line.
+/// The statement at the top of the file; the terminal shows it without the first line.
 fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
     let mut notes = vec![format!(
         "truepose {}: geometry of `{}` as fitted",
@@ -83,22 +83,23 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
     match fitted.orientation_known() {
         TargetKnown::Measured => {}
         TargetKnown::Declared => {
-            notes.push("no orientation was measured: how the tool is turned is not verified".into());
+            notes.push("no orientation was measured: the orientation of the tool is not verified".into());
         }
         TargetKnown::Undetermined => notes.push(
-            "no orientation was measured, and how the tool is turned was unknown: the tool's rotation is not determined".into(),
+            "no orientation was measured, and the orientation of the tool was unknown: it is not determined"
+                .into(),
         ),
     }
     notes
 }
 
-/// Where targets sit on the tool, of which the robot's description does not say so: the formats have no place for them.
+/// Estimated positions of targets on the tool, which the formats cannot hold.
 fn targets(fitted: &FittedModel, found: &[Vector3<f64>]) -> Vec<String> {
     let both = fitted.chain().targets().iter().zip(found);
     both.filter(|(declared, found)| !declared.known || declared.position != **found)
         .map(|(declared, found)| {
             let [x, y, z]: [f64; 3] = (*found).into();
-            format!("target `{}` sits on the tool at xyz {x:?} {y:?} {z:?} m", declared.name)
+            format!("target `{}` is on the tool at xyz {x:?} {y:?} {z:?} m", declared.name)
         })
         .collect()
 }
@@ -122,7 +123,7 @@ fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<
     notes.extend(targets(fitted, &origins.value.targets));
     let JointOrigins { base, joints, tool, .. } = &origins.value;
     if *base != Pose::IDENTITY {
-        notes.push(format!("the base link stands in the measurement frame at {}", place(base)));
+        notes.push(format!("the base link is in the measurement frame at {}", place(base)));
     }
     let nominal = fitted.chain();
     let text = match &args.urdf {
@@ -132,7 +133,7 @@ fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<
             let known = declared.known;
             if !known || declared.pose != Pose::IDENTITY {
                 let whole = if known { &declared.pose } else { tool };
-                notes.push(format!("the tool sits behind the tip link at {}", place(whole)));
+                notes.push(format!("the tool is behind the tip link at {}", place(whole)));
             }
             let unchanged = !known || *tool == declared.pose;
             let behind = if unchanged { Pose::IDENTITY } else { *tool * declared.pose.inverse() };

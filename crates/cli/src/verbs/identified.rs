@@ -26,15 +26,15 @@ pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
     }
 }
 
-/// The criterion that was asked for, against an RMS, m.
-pub(super) fn met(args: &Identify, judged: f64) -> Result<(), Failure> {
+/// Compares an RMS (m) with `--require`.
+pub(super) fn require(args: &Identify, rms: f64) -> Result<(), Failure> {
     let Some(required) = args.require else { return Ok(()) };
-    if judged <= required {
+    if rms <= required {
         return Ok(());
     }
     Err(Failure::Criterion(format!(
         "RMS {} is above the required {}",
-        millimetres(judged),
+        millimetres(rms),
         millimetres(required)
     )))
 }

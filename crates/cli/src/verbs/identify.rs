@@ -1,6 +1,6 @@
-//! `truepose identify`: fit a declared error model, and say what it is worth.
+//! `truepose identify`: fit a declared error model, and estimate its accuracy on held-out data.
 
-use super::identified::{met, origin, refused};
+use super::identified::{origin, refused, require};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
@@ -40,15 +40,16 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         holdout: args.holdout,
         seed: args.seed,
     };
-    // Said with the result, or with the error where there is none.
+    // Shown with the result, or with the error where there is none.
     let suspected = suspected(&chain, &data, &args.measured.data);
     let progress = Progress::steps(Step::ALL.len(), watch);
     let solver = args.solver.build();
-    let mut found = identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(word(step)))
-        .map_err(|error| {
-            terminal::warn(suspected.as_slice());
-            refused(args, error)
-        })?;
+    let mut found =
+        identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(progress_text(step)))
+            .map_err(|error| {
+                terminal::warn(suspected.as_slice());
+                refused(args, error)
+            })?;
     drop(progress);
 
     let mut summary = IdentificationSummary::new(
@@ -59,17 +60,13 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         options.split.as_ref().map(split_words),
     );
     summary.warnings.splice(0..0, suspected);
-    let locked = match args.holdout {
-        Some(share) => hold_out(&data, share, args.seed)?.1,
-        None => Vec::new(),
-    };
     if let Some(limit) = args.spec {
-        summary = summary.against(limit, &found, &data, &locked);
+        summary = summary.with_specification(limit, &found, &data);
     }
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
         folder.write(&summary, &inputs, |run| {
-            Ok(identification_report(&summary, &found, &data, &info.visit_labels, &locked, run)?)
+            Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
     }
     if args.json {
@@ -86,7 +83,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         terminal::log(&format!("wrote {}", out.display()));
     }
     let Some(last) = summary.stages.last() else { return Ok(()) };
-    met(args, last.locked.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
+    require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
 }
 
 /// Folds numbered by a channel.
@@ -106,7 +103,7 @@ fn own_folds(data: &Dataset, channel: &str) -> Result<Split, Failure> {
         let value = data.channels[k][rows[0]];
         if rows.iter().any(|&row| data.channels[k][row].to_bits() != value.to_bits()) {
             return Err(Failure::Input(format!(
-                "--fold-by: `{channel}` changes within a visit; a fold takes whole visits"
+                "--fold-by: `{channel}` changes within a visit (pose measurement); a fold takes whole visits"
             )));
         }
         let place = numbers.iter().position(|n| n.to_bits() == value.to_bits()).unwrap_or_else(|| {
@@ -128,10 +125,10 @@ pub(super) fn different(data: &Dataset) -> usize {
     configurations(data).iter().max().map_or(0, |last| last + 1)
 }
 
-/// Those that are not locked away.
+/// Number of configurations that are not in the held-out test set.
 fn in_fit(data: &Dataset, args: &Identify) -> Result<usize, Failure> {
-    let Some(share) = args.holdout else { return Ok(different(data)) };
-    let (left, _) = hold_out(data, share, args.seed)?;
+    let Some(fraction) = args.holdout else { return Ok(different(data)) };
+    let (left, _) = hold_out(data, fraction, args.seed)?;
     let of_visit = configurations(data);
     let mut seen: Vec<usize> = left.iter().map(|&row| of_visit[data.visit[row]]).collect();
     seen.sort_unstable();
@@ -139,7 +136,7 @@ fn in_fit(data: &Dataset, args: &Identify) -> Result<usize, Failure> {
     Ok(seen.len())
 }
 
-/// The split that was asked for, fitted to what the data has.
+/// The split of the options, with no more folds than configurations.
 pub(super) fn split(
     folds: usize,
     kind: SplitKind,
@@ -151,7 +148,7 @@ pub(super) fn split(
     }
     if folds == 1 {
         return Err(Failure::Input(
-            "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
+            "--folds: one fold leaves no data to fit; use 2 or more, or 0 for none".into(),
         ));
     }
     if configurations < 2 {
@@ -172,7 +169,7 @@ pub(super) fn split(
     }))
 }
 
-/// A split in words.
+/// How a split makes its folds.
 pub(super) fn split_words(split: &Split) -> String {
     match split {
         Split::Random { folds, seed } => format!("{folds} random folds over configurations, seed {seed}"),
@@ -181,17 +178,17 @@ pub(super) fn split_words(split: &Split) -> String {
         Split::JointBlocks { folds, .. } => format!("{folds} slabs along the joint that moves most"),
         Split::Given(of_visit) => {
             let folds = of_visit.iter().max().map_or(0, |last| last + 1);
-            format!("{folds} folds of the caller's own")
+            format!("{folds} folds as given by a channel")
         }
     }
 }
 
-fn word(step: Step) -> &'static str {
+fn progress_text(step: Step) -> &'static str {
     match step {
-        Step::Placing => "finding base, tool and targets",
+        Step::Placing => "estimating base, tool and target frames",
         Step::FramesOnly => "fitting base and tool",
         Step::Fitting => "fitting the declared model",
         Step::Validating => "cross-validating",
-        Step::Judging => "judging repeats and observability",
+        Step::Judging => "evaluating repeatability and observability",
     }
 }

@@ -68,7 +68,7 @@ fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failur
     let reached = map.nodes.iter().filter(|node| node.status == Status::Ok);
     reached.clone().for_each(|node| tally.add(&node.beyond));
     tally.warn("place", fitted.chain(), &fitted.channels);
-    let helpless = reached.filter(|node| !node.helps).count();
+    let not_helped = reached.filter(|node| !node.helps).count();
     let within = map.within();
     let figures = |map: &AccuracyMap| {
         serde_json::json!({
@@ -78,30 +78,30 @@ fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failur
         })
     };
     if args.json {
-        let mut said = figures(map);
-        said["reachable"] = map.reachable().into();
-        said["extrapolating"] = tally.beyond().into();
-        said["not_helped"] = helpless.into();
-        said["within"] = figures(&within);
-        return print_json(&said);
+        let mut json = figures(map);
+        json["reachable"] = map.reachable().into();
+        json["extrapolating"] = tally.beyond().into();
+        json["not_helped"] = not_helped.into();
+        json["within"] = figures(&within);
+        return print_json(&json);
     }
     let reached = (map.reachable() * map.nodes.len() as f64).round().max(1.0);
     terminal::print(&format!(
-        "{}, {:.0} % of them within reach; written to {}\n",
+        "{}, {:.0} % of them reachable; written to {}\n",
         count(map.nodes.len(), "place"),
         100.0 * map.reachable(),
         args.out.display()
     ));
     if map.reachable() > 0.0 {
         terminal::print(&format!(
-            "{} of those within reach ({:.0} %) within the data of the fit\n",
+            "{} of the reachable places ({:.0} %) are within the range of the data of the fit\n",
             within.nodes.len(),
             100.0 * within.nodes.len() as f64 / reached
         ));
     }
     let print = |map: &AccuracyMap, where_: &str| {
         terminal::print(&format!(
-            "{where_}before compensation: RMS {}, max {}\n{where_}after it, the 95 % band of a place: RMS {}, largest {}\n",
+            "{where_}before compensation: RMS {}, max {}\n{where_}after compensation (95 % bound of each place): RMS {}, max {}\n",
             millimetres(map.before_rms()),
             millimetres(map.before_max()),
             millimetres(map.after_95_rms()),
@@ -112,12 +112,12 @@ fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failur
         print(&within, "");
     }
     if tally.beyond() > 0 {
-        print(map, "with the extrapolated places, not verified by any data, ");
+        print(map, "including extrapolated places (not verified by data): ");
     }
-    if helpless > 0 {
+    if not_helped > 0 {
         terminal::print(&format!(
-            "{} where the correction is less than its own uncertainty: the nominal command is as good there\n",
-            count(helpless, "place")
+            "{} where the correction is smaller than its uncertainty: the nominal command is equally accurate there\n",
+            count(not_helped, "place")
         ));
     }
     Ok(())

@@ -28,7 +28,7 @@ use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, FittedModel, Model
 use truepose_identify::suspicions;
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
-use truepose_report::suspicion_words;
+use truepose_report::suspicion_text;
 
 /// Reads a robot and passes on what is suspicious about it.
 fn robot(args: &Robot) -> Result<Chain, Failure> {
@@ -38,9 +38,9 @@ fn robot(args: &Robot) -> Result<Chain, Failure> {
     Ok(chain)
 }
 
-/// What looks like a mistake in a table, in words that begin with its file.
+/// Suspected mistakes in a table, with the name of its file.
 fn suspected(chain: &Chain, data: &Dataset, file: &Path) -> Vec<String> {
-    let words = |found| format!("{}: {}", file.display(), suspicion_words(chain, &found, &data.line));
+    let words = |found| format!("{}: {}", file.display(), suspicion_text(chain, &found, &data.line));
     suspicions(chain, data).into_iter().map(words).collect()
 }
 

@@ -1,4 +1,4 @@
-//! `truepose plan`: what to measure next.
+//! `truepose plan`: further measurements.
 
 use super::print_json;
 use crate::args::Plan;
@@ -28,7 +28,7 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
         None => None,
     };
     if let Some(mass) = args.loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
-        return Err(Failure::Input(format!("--loads: {mass} is no mass; give kilograms, 0 or more")));
+        return Err(Failure::Input(format!("--loads: {mass} is not a mass; give kilograms, 0 or more")));
     }
     let com = Vector3::from_column_slice(&args.com) * 1e-3;
     let options = PlanOptions {
@@ -37,7 +37,7 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
         pool: args.pool.max(args.count),
         seed: args.seed,
     };
-    watch.doing("choosing visits");
+    watch.doing("choosing pose measurements");
     let made = plan(&fitted, rival.as_ref(), goals.as_ref(), &options)?;
     let visits: Vec<PlannedVisit> = made
         .visits

@@ -1,4 +1,4 @@
-//! `truepose predict`: where the real robot is, from a fit.
+//! `truepose predict`: the position of the real robot, from a fit.
 
 use super::{about, beyond, print_json};
 use crate::args::Predict;
@@ -17,7 +17,7 @@ use truepose_io::{
 };
 use truepose_kinematics::nalgebra::Matrix3;
 use truepose_kinematics::{Chain, Conditions};
-use truepose_report::{PositionSpread, RotationSpread, count, significant};
+use truepose_report::{OrientationStatistics, PositionStatistics, count, significant};
 
 /// Files from this size on, bytes, are read block by block where the model allows it.
 const LARGE: u64 = 32 << 20;
@@ -33,8 +33,8 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let options = args.grouped.conditions();
-    if let Some(said) = by_blocks(args, &fitted, &options, watch) {
-        return said;
+    if let Some(done) = by_blocks(args, &fitted, &options, watch) {
+        return done;
     }
     let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
     terminal::warn(&warnings);
@@ -47,10 +47,10 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     let residuals = Residuals::of(&fitted, &data)?;
     let (position, orientation) = (residuals.positions(), residuals.orientations());
-    Said { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &inputs)
+    Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &inputs)
 }
 
-/// Warnings about targets that the fit never saw.
+/// Warnings about targets that were not measured in the data of the fit.
 ///
 /// # Errors
 /// When the place of one is not known; names its first line.
@@ -101,7 +101,7 @@ fn predict(
     (all, tally)
 }
 
-/// A large file, a block at a time, in memory that does not grow with it. None where the file is small, has to be seen whole (a channel that
+/// A large file, a block at a time, in memory that does not grow with it. None where the file is small, has to be read whole (a channel that
 /// lags, directions of approach from the order of its visits, visits in several places), or is wrong: then it is read whole.
 fn by_blocks(
     args: &Predict,
@@ -119,7 +119,7 @@ fn by_blocks(
     }
     let coverage = Coverage::new(fitted, reader.schema()).ok()?;
     let progress = Progress::bytes(size, watch);
-    progress.say("predicting");
+    progress.show("predicting");
     let (visits, targets) = reader.names();
     let mut file = PredictionsWriter::create(&args.out, chain, visits, targets).ok()?;
     let (mut position, mut orientation) = (Tally::keeping(EXACT), Tally::keeping(EXACT));
@@ -143,29 +143,29 @@ fn by_blocks(
     file.finish().ok()?;
     terminal::warn(&reader.warnings(chain));
     terminal::warn(&warnings);
-    let said = Said { rows, position: position.spread(), orientation: orientation.spread(), beyond };
-    Some(said.print(args, fitted, &empty))
+    let outcome = Outcome { rows, position: position.spread(), orientation: orientation.spread(), beyond };
+    Some(outcome.print(args, fitted, &empty))
 }
 
-/// What is said of predictions.
-struct Said {
+/// Statistics of predictions for the terminal.
+struct Outcome {
     rows: usize,
     position: Spread,
     orientation: Spread,
     beyond: beyond::Tally,
 }
 
-impl Said {
+impl Outcome {
     fn print(&self, args: &Predict, fitted: &FittedModel, inputs: &Dataset) -> Result<(), Failure> {
-        let Said { rows, beyond, .. } = self;
+        let Outcome { rows, beyond, .. } = self;
         let chain: &Chain = fitted.chain();
         beyond.warn("row", chain, &inputs.schema.channels);
         if fitted.domain.joints.is_empty() {
             terminal::log(
-                "warning: the fit does not record what it was fitted on: extrapolation is not detected",
+                "warning: the fit does not record the range of its data: extrapolation is not detected",
             );
         }
-        // An orientation that the fit could not know is not compared.
+        // An orientation that the fit does not determine is not compared.
         let known = beyond::oriented(fitted);
         let orientation = if known == Ok(None) { self.orientation } else { Spread::default() };
         match &known {
@@ -175,7 +175,7 @@ impl Said {
             }
             _ => {}
         }
-        let (position, orientation): (PositionSpread, RotationSpread) =
+        let (position, orientation): (PositionStatistics, OrientationStatistics) =
             (self.position.into(), orientation.into());
         if args.json {
             return print_json(&serde_json::json!({
@@ -185,7 +185,7 @@ impl Said {
         terminal::print(&format!("{} predicted, written to {}\n", count(*rows, "row"), args.out.display()));
         if position.count > 0 {
             terminal::print(&format!(
-                "against the measured positions: RMS {} mm, 95 % {} mm, max {} mm ({})\n",
+                "error against the measured positions: RMS {} mm, 95th percentile {} mm, max {} mm ({})\n",
                 significant(position.rms_mm, 4),
                 significant(position.p95_mm, 4),
                 significant(position.max_mm, 4),
@@ -194,7 +194,7 @@ impl Said {
         }
         if orientation.count > 0 {
             terminal::print(&format!(
-                "against the measured orientations: RMS {} mrad\n",
+                "error against the measured orientations: RMS {} mrad\n",
                 significant(orientation.rms_mrad, 4)
             ));
         }

@@ -43,10 +43,10 @@ impl Folder {
         let inputs = inputs
             .iter()
             .map(|file| {
-                // What comes through a pipe is gone once it was read.
+                // The content of a pipe cannot be read again.
                 let (bytes, sha256) = if file.is_file() { file_digest(file)? } else { (0, String::new()) };
                 if sha256.is_empty() {
-                    unrepeatable(file, "is no file that stays");
+                    unrepeatable(file, "is not a regular file");
                 }
                 Ok(FileRecord { file: file.to_string_lossy().into_owned(), bytes, sha256 })
             })
@@ -71,8 +71,8 @@ impl Folder {
     }
 }
 
-/// A run of which `verify` will not be able to say anything.
+/// Warns that `verify` cannot repeat the run.
 fn unrepeatable(name: &Path, why: &str) {
     let name = name.display();
-    terminal::log(&format!("warning: `{name}` {why}: `truepose verify` will not be able to repeat this run"));
+    terminal::log(&format!("warning: `{name}` {why}: `truepose verify` cannot repeat this run"));
 }

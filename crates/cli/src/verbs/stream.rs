@@ -1,6 +1,6 @@
 //! Identification of files that are larger than memory: read block by block, several times.
 
-use super::identified::{met, origin, refused};
+use super::identified::{origin, refused, require};
 use super::print_json;
 use crate::args::Identify;
 use crate::failure::Failure;
@@ -27,7 +27,7 @@ pub fn identify(
     let options = StreamedOptions { fit: args.fit(), folds: args.folds };
     if args.folds == 1 {
         return Err(Failure::Input(
-            "--folds: one fold holds nothing out; use 2 or more, or 0 for none".into(),
+            "--folds: one fold leaves no data to fit; use 2 or more, or 0 for none".into(),
         ));
     }
     let solver = args.solver.build();
@@ -57,7 +57,7 @@ pub fn identify(
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));
     }
-    met(args, summary.held_out.unwrap_or(summary.train).rms_mm * 1e-3)
+    require(args, summary.held_out.unwrap_or(summary.train).rms_mm * 1e-3)
 }
 
 /// A file of measurements.
@@ -103,7 +103,7 @@ impl Source for Table<'_> {
         let mut reader = MeasurementsReader::open(self.path, self.chain, &self.reading)?;
         self.passes += 1;
         let progress = Progress::bytes(reader.progress().1, self.watch);
-        progress.say(if self.passes == 1 { "fitting" } else { "judging" });
+        progress.show(if self.passes == 1 { "fitting" } else { "computing residuals" });
         let mut block = Dataset::default();
         while reader.read_block(BLOCK, &mut block)? > 0 {
             if self.positions_only {

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use truepose_io::{file_digest, read_text};
 use truepose_report::{RunRecord, count};
 
-/// Numbers that differ by less than this share are called the same.
+/// Largest relative difference of numbers that count as equal.
 const SAME: f64 = 1e-9;
 
 /// Runs the verb.
@@ -27,7 +27,7 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     for input in &record.inputs {
         let (_, now) = file_digest(&input.file)?;
         if now != input.sha256 {
-            return Err(Failure::Criterion(format!("{} is not the file that was read then", input.file)));
+            return Err(Failure::Criterion(format!("{} is not the file that the run read", input.file)));
         }
     }
     if record.program != super::reporting::PROGRAM {
@@ -37,7 +37,7 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     let result = Path::new(&record.result.file);
     if result.components().count() != 1 {
         return Err(Failure::Input(format!(
-            "{file}: the result `{}` is no file beside it",
+            "{file}: the result `{}` is not a file beside it",
             record.result.file
         )));
     }
@@ -52,7 +52,7 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     let differences = compared?;
     if differences.is_empty() {
         terminal::print(&format!(
-            "{}: the same on repetition ({} as they were)\n",
+            "{}: reproduced ({} unchanged)\n",
             then.display(),
             count(record.inputs.len(), "file")
         ));
@@ -61,7 +61,7 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     for difference in differences.iter().take(10) {
         terminal::print(&format!("{difference}\n"));
     }
-    Err(Failure::Criterion(format!("{} on repetition", count(differences.len(), "difference"))))
+    Err(Failure::Criterion(format!("{} in the repeated run", count(differences.len(), "difference"))))
 }
 
 /// What is wrong with a file that should be a record, and where.
@@ -70,7 +70,7 @@ fn no_record(file: &Path, error: &serde_json::Error) -> String {
     let words = words.split(" at line ").next().unwrap_or(&words);
     let (line, column) = (error.line().max(1), error.column().max(1));
     format!(
-        "{}:{line}:{column}: is no record of a run ({words}); `--report DIR` writes one, DIR/run.json",
+        "{}:{line}:{column}: is not a record of a run ({words}); `--report DIR` writes one, DIR/run.json",
         file.display()
     )
 }
@@ -81,8 +81,8 @@ fn repeat(record: &RunRecord, own: &Path, then: &Path) -> Result<Vec<String>, Fa
     let child = Command::new(std::env::current_exe()?).args(&arguments).stdout(Stdio::null()).output()?;
     let now = own.join(&record.result.file);
     if !now.is_file() {
-        let said = String::from_utf8_lossy(&child.stderr);
-        return Err(Failure::Input(format!("the run could not be repeated: {}", said.trim())));
+        let message = String::from_utf8_lossy(&child.stderr);
+        return Err(Failure::Input(format!("the run could not be repeated: {}", message.trim())));
     }
     let (then, now): (Value, Value) =
         (serde_json::from_str(&read_text(then)?)?, serde_json::from_str(&read_text(now)?)?);
@@ -142,11 +142,11 @@ fn compare(at: &str, then: &Value, now: &Value, differences: &mut Vec<String>) {
             let (x, y) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
             let same = (x - y).abs() <= SAME * x.abs().max(y.abs());
             if !same {
-                differences.push(format!("{at}: {a} then, {b} now"));
+                differences.push(format!("{at}: {a} in the record, {b} now"));
             }
         }
         _ if then == now => {}
-        _ => differences.push(format!("{at}: {then} then, {now} now")),
+        _ => differences.push(format!("{at}: {then} in the record, {now} now")),
     }
 }
 
@@ -160,14 +160,14 @@ mod tests {
         let mut found = Vec::new();
         let then = json!({"a": [1.0, 2.0], "seconds": 1.0, "name": "x"});
         compare("", &then, &json!({"a": [1.0, 2.5], "seconds": 9.0, "name": "x"}), &mut found);
-        assert_eq!(found, ["/a/1: 2.0 then, 2.5 now"]);
+        assert_eq!(found, ["/a/1: 2.0 in the record, 2.5 now"]);
         found.clear();
         compare("", &then, &json!({"a": [1.0], "name": "y", "more": 1}), &mut found);
         assert_eq!(found.len(), 3, "{found:?}");
     }
 
     #[test]
-    fn outputs_go_elsewhere() {
+    fn outputs_are_redirected() {
         let words = ["discover", "--out", "fit.json", "--report=r", "--seed", "3"].map(String::from);
         let now = redirected(&words, Path::new("own")).unwrap();
         assert_eq!(now, ["discover", "--seed", "3", "--report", "own"]);

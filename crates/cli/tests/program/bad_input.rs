@@ -320,7 +320,7 @@ fn wrong_usage_is_refused() {
     let before = folder.names();
     let base = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"];
     for (arguments, said) in [
-        (&["--folds", "1"][..], "--folds: one fold holds nothing out"),
+        (&["--folds", "1"][..], "--folds: one fold leaves no data to fit"),
         (&["--solver", "magic"], "magic"),
         (&["--require", "0.15"], "a length needs a unit"),
         (&["--require=-1mm"], "a length above 0 is needed"),

@@ -33,25 +33,25 @@ fn flickering(folder: &Folder, spoil: impl Fn(usize, &mut dyn FnMut(&str, &dyn F
 const CHECK: [&str; 5] = ["check", "--robot", "robot.toml", "--data", "data.csv"];
 
 #[test]
-fn what_was_grouped_is_said_and_can_be_changed() {
+fn what_was_grouped_is_reported_and_can_be_changed() {
     let folder = Folder::with_data();
     flickering(&folder, |_, _| ());
     let said = folder.run(&CHECK).ended(0).out;
-    assert!(said.contains("data data.csv: 80 rows, 40 visits, 40 configurations"), "{said}");
+    assert!(said.contains("data data.csv: 80 rows, 40 pose measurements, 40 configurations"), "{said}");
     assert!(
-        said.contains("no column `visit`: consecutive rows with joints within 0.00057° or 10 µm are one visit; joints flicker by up to"),
+        said.contains("no column `visit`: consecutive rows with joints within 0.00057° or 10 µm are one pose measurement; joint values vary within a dwell by up to"),
         "{said}"
     );
     let exact = [&CHECK[..], &["--dwell-tolerance", "0"]].concat();
     let said = folder.run(&exact).ended(0).out;
-    assert!(said.contains("80 rows, 80 visits, 80 configurations"), "{said}");
+    assert!(said.contains("80 rows, 80 pose measurements, 80 configurations"), "{said}");
     let bad = [&CHECK[..], &["--dwell-tolerance", "0.001"]].concat();
     let log = folder.run(&bad).ended(2).log;
     assert!(log.contains("a tolerance needs a unit"), "{log}");
 }
 
 #[test]
-fn a_fit_of_flickering_data_is_that_of_still_data() {
+fn a_fit_of_varying_encoder_readings_is_that_of_constant_ones() {
     let still = Folder::with_data();
     let run = |folder: &Folder| {
         let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json"];
@@ -85,8 +85,8 @@ fn check_and_identify_name_the_rows_that_are_wrong() {
     for words in [&CHECK[..], &["identify", "--robot", "robot.toml", "--data", "data.csv"]] {
         let run = folder.run(words).ended(0);
         let said = format!("{}{}", run.out, run.log).replace('\n', " ");
-        assert!(said.contains("row 21 (line 22) lies far from where the others say, up to 12"), "{said}");
-        assert!(said.contains("x, y and z are all 0: taken as not measured"), "{said}");
+        assert!(said.contains("row 21 (line 22) disagrees with the other rows: errors up to 12"), "{said}");
+        assert!(said.contains("x, y and z are all 0: read as not measured"), "{said}");
     }
 }
 

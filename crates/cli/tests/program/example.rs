@@ -52,7 +52,7 @@ fn the_first_example() {
     folder.run(&["check", "--robot", &robot, "--data", &data, "--model", &model]).ended(0);
     let identify = ["identify", "--robot", &robot, "--data", &data, "--model", &model, "--out", "fit.json"];
     let said = folder.run(&identify).ended(0).out;
-    assert!(said.contains("before → after"), "{said}");
+    assert!(said.contains("Position error (3-D RMS) on held-out configurations: "), "{said}");
     folder.run(&["predict", "--fit", "fit.json", "--data", &data, "--out", "predicted.csv"]).ended(0);
     assert_eq!(folder.read("predicted.csv").lines().count(), folder.read(&data).lines().count());
 }

@@ -158,7 +158,7 @@ fn every_format_says_what_it_lacks() {
         let line = if carries { "carries every effect of the fit" } else { "cannot carry: transmission" };
         for text in [&run.out, &folder.read("o")] {
             assert!(
-                text.contains(line) && text.contains("error left over the range of the fit: RMS "),
+                text.contains(line) && text.contains("remaining error over the range of the fit: RMS "),
                 "{text}"
             );
         }
@@ -177,7 +177,7 @@ fn every_format_says_what_it_lacks() {
 fn a_map_is_written_place_by_place() {
     let folder = fitted(true);
     let run = folder.run(&["map", "--fit", "fit.json", "--out", "m.csv", "--points", "4"]).ended(0);
-    assert!(run.out.starts_with("64 places, 100 % of them within reach; written to m.csv\n"), "{}", run.out);
+    assert!(run.out.starts_with("64 places, 100 % of them reachable; written to m.csv\n"), "{}", run.out);
     let places = columns(&folder, "m.csv", &["before", "after_95"]);
     let mean = |k: usize| (places.iter().map(|row| row[k].powi(2)).sum::<f64>() / 64.0).sqrt();
     assert!(mean(1) < 0.2 * mean(0) && mean(1) > 1e-5, "{} {}", mean(0), mean(1));

@@ -79,7 +79,7 @@ fn a_file_that_is_worse_than_nominal_is_refused() {
 }
 
 #[test]
-fn what_lies_beyond_the_data_is_said() {
+fn extrapolation_is_reported() {
     let folder = narrow();
     folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
     let head = folder.read("data.csv").lines().next().unwrap().to_string();
@@ -98,7 +98,7 @@ fn what_lies_beyond_the_data_is_said() {
     assert_eq!(flags, ["extrapolates", "0", "1", "1"]);
     // A fit of before says that it cannot tell, and a map says how much of it is not covered.
     let map = folder.run(&["map", "--fit", "fit.json", "--out", "m.csv", "--points", "4"]).ended(0);
-    assert!(map.out.contains("within the data of the fit"), "{}", map.out);
+    assert!(map.out.contains("within the range of the data of the fit"), "{}", map.out);
     // Out of reach is no command.
     folder.write("poses.csv", "x[m],y[m],z[m],target\n9,9,9,T1\n");
     folder.run(&["compensate", "--fit", "fit.json", "--poses", "poses.csv", "--out", "q.csv"]).ended(0);

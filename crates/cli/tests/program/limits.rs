@@ -30,7 +30,7 @@ fn busy() -> Folder {
 }
 
 #[test]
-fn an_interrupted_run_ends_within_a_second_and_says_what_it_had() {
+fn an_interrupted_run_ends_within_a_second_and_reports_its_findings() {
     for (signal, more) in [("-INT", &[][..]), ("-TERM", &["--json"])] {
         let folder = busy();
         let child = Command::new(env!("CARGO_BIN_EXE_truepose"))
@@ -50,7 +50,7 @@ fn an_interrupted_run_ends_within_a_second_and_says_what_it_had() {
         let out = String::from_utf8(output.stdout).unwrap();
         if more.is_empty() {
             assert!(
-                out.starts_with("INCOMPLETE: interrupted after ") && out.contains("Found so far: "),
+                out.starts_with("INCOMPLETE: interrupted after ") && out.contains("Findings so far: "),
                 "{out}"
             );
         } else {
@@ -81,7 +81,7 @@ fn limits_that_the_caller_sets_are_kept() {
 
 /// With few flips the first find comes soon, and whole runs in each of eight folds come after it.
 #[test]
-fn what_was_found_before_a_limit_is_kept_and_marked_as_incomplete() {
+fn findings_before_a_limit_are_kept_and_marked_as_incomplete() {
     let folder = busy();
     let run = |limit: &str| {
         let mut words: Vec<&str> = DISCOVER[..DISCOVER.len() - 2].to_vec();
@@ -90,17 +90,18 @@ fn what_was_found_before_a_limit_is_kept_and_marked_as_incomplete() {
     };
     // Machines differ: the first limit after which something was found.
     let limits = ["1s", "2s", "4s", "8s", "16s", "32s", "64s"];
-    let run = limits.into_iter().map(run).find(|run| !run.out.contains("nothing yet")).unwrap().ended(3);
+    let run =
+        limits.into_iter().map(run).find(|run| !run.out.contains("Findings so far: none")).unwrap().ended(3);
     assert!(run.out.starts_with("INCOMPLETE: "), "{}", run.out);
     assert!(run.log.contains("fit.json and page/discovery.json, marked as incomplete"), "{}", run.log);
     let json = |name: &str| -> serde_json::Value { serde_json::from_str(&folder.read(name)).unwrap() };
-    let (fit, ledger) = (json("fit.json"), json("page/discovery.json"));
-    assert!(ledger["incomplete"].as_str().unwrap().starts_with("the time limit was reached"), "{ledger}");
+    let (fit, result) = (json("fit.json"), json("page/discovery.json"));
+    assert!(result["incomplete"].as_str().unwrap().starts_with("the time limit was reached"), "{result}");
     // On a machine that came to the end of the search the finished run is shown as well, without its validation.
-    let finished = ledger["stopped"] != "interrupted";
+    let finished = result["stopped"] != "interrupted";
     assert_eq!(run.out.contains("on the held-out test set"), finished, "{}", run.out);
-    assert!(!ledger["effects"].as_array().unwrap().is_empty(), "{ledger}");
-    assert!(ledger["after"]["holdout"]["rms_mm"].as_f64() < ledger["before"]["holdout"]["rms_mm"].as_f64());
+    assert!(!result["effects"].as_array().unwrap().is_empty(), "{result}");
+    assert!(result["after"]["holdout"]["rms_mm"].as_f64() < result["before"]["holdout"]["rms_mm"].as_f64());
     assert_eq!(fit["provenance"]["incomplete"] == "the time limit was reached", !finished, "{fit}");
     assert!(folder.names().iter().all(|name| !name.starts_with(".truepose")), "{:?}", folder.names());
     // It is a fit like any other.

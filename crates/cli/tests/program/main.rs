@@ -22,3 +22,4 @@ mod report;
 mod round_trip;
 mod spoiled;
 mod stream;
+mod wording;

@@ -51,7 +51,7 @@ fn effects_and_solvers() {
 }
 
 #[test]
-fn check_says_what_was_understood() {
+fn check_lists_the_contents_of_files() {
     let run = Folder::empty()
         .run(&[
             "check",
@@ -68,7 +68,7 @@ fn check_says_what_was_understood() {
 }
 
 #[test]
-fn identify_says_what_was_found() {
+fn identify_reports_verdict_figures_and_groups() {
     let run = Folder::empty()
         .run(&[
             "identify",

@@ -39,7 +39,7 @@ fn the_answer_of_a_csv() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn what_is_wrong_is_reported() {
     let folder = corpus();
     let bytes = std::fs::read(folder.file("good.parquet")).unwrap();
     std::fs::write(folder.file("cut.parquet"), &bytes[..bytes.len() / 2]).unwrap();

@@ -52,31 +52,36 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
 }
 
 #[test]
-fn page_ledger_and_terminal_have_the_same_numbers() {
+fn page_json_and_terminal_have_the_same_numbers() {
     let folder = discovered("small", "j1");
     let same =
         ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--flips", "499"];
     let terminal = folder.run(&same).ended(0).out;
     let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
-    let ledger: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
-    assert_eq!(serde_json::from_str::<Value>(&json).unwrap(), ledger);
+    let result: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(&json).unwrap(), result);
 
     let page = folder.read("page/index.html");
-    let number = |pointer: &str| significant(ledger.pointer(pointer).unwrap().as_f64().unwrap(), 3);
+    let number = |pointer: &str| significant(result.pointer(pointer).unwrap().as_f64().unwrap(), 3);
     for pointer in ["/before/holdout/rms_mm", "/after/holdout/rms_mm"] {
         assert!(page.contains(&format!("<b>{}</b>", number(pointer))), "{pointer}");
         assert!(terminal.contains(&number(pointer)), "{pointer}");
     }
     // The terminal and the page form the same sentence of it.
-    let limit = match ledger.pointer("/noise_floor/source").and_then(Value::as_str) {
+    let limit = match result.pointer("/noise_floor/source").and_then(Value::as_str) {
         Some("repeats") => format!("Repeatability limit: {} mm", number("/noise_floor/rms_mm")),
         Some("stated") => format!("Repeatability limit: at least {} mm", number("/noise_floor/rms_mm")),
         _ => "Repeatability limit: unknown".to_owned(),
     };
     assert!(page.contains(&limit) && terminal.contains(&limit), "{limit}\n{terminal}");
-    let inside = format!("{} of", ledger.pointer("/specification/inside").unwrap());
+    // The noise per component is that of the fit, in mm: within a factor of two of the training residual over √3.
+    let noise = page.split_once("Dashed: noise of ").and_then(|(_, rest)| rest.split_once(" mm")).unwrap().0;
+    let ratio = noise.parse::<f64>().unwrap() * 3f64.sqrt()
+        / result.pointer("/after/train/rms_mm").unwrap().as_f64().unwrap();
+    assert!((0.5..2.0).contains(&ratio), "noise of {noise} mm per component");
+    let inside = format!("{} of", result.pointer("/specification/inside").unwrap());
     assert!(page.contains(&inside) && terminal.contains(&inside));
-    let effects = ledger["effects"].as_array().unwrap();
+    let effects = result["effects"].as_array().unwrap();
     assert!(!effects.is_empty(), "the wave was not found:\n{terminal}");
     for (k, effect) in effects.iter().enumerate() {
         let after = significant(effect["holdout_rms_mm"]["after"].as_f64().unwrap(), 3);
@@ -98,8 +103,8 @@ fn page_ledger_and_terminal_have_the_same_numbers() {
             assert!(page.contains(&words), "{words}");
             assert!(terminal.contains(&words) || first >= 4, "{words}");
         }
-        for (rival, first) in effect["alternatives"].as_array().unwrap().iter().zip(0..) {
-            let held_out = significant(rival["holdout_rms_mm"].as_f64().unwrap(), 3);
+        for (hypothesis, first) in effect["alternatives"].as_array().unwrap().iter().zip(0..) {
+            let held_out = significant(hypothesis["holdout_rms_mm"].as_f64().unwrap(), 3);
             assert!(page.contains(&format!("<td>{held_out}</td>")), "{held_out}");
             assert!(terminal.contains(&format!("({held_out} mm held out)")) || first >= 2, "{held_out}");
         }
@@ -110,7 +115,7 @@ fn page_ledger_and_terminal_have_the_same_numbers() {
 }
 
 #[test]
-fn page_json_and_terminal_have_the_same_shapes() {
+fn page_json_and_terminal_have_the_same_nonlinear_parameters() {
     let folder = discovered("small", "j1");
     let declared = |range: &str| {
         format!(
@@ -129,18 +134,22 @@ fn page_json_and_terminal_have_the_same_shapes() {
         assert_eq!(shape["cut"], serde_json::json!(cut), "{range}: {shape}");
         let number = |pointer: &str| significant(shape.pointer(pointer).unwrap().as_f64().unwrap(), 6);
         let (value, ends) = (number("/value"), format!("[{}, {}]", number("/ci95/0"), number("/ci95/1")));
-        let words = if cut[1] { "above, only its range ends" } else { "" };
+        let words = if cut[1] { "upper end limited by the search range" } else { "" };
         let line = format!(" period = {value} rad  {ends}  (effect 2, transmission)");
         assert!(terminal.contains(&line) && terminal.contains(words), "{line}\n{terminal}");
         let row = format!(
             "<tr><th scope=\"row\">period</th><td>{value}</td><td>{ends}</td><td>rad</td><td>effect 2, transmission</td>"
         );
         assert!(page.contains(&row) && page.contains(words), "{row}");
-        assert_eq!(page.contains("<th scope=\"col\">the interval</th>"), cut[1], "a column of nothing");
+        assert_eq!(
+            page.contains("<th scope=\"col\">limits of the interval</th>"),
+            cut[1],
+            "a column of nothing"
+        );
     }
     // Where nothing was looked for there is no table.
     folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--report", "plain"]).ended(0);
-    assert!(!folder.read("plain/index.html").contains("Found within their ranges"));
+    assert!(!folder.read("plain/index.html").contains("Nonlinear parameters"));
 }
 
 #[test]
@@ -186,16 +195,16 @@ fn names_are_shown_and_not_run() {
 }
 
 #[test]
-fn a_run_repeats_and_a_changed_file_is_told() {
+fn a_run_repeats_and_a_changed_file_is_detected() {
     let folder = discovered("small", "j1");
     let said = folder.run(&["verify", "page/run.json"]).ended(0).out;
-    assert!(said.contains("the same on repetition"), "{said}");
+    assert!(said.contains("reproduced"), "{said}");
     let before = folder.names();
 
-    let ledger = folder.read("page/discovery.json");
-    folder.write("page/discovery.json", &ledger.replacen("\"rows\": ", "\"rows\": 1", 1));
+    let result = folder.read("page/discovery.json");
+    folder.write("page/discovery.json", &result.replacen("\"rows\": ", "\"rows\": 1", 1));
     assert!(folder.run(&["verify", "page/run.json"]).ended(1).log.contains("was changed since the run"));
-    folder.write("page/discovery.json", &ledger);
+    folder.write("page/discovery.json", &result);
 
     let data = folder.read("data.csv");
     folder.write("data.csv", &format!("{data}\n"));

@@ -80,7 +80,7 @@ fn predictions_need_no_measured_columns() {
     for keep in [true, false] {
         folder.write("data.csv", &without(keep));
         let said = folder.run(PREDICT).ended(0).out;
-        assert!(!said.contains("against the measured"), "{said}");
+        assert!(!said.contains("error against the measured"), "{said}");
         assert_eq!(folder.read("predicted.csv"), whole, "columns {}", if keep { "empty" } else { "absent" });
     }
 }
@@ -127,10 +127,10 @@ fn results_go_to_stdout_and_the_log_to_stderr() {
 }
 
 #[test]
-fn a_locked_away_part_is_judged_and_then_used() {
+fn a_held_out_test_set_is_evaluated_and_then_used() {
     let folder = Folder::with_data();
     let run = folder.run(&[IDENTIFY, &["--holdout", "0.25", "--seed", "4"]].concat()).ended(0);
-    assert!(run.out.contains("locked away"), "{}", run.out);
+    assert!(run.out.contains(" test set: "), "{}", run.out);
     let fit: serde_json::Value = serde_json::from_str(&folder.read("fit.json")).unwrap();
     assert_eq!(fit["provenance"]["structure_frozen_then_all_rows"], true);
     assert_eq!(fit["provenance"]["rows"], 80);

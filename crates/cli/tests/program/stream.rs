@@ -42,7 +42,7 @@ fn a_fit_of_blocks_is_a_fit() {
 }
 
 #[test]
-fn what_cannot_be_done_in_blocks_is_said() {
+fn what_cannot_be_done_in_blocks_is_reported() {
     let refused = |more: &[&str]| {
         let words = identify(more);
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
@@ -51,5 +51,5 @@ fn what_cannot_be_done_in_blocks_is_said() {
     let log = refused(&["--stream", "--solver", "huber(qr)"]);
     assert!(log.contains("has to see all rows at once; read the data as a whole"), "{log}");
     assert!(refused(&["--stream", "--holdout", "0.2"]).contains("--holdout"));
-    assert!(refused(&["--stream", "--folds", "1"]).contains("one fold holds nothing out"));
+    assert!(refused(&["--stream", "--folds", "1"]).contains("one fold leaves no data to fit"));
 }

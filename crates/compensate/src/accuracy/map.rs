@@ -8,7 +8,7 @@
 //! On a grid of positions q_nominal is the nominal inverse kinematics; on a grid of joints x is where the nominal
 //! robot is, and the band is taken there.
 
-use super::band::{correction_helps, radius_95};
+use super::prediction_interval::{correction_helps, radius_95};
 use crate::command::{Status, Target, Values};
 use crate::{CompensateError, Compensator, CompensatorOptions};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -103,7 +103,7 @@ pub struct MapNode {
 }
 
 impl MapNode {
-    /// Whether the model was asked beyond what it was fitted on.
+    /// Whether the node is outside of the range of the data of the fit.
     pub fn extrapolates(&self) -> bool {
         !self.beyond.is_empty()
     }
@@ -140,7 +140,7 @@ impl AccuracyMap {
         self.reached().map(|node| node.after_95).fold(0.0, f64::max)
     }
 
-    /// Share of the nodes that can be reached.
+    /// Fraction of the nodes that can be reached.
     pub fn reachable(&self) -> f64 {
         self.reached().count() as f64 / f64::max(self.nodes.len() as f64, 1.0)
     }

@@ -1,4 +1,4 @@
-//! What comes in is looked at once: everything behind this may rely on numbers and lengths.
+//! Requests are checked once: all code behind this may rely on finite numbers and matching lengths.
 
 use super::Compensator;
 use crate::command::{Command, Extrapolation, MOST, Status, Target, Values};
@@ -52,7 +52,7 @@ impl Compensator<'_> {
         })
     }
 
-    /// Load, time, channels and approach of conditions that were looked at.
+    /// Load, time, channels and approach of conditions that were checked.
     pub(super) fn take_over(&mut self, conditions: &Conditions) {
         self.conditions.load = self.fitted.carried(conditions.load);
         self.conditions.time = conditions.time;
@@ -66,7 +66,7 @@ impl Compensator<'_> {
         }
     }
 
-    /// The answer to what cannot be asked: the seed, if it is one, within the limits; else the middle of the ranges.
+    /// The command for an invalid request: the seed, if it is one, within the limits; else the middle of the ranges.
     pub(super) fn refused(&self, seed: Option<&[f64]>) -> Command {
         let n = self.nominal.joints();
         let sound = seed.filter(|joints| joints.len() == n && joints.iter().all(|q| q.is_finite()));

@@ -11,14 +11,14 @@ use crate::task::Task;
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::TargetId;
 
-/// Rounds on the nominal robot from one start, and how near is near enough to go on with the exact model.
+/// Iterations on the nominal robot from one start, and the error below which the exact model takes over.
 const NOMINAL_ROUNDS: usize = 60;
 const NOMINAL_TOLERANCE: f64 = 1e-5;
 const WORTH_A_TRY: f64 = 1e-3;
 const NUDGE: f64 = 0.15;
 
 impl Compensator<'_> {
-    /// The joints for this task; `kept` is the orientation to keep where none is wanted.
+    /// The joints for this task; `kept` is the orientation to keep where none is requested.
     pub(super) fn find(
         &mut self,
         task: &Task,

@@ -1,14 +1,14 @@
 //! Many commands: those that can be computed side by side are, and the answers are the same as one after the other.
 
 use super::Compensator;
-use crate::command::{Command, Status, Wanted};
+use crate::command::{Command, CommandRequest, Status};
 use crate::lanes::{Block, WIDTH};
 use crate::options::Approach;
 
 impl Compensator<'_> {
     /// Commands for many desired poses, in their order, appended to `out`: what [`Compensator::command`] answers to each of
     /// them, to the last bit, in less time where the model allows it. Allocates only where `out` has no room.
-    pub fn commands(&mut self, wanted: &[Wanted<'_>], out: &mut Vec<Command>) {
+    pub fn commands(&mut self, wanted: &[CommandRequest<'_>], out: &mut Vec<Command>) {
         for some in wanted.chunks(WIDTH) {
             let (block, lanes) = self.together(some);
             for (one, lane) in some.iter().zip(lanes) {
@@ -23,8 +23,8 @@ impl Compensator<'_> {
         }
     }
 
-    /// The straight ways of those that have one, and where in the block each of them stands.
-    fn together(&mut self, wanted: &[Wanted<'_>]) -> (Block, [Option<usize>; WIDTH]) {
+    /// The requests that can be solved in a batch, and their places in the block.
+    fn together(&mut self, wanted: &[CommandRequest<'_>]) -> (Block, [Option<usize>; WIDTH]) {
         let (mut block, mut lanes) = (Block::empty(), [None; WIDTH]);
         if self.kernel.is_none() || self.options.approach != Approach::Stated {
             return (block, lanes);

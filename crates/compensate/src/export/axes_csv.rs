@@ -45,7 +45,7 @@ impl AxisTable {
         for line in statement {
             writeln!(out, "# {line}")?;
         }
-        writeln!(out, "# T = base · {product} of each joint · tool; a slide adds q to d")?;
+        writeln!(out, "# T = base · {product} of each joint · tool; a prismatic joint adds q to d")?;
         writeln!(out, "# base and tool: x y z, then roll, pitch, yaw about the fixed axes x, y, z")?;
         writeln!(
             out,

@@ -1,4 +1,4 @@
-//! Three robots held against the same positions: the nominal one, the one of the file, and the fitted model.
+//! Three robots compared at the same positions: the nominal one, the one of the file, and the fitted model.
 //!
 //! ```text
 //! as written   RMS_i |y_i − T(q_i) p_τ|
@@ -16,7 +16,7 @@ use crate::exported_accuracy::Accuracy;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_kinematics::{Chain, Pose, TargetId, rotation_vector, skew};
 
-/// What an export is worth beside the nominal robot and the model.
+/// Accuracy of an export beside the nominal robot and the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     /// The robot as it was described (where base, tool and targets were unknown: as they were first found).
@@ -33,7 +33,7 @@ pub struct Comparison {
     pub measured: bool,
 }
 
-/// Differences below this, m, and below this share, are rounding.
+/// Differences below this, m, and below this fraction, are rounding.
 const SAME: f64 = 1e-9;
 
 impl Comparison {
@@ -53,7 +53,7 @@ impl Comparison {
             (true, Some(all)) => format!("measured positions ({} of the fit's {all})", self.rows),
             (false, Some(_)) => format!("the full model at {} configurations of the fit", self.rows),
             (_, None) => format!(
-                "the full model at {} configurations spread over its ranges (the fit file holds no measured ones: fit again for the robot's own)",
+                "the full model at {} configurations spread over its ranges (the fit file holds no measured ones: fit again to include them)",
                 self.rows
             ),
         };

@@ -14,10 +14,10 @@
 //! of a DH or MDH row become origin and axis z.
 
 use super::comparison::of_chain;
-use super::left::{Exported, judged, not_constant};
 use super::options::ExportOptions;
 use super::project::project;
 use super::reference::Reference;
+use super::remaining::{Exported, judged, not_constant};
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::{Emission, FittedModel, GeneralizedErrors, error_matrix};
@@ -42,8 +42,8 @@ pub fn corrected_chain(
         constants = project(fitted.chain(), &reference, &constants, None)?.constants;
     }
     let chain = with_errors(fitted.chain(), &constants)?;
-    let (error_left, comparison) = judged(fitted, &reference, |row| of_chain(&chain, row))?;
-    Ok(Exported { value: chain, left_out, error_left, comparison })
+    let (remaining_error, comparison) = judged(fitted, &reference, |row| of_chain(&chain, row))?;
+    Ok(Exported { value: chain, left_out, remaining_error, comparison })
 }
 
 /// The sum of all effects that are constant generalized errors and nothing else.

@@ -1,6 +1,6 @@
 //! The fitted model in forms that other controllers take: values here, files elsewhere.
 //!
-//! Each export says what it cannot carry, which error is left without it, and what it is worth beside the nominal robot; one that is
+//! Each export states what it cannot carry, the remaining error, and its accuracy beside the nominal robot; one that is
 //! worse is refused.
 
 mod axes_csv;
@@ -8,11 +8,11 @@ mod comparison;
 mod error_tables;
 mod geometry;
 mod iso230;
-mod left;
 mod options;
 mod origins;
 mod project;
 mod reference;
+mod remaining;
 mod ros;
 mod table;
 mod tables;
@@ -21,8 +21,8 @@ pub use axes_csv::AxisConvention;
 pub use comparison::Comparison;
 pub use error_tables::{ErrorTable, ErrorTables};
 pub use geometry::corrected_chain;
-pub use left::{ErrorLeft, Exported};
 pub use options::{ExportOptions, middle_conditions};
 pub use origins::{JointOrigin, JointOrigins, joint_origins};
+pub use remaining::{Exported, RemainingError};
 pub use table::{AxisLink, AxisRow, AxisTable, AxisTableOptions, axis_table};
 pub use tables::error_tables;

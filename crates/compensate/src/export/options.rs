@@ -3,7 +3,7 @@
 use truepose_errormodel::{Domain, FittedModel, Interval};
 use truepose_kinematics::{Chain, Conditions, TargetId};
 
-/// Under which conditions, and where, an export is held against the model.
+/// Under which conditions, and where, an export is compared with the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportOptions {
     /// Load, time, approach and channels (in the order of the fit's); joints are not read. None takes those of the fit's rows;
@@ -35,7 +35,7 @@ pub fn middle_conditions(fitted: &FittedModel) -> Conditions {
     conditions
 }
 
-/// Time and channels at a share of their ranges.
+/// Time and channels at a fraction of their ranges.
 pub(super) fn within(domain: &Domain, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
     let at = |range: &Interval, k: usize| range.lower + (range.upper - range.lower) * share(k);
     conditions.time = domain.time.as_ref().map_or(0.0, |range| at(range, 0));

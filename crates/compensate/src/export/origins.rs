@@ -10,12 +10,12 @@
 //! | origin | `joints` | pose | m | of the joint in the frame of the one before, at q = 0 |
 //! | tool | `tool` | pose | m | of the tool in the last joint's frame |
 //!
-//! Where the base's place was not known beforehand, `E_0` says where the robot stands and not how it is made: it then is in
+//! Where the base's place was not known beforehand, `E_0` is the installation of the robot and not an error of the arm: it then is in
 //! `base`.
 
 use super::geometry::corrected_chain;
-use super::left::Exported;
 use super::options::ExportOptions;
+use super::remaining::Exported;
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::FittedModel;
@@ -80,7 +80,7 @@ pub fn joint_origins(
     fitted: &FittedModel,
     options: &ExportOptions,
 ) -> Result<Exported<JointOrigins>, CompensateError> {
-    let Exported { value: chain, left_out, error_left, comparison } = corrected_chain(fitted, options)?;
+    let Exported { value: chain, left_out, remaining_error, comparison } = corrected_chain(fitted, options)?;
     let declared = fitted.chain().base();
     let (base, mut before) = if declared.known {
         (declared.pose, declared.pose.inverse() * chain.base().pose)
@@ -103,5 +103,5 @@ pub fn joint_origins(
     }
     let targets = chain.targets().iter().map(|target| target.position).collect();
     let value = JointOrigins { base, joints, tool: chain.tool().pose, targets };
-    Ok(Exported { value, left_out, error_left, comparison })
+    Ok(Exported { value, left_out, remaining_error, comparison })
 }

@@ -11,7 +11,7 @@
 //! | t_j | tables of joint j | sites | m, rad | none for files of constants alone |
 //! | x⁰ | start | | m, rad, 1 | constants of the fit itself, factors of one |
 //!
-//! Effects with a mean (a gear's cosine, a joint's compliance under its own weight) share it with the constants beside them: the constants
+//! Effects with a mean (a transmission error's cosine, a joint's compliance under its own weight) share it with the constants beside them: the constants
 //! alone, cut out, may be worse than nominal. The logarithms are least squares with both variances estimated. Levenberg and Marquardt's
 //! method with the exact error Jacobian, in expected sizes of the constants, so that directions which the configurations do not fix stay
 //! where the fit has them.
@@ -27,14 +27,14 @@ use truepose_kinematics::{Chain, PostureBuffer, Site, rotation_log};
 
 /// A file carries the tool and not the targets: what moves all of them alike belongs to the tool.
 const OF_A_TARGET: f64 = 0.1;
-/// What is left below this, m and rad, is rounding to every instrument.
+/// What is left below this, m and rad, is below the resolution of any instrument.
 const NEGLIGIBLE: f64 = 1e-6;
 const ROUNDS: usize = 300;
 /// The first step may go some ten expected sizes in a direction that one row fixes as well as all others do.
 const DAMPING: f64 = 1e-2;
 /// Smallest damping, of the largest diagonal: what double precision can solve.
 const LEAST_DAMPING: f64 = 1e-12;
-/// Steps that make the squares smaller by less than this share, three in a row, are the last ones.
+/// Steps that make the squares smaller by less than this fraction, three in a row, are the last ones.
 const FLAT: f64 = 1e-7;
 
 /// What a file carries.

@@ -1,4 +1,4 @@
-//! The configurations at which an export is held against the model and the measurements.
+//! The configurations at which an export is compared with the model and the measurements.
 //!
 //! Those that the robot visited, where the fit holds them: then load, time, channels and approach are those of each row, and what was
 //! measured is there. Else configurations spread over the joints' ranges (those of the fit's domain where it has one).
@@ -42,7 +42,7 @@ impl Reference {
     }
 }
 
-/// The rows of the fit; none where it holds none, or other conditions are asked for.
+/// The rows of the fit; none where it holds none, or other conditions are requested.
 fn visited(fitted: &FittedModel, options: &ExportOptions) -> Result<Option<Vec<Row>>, CompensateError> {
     let sample = &fitted.domain.sample;
     if options.conditions.is_some() || sample.bound(fitted.model()).is_none() {
@@ -94,7 +94,7 @@ fn made_up(fitted: &FittedModel, options: &ExportOptions) -> Result<Vec<Row>, Co
     Ok(rows)
 }
 
-/// Everything but the joints somewhere in the domain: sides and loads by number, the rest by share.
+/// Everything but the joints somewhere in the domain: sides and loads by number, the rest by fraction.
 fn spread(domain: &Domain, i: usize, conditions: &mut Conditions, share: impl Fn(usize) -> f64) {
     for (k, side) in conditions.approach.iter_mut().enumerate() {
         // Bits of a hashed number: any combination of sides.

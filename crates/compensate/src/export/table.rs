@@ -16,10 +16,10 @@
 
 use super::comparison::of_chain;
 use super::geometry::{corrected_chain, split};
-use super::left::{Exported, judged};
 use super::options::ExportOptions;
 use super::origins::placed;
 use super::reference::Reference;
+use super::remaining::{Exported, judged};
 use crate::CompensateError;
 use nalgebra::{Rotation3, Unit, Vector3};
 use truepose_errormodel::FittedModel;
@@ -144,8 +144,8 @@ pub fn axis_table(
     let table = table_of(chain, allow)?;
     let read_back = table.to_chain(chain)?;
     let reference = Reference::of(fitted, options)?;
-    let (error_left, comparison) = judged(fitted, &reference, |row| of_chain(&read_back, row))?;
-    Ok(Exported { value: table, left_out: exported.left_out, error_left, comparison })
+    let (remaining_error, comparison) = judged(fitted, &reference, |row| of_chain(&read_back, row))?;
+    Ok(Exported { value: table, left_out: exported.left_out, remaining_error, comparison })
 }
 
 fn table_of(chain: &Chain, allow: &AxisTableOptions) -> Result<AxisTable, CompensateError> {

@@ -12,7 +12,7 @@
 //!
 //! ISO 230-1 has six errors an axis (EXX, EYX, …, ECX for X), all of its own carriage; here a joint has a column for
 //! every component that moves with it, wherever it sits. What two joints do together is not in the sum: the error left
-//! says how much that is. Between the entries one interpolates linearly.
+//! states how much that is. Between the entries one interpolates linearly.
 //!
 //! The constants, and one factor for each joint's table, are then those that come nearest to the whole model at the configurations of
 //! the fit: with all factors zero these are the constants alone, so that tables are never worse there.
@@ -20,10 +20,10 @@
 use super::comparison::of_chain;
 use super::error_tables::{ErrorTable, ErrorTables};
 use super::geometry::with_errors;
-use super::left::{Exported, judged};
 use super::options::{ExportOptions, ranges, table_conditions};
 use super::project::project;
 use super::reference::Reference;
+use super::remaining::{Exported, judged};
 use crate::CompensateError;
 use crate::accuracy::everything;
 use truepose_errormodel::FittedModel;
@@ -35,7 +35,7 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// Tables with so many entries a joint.
 ///
 /// # Errors
-/// When the conditions do not fit the model, or fewer than two or more than 100 000 entries are asked for.
+/// When the conditions do not fit the model, or fewer than two or more than 100 000 entries are requested.
 pub fn error_tables(
     fitted: &FittedModel,
     options: &ExportOptions,
@@ -101,12 +101,12 @@ pub fn error_tables(
     if let Some(error) = broken {
         return Err(error);
     }
-    let (error_left, comparison) = found?;
+    let (remaining_error, comparison) = found?;
     let mut left_out: Vec<&'static str> = Vec::new();
     for effect in fitted.model().effects() {
         if !effect.needs().is_empty() && !left_out.contains(&effect.kind()) {
             left_out.push(effect.kind());
         }
     }
-    Ok(Exported { value, left_out, error_left, comparison })
+    Ok(Exported { value, left_out, remaining_error, comparison })
 }

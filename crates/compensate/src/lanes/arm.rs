@@ -1,4 +1,4 @@
-//! The arm's factors multiplied out for several commands at once, and what hangs on them.
+//! The arm's factors multiplied out for several commands at once, and what depends on them.
 //!
 //! ```text
 //! S_j = Σ_{k ≥ j} m_k c_k,   m_j = Σ_{k ≥ j} m_k            links and payload beyond joint j
@@ -8,7 +8,7 @@
 //! | symbol | here | unit | frame |
 //! | --- | --- | --- | --- |
 //! | c_k | [`Place::points`] of masses | m | measurement: centre of link k |
-//! | z_j, o_j | `directions`, `points` of springs | 1, m | measurement: where `Posture::joint_load` takes the load |
+//! | z_j, o_j | `directions`, `points` of compliances | 1, m | measurement: where `Posture::joint_load` takes the load |
 
 use super::vector::{Space, Wide};
 use super::{Hung, Kernel, LINKS};
@@ -46,7 +46,7 @@ impl<S: Simd> Place<S> {
         }
     }
 
-    /// Moves there, as [`Arm::reach`]; marks are left behind where nobody asks for them.
+    /// Moves there, as [`Arm::reach`]; marks are not computed where they are not needed.
     #[inline(always)]
     pub fn reach(
         &mut self,
@@ -130,7 +130,7 @@ impl<S: Simd> Place<S> {
         x.times_plus(of.x, y.times_plus(of.y, z.times_plus(of.z, self.at)))
     }
 
-    /// What every spring yields under its load, added to the errors, which are the constant ones before, and to how far its
+    /// Deflection of every compliance under its load, added to the errors, which are the constant ones before, and to how far its
     /// joint has moved by that (rad or m, each joint that moves).
     #[inline(always)]
     pub fn yields(

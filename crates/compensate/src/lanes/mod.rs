@@ -1,8 +1,8 @@
-//! Commands side by side, one a lane of the processor's vectors, for models that can be asked that way.
+//! Commands side by side, one a lane of the processor's vectors, for models that support batch evaluation.
 //!
-//! Models of constant errors and of joints that yield in proportion to what they carry ([`truepose_errormodel::Effect::springs`]), on arms of six joints:
-//! position and orientation are wanted, and a seed is near. Everything else, and whoever leaves the straight way, is sought on its own.
-//! The result is that of the exact model, held against it in the last round, and does not depend on the neighbours.
+//! Models of constant errors and of joint compliances ([`truepose_errormodel::Effect::compliances`]), on arms of six joints:
+//! position and orientation are requested, and a seed is near. All other commands, and those that leave the regular iteration, are solved singly.
+//! The result is that of the exact model, verified with it in the last iteration, and does not depend on the neighbours.
 
 mod arm;
 mod newton;
@@ -25,12 +25,12 @@ use truepose_kinematics::{FrameId, GravityFrame, JointId, JointKind, Load};
 
 /// Commands in a block: as many as the widest vectors have lanes.
 pub(crate) const WIDTH: usize = 8;
-/// Most joints, fixed ones included, and most springs.
+/// Most joints, fixed ones included, and most compliances.
 const LINKS: usize = 12;
 /// Most generalized errors of frames.
 const SITES: usize = 6 * (LINKS + 2);
 
-/// A joint that yields.
+/// A joint compliance.
 #[derive(Debug, Clone)]
 struct Spring {
     slides: bool,
@@ -38,7 +38,7 @@ struct Spring {
     compliance: f64,
     /// Of the joint, among those that move.
     coordinate: usize,
-    /// Where that shows: generalized error, and its share of the motion.
+    /// Where that shows: generalized error, and its part of the motion.
     sites: [(usize, f64); 3],
     count: usize,
 }
@@ -56,7 +56,7 @@ enum Hung {
     Spring { mark: usize, spring: usize },
 }
 
-/// A model that can be asked for several commands at once.
+/// A model that supports batch evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernel {
     arch: Arch,
@@ -66,7 +66,7 @@ pub(crate) struct Kernel {
     constant: Vec<f64>,
     springs: Vec<Spring>,
     hung: Vec<Hung>,
-    /// Which of them springs move.
+    /// Which of them compliances move.
     moving: Vec<usize>,
     /// Of the nominal posture, and of the robot that stands where it stands; measurement frame, m/s².
     gravity: [[f64; 3]; 2],
@@ -77,7 +77,7 @@ pub(crate) struct Kernel {
     orientation_tolerance: f64,
 }
 
-/// What is asked, and what is answered: one number a command.
+/// Requests and results, one number for each command.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     count: usize,
@@ -98,7 +98,7 @@ pub(crate) struct Block {
 }
 
 impl Kernel {
-    /// None for models that have to be asked one posture at a time. `constant` are the errors that are the same everywhere, in the
+    /// None for models that have to be evaluated one posture at a time. `constant` are the errors that are the same everywhere, in the
     /// order of `Chain::site_index`.
     pub fn of(
         fitted: &FittedModel,
@@ -121,7 +121,7 @@ impl Kernel {
         let mut moves = vec![false; frames];
         let mut yielding: Vec<(JointId, Spring)> = Vec::new();
         for k in (0..model.effects().len()).filter(|&k| !model.is_constant(k)) {
-            let joints = model.effects()[k].springs(chain)?;
+            let joints = model.effects()[k].compliances(chain)?;
             for (column, joint) in model.columns_of(k).zip(joints) {
                 let compliance = fitted.coefficients()[column];
                 if compliance == 0.0 {
@@ -208,7 +208,7 @@ impl Block {
         }
     }
 
-    /// Takes in one more; its place, or none when it cannot be asked this way. `point` is the real point of the tool.
+    /// Takes in one more; its place, or none when it cannot be solved in a batch. `point` is the real point of the tool.
     pub fn push(
         &mut self,
         task: &Task,
@@ -238,7 +238,7 @@ impl Block {
         Some(lane)
     }
 
-    /// Lanes that nobody asked for do what the first one does.
+    /// Unused lanes repeat the first one.
     fn fill_up(&mut self) {
         let count = self.count;
         let fill = |row: &mut [f64; WIDTH]| {
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn who_can_be_asked_side_by_side() {
+    fn models_that_support_batch_evaluation() {
         for chain in samples::all() {
             let can = kernel(&chain, elastic()).is_some();
             assert_eq!(can, chain.movable().len() == 6, "{}", chain.name());
@@ -305,7 +305,7 @@ mod tests {
         assert!(kernel(&samples::ur10(), more).is_none());
     }
 
-    /// The gap that is told is the exact model's own.
+    /// The error that is returned is the exact model's own.
     #[test]
     fn the_last_round_is_the_exact_model() {
         let (chain, load) = (samples::heavy(), Payload { mass: 80.0, com: Vector3::new(0.1, 0.0, 0.2) });

@@ -1,13 +1,13 @@
 //! Newton's walk of several commands at once: the straight way, which nearly all of them take.
 //!
 //! ```text
-//! rounds 1, 2   the robot as the round before bent it (1: not at all), what yields there: δ       x ← x + J⁻¹ e − (δ − δ_before)
-//! from 3        the exact model: weights follow deflections as often as it says               there? x ← x + J⁻¹ e, J of round 2
+//! rounds 1, 2   the robot as deflected in the iteration before (1: not at all), its deflections δ       x ← x + J⁻¹ e − (δ − δ_before)
+//! from 3        the exact model: weights follow deflections as often as specified               there? x ← x + J⁻¹ e, J of round 2
 //! ```
 //!
-//! A joint that yields by δ is a joint that was sent δ further, up to second order. The first rounds only have to lead near; what counts is
-//! that the last one is held against the exact model. Where nothing yields every round is exact. A lane leaves when it began too far away,
-//! a step is long or would leave the limits, or a round does not take off a factor of four: its command is then sought on its own.
+//! A deflection δ equals a command that is larger by δ, up to second order. The first iterations only have to come near; accuracy requires
+//! that the last one is verified with the exact model. Without compliance every iteration is exact. A lane leaves when it began too far away,
+//! a step is long or would leave the limits, or an iteration does not reduce the error by a factor of four: its command is then solved singly.
 //!
 //! Loops are written out: what a closure or an adapter of the standard library calls is not compiled for the processor's vectors.
 
@@ -23,9 +23,9 @@ use crate::search::NEAR;
 use crate::step::LARGEST;
 use pulp::{Simd, WithSimd};
 
-/// Rounds after which a lane leaves.
+/// Iterations after which a lane leaves.
 const ROUNDS: usize = 8;
-/// Rounds on an approximate model, where something yields.
+/// Iterations on an approximate model, where there is compliance.
 const ROUGH: usize = 2;
 /// How often the exact model weighs: the nominal posture, and where that leads, as often as `Rest` does.
 const EXACT: usize = 3;

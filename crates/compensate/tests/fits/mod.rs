@@ -55,7 +55,7 @@ pub fn elastic(chain: &Chain, seed: u64) -> FittedModel {
 }
 
 /// The first joint that turns has play: half of it to either side of its approach.
-pub fn with_play(chain: &Chain, joint: JointId, half: f64) -> FittedModel {
+pub fn with_backlash(chain: &Chain, joint: JointId, half: f64) -> FittedModel {
     let factors = vec![Factor { of: Input::Approach(joint), basis: Basis::Powers(vec![1]) }];
     let effect = Expansion { at: Place::Motion { joint }, factors };
     let model = ErrorModel::new(chain.clone(), vec![Box::new(effect)]).expect("a model");

@@ -1,6 +1,7 @@
 //! The direction in which each joint last moved, derived from the order of the visits.
 
-use super::{Dataset, Visits};
+use super::table::Dataset;
+use super::visits::Visits;
 
 /// No joint moves by less than this, rad or m, whatever tolerance is asked for.
 const LEAST: f64 = 1e-9;

@@ -9,7 +9,8 @@
 //! Its name is the channel's with the lag in seconds: `temperature~lag=600`. Effects have no memory: history is a column, made
 //! by this formula at fit time and wherever a fit is used.
 
-use super::{Channel, Dataset};
+use super::schema::Channel;
+use super::table::Dataset;
 
 /// What stands between a channel's name and its lag.
 pub(super) const LATE: &str = "~lag=";

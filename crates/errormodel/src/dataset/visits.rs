@@ -3,8 +3,8 @@
 //! Rows of one standstill share its repeatability; visits of one configuration and load are repeats of each
 //! other. Splits and folds never cut the former and never part the latter.
 
-use super::Dataset;
-use super::dwell::same_load;
+use super::matching::same_load;
+use super::table::Dataset;
 use std::collections::HashMap;
 
 /// The rows of each visit, in order of first appearance.
@@ -87,18 +87,6 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
                 first.push(row);
                 first.len() - 1
             })
-        })
-        .collect()
-}
-
-/// Any labels as indices 0… in order of first appearance.
-pub(super) fn renumbered(labels: &[usize]) -> Vec<usize> {
-    let mut seen: HashMap<usize, usize> = HashMap::new();
-    labels
-        .iter()
-        .map(|&label| {
-            let next = seen.len();
-            *seen.entry(label).or_insert(next)
         })
         .collect()
 }

@@ -16,9 +16,9 @@
 //! τ_f is its shape where `flank_range` is given. Source: Nordin and Gutman, *Controlling mechanical systems with
 //! backlash – a survey* (2002), section 2.
 
+use super::checks::{joint_moves, refused};
 use super::travel::{free, positive};
-use super::{joint_moves, refused};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
@@ -68,11 +68,11 @@ impl Backlash {
 }
 
 impl Effect for Backlash {
-    const KIND: &'static str = "backlash";
+    const FAMILY: &'static str = "backlash";
     const ABOUT: &'static str =
         "play: joint error that switches with the direction of approach or of the load";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         self.side != Side::Approach
     }
 
@@ -102,25 +102,26 @@ impl Effect for Backlash {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        joint_moves(Self::KIND, self.joint, chain)?;
+        joint_moves(Self::FAMILY, self.joint, chain)?;
         match self.flank_load {
-            Some(_) if self.side == Side::Approach => {
-                Err(refused(Self::KIND, "`flank_load` belongs to the sides `load` and `load_then_approach`"))
-            }
-            Some(load) => positive(Self::KIND, "flank_load", load, self.flank_range),
+            Some(_) if self.side == Side::Approach => Err(refused(
+                Self::FAMILY,
+                "`flank_load` belongs to the sides `load` and `load_then_approach`",
+            )),
+            Some(load) => positive(Self::FAMILY, "flank_load", load, self.flank_range),
             None if self.flank_range.is_some() => {
-                Err(refused(Self::KIND, "`flank_range` stands without `flank_load`"))
+                Err(refused(Self::FAMILY, "`flank_range` stands without `flank_load`"))
             }
             None => Ok(()),
         }
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         let shape = |load| free("flank_load", "N*m or N", load, self.flank_range, Search::Smooth);
         self.flank_load.map_or_else(Vec::new, shape)
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         Backlash { flank_load: values.first().copied().or(self.flank_load), ..self.clone() }
     }
 }

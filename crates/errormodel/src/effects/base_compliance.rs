@@ -65,7 +65,7 @@ fn vertical(up: &Vector3<f64>) -> usize {
 }
 
 impl Effect for BaseCompliance {
-    const KIND: &'static str = "base_compliance";
+    const FAMILY: &'static str = "base_compliance";
     const ABOUT: &'static str = "the base tilts and sinks under the load that it carries";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {

@@ -7,8 +7,9 @@
 //! x is q_d mapped from `range` (its limits when absent; q̄ their middle) to [−1, 1], T_k are Chebyshev's polynomials,
 //! which hold their end values outside. c_1 is a ratio: rad or m of this joint a unit of the driving one.
 
+use super::checks::{joint_moves, refused};
+use super::expansion::Basis;
 use super::travel::{ascending, travel};
-use super::{Basis, joint_moves, refused};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -46,11 +47,11 @@ impl Coupling {
 }
 
 impl Effect for Coupling {
-    const KIND: &'static str = "coupling";
+    const FAMILY: &'static str = "coupling";
     const ABOUT: &'static str =
         "joint error that depends on another joint's position, in proportion or smoothly";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -93,10 +94,10 @@ impl Effect for Coupling {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        joint_moves(Self::KIND, self.joint, chain)?;
-        joint_moves(Self::KIND, self.driver, chain)?;
-        ascending(Self::KIND, "range", self.range)?;
-        let refuse = |reason: &str| Err(refused(Self::KIND, reason));
+        joint_moves(Self::FAMILY, self.joint, chain)?;
+        joint_moves(Self::FAMILY, self.driver, chain)?;
+        ascending(Self::FAMILY, "range", self.range)?;
+        let refuse = |reason: &str| Err(refused(Self::FAMILY, reason));
         if self.joint == self.driver {
             return refuse(
                 "`joint` and `driver` are the same; an error by the joint's own motion is a `transmission`",

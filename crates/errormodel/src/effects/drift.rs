@@ -7,9 +7,11 @@
 //! What warms up or settles comes to rest: with a time constant τ it is `ε(t) = c (1 − exp(−(t − t_0)/τ))`, one unknown a
 //! component. τ is its shape where `time_constant_range` is given.
 
+use super::checks::refused;
+use super::expansion::Basis;
+use super::spot::Spot;
 use super::travel::{ascending, free, positive};
-use super::{Basis, Spot};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
 
@@ -58,10 +60,10 @@ impl Drift {
 }
 
 impl Effect for Drift {
-    const KIND: &'static str = "drift";
+    const FAMILY: &'static str = "drift";
     const ABOUT: &'static str = "base, tool or a joint moves smoothly with time";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -99,26 +101,26 @@ impl Effect for Drift {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        self.spot.check(Self::KIND, self.components.as_deref(), chain)?;
-        ascending(Self::KIND, "range", Some(self.range))?;
+        self.spot.check(Self::FAMILY, self.components.as_deref(), chain)?;
+        ascending(Self::FAMILY, "range", Some(self.range))?;
         match self.time_constant {
-            Some(constant) => positive(Self::KIND, "time_constant", constant, self.time_constant_range)?,
+            Some(constant) => positive(Self::FAMILY, "time_constant", constant, self.time_constant_range)?,
             None if self.time_constant_range.is_some() => {
                 let reason = "`time_constant_range` stands without `time_constant`";
-                return Err(super::refused(Self::KIND, reason));
+                return Err(refused(Self::FAMILY, reason));
             }
             None => {}
         }
-        self.basis().check().map_err(|reason| super::refused(Self::KIND, reason))
+        self.basis().check().map_err(|reason| refused(Self::FAMILY, reason))
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         let range = self.time_constant_range;
         self.time_constant
             .map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range, Search::Smooth))
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         Drift { time_constant: values.first().copied().or(self.time_constant), ..self.clone() }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `ε_i = c`, one unknown a site.
 
-use super::{frame_exists, target_exists};
+use super::checks::{frame_exists, target_exists};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, UNBOUNDED};
 use serde::{Deserialize, Serialize};
@@ -73,10 +73,10 @@ impl Geometric {
 }
 
 impl Effect for Geometric {
-    const KIND: &'static str = "geometric";
+    const FAMILY: &'static str = "geometric";
     const ABOUT: &'static str = "constant generalized errors of frames and targets";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -117,12 +117,12 @@ impl Effect for Geometric {
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         for place in self.frames.iter().flatten() {
             match place {
-                Where::Frame(frame) => frame_exists(Self::KIND, *frame, chain)?,
-                Where::Targets(AllTargets::All) => target_exists(Self::KIND, TargetId(0), chain)?,
+                Where::Frame(frame) => frame_exists(Self::FAMILY, *frame, chain)?,
+                Where::Targets(AllTargets::All) => target_exists(Self::FAMILY, TargetId(0), chain)?,
             }
         }
         let refused_for =
-            |reason: &str| ModelError::Parameters { kind: Self::KIND.into(), reason: reason.into() };
+            |reason: &str| ModelError::Parameters { kind: Self::FAMILY.into(), reason: reason.into() };
         if self.frames.as_ref().is_some_and(Vec::is_empty) {
             return Err(refused_for("`frames` is empty; leave it out for all frames"));
         }

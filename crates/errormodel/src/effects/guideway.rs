@@ -8,11 +8,12 @@
 //! A screw of lead P adds `c_s sin(2πq/P) + c_c cos(2πq/P)` along the axis; the lead is its shape where `screw_range` is
 //! given. Source: Slocum, *Precision Machine Design*, section 2.3.
 
+use super::checks::{joint_moves, refused};
+use super::expansion::Basis;
 use super::spot::distinct;
 use super::travel::{ascending, free, positive, travel};
-use super::{Basis, joint_moves, refused};
 use crate::lanes::{LANES, LaneEmission, LanePosture};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
@@ -61,10 +62,10 @@ impl Guideway {
 }
 
 impl Effect for Guideway {
-    const KIND: &'static str = "guideway";
+    const FAMILY: &'static str = "guideway";
     const ABOUT: &'static str = "straightness, positioning, pitch, yaw and roll of a slide over its travel";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -136,31 +137,34 @@ impl Effect for Guideway {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        joint_moves(Self::KIND, self.joint, chain)?;
+        joint_moves(Self::FAMILY, self.joint, chain)?;
         if chain.joint(self.joint).kind != JointKind::Prismatic {
             let name = &chain.joint(self.joint).name;
-            return Err(refused(Self::KIND, format!("joint `{name}` turns; a guideway belongs to a slide")));
+            return Err(refused(
+                Self::FAMILY,
+                format!("joint `{name}` turns; a guideway belongs to a slide"),
+            ));
         }
         if let Some(list) = &self.components {
-            distinct(Self::KIND, list)?;
+            distinct(Self::FAMILY, list)?;
         }
-        ascending(Self::KIND, "range", self.range)?;
+        ascending(Self::FAMILY, "range", self.range)?;
         match self.screw {
-            Some(lead) => positive(Self::KIND, "screw", lead, self.screw_range)?,
+            Some(lead) => positive(Self::FAMILY, "screw", lead, self.screw_range)?,
             None if self.screw_range.is_some() => {
-                return Err(refused(Self::KIND, "`screw_range` stands without `screw`"));
+                return Err(refused(Self::FAMILY, "`screw_range` stands without `screw`"));
             }
             None => {}
         }
-        self.basis(chain).check().map_err(|reason| refused(Self::KIND, reason))
+        self.basis(chain).check().map_err(|reason| refused(Self::FAMILY, reason))
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         let search = Search::Period(self.joint, 1);
         self.screw.map_or_else(Vec::new, |lead| free("screw", "m", lead, self.screw_range, search))
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         Guideway { screw: values.first().copied().or(self.screw), ..self.clone() }
     }
 }

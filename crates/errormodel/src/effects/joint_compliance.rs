@@ -17,8 +17,9 @@
 //! The part of h_k along axis k does not turn with joint k: it belongs to the link in front, so that two numbers a turning
 //! link are all there is. A slide k has `q_k (a_k × g)` with its mass, and a slide j that yields, `a_j · g`.
 
+use super::checks::{joint_moves, listed_once, refused};
 use super::geometric::EXPECTED_ANGLE;
-use super::{OwnWeight, joint_moves, listed_once, refused};
+use super::link_compliance::OwnWeight;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
@@ -87,7 +88,7 @@ fn across(joint: &Joint) -> [Vector3<f64>; 2] {
 }
 
 impl Effect for JointCompliance {
-    const KIND: &'static str = "joint_compliance";
+    const FAMILY: &'static str = "joint_compliance";
     const ABOUT: &'static str = "a joint yields in proportion to the load about (along) its axis";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
@@ -157,18 +158,18 @@ impl Effect for JointCompliance {
         true
     }
 
-    fn springs(&self, chain: &Chain) -> Option<Vec<JointId>> {
+    fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
         (self.own_weight == OwnWeight::Declared).then(|| self.joints(chain).to_vec())
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         for &joint in self.joints.iter().flatten() {
-            joint_moves(Self::KIND, joint, chain)?;
+            joint_moves(Self::FAMILY, joint, chain)?;
         }
         if self.links == 0 {
-            return Err(refused(Self::KIND, "`links` counts the joint's own: it is 1 or more"));
+            return Err(refused(Self::FAMILY, "`links` counts the joint's own: it is 1 or more"));
         }
-        listed_once(Self::KIND, self.joints.as_deref(), chain)
+        listed_once(Self::FAMILY, self.joints.as_deref(), chain)
     }
 }
 

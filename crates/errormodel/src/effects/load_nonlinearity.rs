@@ -16,9 +16,9 @@
 //! per cent while θ stays below θ_h; loaded ten times as far they miss a seventh of it, and a soft range a fiftieth.
 //! Source: Tuttle, *Understanding and modeling the behavior of a harmonic drive* (1992), chapter 4.
 
+use super::checks::{joint_moves, refused};
 use super::travel::{free, positive};
-use super::{joint_moves, refused};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
@@ -64,7 +64,7 @@ impl LoadNonlinearity {
 }
 
 impl Effect for LoadNonlinearity {
-    const KIND: &'static str = "load_nonlinearity";
+    const FAMILY: &'static str = "load_nonlinearity";
     const ABOUT: &'static str =
         "a joint stiffens or softens: deflection by τ|τ|, τ³ … or a soft range, beside joint_compliance";
 
@@ -95,29 +95,29 @@ impl Effect for LoadNonlinearity {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        joint_moves(Self::KIND, self.joint, chain)?;
+        joint_moves(Self::FAMILY, self.joint, chain)?;
         let list = self.powers();
         if list.iter().any(|power| !(2..=7).contains(power)) {
-            return Err(refused(Self::KIND, "`powers` are 2 to 7; the linear term is `joint_compliance`"));
+            return Err(refused(Self::FAMILY, "`powers` are 2 to 7; the linear term is `joint_compliance`"));
         }
         if (0..list.len()).any(|k| list[..k].contains(&list[k])) {
-            return Err(refused(Self::KIND, "a power stands twice in `powers`"));
+            return Err(refused(Self::FAMILY, "a power stands twice in `powers`"));
         }
         match self.soft_load {
-            Some(load) => positive(Self::KIND, "soft_load", load, self.soft_range),
+            Some(load) => positive(Self::FAMILY, "soft_load", load, self.soft_range),
             None if self.soft_range.is_some() => {
-                Err(refused(Self::KIND, "`soft_range` stands without `soft_load`"))
+                Err(refused(Self::FAMILY, "`soft_range` stands without `soft_load`"))
             }
             None => Ok(()),
         }
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         let shape = |load| free("soft_load", "N*m or N", load, self.soft_range, Search::Smooth);
         self.soft_load.map_or_else(Vec::new, shape)
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         LoadNonlinearity { soft_load: values.first().copied().or(self.soft_load), ..self.clone() }
     }
 }

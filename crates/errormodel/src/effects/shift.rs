@@ -6,9 +6,9 @@
 //! happened with a probability that grows with the time gone by, `c (t − t_−)/(t_+ − t_−)` is what is to be expected, and there is no
 //! prediction with smaller squares.
 
-use super::Spot;
+use super::spot::Spot;
 use super::travel::{ascending, free};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
 
@@ -48,10 +48,10 @@ impl Shift {
 }
 
 impl Effect for Shift {
-    const KIND: &'static str = "shift";
+    const FAMILY: &'static str = "shift";
     const ABOUT: &'static str = "base, tool or a joint jumps once, at an instant that may be unknown";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -75,16 +75,16 @@ impl Effect for Shift {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        self.spot.check(Self::KIND, self.components.as_deref(), chain)?;
-        ascending(Self::KIND, "at_range", self.at_range)?;
-        ascending(Self::KIND, "gap", self.gap)
+        self.spot.check(Self::FAMILY, self.components.as_deref(), chain)?;
+        ascending(Self::FAMILY, "at_range", self.at_range)?;
+        ascending(Self::FAMILY, "gap", self.gap)
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         free("at", "s", self.at, self.at_range, Search::Instant)
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         Shift { at: values.first().copied().unwrap_or(self.at), gap: None, ..self.clone() }
     }
 }
@@ -134,7 +134,7 @@ mod tests {
             assert!((share(time) / whole - expected).abs() < 1e-12, "{time}");
         }
         // Where its instant is searched for it happens at once.
-        assert_eq!(Effect::with_shape(&shift, &[45.0]).gap, None);
+        assert_eq!(Effect::with_nonlinear(&shift, &[45.0]).gap, None);
         let none = Shift { gap: Some([60.0, 40.0]), ..shift };
         assert!(Effect::validate(&none, &chain).is_err());
     }

@@ -1,7 +1,7 @@
 //! Where an error that changes with time or temperature sits: in a file `joint = "a3"`, or `frame = "tool"`.
 
+use super::checks::{frame_exists, joint_moves, refused};
 use super::geometric::EXPECTED_ANGLE;
-use super::{frame_exists, joint_moves, refused};
 use crate::{Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site};

@@ -15,10 +15,11 @@
 //! alike; [`crate::Dataset::derived_for`] makes it. The lag is its shape where `lag_range` is given: other values ask
 //! for other columns.
 
+use super::checks::refused;
 use super::spot::Part;
+use super::spot::Spot;
 use super::travel::{ascending, free};
-use super::{Spot, refused};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape, Signal, late_channel};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal, late_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
 
@@ -98,11 +99,11 @@ const STRAIN: f64 = 1.2e-5;
 const SCALE: f64 = 1e-4;
 
 impl Effect for Thermal {
-    const KIND: &'static str = "thermal";
+    const FAMILY: &'static str = "thermal";
     const ABOUT: &'static str =
         "a length, a slide's scale, a joint or a frame follows a temperature, at once or late";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -160,9 +161,9 @@ impl Effect for Thermal {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        self.spot.check(Self::KIND, self.components.as_deref(), chain)?;
-        ascending(Self::KIND, "lag_range", self.lag_range)?;
-        let refuse = |reason: String| Err(refused(Self::KIND, reason));
+        self.spot.check(Self::FAMILY, self.components.as_deref(), chain)?;
+        ascending(Self::FAMILY, "lag_range", self.lag_range)?;
+        let refuse = |reason: String| Err(refused(Self::FAMILY, reason));
         match self.growth(chain) {
             None if self.grows.is_some() => {
                 return refuse("`grows` belongs to a joint; a frame has `components`".into());
@@ -190,11 +191,11 @@ impl Effect for Thermal {
         }
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         self.lag.map_or_else(Vec::new, |lag| free("lag", "s", lag, self.lag_range, Search::Smooth))
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         Thermal { lag: values.first().copied().or(self.lag), ..self.clone() }
     }
 }

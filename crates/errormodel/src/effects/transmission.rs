@@ -3,10 +3,10 @@
 //! `δq_j = Σ_h s_h sin(2πh q_j / P) + c_h cos(2πh q_j / P)`, rad or m; P is one turn unless given, and its shape where
 //! `period_range` is given.
 
-use super::joint_moves;
-use super::refused;
+use super::checks::joint_moves;
+use super::checks::refused;
 use super::travel::{free, positive};
-use crate::{Column, Effect, Emission, ModelError, Search, Shape};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -44,11 +44,11 @@ impl Transmission {
 }
 
 impl Effect for Transmission {
-    const KIND: &'static str = "transmission";
+    const FAMILY: &'static str = "transmission";
     const ABOUT: &'static str =
         "joint error periodic in the joint's own motion (eccentricity, gear mesh, screw)";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         false
     }
 
@@ -72,29 +72,29 @@ impl Effect for Transmission {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        joint_moves(Self::KIND, self.joint, chain)?;
+        joint_moves(Self::FAMILY, self.joint, chain)?;
         let joint = chain.joint(self.joint);
         if self.period.is_none() && joint.kind == JointKind::Prismatic {
             let reason = format!("joint `{}` slides: say the `period`, in m", joint.name);
-            return Err(refused(Self::KIND, reason));
+            return Err(refused(Self::FAMILY, reason));
         }
         let list = &self.harmonics;
         if list.is_empty() || list.contains(&0) {
-            return Err(refused(Self::KIND, "`harmonics` count from 1, and one at least is needed"));
+            return Err(refused(Self::FAMILY, "`harmonics` count from 1, and one at least is needed"));
         }
         if (0..list.len()).any(|k| list[..k].contains(&list[k])) {
-            return Err(refused(Self::KIND, "a harmonic stands twice in `harmonics`"));
+            return Err(refused(Self::FAMILY, "a harmonic stands twice in `harmonics`"));
         }
-        positive(Self::KIND, "period", self.period(), self.period_range)
+        positive(Self::FAMILY, "period", self.period(), self.period_range)
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<NonlinearParameter> {
         let highest = self.harmonics.iter().copied().max().unwrap_or(1);
         let search = Search::Period(self.joint, highest);
         free("period", "rad or m", self.period(), self.period_range, search)
     }
 
-    fn with_shape(&self, values: &[f64]) -> Self {
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
         Transmission { period: values.first().copied().or(self.period), ..self.clone() }
     }
 }

@@ -1,7 +1,7 @@
 //! Ranges over which an effect is a function of something.
 
-use super::refused;
-use crate::{ModelError, Search, Shape};
+use super::checks::refused;
+use crate::{ModelError, NonlinearParameter, Search};
 use std::f64::consts::PI;
 use truepose_kinematics::{Chain, JointId, JointKind};
 
@@ -33,8 +33,8 @@ pub(super) fn free(
     value: f64,
     range: Option<[f64; 2]>,
     search: Search,
-) -> Vec<Shape> {
-    let shape = |[lower, upper]: [f64; 2]| Shape {
+) -> Vec<NonlinearParameter> {
+    let shape = |[lower, upper]: [f64; 2]| NonlinearParameter {
         name: name.into(),
         unit: unit.into(),
         value,

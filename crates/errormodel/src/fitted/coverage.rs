@@ -15,7 +15,7 @@
 //! Ranges of single inputs do not see gaps and corners between them; the leverage does (regressor variable hull: Montgomery, Peck and
 //! Vining, *Introduction to Linear Regression Analysis*, section 3.8; Cook 1977). A joint counts as beyond from [`SAME_JOINT`] on.
 
-use super::{FittedModel, Predictor};
+use super::model::{FittedModel, Predictor};
 use crate::{ModelError, Schema, Signal};
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Conditions, Load, Pose, TargetId};

@@ -1,6 +1,6 @@
 //! The inputs on which a model was fitted: beyond them it extrapolates.
 
-use super::Sample;
+use super::sample::Sample;
 use crate::Dataset;
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Conditions, Load, TargetId};

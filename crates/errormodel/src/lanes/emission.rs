@@ -1,17 +1,17 @@
 //! What effects say in a block of rows: which column makes how much error at which site, with a value a lane.
 
-use super::LANES;
 use super::standing::Standing;
+use super::width::LANES;
 use crate::Entry;
 use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
 
 /// Values of one function in a block; several entries may share them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LaneValue(pub(super) u32);
+pub struct LaneValue(pub(crate) u32);
 
 /// One triple (column, site, factor · value).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LaneEntry {
+pub(crate) struct LaneEntry {
     pub column: u32,
     pub site: Site,
     pub value: LaneValue,
@@ -21,7 +21,7 @@ pub(super) struct LaneEntry {
 /// The non-zero entries of Φ in a block of rows.
 #[derive(Debug, Clone)]
 pub struct LaneEmission {
-    pub(super) entries: Vec<LaneEntry>,
+    pub(crate) entries: Vec<LaneEntry>,
     /// Value k: `LANES` numbers; value 0 is one everywhere.
     values: Vec<f64>,
     first_column: usize,
@@ -32,35 +32,35 @@ impl LaneEmission {
     pub const ONE: LaneValue = LaneValue(0);
 
     /// Without entries.
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         LaneEmission { entries: Vec::new(), values: vec![1.0; LANES], first_column: 0 }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.entries.clear();
         self.values.truncate(LANES);
         self.first_column = 0;
     }
 
     /// From here on, an effect's column 0 is this column of the model.
-    pub(super) fn start_at(&mut self, first_column: usize) {
+    pub(crate) fn start_at(&mut self, first_column: usize) {
         self.first_column = first_column;
     }
 
     /// How many entries and values there are.
-    pub(super) fn mark(&self) -> usize {
+    pub(crate) fn mark(&self) -> usize {
         self.entries.len()
     }
 
     /// Forgets all but the first entries; values that only later ones have go, too.
-    pub(super) fn truncate(&mut self, entries: usize) {
+    pub(crate) fn truncate(&mut self, entries: usize) {
         self.entries.truncate(entries);
         let last = self.entries.iter().map(|entry| entry.value.0 as usize).max().unwrap_or(0);
         self.values.truncate((last + 1) * LANES);
     }
 
     /// Gives every lane the values of its standstill.
-    pub(super) fn spread(&mut self, standing: &Standing) {
+    pub(crate) fn spread(&mut self, standing: &Standing) {
         standing.spread(&mut self.values[LANES..]);
     }
 
@@ -128,17 +128,17 @@ impl LaneEmission {
     }
 
     /// Numbers of a value.
-    pub(super) fn numbers(&self, value: LaneValue) -> &[f64] {
+    pub(crate) fn numbers(&self, value: LaneValue) -> &[f64] {
         &self.values[value.0 as usize * LANES..][..LANES]
     }
 
     /// How many values there are.
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.values.len() / LANES
     }
 
     /// The entries of one lane, which another way of asking has found; those of the same effect begin at this mark.
-    pub(super) fn take(&mut self, lane: usize, entries: &[Entry], from: usize, chain: &Chain) {
+    pub(crate) fn take(&mut self, lane: usize, entries: &[Entry], from: usize, chain: &Chain) {
         let mut next = from;
         for entry in entries {
             let same = |known: &LaneEntry| {

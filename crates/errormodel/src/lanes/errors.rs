@@ -1,14 +1,15 @@
 //! ε = Φ c in a block of rows: what is the same in all lanes, and what is not.
 
+use super::emission::LaneEmission;
 use super::standing::Standing;
-use super::{LANES, LaneEmission};
+use super::width::LANES;
 use crate::GeneralizedErrors;
 use truepose_kinematics::pulp::{Arch, Simd, WithSimd};
 use truepose_kinematics::{Axis, Chain, FrameId, Site, TargetId};
 
 /// All generalized errors of a block.
 #[derive(Debug, Clone)]
-pub(super) struct LaneErrors {
+pub(crate) struct LaneErrors {
     /// For each site: what all lanes have.
     same: Vec<f64>,
     /// For each site: what comes on top in each lane.
@@ -23,7 +24,7 @@ pub(super) struct LaneErrors {
 
 /// The errors of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum FrameErrors {
+pub(crate) enum FrameErrors {
     /// None.
     Plain,
     /// The same in all lanes.

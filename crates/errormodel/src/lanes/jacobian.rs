@@ -1,8 +1,8 @@
 //! The levers of all sites in a block: the error Jacobian, as [`crate::ErrorJacobian`] has it for one row.
 
-use super::LANES;
 use super::errors::LaneErrors;
 use super::store::Store;
+use super::width::LANES;
 use crate::ModelError;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Simd, WithSimd};

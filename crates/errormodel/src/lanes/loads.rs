@@ -1,7 +1,7 @@
 //! Weights and loads of a block, from the tip to the base: the statics of [`truepose_kinematics::Posture`].
 
-use super::LANES;
 use super::store::Store;
+use super::width::LANES;
 use crate::Dataset;
 use nalgebra::Vector3;
 use truepose_kinematics::lanes::Lane;
@@ -10,7 +10,7 @@ use truepose_kinematics::{Chain, JointId, JointKind, Load, three};
 
 /// What the tool carries, lane by lane.
 #[derive(Debug, Clone)]
-pub(super) struct LaneLoad {
+pub(crate) struct LaneLoad {
     /// Mass, centre of gravity (tool), force and moment of what is measured (tool).
     numbers: Vec<f64>,
     /// Whether each lane has a measured wrench or nothing: then it is known in the tool's axes without any posture.

@@ -1,8 +1,8 @@
 //! A block of postures, as effects see it.
 
-use super::LANES;
 use super::loads::LaneLoad;
 use super::store::Store;
+use super::width::LANES;
 use std::cell::Cell;
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{Chain, FrameId, JointId};
@@ -10,14 +10,14 @@ use truepose_kinematics::{Chain, FrameId, JointId};
 /// The robot in each row of a block: `LANES` numbers of everything, of which those beyond the rows mean nothing and are finite.
 #[derive(Debug, Clone, Copy)]
 pub struct LanePosture<'a> {
-    pub(super) chain: &'a Chain,
-    pub(super) joints: &'a [f64],
-    pub(super) signals: &'a [f64],
-    pub(super) load: &'a LaneLoad,
-    pub(super) store: &'a Store,
-    pub(super) rows: usize,
+    pub(crate) chain: &'a Chain,
+    pub(crate) joints: &'a [f64],
+    pub(crate) signals: &'a [f64],
+    pub(crate) load: &'a LaneLoad,
+    pub(crate) store: &'a Store,
+    pub(crate) rows: usize,
     /// Set when somebody asks for what depends on where the frames are.
-    pub(super) asked: &'a Cell<bool>,
+    pub(crate) asked: &'a Cell<bool>,
 }
 
 impl<'a> LanePosture<'a> {

@@ -5,12 +5,11 @@
 //! | conditions, Φ, ε, frames, weights while the robot comes to rest | standstill |
 //! | the same from then on, levers, measurements | row |
 
-use super::LANES;
-use crate::{BoundModel, Dataset};
+use super::width::LANES;
 
 /// The standstills of a block.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Standing {
+pub(crate) struct Standing {
     /// The first row of each.
     pub rows: Vec<usize>,
     /// The standstill of each lane: never beyond the lane itself.
@@ -21,12 +20,12 @@ pub(super) struct Standing {
 const _: () = assert!(LANES <= 1 << u8::BITS);
 
 impl Standing {
-    /// Rows that follow one another under the same conditions stand still together, where that spares a quarter of the lanes.
-    pub fn gather(&mut self, bound: &BoundModel<'_>, data: &Dataset, rows: &[usize]) {
+    /// Rows that follow one another under the same conditions share a lane, where that spares a quarter of the lanes.
+    pub fn gather(&mut self, rows: &[usize], same_conditions: impl Fn(usize, usize) -> bool) {
         self.rows.clear();
         self.seats.clear();
         for (lane, &row) in rows.iter().enumerate() {
-            if lane == 0 || !bound.same_conditions(data, rows[lane - 1], row) {
+            if lane == 0 || !same_conditions(rows[lane - 1], row) {
                 self.rows.push(row);
             }
             self.seats.push((self.rows.len() - 1) as u8);

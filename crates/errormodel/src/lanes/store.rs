@@ -11,8 +11,8 @@
 //! | `carried(t, k, c)` | of column k of the tool's rotation, where target t is measured | measurement |
 //! | `wrench(i, c)`, `load(j)` | what frame i carries, what joint j feels | measurement; the joint's axis |
 
-use super::LANES;
 use super::standing::Standing;
+use super::width::LANES;
 use crate::Dataset;
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::pulp::Arch;
@@ -20,7 +20,7 @@ use truepose_kinematics::{Axis, Chain, FrameId, Pose, Site, TargetId, Wrench};
 
 /// The rows, and which of them stand for others.
 #[derive(Debug, Clone)]
-pub(super) struct Store {
+pub(crate) struct Store {
     pub numbers: Vec<f64>,
     /// Whether the errors of a frame are none: then its axes and what is behind them are what is before them.
     pub plain: Vec<bool>,

@@ -1,8 +1,8 @@
 //! Frame after frame from the base to the tool, as [`crate::RealPosture`] does it for one row.
 
-use super::LANES;
 use super::errors::{FrameErrors, LaneErrors};
 use super::store::Store;
+use super::width::LANES;
 use crate::{error_matrix, rotation_axes};
 use truepose_kinematics::lanes::{Lane, LanePose, sin_cos_of};
 use truepose_kinematics::pulp::{Simd, WithSimd};

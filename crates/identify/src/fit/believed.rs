@@ -1,7 +1,8 @@
 //! Robust fits begun anew from the visits that they believe.
 
+use super::options::FitOptions;
 use super::rounds::{Outcome, State, doubted};
-use super::{FitOptions, Reduction};
+use crate::reduction::Reduction;
 use crate::{IdentifyError, Prior, PriorStrength};
 use truepose_errormodel::{Dataset, Visits};
 use truepose_solvers::{PivotedQr, Solver};

@@ -3,7 +3,7 @@
 //! `β = ε_k + Σ_j g_j ε_j` lies between the sums of the members' bounds, `g_j l_j` or `g_j u_j` by the sign of g_j: what the
 //! members allow, and nothing tighter. A group with a member that is not bounded is not bounded.
 
-use super::Warning;
+use super::warnings::Warning;
 use crate::reduction::Reduction;
 use truepose_errormodel::ErrorModel;
 use truepose_solvers::Bounds;

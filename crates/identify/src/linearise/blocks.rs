@@ -4,17 +4,14 @@
 //! since whole columns of a model vanish there: a block has the columns of its kind and no others. Their order is a
 //! function of the data alone. A visit is never cut.
 
-mod sums;
-
-pub(crate) use sums::dense;
-pub use sums::{gram, left_out, left_over, triangular, triangular_of};
-
-use super::Lineariser;
-use crate::{IdentifyError, NoiseModel};
+use super::lineariser::Lineariser;
+use crate::IdentifyError;
+use crate::noise::shrinkage;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use truepose_errormodel::lanes::{Component, LANES, Lanes};
-use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_errormodel::batch::{Component, Lanes};
+use truepose_errormodel::lanes::LANES;
+use truepose_errormodel::{Dataset, ErrorModel, NoiseModel, Visits};
 use truepose_kinematics::Load;
 
 /// A block that is begun with rows of another kind has at least so many.
@@ -24,7 +21,7 @@ const LEAST: usize = 8;
 #[derive(Debug, Clone)]
 pub struct Blocks<'a> {
     lanes: Lanes<'a>,
-    data: &'a Dataset,
+    pub(super) data: &'a Dataset,
     noise: NoiseModel,
     coefficients: &'a [f64],
     places: Vec<Option<usize>>,
@@ -132,7 +129,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// With so many threads where batches are made one after the other.
-    fn on_threads(mut self, threads: usize) -> Self {
+    pub(super) fn on_threads(mut self, threads: usize) -> Self {
         /// Each has memory of its own.
         const MOST: usize = 8;
         self.threads = threads.clamp(1, MOST);
@@ -140,7 +137,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The same rows one by one, for visits that are longer than a block.
-    fn row_by_row(&self) -> Result<Lineariser<'a>, IdentifyError> {
+    pub(super) fn row_by_row(&self) -> Result<Lineariser<'a>, IdentifyError> {
         let model = self.lanes.bound().model();
         let mut columns = vec![0; self.width()];
         for (column, place) in self.places.iter().enumerate().filter_map(|(c, place)| Some((c, (*place)?))) {
@@ -230,7 +227,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The same of some batches.
-    fn wholes(&mut self, batches: &[Batch]) -> Result<Vec<Whole>, IdentifyError> {
+    pub(super) fn wholes(&mut self, batches: &[Batch]) -> Result<Vec<Whole>, IdentifyError> {
         let made = batches.iter().map(|batch| {
             let mut whole = Whole::default();
             self.whole(batch, &mut whole).map(|()| whole)
@@ -239,7 +236,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The same of batch after batch, which are made by all threads and handed on in their order.
-    fn in_turn(
+    pub(super) fn in_turn(
         &self,
         batches: &[Batch],
         mut each: impl FnMut(&Whole) -> Result<(), IdentifyError>,
@@ -277,12 +274,7 @@ impl<'a> Blocks<'a> {
             .windows(2)
             .map(|ends| {
                 let squares: f64 = weights[ends[0]..ends[1]].iter().map(|w| w * w).sum();
-                let shrink = if squares > 0.0 {
-                    (1.0 - 1.0 / (1.0 + rho * rho * squares).sqrt()) / squares
-                } else {
-                    0.0
-                };
-                (ends[0]..ends[1], shrink)
+                (ends[0]..ends[1], shrinkage(rho, squares))
             })
             .collect();
         let size = visits.first().map_or(0, |(lanes, _)| lanes.len());
@@ -324,13 +316,10 @@ fn take_out<const N: usize>(column: &mut [f64], weights: &[f64], shrinks: &[f64]
 
 /// All components of a batch.
 #[derive(Debug, Clone, Default)]
-struct Whole {
-    active: Vec<usize>,
-    rows: usize,
+pub(super) struct Whole {
+    pub(super) active: Vec<usize>,
+    pub(super) rows: usize,
     /// The visit of each row.
-    groups: Vec<usize>,
-    numbers: Vec<f64>,
+    pub(super) groups: Vec<usize>,
+    pub(super) numbers: Vec<f64>,
 }
-
-#[cfg(test)]
-mod tests;

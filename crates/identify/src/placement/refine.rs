@@ -10,7 +10,7 @@
 //! factor of the stacked rows, never by an inverse of JᵀJ (Moré 1978). Directions that the data does not fix
 //! get no step: they stay as described.
 
-use super::Sight;
+use super::sight::Sight;
 use crate::IdentifyError;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_errormodel::Dataset;

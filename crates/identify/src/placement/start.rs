@@ -1,7 +1,7 @@
 //! Starts: closed forms, and the rotations of the cube with everything else linear.
 
-use super::Sight;
 use super::refine::{State, Unknowns};
+use super::sight::Sight;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_kinematics::{Chain, Pose, TargetId};
 use truepose_solvers::{LeastSquares, Solver, Svd};

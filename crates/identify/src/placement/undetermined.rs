@@ -1,7 +1,7 @@
 //! Directions of a placement that the data does not fix, in words, and what would fix them.
 
-use super::Sight;
 use super::refine::{Refined, Unknowns, scales};
+use super::sight::Sight;
 use nalgebra::{DMatrix, Vector3};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, JointKind};

@@ -1,6 +1,6 @@
 //! Configurations among which is chosen, and where accuracy matters when nobody says.
 
-use super::PlanOptions;
+use super::options::PlanOptions;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truepose_errormodel::{FittedModel, Interval};

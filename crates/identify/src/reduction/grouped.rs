@@ -8,11 +8,12 @@
 //! reduced, which is what a fit does with any model; it reduces those of a grouped error again, since functions may
 //! depend on each other where constants do not.
 
-use super::{Reduction, reduce};
+use super::groups::Reduction;
+use super::reduce::reduce;
 use crate::{IdentifyError, NoiseModel, factorise};
 use std::borrow::Cow;
 use truepose_errormodel::effects::{Geometric, GroupedError, Order, Polynomial, Where};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Limited, UNBOUNDED, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Term, UNBOUNDED, Visits};
 use truepose_kinematics::{FrameId, Site};
 use truepose_solvers::RankRule;
 
@@ -42,7 +43,7 @@ pub fn grouped<'m>(
         let bounds = model.columns()[model.columns_of(k)].first().map_or(UNBOUNDED, |c| c.bounds);
         effects.push(match bounds == UNBOUNDED {
             true => grouped,
-            false => Box::new(Limited::new(grouped, bounds)?),
+            false => Box::new(Term::new(grouped).bounded(bounds)?),
         });
     }
     Ok(Cow::Owned(ErrorModel::new(model.chain().clone(), effects)?))

@@ -1,32 +1,24 @@
 use super::*;
 use truepose_errormodel::effects::{Geometric, Where};
-use truepose_errormodel::{EffectRegistry, Visits};
+use truepose_errormodel::{Dataset, DatasetBuilder, EffectRegistry, ErrorModel, Measurement, Visits};
 use truepose_kinematics::{Chain, Load, Target, TargetId, nalgebra::Vector3, samples};
+use truepose_solvers::RankRule;
 
 /// Postures spread over ±2.5 rad (m), seen as asked for.
 fn postures(chain: &Chain, count: usize, orientation: bool, targets: &[Option<TargetId>]) -> Dataset {
-    let mut data = Dataset::default();
-    let n = chain.movable().len();
-    data.joints = vec![Vec::new(); n];
-    data.approach = vec![Vec::new(); n];
+    let mut builder = DatasetBuilder::new(chain);
+    let joint = |visit: usize, k: usize| {
+        let phase = (visit * (2 * k + 3)) as f64 * 0.6180339887 + 0.1 * k as f64;
+        5.0 * (phase - phase.floor()) - 2.5
+    };
     for visit in 0..count {
+        let joints: Vec<f64> = (0..chain.movable().len()).map(|k| joint(visit, k)).collect();
         for &target in targets {
-            for k in 0..n {
-                let phase = (visit * (2 * k + 3)) as f64 * 0.6180339887 + 0.1 * k as f64;
-                data.joints[k].push(5.0 * (phase - phase.floor()) - 2.5);
-                data.approach[k].push(0.0);
-            }
-            data.position.push([0.0; 3]);
-            data.orientation.push(orientation.then_some([1.0, 0.0, 0.0, 0.0]));
-            data.position_sd.push([f64::NAN; 3]);
-            data.orientation_sd.push([f64::NAN; 3]);
-            data.target.push(target);
-            data.visit.push(visit);
-            data.load.push(Load::None);
-            data.time.push(0.0);
+            let row = Measurement::at(joints.clone()).position([0.0; 3]).target(target).visit(visit as u64);
+            builder.push(if orientation { row.orientation([1.0, 0.0, 0.0, 0.0]) } else { row }).unwrap();
         }
     }
-    data
+    builder.finish()
 }
 
 fn frames_only(chain: &Chain) -> ErrorModel {

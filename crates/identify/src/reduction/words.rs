@@ -1,6 +1,7 @@
 //! Groups as a person reads them: `y@j2 − 0.612 m·turn(j2)`.
 
-use super::{Group, column_word};
+use super::groups::Group;
+use super::priority::column_word;
 use truepose_errormodel::ErrorModel;
 
 /// A grouped error in words, with coefficients in SI units.

@@ -6,7 +6,10 @@
 //! | period P | even steps of 1/P, six to a valley: valleys of harmonic h over a travel R are 1/(h R) wide |
 //! | instant | the middle of every gap between two rows; every n-th where there are many |
 
-use truepose_errormodel::{Dataset, Search, Shape};
+use truepose_errormodel::{Dataset, NonlinearParameter, Search};
+
+/// From, to.
+pub(super) type Range = [f64; 2];
 
 const SMOOTH: usize = 40;
 /// Steps to a valley in 1/P.
@@ -16,7 +19,11 @@ const MOST: usize = 5000;
 const LEAST: usize = 24;
 
 /// Values to try, ascending.
-pub(super) fn values(shape: &Shape, data: &Dataset, chain: &truepose_kinematics::Chain) -> Vec<f64> {
+pub(super) fn values(
+    shape: &NonlinearParameter,
+    data: &Dataset,
+    chain: &truepose_kinematics::Chain,
+) -> Vec<f64> {
     let (lower, upper) = (shape.lower, shape.upper);
     match shape.search {
         Search::Smooth if lower > 0.0 && upper / lower >= 4.0 => {
@@ -46,7 +53,7 @@ pub(super) fn values(shape: &Shape, data: &Dataset, chain: &truepose_kinematics:
 
 /// The gaps between rows within the range, each from the last instant before it to the first after it; at its ends as well. Most lie between
 /// visits, but what happens may happen during one.
-pub(super) fn gaps(shape: &Shape, data: &Dataset) -> Vec<[f64; 2]> {
+pub(super) fn gaps(shape: &NonlinearParameter, data: &Dataset) -> Vec<[f64; 2]> {
     let mut times: Vec<f64> = data.time.iter().copied().filter(|t| t.is_finite()).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
@@ -64,8 +71,8 @@ mod tests {
     use super::*;
     use truepose_kinematics::{JointId, samples};
 
-    fn shape(lower: f64, upper: f64, search: Search) -> Shape {
-        Shape { name: "s".into(), unit: "1".into(), value: lower, lower, upper, search }
+    fn shape(lower: f64, upper: f64, search: Search) -> NonlinearParameter {
+        NonlinearParameter { name: "s".into(), unit: "1".into(), value: lower, lower, upper, search }
     }
 
     #[test]

@@ -19,19 +19,17 @@
 //! random, and with P(ratio ≤ c) = (1 − e^{−c/2})² it takes c = 7.35 for 95 %. Its interval holds every gap between visits at which the
 //! whitened squares are less than that above the least (Hansen 2000, table I).
 
-use super::FittedShape;
-use super::grid::{gaps, values};
+use super::grid::{Range, gaps, values};
 use super::late::{self, Gains, Moved};
 use super::mixture;
 use super::picture::Picture;
 use super::refine::{Valley, left};
-use crate::{Fit, IdentifyError, student_quantile};
+use crate::IdentifyError;
+use crate::fit::{Fit, FittedNonlinear};
+use crate::student::student_quantile;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use truepose_errormodel::{FittedModel, Search, Shape};
-
-/// From, to.
-pub(super) type Range = [f64; 2];
+use truepose_errormodel::{NonlinearParameter, Search};
 
 /// −2 ln(1 − √0.95): 95 % of the likelihood ratio of an instant.
 const RATIO: f64 = 7.352_217_9;
@@ -59,7 +57,11 @@ struct Known {
 }
 
 impl Known {
-    fn of(picture: &Picture<'_>, shapes: &[Shape], theta: &[f64]) -> Result<Self, IdentifyError> {
+    fn of(
+        picture: &Picture<'_>,
+        shapes: &[NonlinearParameter],
+        theta: &[f64],
+    ) -> Result<Self, IdentifyError> {
         let every: Vec<usize> = (0..shapes.len()).collect();
         let valley = Valley::new(picture, shapes, theta, &every)?;
         let smooth = valley.smooth.clone();
@@ -119,7 +121,7 @@ fn least_squares(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, Ide
 /// Standard deviation of each parameter; of an instant the gap in which it lies.
 pub(super) fn deviations(
     picture: &Picture<'_>,
-    shapes: &[Shape],
+    shapes: &[NonlinearParameter],
     theta: &[f64],
 ) -> Result<Vec<f64>, IdentifyError> {
     let known = Known::of(picture, shapes, theta)?;
@@ -133,11 +135,11 @@ pub(super) fn deviations(
 /// Writes intervals into a fit, and what the parameters' uncertainty adds to the covariance.
 pub(super) fn judge(
     picture: &Picture<'_>,
-    free: &[(usize, Shape)],
+    free: &[(usize, NonlinearParameter)],
     theta: &[f64],
     fit: &mut Fit,
 ) -> Result<(), IdentifyError> {
-    let shapes: Vec<Shape> = free.iter().map(|(_, shape)| shape.clone()).collect();
+    let shapes: Vec<NonlinearParameter> = free.iter().map(|(_, shape)| shape.clone()).collect();
     let mut known = Known::of(picture, &shapes, theta)?;
     let moved = known.moved(picture, theta)?;
     // What a part of the visits says, the whole says the better the more there are.
@@ -173,7 +175,7 @@ pub(super) fn judge(
         if one && shape.search == Search::Smooth && interval[0] < interval[1] {
             pieces.push((k, around(interval, theta[k], shape)));
         }
-        fit.shapes.push(FittedShape {
+        fit.shapes.push(FittedNonlinear {
             effect: *effect,
             name: shape.name.clone(),
             unit: match shape.search {
@@ -216,20 +218,14 @@ pub(super) fn judge(
             covariance[(a, b)] += more[(i, j)];
         }
     }
-    let old = &fit.fitted;
-    let mut fitted = FittedModel::new(old.model().clone(), old.coefficients().to_vec(), covariance)?;
-    fitted.channels.clone_from(&old.channels);
-    fitted.domain = old.domain.clone();
-    fitted.noise = old.noise;
-    fitted.provenance = old.provenance.clone();
-    fit.fitted = fitted;
+    fit.fitted = fit.fitted.clone().with_covariance(covariance)?;
     Ok(())
 }
 
 /// From the first gap that is nearly as good as the best to the last, walking outwards from it until gaps are far worse; and those that are not.
 fn instant(
     picture: &Picture<'_>,
-    shape: &Shape,
+    shape: &NonlinearParameter,
     theta: &[f64],
     k: usize,
 ) -> Result<(Range, Vec<Range>), IdentifyError> {
@@ -258,7 +254,7 @@ fn instant(
 }
 
 /// Pieces of a parameter's range on both sides of its interval, half as long again.
-fn around([low, high]: Range, value: f64, shape: &Shape) -> Vec<Range> {
+fn around([low, high]: Range, value: f64, shape: &NonlinearParameter) -> Vec<Range> {
     const PIECES: usize = 32;
     const BEYOND: f64 = 1.6;
     let low = (value + BEYOND * (low - value)).max(shape.lower);
@@ -277,7 +273,7 @@ fn height(picture: &Picture<'_>, theta: &[f64], k: usize, value: f64) -> Result<
 /// How far up and down one parameter can go within its range before the squares are `allowed` above the least; `half` is about how far.
 fn profile(
     picture: &Picture<'_>,
-    shape: &Shape,
+    shape: &NonlinearParameter,
     theta: &[f64],
     k: usize,
     (half, allowed): (f64, f64),

@@ -16,7 +16,7 @@
 //! another, and the one that fits best is mostly the one that makes it largest: at that instant held fast its interval would be too
 //! narrow. The mean over the values and their weights is that of Laplace, piece by piece (Tierney and Kadane 1986; MacKay 1992).
 
-use super::interval::Range;
+use super::grid::Range;
 use super::picture::Picture;
 use super::refine::solved;
 use crate::IdentifyError;

@@ -1,10 +1,10 @@
 //! The linear picture in which shape parameters are looked for: everything but the columns of their effects projected out.
 
-use crate::linearise::{Lineariser, Stations};
+use crate::linearise::{Lineariser, Stations, stand};
 use crate::{Fit, FitOptions, IdentifyError, NoiseModel, NoiseSource};
 use nalgebra::{DMatrix, DVector};
 use std::sync::OnceLock;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Shape, Signal, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, NonlinearParameter, Signal, Visits};
 use truepose_solvers::accumulator::Triangular;
 
 /// The effects that leave parameters free.
@@ -18,7 +18,7 @@ pub(super) struct Trial {
 }
 
 impl Trial {
-    pub fn new(model: &ErrorModel, free: &[(usize, Shape)]) -> Result<Self, IdentifyError> {
+    pub fn new(model: &ErrorModel, free: &[(usize, NonlinearParameter)]) -> Result<Self, IdentifyError> {
         let mut effects: Vec<(usize, Box<dyn AnyEffect>)> = Vec::new();
         let mut owner = Vec::new();
         for (k, _) in free {
@@ -236,7 +236,7 @@ impl<'a> Picture<'a> {
 
     /// A model of one effect with these values of all parameters.
     fn shaped(&self, effect: usize, theta: &[f64]) -> Result<ErrorModel, IdentifyError> {
-        let shaped = self.trial.effects[effect].1.with_shape(&self.trial.values(effect, theta));
+        let shaped = self.trial.effects[effect].1.with_nonlinear(&self.trial.values(effect, theta));
         Ok(ErrorModel::new(self.at.0.chain().clone(), vec![shaped])?)
     }
 
@@ -271,7 +271,7 @@ impl<'a> Picture<'a> {
             return Ok(known);
         }
         let rows = self.used.iter().flat_map(|&visit| self.visits.rows[visit].iter().copied());
-        let stations = Stations::new(&self.at.0, data, &self.at.1, rows)?;
+        let stations = stand(&self.at.0, data, &self.at.1, rows)?;
         Ok(self.stations.get_or_init(|| stations))
     }
 

@@ -4,14 +4,14 @@ use super::grid::gaps;
 use super::picture::Picture;
 use crate::IdentifyError;
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{Search, Shape};
+use truepose_errormodel::{NonlinearParameter, Search};
 use truepose_solvers::nonlinear::{NonlinearLeastSquares, Separable, profile};
 use truepose_solvers::{LeastSquares, LevenbergMarquardt, PivotedQr, Solver};
 
 /// The smooth parameters of a picture as a separable problem; instants stay where they are.
 pub(super) struct Valley<'a> {
     picture: &'a Picture<'a>,
-    shapes: &'a [Shape],
+    shapes: &'a [NonlinearParameter],
     theta: Vec<f64>,
     /// Which parameters are moved.
     pub smooth: Vec<usize>,
@@ -21,7 +21,7 @@ pub(super) struct Valley<'a> {
 impl<'a> Valley<'a> {
     pub fn new(
         picture: &'a Picture<'a>,
-        shapes: &'a [Shape],
+        shapes: &'a [NonlinearParameter],
         theta: &[f64],
         moving: &[usize],
     ) -> Result<Self, IdentifyError> {
@@ -135,7 +135,7 @@ pub(super) fn solved(
 /// The parameters at the bottom of the valley in which they lie; those that are not `moving` stay.
 pub(super) fn descend(
     picture: &Picture<'_>,
-    shapes: &[Shape],
+    shapes: &[NonlinearParameter],
     theta: &[f64],
     moving: &[usize],
     joint: bool,
@@ -167,7 +167,12 @@ pub(super) fn descend(
 }
 
 /// The best gap between two visits near an instant: everywhere among gaps that are few, else about the present one.
-fn instant(picture: &Picture<'_>, shapes: &[Shape], theta: &[f64], k: usize) -> Result<f64, IdentifyError> {
+fn instant(
+    picture: &Picture<'_>,
+    shapes: &[NonlinearParameter],
+    theta: &[f64],
+    k: usize,
+) -> Result<f64, IdentifyError> {
     const NEAR: usize = 150;
     let middles: Vec<f64> = gaps(&shapes[k], picture.data).iter().map(|g| 0.5 * (g[0] + g[1])).collect();
     let here = middles.partition_point(|m| *m < theta[k]);

@@ -6,7 +6,7 @@ use super::refine::{descend, left};
 use crate::IdentifyError;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use truepose_errormodel::Shape;
+use truepose_errormodel::NonlinearParameter;
 
 /// Visits on which the first look is taken.
 pub(super) const VISITS: usize = 1500;
@@ -16,7 +16,7 @@ const VALLEYS: usize = 3;
 /// The best parameters over their ranges.
 pub(super) fn best(
     picture: &Picture<'_>,
-    shapes: &[Shape],
+    shapes: &[NonlinearParameter],
     start: &[f64],
 ) -> Result<Vec<f64>, IdentifyError> {
     let mut theta = start.to_vec();
@@ -52,7 +52,7 @@ fn beside_each_other(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> 
 /// One parameter over its grid; the best valleys are descended into.
 fn along(
     picture: &Picture<'_>,
-    shapes: &[Shape],
+    shapes: &[NonlinearParameter],
     theta: &[f64],
     k: usize,
     beside: &DMatrix<f64>,

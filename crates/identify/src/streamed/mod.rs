@@ -210,8 +210,12 @@ fn of_sample(
     }
     let again = refit(nominal.fitted.model(), sample, solver, options, &nominal.reduction, &nominal.prior)?;
     let nominal = Fit { shapes: nominal.shapes, ..again };
-    let bent =
-        fit(model, sample, solver, &FitOptions { max_rounds: options.max_rounds.min(40), ..options.clone() });
+    let bent = fit(
+        model,
+        sample,
+        solver,
+        &FitOptions { max_iterations: options.max_iterations.min(40), ..options.clone() },
+    );
     let squares = |fit: &Fit| match fit.residuals.positions() {
         none if none.count == 0 => fit.residuals.orientations().rms.powi(2),
         some => some.rms.powi(2),

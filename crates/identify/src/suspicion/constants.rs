@@ -24,6 +24,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, Vector3};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{Dataset, ErrorModel};
 use truepose_kinematics::{Chain, TargetId};
+use truepose_solvers::order::high_median;
 
 /// Rows that the fit is made of, and rows that are judged at most.
 const FITTED: usize = 400;
@@ -98,7 +99,7 @@ impl<'a> Constants<'a> {
                 if length.iter().any(|v| !v.is_finite()) {
                     return None;
                 }
-                let median = median_of(&length);
+                let median = high_median(length.iter().copied()).unwrap_or(0.0);
                 // What the unknowns have taken makes residuals small.
                 let free = 1.0 - (p as f64 / (3.0 * lines.len() as f64)).min(0.6);
                 scale = (median / MEDIAN / free.sqrt()).max(1e-12);
@@ -198,10 +199,4 @@ fn normal(
 
 fn to3(v: &DVector<f64>) -> Vector3<f64> {
     Vector3::new(v[0], v[1], v[2])
-}
-
-fn median_of(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
 }

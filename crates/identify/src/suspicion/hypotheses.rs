@@ -1,6 +1,6 @@
 //! What people do to tables: each as a change that undoes it.
 
-use super::Cause;
+use super::cause::Cause;
 use nalgebra::Vector3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use truepose_kinematics::{Chain, JointKind};

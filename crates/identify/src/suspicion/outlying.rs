@@ -12,8 +12,8 @@
 //! that are less than twice as far as x_k: what lies far beyond is outside by itself.
 //! Source: Hill (1975), docs/references.md; the law of the ratios is Rényi's representation of order statistics.
 
+use super::cause::{Cause, Suspicion};
 use super::constants::{Constants, Judged};
-use super::{Cause, Suspicion};
 use std::collections::BTreeMap;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, TargetId};

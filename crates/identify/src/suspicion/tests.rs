@@ -3,7 +3,9 @@
 use super::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truepose_kinematics::{Load, Pose, Target, TargetId, samples};
+use truepose_errormodel::{Dataset, DatasetBuilder, Measurement};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, JointKind, Placed, Pose, Target, TargetId, samples};
 
 /// A robot with two targets, measured with errors of some millimetres: as a robot before its calibration.
 fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
@@ -17,9 +19,7 @@ fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
             c.with_base(Placed { pose: Pose::from_xyz_rpy([0.3, 0.1, 0.2], [0.1, 0.0, 0.2]), known: true })
         })
         .unwrap();
-    let n = chain.movable().len();
-    let mut data =
-        Dataset { joints: vec![Vec::new(); n], approach: vec![vec![0.0; 80]; n], ..Dataset::default() };
+    let mut builder = DatasetBuilder::new(&chain);
     let length = chain.characteristic_length();
     for row in 0..80 {
         let joints: Vec<f64> = chain
@@ -33,17 +33,12 @@ fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
         let tool = chain.forward(&joints);
         let target = row % 2;
         let off = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)) * 5e-4 * length;
-        data.position.push((tool.apply(&chain.targets()[target].position) + off).into());
-        data.joints.iter_mut().zip(&joints).for_each(|(column, q)| column.push(*q));
-        data.orientation.push(None);
-        data.position_sd.push([f64::NAN; 3]);
-        data.orientation_sd.push([f64::NAN; 3]);
-        data.target.push(Some(TargetId(target)));
-        data.visit.push(row);
-        data.load.push(Load::None);
-        data.time.push(0.0);
+        let at = tool.apply(&chain.targets()[target].position) + off;
+        builder
+            .push(Measurement::at(joints).position(at).target(TargetId(target)).visit(row as u64))
+            .unwrap();
     }
-    (chain, data)
+    (chain, builder.finish())
 }
 
 #[test]

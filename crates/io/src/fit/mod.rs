@@ -15,5 +15,5 @@ pub use write::write_fit;
 /// The format that this version writes, and the newest that it reads.
 pub const FIT_FORMAT: u64 = 1;
 
-/// The program that a file says wrote it.
+/// The program that writes the file.
 pub(crate) const PROGRAM: &str = concat!("truepose ", env!("CARGO_PKG_VERSION"));

@@ -11,7 +11,7 @@ use truepose_errormodel::{EffectRegistry, FittedModel};
 /// A covariance of a few thousand coefficients fits in here.
 const LARGEST_FIT: u64 = 1 << 30;
 
-/// What a file says about itself, in any format.
+/// Heading of a file, in any format.
 #[derive(Deserialize)]
 struct Heading {
     format: Option<u64>,
@@ -21,7 +21,7 @@ struct Heading {
 /// Reads a fit file; its effects have to be known to the registry.
 ///
 /// # Errors
-/// When the file cannot be read, is no fit file, is of a newer format, or contradicts itself.
+/// When the file cannot be read, is not a fit file, is of a newer format, or contradicts itself.
 pub fn read_fit(path: impl AsRef<Path>, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
     let path = path.as_ref();
     let text = Text::read_up_to(path, LARGEST_FIT)?;
@@ -47,7 +47,7 @@ pub fn read_fit(path: impl AsRef<Path>, registry: &EffectRegistry) -> Result<Fit
         None => {
             return Err(IoError::file(
                 path,
-                "is no fit file: it has no `format`; `truepose identify` writes such files",
+                "is not a fit file: it has no `format`; `truepose identify` writes such files",
             ));
         }
     }
@@ -60,11 +60,13 @@ fn parsed<'t, T: Deserialize<'t>>(text: &'t Text) -> Result<T, IoError> {
         let words = error.to_string();
         let words = words.split(" at line ").next().unwrap_or(&words);
         let message = match error.classify() {
-            serde_json::error::Category::Eof => format!("the file ends too early ({words}); it is not whole"),
-            _ if !text.text.trim_start().starts_with('{') => {
-                "is no fit file; `truepose identify` writes such files".to_owned()
+            serde_json::error::Category::Eof => {
+                format!("the file ends too early ({words}); it is incomplete")
             }
-            serde_json::error::Category::Data => format!("is no fit file of format {FIT_FORMAT}: {words}"),
+            _ if !text.text.trim_start().starts_with('{') => {
+                "is not a fit file; `truepose identify` writes such files".to_owned()
+            }
+            serde_json::error::Category::Data => format!("is not a fit file of format {FIT_FORMAT}: {words}"),
             _ => format!("is not JSON: {words}"),
         };
         IoError::Text {
@@ -83,7 +85,7 @@ mod tests {
     use crate::write_fit;
     use proptest::prelude::*;
     use truepose_errormodel::effects::{Geometric, JointCompliance};
-    use truepose_errormodel::{Channel, Dataset, Domain, ErrorModel, Interval, Noise, Sample};
+    use truepose_errormodel::{Channel, Dataset, Domain, ErrorModel, Interval, NoiseModel, Sample};
     use truepose_kinematics::nalgebra::{DMatrix, Vector3};
     use truepose_kinematics::{Chain, Load, Payload, Wrench, samples};
 
@@ -99,7 +101,7 @@ mod tests {
         (0..n).for_each(|k| covariance[(k, k)] = covariance[(k, k)].abs());
         let mut fit = FittedModel::new(model, coefficients, covariance).unwrap();
         fit.channels = vec![Channel { name: "oil".into(), unit: "degC".into(), temperature: true }];
-        fit.noise = Noise { position_sd: 5e-5, orientation_sd: 0.0 };
+        fit.noise = NoiseModel { position_sd: 5e-5, ..NoiseModel::none() };
         fit.domain = Domain {
             joints: vec![Interval { lower: -1.0, upper: 2.0 }],
             payload: Some(Interval { lower: 0.0, upper: 70.0 }),
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn what_is_wrong_is_reported() {
         let good = fit_json(&fit(samples::scara(), &mut || 0.5)).unwrap();
         assert!(read(good.as_bytes()).is_ok());
         let error = |text: &str| read(text.as_bytes()).unwrap_err();
@@ -191,10 +193,10 @@ mod tests {
         );
         assert_eq!(
             error("{\"a\": 1}"),
-            "fit.json: is no fit file: it has no `format`; `truepose identify` writes such files"
+            "fit.json: is not a fit file: it has no `format`; `truepose identify` writes such files"
         );
         assert_eq!(error(""), "fit.json: is empty; a fit file is written by `truepose identify`");
-        assert_eq!(error("hello"), "fit.json:1:1: is no fit file; `truepose identify` writes such files");
+        assert_eq!(error("hello"), "fit.json:1:1: is not a fit file; `truepose identify` writes such files");
         assert_eq!(
             with("geometric", "geometrics"),
             "fit.json: unknown effect family `geometrics`; known families: backlash, base_compliance, coupling, \
@@ -206,7 +208,7 @@ mod tests {
             "fit.json: coefficient 1 is `y@base` [m], but the model of the file has `x@base` [m] there; the file is damaged"
         );
         assert!(with("\"targets\":[]", "\"targets\":7").starts_with("fit.json:4:"));
-        assert!(with("\"value\":0.5", "\"value\":null").contains("is no fit file of format 1: "));
+        assert!(with("\"value\":0.5", "\"value\":null").contains("is not a fit file of format 1: "));
         assert!(error("[]").starts_with("fit.json:1:"));
         assert!(error(&"[".repeat(100_000)).starts_with("fit.json:1:"));
     }

@@ -1,11 +1,11 @@
-//! The fit file, format 1, as it stands in JSON. What stands here does not change; a new format is a new file.
+//! The fit file, format 1, in JSON. This schema does not change; a new format is a new file.
 
 use super::robot_v1::RobotV1;
 use super::sample_v1::{self, RowV1, SampleOfV1};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use truepose_errormodel::{
-    Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, Noise,
+    Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, NoiseModel,
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, TargetId};
@@ -162,7 +162,7 @@ impl FitV1 {
         if self.noise.position_sd < 0.0 || self.noise.orientation_sd < 0.0 {
             return Err("a standard deviation of `noise` is below zero; the file is damaged".into());
         }
-        let mut fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
+        let fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
         let (joints, targets) = (fit.chain().movable().len(), fit.chain().targets().len());
         if let Some(target) = self.domain.targets.iter().flatten().find(|&&target| target >= targets) {
             return Err(format!(
@@ -173,16 +173,12 @@ impl FitV1 {
             Some(of) => sample_v1::read(of, self.sample, joints, targets)?,
             None => Default::default(),
         };
-        fit.channels = self
-            .channels
-            .into_iter()
-            .map(|channel| Channel {
-                name: channel.name,
-                unit: channel.unit,
-                temperature: channel.temperature,
-            })
-            .collect();
-        fit.domain = Domain {
+        let channels = self.channels.into_iter().map(|channel| Channel {
+            name: channel.name,
+            unit: channel.unit,
+            temperature: channel.temperature,
+        });
+        let domain = Domain {
             joints: self.domain.joints.into_iter().map(interval).collect(),
             payload: self.domain.payload.map(interval),
             time: self.domain.time.map(interval),
@@ -190,10 +186,17 @@ impl FitV1 {
             targets: self.domain.targets.into_iter().map(|target| target.map(TargetId)).collect(),
             sample,
         };
-        fit.noise = Noise { position_sd: self.noise.position_sd, orientation_sd: self.noise.orientation_sd };
-        fit.loads = self.loads;
-        fit.provenance = self.provenance;
-        Ok(fit)
+        let noise = NoiseModel {
+            position_sd: self.noise.position_sd,
+            orientation_sd: self.noise.orientation_sd,
+            ..NoiseModel::none()
+        };
+        Ok(fit
+            .with_channels(channels.collect())
+            .with_domain(domain)
+            .with_noise(noise)
+            .with_loads(self.loads)
+            .with_provenance(self.provenance))
     }
 }
 

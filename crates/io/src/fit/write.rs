@@ -79,7 +79,9 @@ fn check_finite(fit: &FittedModel) -> Result<(), String> {
         return Err(format!("the payload {} kg is corrected to {} kg", load.declared, load.carried));
     }
     match fit.model().effects().iter().find(|effect| effect.parameters().is_null()) {
-        Some(effect) => Err(format!("effect `{}` has parameters that cannot stand in a file", effect.kind())),
+        Some(effect) => {
+            Err(format!("effect `{}` has parameters that cannot be written to a file", effect.kind()))
+        }
         None => Ok(()),
     }
 }

@@ -42,7 +42,7 @@ pub(crate) enum Cells {
 /// A column with its unit.
 #[derive(Debug, Clone)]
 pub(crate) struct Column {
-    /// The header as it stands in the file.
+    /// The header as in the file.
     pub header: String,
     pub name: String,
     /// The unit of the file.
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_headers_are_said() {
+    fn bad_headers_are_reported() {
         for (header, message) in [
             ("", "has no name; name the column in the header, or remove it"),
             ("[mm]", "has no name; name the column in the header, or remove it"),

@@ -102,7 +102,7 @@ impl Header {
             header.warn(
                 warnings,
                 header.slots.payload,
-                "has no centre of gravity and is taken to hang at the tool's origin; add `cx[mm]`, `cy[mm]`, `cz[mm]`",
+                "has no centre of gravity: the tool's origin is assumed; add `cx[mm]`, `cy[mm]`, `cz[mm]`",
             );
         }
         if header.slots.payload.is_some() && header.slots.wrench.is_some() {
@@ -185,8 +185,7 @@ impl Header {
                 .collect(),
         };
         if let (Some(_), Some(second)) = (slots.quaternion, slots.rotation_vector) {
-            let message =
-                "the orientation stands twice, as a quaternion and as a rotation vector; remove one of them";
+            let message = "the orientation is given twice, as a quaternion and as a rotation vector; remove one of them";
             return Err(self.cell_error(self.line, second[0], message));
         }
         if let (Some(centre), None) = (slots.centre, slots.payload) {
@@ -284,7 +283,7 @@ fn separated_by_commas(file: &Path, line: u64, text: &[u8], count: usize) -> Res
                 "lines end in a lone carriage return; save with LF or CRLF line ends",
             ));
         }
-        () if has(0) => return Err(IoError::line(file, line, "holds binary data; this is no CSV file")),
+        () if has(0) => return Err(IoError::line(file, line, "is binary data; this is not a CSV file")),
         () if count > 1 => return Ok(()),
         () if has(b';') => "`;`",
         () if has(b'\t') => "tabs",
@@ -320,8 +319,7 @@ mod tests {
         assert_eq!(
             warnings,
             [
-                "d.csv:1: column `payload[kg]` (9): has no centre of gravity and is taken to hang at the tool's origin; \
-              add `cx[mm]`, `cy[mm]`, `cz[mm]`"
+                "d.csv:1: column `payload[kg]` (9): has no centre of gravity: the tool's origin is assumed; add `cx[mm]`, `cy[mm]`, `cz[mm]`"
             ]
         );
         for (rest, message) in [
@@ -336,7 +334,7 @@ mod tests {
             ),
             (
                 "qw,qx,qy,qz,rx[rad],ry[rad],rz[rad]",
-                "d.csv:1: column `rx[rad]` (9): the orientation stands twice, as a quaternion and as a rotation vector; \
+                "d.csv:1: column `rx[rad]` (9): the orientation is given twice, as a quaternion and as a rotation vector; \
                  remove one of them",
             ),
             (
@@ -354,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_joint_is_said() {
+    fn a_missing_joint_is_reported() {
         assert_eq!(
             parse("r1[rad],r2[deg],slyde[mm],r4[rad],x[m],y[m],z[m]").unwrap_err(),
             "d.csv:1: joint `slide` has no column; is it called `slyde`?; add `slide[m]` or `slide[mm]` (columns here: \
@@ -363,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn other_separators_are_said() {
+    fn other_separators_are_reported() {
         assert_eq!(
             parse("r1[rad];r2[deg]").unwrap_err(),
             "d.csv:1: columns are separated by `;`; separate them by commas and write decimals with a point"

@@ -1,7 +1,7 @@
 //! Rows in which the instrument had lost its target: it writes x = y = z = 0.
 //!
 //! No point of a robot is measured at the origin to the last digit. Such a row was not measured, neither its position nor its orientation;
-//! that it is there all the same is said.
+//! a warning names such rows.
 
 use super::header::Header;
 use truepose_kinematics::{Chain, TargetId};
@@ -58,7 +58,7 @@ impl Lost {
         self.lines.binary_search(&line).is_ok()
     }
 
-    /// The first line, and what is to be said of all of them.
+    /// The first line, and the warning about all of them.
     pub fn words(&self) -> Option<(u64, String)> {
         let first = *self.lines.first()?;
         let named: Vec<String> = self.lines.iter().take(NAMED).skip(1).map(u64::to_string).collect();
@@ -70,7 +70,7 @@ impl Lost {
         Some((
             first,
             format!(
-                "x, y and z are all 0{others}: taken as not measured, as an instrument writes that has lost its target; leave the cells empty"
+                "x, y and z are all 0{others}: read as not measured: instruments write this when the target is lost; leave the cells empty"
             ),
         ))
     }

@@ -174,7 +174,7 @@ impl ParquetRows {
         self.bytes
     }
 
-    /// The share of the file that its rows so far are.
+    /// The fraction of the file that is read so far.
     pub fn handed_out(&self) -> u64 {
         (self.row as f64 / self.rows.max(1) as f64 * self.bytes as f64) as u64
     }

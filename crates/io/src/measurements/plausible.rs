@@ -1,4 +1,4 @@
-//! Joint values that are plainly in another unit than their header says.
+//! Joint values that are evidently in another unit than that of their header.
 
 use super::columns::Column;
 use std::f64::consts::PI;
@@ -46,7 +46,7 @@ impl Plausible {
             let hint = if column.unit == "rad" {
                 format!("looks like degrees; if so, call the column `{}[deg]`", column.name)
             } else {
-                "cannot be meant; check the unit".into()
+                "is not plausible; check the unit".into()
             };
             return Err(format!(
                 "{raw} is beyond any plausible turn and {hint}. A joint that really turns further than two turns \
@@ -140,7 +140,7 @@ mod tests {
             "45 rad is beyond any plausible turn and looks like degrees; if so, call the column `s1[deg]`. A joint that \
              really turns further than two turns needs `limits` in the robot description"
         );
-        assert!(judge(&skewed, "s1[deg]", 900.0).unwrap_err().contains("cannot be meant; check the unit"));
+        assert!(judge(&skewed, "s1[deg]", 900.0).unwrap_err().contains("is not plausible; check the unit"));
         assert!(judge(&pps, "theta[deg]", 1e300).unwrap_err().contains("check the unit"));
     }
 

@@ -251,7 +251,7 @@ impl MeasurementsReader {
         let (number, new) = self.visits.number(label);
         if consecutive && !new {
             let message = format!(
-                "visit {label} stands in several places of the file; sort the rows by visit to read it in blocks"
+                "visit {label} occurs in several places of the file; sort the rows by visit to read it in blocks"
             );
             return Err(self.rows.header.cell_error(self.rows.row.line, slot, message));
         }

@@ -38,11 +38,11 @@ pub(crate) struct RowReader {
     pub seen: Vec<Seen>,
     /// Of each joint, the first line beyond its limits and how many lines are.
     pub beyond: Vec<Option<(u64, usize)>>,
-    /// Rows in which an instrument says that it measured nothing.
+    /// Rows that an instrument marks as not measured.
     pub lost: Lost,
 }
 
-/// What a row says, apart from what is still in its cells.
+/// Values of a row, apart from those still in its cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Row {
     pub line: u64,

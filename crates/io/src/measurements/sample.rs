@@ -7,7 +7,7 @@ use std::path::Path;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::Chain;
 
-/// Places of a file that are looked at.
+/// Places of a file that are sampled.
 const PLACES: u64 = 32;
 
 /// About `rows` rows from places all over a file, in whole visits; the whole file where it is not much longer than that.

@@ -1,4 +1,4 @@
-//! Where the rows of a table come from: lines of text, or a Parquet file (feature `parquet`), which is told by its first bytes.
+//! Where the rows of a table come from: lines of text, or a Parquet file (feature `parquet`), which is recognised by its first bytes.
 
 use super::lines::Lines;
 #[cfg(feature = "parquet")]

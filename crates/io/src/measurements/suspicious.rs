@@ -1,4 +1,4 @@
-//! What is not wrong in a table but looks as if something were.
+//! Warnings about tables that are valid but implausible.
 
 use super::columns::Cells;
 use super::copies::copies;
@@ -48,7 +48,7 @@ pub(super) fn look(
         }
         if let Some((row, of, count)) = copies(data) {
             let message = format!(
-                "is an exact copy of line {}{}; a copied row is no repeated measurement, and makes the noise look smaller than it is",
+                "is an exact copy of line {}{}; a copied row is not a repeated measurement, and leads to an underestimate of the noise",
                 data.line[of],
                 match count {
                     1 => String::new(),
@@ -78,14 +78,13 @@ pub(super) fn look(
         let mut empty = empty.peekable();
         if let Some(&first) = empty.peek() {
             let count = empty.count();
-            let message =
-                format!("nothing was measured in this row{}; it takes no part in a fit", more(count));
+            let message = format!("nothing was measured in this row{}; fits ignore it", more(count));
             warnings.push(at(data.line[first], None, message));
         }
     }
 }
 
-/// What a row says to a person.
+/// A warning about a row.
 fn told(read: &ReadSoFar<'_>, line: u64, column: Option<usize>, message: String) -> Warning {
     let header = &read.rows.header;
     Warning {
@@ -144,7 +143,7 @@ pub(super) fn look_at_columns(read: &ReadSoFar<'_>, chain: &Chain, warnings: &mu
         if unit.is_some_and(|unit| matches!(unit.quantity, Quantity::Angle | Quantity::Length)) {
             let joints: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();
             let message = format!(
-                "is no joint of the robot (its joints: {}) and counts as a channel",
+                "is not a joint of the robot (its joints: {}) and counts as a channel",
                 joints.join(", ")
             );
             header.warn(warnings, Some(k), message);
@@ -180,19 +179,20 @@ fn unvaried(read: &ReadSoFar<'_>, data: &Dataset, warnings: &mut Vec<Warning>) {
         let fixed: Vec<usize> =
             data.joints.iter().zip(slots).filter(|(column, _)| still(column)).map(|(_, &k)| k).collect();
         if !fixed.is_empty() && fixed.len() == slots.len() {
-            let message = "no joint moves: all rows are one configuration, which tells nothing about the arm";
+            let message =
+                "no joint moves: all rows are one configuration, which contains no information about the arm";
             header.warn(warnings, None, message);
         } else {
             if let [k] = fixed[..] {
                 header.warn(
                     warnings,
                     Some(k),
-                    "never changes: the data says nothing about this joint's motion",
+                    "never changes: the data contains no information about this joint's motion",
                 );
             } else if !fixed.is_empty() {
                 let names: Vec<&str> = fixed.iter().map(|&k| header.columns[k].name.as_str()).collect();
                 let message = format!(
-                    "{} never change: the data says nothing about the motion of these joints",
+                    "{} never change: the data contains no information about the motion of these joints",
                     names.join(", ")
                 );
                 header.warn(warnings, None, message);
@@ -205,8 +205,7 @@ fn unvaried(read: &ReadSoFar<'_>, data: &Dataset, warnings: &mut Vec<Warning>) {
     if let Some(k) = header.slots.payload
         && data.load.iter().all(unloaded)
     {
-        let message = "is zero in every row: what yields under a payload cannot be told from this data; if something was carried, \
-                       declare it";
+        let message = "is zero in every row: this data does not determine the compliance under a payload; if a payload was carried, declare it";
         header.warn(warnings, Some(k), message);
     }
 }
@@ -217,7 +216,7 @@ fn stuck(read: &ReadSoFar<'_>, warnings: &mut Vec<Warning>) {
     let one =
         |&k: &usize| read.rows.seen[k].range().is_some_and(|(low, high)| low.to_bits() == high.to_bits());
     if read.count >= 5 && slots.iter().all(one) {
-        let message = "never changes, nor do the other two, although the robot moves; was something measured that does not move with it?";
+        let message = "never changes, nor do the other two, although the robot moves: the measured point does not move with the robot";
         read.rows.header.warn(warnings, Some(slots[0]), message);
     }
 }

@@ -1,4 +1,4 @@
-//! What the cells of one row say together: plausible joints, an orientation, a load.
+//! Values of one row that depend on several cells: plausible joints, an orientation, a load.
 
 use super::row::RowReader;
 use crate::IoError;
@@ -9,7 +9,7 @@ use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl RowReader {
-    /// What the cells of the row say together.
+    /// Values that depend on several cells.
     pub(super) fn understand(&mut self) -> Result<(), IoError> {
         let line = self.row.line;
         if let Some(slots) = &self.header.slots.joints {

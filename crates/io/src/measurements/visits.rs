@@ -80,7 +80,7 @@ pub(crate) fn check_standstills(data: &Dataset, labels: &[i64], header: &Header)
 fn check_same(data: &Dataset, a: usize, b: usize, label: i64, header: &Header) -> Result<(), IoError> {
     let told = |what: String| {
         format!(
-            "visit {label} has {what} than in line {}; rows of one visit are one standstill: give another visit number",
+            "visit {label} has {what} than in line {}; rows of one visit are one pose measurement: give another visit number",
             data.line[a]
         )
     };

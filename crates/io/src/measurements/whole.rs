@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn every_bad_cell_is_said() {
+    fn every_bad_cell_is_reported() {
         let cases: [(usize, &str, &str); 21] = [
             (3, "abc", "column `theta[deg]` (4): `abc` is not a number"),
             (3, "", "column `theta[deg]` (4): is empty; every row needs all joint values"),
@@ -292,13 +292,11 @@ mod tests {
         assert!(read(&text("1,2,3,4.001,1,2,1,2,3,8,5,0,0,0")).is_ok());
         assert_eq!(
             read(&text("1,2,3,4.1,1,2,1,2,3,8,5,0,0,0")).unwrap_err(),
-            "d.csv:3: column `theta[deg]` (4): visit 8 has another joint value than in line 2; rows of one visit are one \
-             standstill: give another visit number"
+            "d.csv:3: column `theta[deg]` (4): visit 8 has another joint value than in line 2; rows of one visit are one pose measurement: give another visit number"
         );
         assert_eq!(
             read(&text("1,2,3,4,1,2,1,2,3,8,6,0,0,0")).unwrap_err(),
-            "d.csv:3: column `payload[kg]` (11): visit 8 has another load than in line 2; rows of one visit are one \
-             standstill: give another visit number"
+            "d.csv:3: column `payload[kg]` (11): visit 8 has another load than in line 2; rows of one visit are one pose measurement: give another visit number"
         );
         let (data, info, _) = read(&text("1,2,3,4.1,1,2,1,2,3,-3,5,0,0,0")).unwrap();
         assert_eq!((data.visit, info.visit_labels), (vec![0, 1], vec![8, -3]));
@@ -317,7 +315,7 @@ mod tests {
                 "d.csv:1: column `theta[deg]` (4): all joint values in [deg] are so small that they look like radians; if \
                  so, call the columns `name[rad]`",
                 "d.csv:1: column `x` (7): positions spread over 12700 m, but the robot is about 9.5304 m long; check the unit",
-                "d.csv:1: d2, d3, roll, pitch never change: the data says nothing about the motion of these joints",
+                "d.csv:1: d2, d3, roll, pitch never change: the data contains no information about the motion of these joints",
             ]
         );
         let (_, _, warnings) = read(&format!("{HEAD}\n1,2,3,91,0,0,,,\n")).unwrap();
@@ -325,7 +323,7 @@ mod tests {
             warnings,
             [
                 "d.csv:2: column `theta[deg]` (4): is beyond the joint's limits",
-                "d.csv:2: nothing was measured in this row; it takes no part in a fit",
+                "d.csv:2: nothing was measured in this row; fits ignore it",
             ]
         );
         let (_, info, warnings) =
@@ -334,7 +332,7 @@ mod tests {
         assert_eq!(
             warnings,
             [
-                "d.csv:1: column `yaw[deg]` (10): is no joint of the robot (its joints: d1, d2, d3, theta, roll, pitch) and \
+                "d.csv:1: column `yaw[deg]` (10): is not a joint of the robot (its joints: d1, d2, d3, theta, roll, pitch) and \
               counts as a channel"
             ]
         );

@@ -26,9 +26,9 @@ const MOST_TARGETS: usize = 4096;
 /// Which part of a URDF is the robot.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RobotOptions {
-    /// The link at the robot's base; none stands for the root of the URDF.
+    /// The link at the robot's base; none: the root of the URDF.
     pub base: Option<String>,
-    /// The link at the robot's tip; none stands for the only leaf.
+    /// The link at the robot's tip; none: the only leaf.
     pub tip: Option<String>,
 }
 

@@ -13,7 +13,7 @@ const LONGEST: usize = 200;
 /// Why a joint cannot bear this name, if it cannot.
 pub(crate) fn joint_name_problem(name: &str) -> Option<String> {
     if matches!(name, "base" | "tool" | "targets") {
-        return Some(format!("a joint cannot be called `{name}`, which is the word for a frame; rename it"));
+        return Some(format!("a joint cannot be called `{name}`, which is the name of a frame; rename it"));
     }
     if COLUMNS.contains(&name) || name.starts_with("approach_") {
         return Some(format!(
@@ -21,12 +21,12 @@ pub(crate) fn joint_name_problem(name: &str) -> Option<String> {
         ));
     }
     if name.contains(['[', ']']) {
-        return Some(format!("the name `{name}` cannot stand in the header of a column; use no brackets"));
+        return Some(format!("the name `{name}` cannot be used in the header of a column; use no brackets"));
     }
     cell_problem(name)
 }
 
-/// Why a name cannot stand in a cell of a table, if it cannot.
+/// Why a name cannot be used in a cell of a table, if it cannot.
 pub(crate) fn cell_problem(name: &str) -> Option<String> {
     let shown = name.escape_debug();
     if name.is_empty() {
@@ -38,7 +38,7 @@ pub(crate) fn cell_problem(name: &str) -> Option<String> {
         Some(format!("the name `{shown}` begins or ends with a space; remove it"))
     } else if name.contains([',', '"', '#']) || name.chars().any(char::is_control) {
         Some(format!(
-            "the name `{shown}` cannot stand in a cell; use no commas, quotes, `#` or control characters"
+            "the name `{shown}` cannot be used in a cell; use no commas, quotes, `#` or control characters"
         ))
     } else {
         None

@@ -156,7 +156,7 @@ fn joints(value: &Value<'_>, units: Units) -> Result<Vec<Joint>, IoError> {
         if joints.iter().any(|other| other.name == joint.name) {
             return Err(table
                 .require("name")?
-                .error(format!("two joints bear the name `{}`; names must be different", joint.name)));
+                .error(format!("two joints have the name `{}`; names must be different", joint.name)));
         }
         joints.push(joint);
     }
@@ -271,7 +271,7 @@ fn targets(value: &Value<'_>, units: Units) -> Result<Vec<Target>, IoError> {
         }
         if targets.iter().any(|other| Ok(other.name.as_str()) == name.string().as_deref().map_err(|_| ())) {
             return Err(name
-                .error(format!("two targets bear the name `{}`; names must be different", name.string()?)));
+                .error(format!("two targets have the name `{}`; names must be different", name.string()?)));
         }
         let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
         let position = match table.get("xyz") {

@@ -31,10 +31,10 @@ pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warni
         Some(tag) if tag.element == "robot" => {}
         Some(tag) => {
             return Err(
-                text.error(tag.at, format!("is no URDF: it begins with <{}>, not <robot>", tag.element))
+                text.error(tag.at, format!("is not a URDF: it begins with <{}>, not <robot>", tag.element))
             );
         }
-        None => return Err(text.error(0, "is no URDF: it has no <robot>")),
+        None => return Err(text.error(0, "is not a URDF: it has no <robot>")),
     }
     let robot = urdf_rs::read_from_string(&text.text).map_err(|error| {
         let words = error.to_string().replace('\n', "; ");
@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warni
         let mut joint = joint(described).map_err(|message| text.error(at, message))?;
         if joints.iter().any(|other| other.name == joint.name) {
             return Err(
-                text.error(at, format!("two joints bear the name `{}`; names must be different", joint.name))
+                text.error(at, format!("two joints have the name `{}`; names must be different", joint.name))
             );
         }
         if matches!(described.joint_type, JointType::Revolute | JointType::Prismatic)
@@ -162,7 +162,7 @@ fn warn_of_side_branches(robot: &urdf_rs::Robot, joints: &[Joint], path: &Path, 
         let kg: f64 = beside.iter().map(|link| link.inertial.mass.value).sum();
         let names: Vec<&str> = beside.iter().map(|link| link.name.as_str()).collect();
         let message = format!(
-            "the links {} hang beside the path from base to tip; their weight ({kg} kg) is not counted",
+            "the links {} are not on the path from base to tip; their weight ({kg} kg) is ignored",
             crate::nearest::listed(names)
         );
         warnings.push(Warning { file: path.into(), line: None, column: None, message });
@@ -253,7 +253,7 @@ mod tests {
         );
         let (chain, warnings) = read(&text, Some("l1"), Some("tool0")).unwrap();
         assert_eq!(chain.joints().len(), 3);
-        assert!(warnings[0].message.contains("the links finger hang beside the path"), "{}", warnings[0]);
+        assert!(warnings[0].message.contains("the links finger are not on the path"), "{}", warnings[0]);
         assert_eq!(
             read(&text, None, Some("tol0")).unwrap_err(),
             "a.urdf:1:1: there is no tip link `tol0`; did you mean `tool0`? (links: base, l1, l2, l3, tool0, finger)"
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_supported_is_said() {
+    fn what_is_not_supported_is_reported() {
         let good = arm("");
         let floating = read(&good.replace("continuous", "floating"), None, None).unwrap_err();
         assert_eq!(

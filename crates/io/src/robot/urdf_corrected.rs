@@ -16,7 +16,7 @@ use truepose_kinematics::{Chain, Placement, Pose};
 pub struct UrdfCorrection {
     /// The corrected origin of each joint of the chain, fixed ones included.
     pub origins: Vec<Pose>,
-    /// What stands between the last joint's frame and the nominal tool: the corrected tool's pose times the inverse of the
+    /// The pose between the last joint's frame and the nominal tool: the corrected tool's pose times the inverse of the
     /// nominal one. The identity changes nothing.
     pub behind: Pose,
     /// Lines of a comment.
@@ -44,7 +44,7 @@ pub fn corrected_urdf(
     let robot = tags
         .first()
         .filter(|tag| tag.element == "robot")
-        .ok_or_else(|| text.error(0, "is no URDF: it does not begin with <robot>"))?;
+        .ok_or_else(|| text.error(0, "is not a URDF: it does not begin with <robot>"))?;
     let described = urdf_rs::read_from_string(&text.text).map_err(|error| {
         text.error(0, format!("is not a valid URDF: {}", error.to_string().replace('\n', "; ")))
     })?;
@@ -104,7 +104,7 @@ pub fn corrected_urdf(
     Ok(edited(&text.text, edits))
 }
 
-/// A piece of the text, and what stands there instead.
+/// A piece of the text, and its replacement.
 struct Edit {
     at: Range<usize>,
     with: String,

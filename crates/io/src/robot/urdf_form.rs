@@ -1,7 +1,7 @@
 //! A robot as a URDF of its own, for those that were described otherwise.
 //!
 //! Links are bare but for their weight: the inertias are those of point masses. A base or tool that the description has
-//! beside the joints becomes a fixed joint (the tool's), or a comment (the base's, which is where the robot stands).
+//! beside the joints becomes a fixed joint (the tool's), or a comment (the base's, which is the installation of the robot).
 
 use super::urdf_corrected::comment;
 use std::fmt::Write;

@@ -1,6 +1,6 @@
 //! Where the named elements of an XML text stand, and how deep it nests.
 //!
-//! The URDF library keeps no positions and recurses into nested elements; this scanner looks at tags only, so
+//! The URDF library keeps no positions and recurses into nested elements; this scanner reads tags only, so
 //! that messages have a line and a hostile file cannot exhaust the stack.
 
 use std::ops::Range;
@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Tags nest no deeper than this in any robot description.
 const DEEPEST: usize = 200;
 
-/// An opening tag: its element, its `name` attribute, where it begins and ends, and in how many others it stands.
+/// An opening tag: its element, its `name` attribute, where it begins and ends, and its nesting depth.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Tag<'a> {
     pub element: &'a str,
@@ -50,7 +50,10 @@ pub(super) fn tags(text: &str) -> Result<Vec<Tag<'_>>, (usize, String)> {
             if !inner.ends_with('/') {
                 depth += 1;
                 if depth > DEEPEST {
-                    return Err((start, format!("elements nest more than {DEEPEST} deep; this is no URDF")));
+                    return Err((
+                        start,
+                        format!("elements nest more than {DEEPEST} deep; this is not a URDF"),
+                    ));
                 }
             }
         }
@@ -78,7 +81,7 @@ fn tag_end(tag: &str) -> Option<usize> {
     None
 }
 
-/// Where in a tag the value of an attribute stands, without its quotes.
+/// Place of the value of an attribute in a tag, without its quotes.
 pub(super) fn attribute(tag: &str, wanted: &str) -> Option<Range<usize>> {
     let mut at = 0;
     while let Some(equals) = tag[at..].find('=') {

@@ -1,14 +1,15 @@
-//! A discovery as a story for a terminal: before, each effect, after.
+//! A discovery as text for a terminal: verdict, error budget, each finding.
 
-use super::{
-    DiscoverySummary, FindingSummary, NestedSummary, NoiseFloorSummary, Reference, WithdrawnSummary,
-};
-use crate::{PositionSpread, count, significant};
+use super::{DiscoverySummary, FindingSummary};
+use crate::{count, significant};
 use std::fmt;
-use truepose_discover::{Check, Doubt, Family, Finding, FloorSource, Stop, Verdict};
+use truepose_discover::Family;
 
-/// Width of the longest bar of the waterfall.
+/// Width of the longest bar of the error budget.
 const BAR: f64 = 34.0;
+
+/// Rejected candidates and untestable hypotheses that are listed.
+const LISTED: usize = 6;
 
 impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -19,93 +20,74 @@ impl fmt::Display for DiscoverySummary {
             count(self.rows, "row"),
             count(self.visits, "pose measurement")
         )?;
-        writeln!(f, "\n{}", self.question())?;
-        if let Some(few) = &self.too_few_poses {
-            writeln!(f, "{}", few.words())?;
-        }
-        let judged = self.before.judged();
+        self.verdict(f)?;
+        let used = self.before.holdout_used();
         writeln!(
             f,
             "\nRMS of the 3-D position error on the held-out test set ({}), mm\n",
-            count(judged.count, "row")
+            count(used.count, "row")
         )?;
-        self.waterfall(f)?;
+        self.error_budget(f)?;
         for (number, effect) in (1..).zip(&self.effects) {
-            writeln!(f, "\n{number}. {}", effect.words())?;
-            effect.story(f)?;
+            writeln!(f, "\n{number}. {}", effect.name())?;
+            effect.details(f)?;
         }
-        writeln!(f, "\n{}", self.ending())?;
-        if let Some(nested) = &self.nested {
-            writeln!(f, "{}", nested.words())?;
-            for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
-                let words = if found.is_empty() { "nothing".into() } else { found.join(", ") };
-                writeln!(f, "  fold {number}, {} mm: {words}", significant(after.rms_mm, 3))?;
-            }
-        }
-        for refused in self.refused.iter().take(6) {
-            let words = format!("{} {}", refused.family, refused.place.words());
-            writeln!(f, "  refused: {} – {}", words.trim_end(), refused.reason)?;
-        }
-        if !self.not_testable.is_empty() {
-            let words: Vec<String> = self
-                .not_testable
-                .iter()
-                .take(6)
-                .map(|u| format!("{} {}", u.family, u.place.words()).trim_end().to_owned())
-                .collect();
-            let more = self.not_testable.len().saturating_sub(words.len());
-            let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-            writeln!(f, "  this data cannot test: {}{rest}", words.join(", "))?;
-        }
-        Ok(())
-    }
-}
-
-impl NestedSummary {
-    /// Before and after in whole runs with a fold left out, and what that means.
-    pub(crate) fn words(&self) -> String {
-        let (before, after) = (self.before.rms_mm, self.after.rms_mm);
-        let worse = if after > before {
-            " The declared model alone predicts better: do not rely on what was found."
-        } else {
-            ""
-        };
-        format!(
-            "The whole loop inside each fold ({}): {} → {} mm RMS on rows that no choice has seen.{worse}",
-            self.folds,
-            significant(before, 3),
-            significant(after, 3)
-        )
+        self.not_added(f)
     }
 }
 
 impl DiscoverySummary {
-    /// What the declared model leaves, and against what that is held.
-    pub(crate) fn question(&self) -> String {
-        let left = significant(self.before.judged_train().rms_mm, 3);
-        match (self.lack_of_fit.against, self.lack_of_fit.before, self.lack_of_fit.pure_error_mm) {
-            (Reference::Repeats, Some(p), Some(pure)) => format!(
-                "Residual of the declared model: {left} mm RMS. Repeatability (pure error): {} mm (lack of fit p = {}).",
-                significant(pure, 3),
-                significant(p, 2)
-            ),
-            _ => format!(
-                "Residual of the declared model: {left} mm RMS. No repeated poses: significance comes from a resampling test (sign \
-                 flips of whole poses)."
-            ),
+    fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\n{}\n{}\n{}", self.answer(), self.result(), self.noise_floor.sentence())?;
+        if let Some(specification) = &self.specification {
+            writeln!(f, "{}", specification.sentence())?;
         }
+        let termination = self.termination();
+        if !termination.is_empty() {
+            writeln!(f, "{termination}")?;
+        }
+        writeln!(f, "{}", self.adequacy())?;
+        if let Some(nested) = &self.nested {
+            writeln!(f, "{}", nested.sentence())?;
+            for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
+                let names = if found.is_empty() { "no finding".into() } else { found.join(", ") };
+                writeln!(f, "  fold {number}, {} mm: {names}", significant(after.rms_mm, 3))?;
+            }
+        }
+        writeln!(f, "\n{}", self.residual())?;
+        if let Some(few) = &self.too_few_poses {
+            writeln!(f, "{}", few.sentence())?;
+        }
+        Ok(())
     }
 
-    fn waterfall(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut lines = vec![("declared model".to_owned(), self.before.judged().rms_mm)];
-        let found: Vec<_> = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).collect();
-        for (k, effect) in found.iter().enumerate() {
-            let last = k + 1 == found.len();
-            let after = if last { self.after.judged().rms_mm } else { effect.holdout_rms_mm.after };
-            lines.push((format!("+ {}", effect.words()), after));
+    fn not_added(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.refused.is_empty() && self.not_testable.is_empty() {
+            return Ok(());
         }
-        if let Some(floor) = self.noise_floor_mm {
-            lines.push((self.noise_floor.name().to_owned(), floor));
+        writeln!(f)?;
+        for refused in self.refused.iter().take(LISTED) {
+            writeln!(f, "not added: {} ({})", refused.name(), refused.reason)?;
+        }
+        if !self.not_testable.is_empty() {
+            let names: Vec<String> = self.not_testable.iter().take(LISTED).map(|u| u.name()).collect();
+            let more = self.not_testable.len() - names.len();
+            let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+            writeln!(f, "not testable with this data: {}{rest}", names.join(", "))?;
+        }
+        Ok(())
+    }
+
+    fn error_budget(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut lines = vec![("declared model".to_owned(), self.before.holdout_used().rms_mm)];
+        let effects: Vec<_> = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).collect();
+        for (k, effect) in effects.iter().enumerate() {
+            let last = k + 1 == effects.len();
+            let after = if last { self.after.holdout_used().rms_mm } else { effect.holdout_rms_mm.after };
+            lines.push((format!("+ {}", effect.name()), after));
+        }
+        if let Some(limit) = self.noise_floor_mm {
+            lines.push((self.noise_floor.name().to_owned(), limit));
         }
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let most = lines.iter().map(|(_, v)| *v).fold(f64::MIN_POSITIVE, f64::max);
@@ -122,126 +104,13 @@ impl DiscoverySummary {
         }
         Ok(())
     }
-
-    fn ending(&self) -> String {
-        let specification = self.specification.map_or_else(String::new, |s| format!("\n{}", s.words()));
-        format!("{}{specification}\n{}", self.result(), self.why())
-    }
-
-    /// Before and after on the held-out test set, with the repeatability limit.
-    pub(crate) fn result(&self) -> String {
-        let pair = |before: PositionSpread, after: PositionSpread| {
-            format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3))
-        };
-        let all = pair(self.before.holdout, self.after.holdout);
-        let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
-            (Some(before), Some(after)) => format!(
-                "{} on the held-out test set without {}, {all} with {}",
-                pair(before, after),
-                count(self.after.holdout.count - after.count, "row that is reported as an outlier"),
-                if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
-            ),
-            _ => format!("{all} on the held-out test set"),
-        };
-        format!("{figures}. {}", self.noise_floor.words())
-    }
-
-    /// Why the loop stopped, and what that means.
-    pub(crate) fn why(&self) -> String {
-        let p = format!("(p = {})", significant(self.unexplained.p_value, 2));
-        let found = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).count();
-        let why = match self.stopped {
-            Stop::NothingLeft if found == 0 => {
-                format!("No effect beyond the declared model is significant {p}.")
-            }
-            Stop::NothingLeft => format!("No further effect is significant {p}."),
-            Stop::NothingConvincing => {
-                format!("Something is left {p}, but no candidate passed all tests.")
-            }
-            Stop::Circling => format!(
-                "Something is left {p}, and the search came back to the same candidates: which of them it is stays undecided."
-            ),
-            Stop::Withdrawn => self.withdrawn.as_ref().map_or_else(String::new, WithdrawnSummary::words),
-            Stop::Interrupted => "The run was ended before its end; something may be left.".into(),
-            Stop::Limit => format!("As many effects as were allowed were added {p}; something may be left."),
-            _ => String::new(),
-        };
-        let verdict = match (self.verdict, self.unexplained.rms_mm) {
-            (Verdict::Adequate, _) => "The model is adequate: what is left is not significant against repeatability.".into(),
-            (Verdict::Unexplained, Some(left)) if left > 0.0 => format!(
-                "{} mm of {} mm are not explained by any effect of the model.",
-                significant(left, 2),
-                significant(self.after.judged_train().rms_mm, 3)
-            ),
-            (Verdict::Unexplained, _) => match self.lack_of_fit.after {
-                Some(p) if self.stopped == Stop::NothingLeft => {
-                    format!("The lack of fit against repeated poses is significant (p = {}): something is left.", significant(p, 2))
-                }
-                _ => "What is left is more than noise.".into(),
-            },
-            (Verdict::Undecided, _) if self.noise_floor.source == FloorSource::Unknown => {
-                "Whether anything is left cannot be decided without repeated poses: measure ten or more of them twice.".into()
-            }
-            _ => "Whether anything is left is not decided.".to_owned(),
-        };
-        format!("{why} {verdict}").trim().to_owned()
-    }
-}
-
-impl NoiseFloorSummary {
-    fn name(&self) -> &'static str {
-        match self.source {
-            FloorSource::Stated => "instrument",
-            _ => "repeatability",
-        }
-    }
-
-    /// The limit with its source, in a sentence.
-    pub(crate) fn words(&self) -> String {
-        let Some(rms) = self.rms_mm else {
-            return "Repeatability limit: unknown (no repeated poses, no stated accuracy).".into();
-        };
-        let rms = significant(rms, 3);
-        match (self.source, self.ci95_mm) {
-            (FloorSource::Repeats, Some([lower, upper])) => format!(
-                "Repeatability limit: {rms} mm ({} to {} mm; from repeats).",
-                significant(lower, 2),
-                significant(upper, 2)
-            ),
-            (FloorSource::Stated, _) => {
-                format!(
-                    "Repeatability limit: at least {rms} mm (stated accuracy of the instrument; no repeated poses)."
-                )
-            }
-            _ => format!("Repeatability limit: {rms} mm (from repeats)."),
-        }
-    }
-}
-
-impl WithdrawnSummary {
-    /// What was withdrawn, where it failed, and what stands.
-    pub(crate) fn words(&self) -> String {
-        let rows = match self.check {
-            Check::Refits => "in cross-validation by refits",
-            Check::UnsearchedRows => "on training rows outside of the sample that was searched",
-            Check::NestedFolds => "in nested cross-validation of the whole search",
-            Check::TestSet => "on the held-out test set",
-        };
-        format!(
-            "Withdrawn: {}. With {}, the model predicts unseen data worse than the declared model ({} → {} mm {rows}). The declared model stands.",
-            self.findings.join(", "),
-            if self.findings.len() == 1 { "it" } else { "them" },
-            significant(self.declared_rms_mm, 3),
-            significant(self.enlarged_rms_mm, 3),
-        )
-    }
 }
 
 impl FindingSummary {
-    fn story(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn details(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "   {}", self.meaning)?;
         for parameter in self.parameters.iter().take(4) {
-            let (value, unit) = crate::parameter_words(parameter);
+            let (value, unit) = crate::parameter_text(parameter);
             writeln!(f, "   {} = {value} {unit}", parameter.name)?;
         }
         if self.parameters.len() > 4 {
@@ -260,108 +129,15 @@ impl FindingSummary {
             significant(self.cross_validated_rms_mm.after, 3)
         )?;
         for other in self.alternatives.iter().take(2) {
-            let words = format!("{} {}", other.family, other.place.words());
-            let told = if other.equivalent { "not distinguishable from" } else { "competing hypothesis:" };
+            let relation =
+                if other.equivalent { "not distinguishable from" } else { "competing hypothesis:" };
             writeln!(
                 f,
-                "   {told} {} ({} mm held out)",
-                words.trim_end(),
+                "   {relation} {} ({} mm held out)",
+                other.name(),
                 significant(other.holdout_rms_mm, 3)
             )?;
         }
         Ok(())
-    }
-}
-
-/// Why a candidate was refused.
-pub(super) fn doubt_words(doubt: Doubt) -> &'static str {
-    match doubt {
-        Doubt::Chance => "not significant",
-        Doubt::NotPredictive => "no better on configurations that it has not seen (cross-validation)",
-        Doubt::TooSmall => "gain too small to matter",
-        Doubt::Unstable => "not selected in every half of the data",
-        Doubt::NothingNew => "the model has it already",
-        Doubt::NotConverged => "the fit with it does not converge",
-        Doubt::WorseFit => "the fit with it leaves a larger training error",
-        Doubt::WorseUnseen => "refitted with it, the model predicts unseen poses no better",
-        Doubt::NotSignificant => "its coefficients are not significant in the refitted model",
-        Doubt::NotPhysical => "its sign or size is one that no mechanism has",
-        _ => "refused",
-    }
-}
-
-/// What a finding is, and where a mechanic would look.
-pub(super) fn meaning(finding: &Finding) -> String {
-    let place = &finding.candidate.place;
-    let joint = place.joint.as_deref().unwrap_or("the robot");
-    match finding.candidate.family {
-        Family::Outlier => {
-            "These rows are explained by no repeatable effect: look at the instrument's log.".into()
-        }
-        Family::Target => format!(
-            "Target {} is not where the description has it: measure it again.",
-            place.target.as_deref().unwrap_or("")
-        ),
-        Family::Geometric => format!(
-            "The frame of {joint} is not where the description has it: look at its seat and dowels, or correct the description."
-        ),
-        Family::JointCompliance => {
-            format!(
-                "{joint} yields in proportion to the load about its axis: gear, bearing or drive stiffness."
-            )
-        }
-        Family::BaseCompliance => "The base tilts or sinks under the load: look at its anchoring.".into(),
-        Family::Backlash => format!(
-            "{joint} has play: its error switches with the side it comes from. Look at gear backlash, belt tension and preload."
-        ),
-        Family::Transmission => {
-            format!(
-                "The drive of {joint} errs periodically: eccentric wheel, gear mesh, strain wave or screw."
-            )
-        }
-        Family::Coupling => format!(
-            "{} drags {joint} along: belts, wrist gears or a calibration of coupled axes.",
-            place.driver.as_deref().unwrap_or("another joint")
-        ),
-        Family::Guideway => {
-            format!(
-                "The rail of {joint} is not straight, or its carriage turns as it travels: look at its bolts, shims and carriage."
-            )
-        }
-        Family::Payload => format!(
-            "The payload declared as {} kg does not fit. Check the declared mass.",
-            place.level.unwrap_or_default()
-        ),
-        Family::LinkCompliance => format!(
-            "The link behind {joint} bends or twists under what it carries: look at its flange bolts and bearings; else it is its stiffness."
-        ),
-        Family::LoadNonlinearity => format!(
-            "{joint} does not yield in proportion to its load: a bearing or gear that takes up play, or a strain wave that stiffens."
-        ),
-        Family::Shift => format!(
-            "{joint} jumped once: something was bumped, changed or mounted anew. Look at what the log has at that time."
-        ),
-        Family::Thermal => format!(
-            "{joint} follows {}: it grows or moves with temperature. Warm up, shield, or read the sensor when commanding.",
-            place.channel.as_deref().unwrap_or("a temperature")
-        ),
-        Family::Drift => format!(
-            "{joint} moves slowly with time: warming up, settling, or the instrument. Warm up longer, or measure a fixed point between."
-        ),
-        Family::Unmodelled
-            if place.joint.is_some() && place.joint == place.covariate && place.component.is_none() =>
-        {
-            format!(
-                "The axis of {joint} wanders as it turns: look at its bearings and their seats. Errors of that sort have no name here."
-            )
-        }
-        Family::Unmodelled => format!(
-            "Something at {joint} depends on {} in a way that has no name here.",
-            [place.covariate.as_deref(), place.covariate2.as_deref()]
-                .into_iter()
-                .flatten()
-                .collect::<Vec<_>>()
-                .join(" and ")
-        ),
     }
 }

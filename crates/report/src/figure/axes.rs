@@ -131,7 +131,7 @@ impl Plot {
         format!("<g transform=\"translate({right} {down})\">{}</g>", self.body)
     }
 
-    /// The figure; `about` says to who cannot see it what it shows.
+    /// The figure; `about` is its text alternative.
     pub(crate) fn finish(&self, about: &str) -> String {
         frame(self.width, self.height, about, &self.body)
     }

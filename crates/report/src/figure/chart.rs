@@ -82,10 +82,10 @@ pub(crate) fn chart(
     let mut body = plot.panel([0.0, 0.0]);
     for k in 0..5 {
         let x = 58.0 + 16.0 * f64::from(k);
-        let share = f64::from(k + 1) / 5.0;
+        let fraction = f64::from(k + 1) / 5.0;
         let _ = write!(
             body,
-            "<rect class=\"{class}\" x=\"{x}\" y=\"{}\" width=\"16\" height=\"10\" opacity=\"{share:.2}\"/>",
+            "<rect class=\"{class}\" x=\"{x}\" y=\"{}\" width=\"16\" height=\"10\" opacity=\"{fraction:.2}\"/>",
             HEIGHT + 4.0
         );
     }

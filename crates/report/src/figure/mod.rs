@@ -46,7 +46,7 @@ pub(crate) fn cut(text: &str, letters: usize) -> String {
 }
 
 /// A unit as people write it.
-pub(crate) fn unit_words(unit: &str) -> String {
+pub(crate) fn unit_text(unit: &str) -> String {
     unit.replace("degC", "°C").replace("N*m", "N·m")
 }
 

@@ -1,6 +1,6 @@
-//! What is drawn of many points: all that stand out, and of the rest as many as can be told apart.
+//! The points of a large scatter that are drawn: all extreme ones, and every k-th of the others.
 
-/// Indices that are drawn, ascending: all whose `size` is among the largest hundredth or that `keep` names, and of the rest
+/// Indices that are drawn, ascending: all whose `size` is among the largest 1 % or that `keep` names, and of the rest
 /// every k-th, so that about `most` are drawn.
 pub(crate) fn thin(sizes: &[f64], most: usize, keep: impl Fn(usize) -> bool) -> Vec<usize> {
     if sizes.len() <= most {
@@ -23,14 +23,14 @@ pub(crate) fn thin(sizes: &[f64], most: usize, keep: impl Fn(usize) -> bool) -> 
         .collect()
 }
 
-/// Quantile of what is finite; NaN of nothing.
-pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+/// Quantile of the finite values; NaN where there are none.
+pub(crate) fn quantile(mut values: Vec<f64>, fraction: f64) -> f64 {
     values.retain(|v| v.is_finite());
     values.sort_by(f64::total_cmp);
     if values.is_empty() {
         return f64::NAN;
     }
-    values[((values.len() - 1) as f64 * share).round() as usize]
+    values[((values.len() - 1) as f64 * fraction).round() as usize]
 }
 
 /// A bin of points: weighted mean of x and y.
@@ -68,8 +68,8 @@ pub(crate) fn bins(points: &[(f64, f64, f64)], count: usize) -> Vec<Bin> {
             let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
             let spread = mean(&|p| (p.1 - y).powi(2)).sqrt();
             // Kish: as many equal weights as would know the mean as well.
-            let worth = weight * weight / part.iter().map(|p| p.2 * p.2).sum::<f64>();
-            let error = if worth > 1.5 { spread / (worth - 1.0).sqrt() } else { f64::NAN };
+            let effective = weight * weight / part.iter().map(|p| p.2 * p.2).sum::<f64>();
+            let error = if effective > 1.5 { spread / (effective - 1.0).sqrt() } else { f64::NAN };
             Bin { x, y, error, spread, count: part.len() }
         })
         .collect()

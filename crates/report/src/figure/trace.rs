@@ -1,7 +1,8 @@
-//! The residual traced to one effect against what drives it: with the effect out of the model, and with it in.
+//! The residual in the coordinate of one effect, against the input of the effect: with the effect removed from the model, and
+//! with it included.
 
 use super::axes::frame;
-use super::{Plot, bins, cut, quantile, thin, unit_words};
+use super::{Plot, bins, cut, quantile, thin, unit_text};
 use truepose_discover::Trace;
 
 /// Points that are drawn.
@@ -16,11 +17,11 @@ const PANEL: [f64; 2] = [400.0, 300.0];
 
 /// An effect before and after.
 pub(crate) struct TraceFigure {
-    /// Without the effect, and with it: one SVG each, so that they stand beside each other or under each other.
+    /// Without the effect, and with it: one SVG each, so that the page can place them side by side or stacked.
     pub panels: [String; 2],
     /// Both in one, for the file.
     pub whole: String,
-    /// What has to be said about them.
+    /// Notes for the caption.
     pub notes: Vec<String>,
 }
 
@@ -35,7 +36,7 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
         "m" => (1e3, "mm"),
         other => (1.0, other),
     };
-    let x_unit = unit_words(x_unit);
+    let x_unit = unit_text(x_unit);
     let name = cut(&trace.driver, 28);
     let x_of = |k: usize| {
         let x = trace.points[k].driver;
@@ -48,13 +49,13 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
         None if x_unit.is_empty() => name,
         None => format!("{name}, {x_unit}"),
     };
-    // Rows with a short lever say little and scatter much.
+    // Rows with a short lever have little information and a large scatter.
     let lever = quantile(trace.points.iter().map(|p| p.lever).collect(), 0.9);
     let strong: Vec<usize> =
         (0..trace.points.len()).filter(|&k| trace.points[k].lever >= 0.25 * lever).collect();
     if strong.len() < trace.points.len() {
         notes.push(format!(
-            "{} of {} rows, whose position hardly depends on this error, are not drawn; they count in the means by their lever.",
+            "{} of {} rows are not drawn, because their position hardly depends on this error; the means weigh them by their sensitivity.",
             trace.points.len() - strong.len(),
             trace.points.len()
         ));
@@ -63,11 +64,7 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
         strong.iter().map(|&k| trace.points[k].before.abs().max(trace.points[k].after.abs())).collect();
     let drawn: Vec<usize> = thin(&sizes, DRAWN, |_| false).into_iter().map(|k| strong[k]).collect();
     if drawn.len() < strong.len() {
-        notes.push(format!(
-            "{} of {} rows are drawn; the largest hundredth is among them.",
-            drawn.len(),
-            strong.len()
-        ));
+        notes.push(format!("{} of {} rows are drawn, including the largest 1 %.", drawn.len(), strong.len()));
     }
     let all = || strong.iter().flat_map(|&k| [trace.points[k].before, trace.points[k].after]);
     let fits = trace.points.iter().map(|p| p.fitted);
@@ -109,7 +106,7 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
             }
             if panel == 0 && curve(&mut plot, trace, &xs, factor, class) {
                 notes.push(
-                    "The effect depends on more than this input: the curve is its mean, the band 95 % of what it says there."
+                    "The effect depends on more than this input: the curve is its mean, the band holds 95 % of its values there."
                         .into(),
                 );
             }
@@ -121,12 +118,15 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
         panels.push(plot);
     }
     if outside > 0 {
-        notes.push(format!("{outside} marks beyond the scale stand at its edge."));
+        notes.push(format!(
+            "{} outside of the scale {} drawn at its edge.",
+            crate::count(outside, "point"),
+            if outside == 1 { "is" } else { "are" }
+        ));
     }
     notes.dedup();
-    let about = |words: &str| {
-        format!("{title}: what is left, traced to {}, against {}; {words}", trace.what, trace.driver)
-    };
+    let about =
+        |words: &str| format!("{title}: residual of {}, against {}; {words}", trace.what, trace.driver);
     let both: String =
         panels.iter().enumerate().map(|(k, plot)| plot.panel([PANEL[0] * k as f64, 0.0])).collect();
     TraceFigure {
@@ -143,7 +143,7 @@ pub(crate) fn trace_figure(trace: &Trace, title: &str, period: Option<f64>) -> T
     }
 }
 
-/// Draws what the model says; true when it is not a curve of this input alone.
+/// Draws the fitted effect; true when it depends on more than this input.
 fn curve(plot: &mut Plot, trace: &Trace, xs: &[f64], factor: f64, class: usize) -> bool {
     let mine = || (0..trace.points.len()).filter(|k| trace.points[*k].class == class);
     let fitted: Vec<(f64, f64, f64)> =
@@ -179,7 +179,7 @@ fn colour(panel: usize, class: usize, classes: usize) -> &'static str {
     }
 }
 
-/// The period at which a wave of many turns is laid on top of itself.
+/// The period over which a periodic effect is folded.
 fn fold(trace: &Trace, period: Option<f64>) -> Option<f64> {
     const TURNS: f64 = 4.0;
     let low = trace.points.iter().map(|p| p.driver).fold(f64::INFINITY, f64::min);
@@ -187,7 +187,7 @@ fn fold(trace: &Trace, period: Option<f64>) -> Option<f64> {
     period.filter(|p| *p > 0.0 && (high - low) / p > TURNS)
 }
 
-/// Factor and unit in which a size reads well.
+/// Factor and unit that suit a typical size.
 fn shown(unit: &str, typical: f64) -> (f64, &'static str) {
     match unit {
         "rad" if typical < 3e-4 => (1e6, "µrad"),
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn both_panels_are_drawn_and_what_is_left_out_is_said() {
+    fn both_panels_are_drawn_and_rows_left_out_are_noted() {
         let TraceFigure { panels, whole: svg, notes } = trace_figure(&wave(1.0, |_| 0), "wave", None);
         assert!(panels[0].contains("before dots") && !panels[0].contains("after dots"));
         assert!(panels[1].contains("after dots") && !panels[1].contains("before dots"));
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn waves_of_many_turns_are_laid_on_top_of_each_other() {
+    fn periodic_effects_are_folded_over_their_period() {
         let TraceFigure { whole: svg, notes, .. } =
             trace_figure(&wave(9.0, |_| 0), "wave", Some(std::f64::consts::TAU));
         assert!(svg.contains("within its period of 360.0 °"));

@@ -1,6 +1,6 @@
-//! An identification as a person reads it in a terminal.
+//! An identification as text for a terminal: verdict first, then figures, noise and groups.
 
-use super::IdentificationSummary;
+use super::{IdentificationSummary, StageSummary};
 use crate::layout::Alignment::{Left, Right};
 use crate::{count, significant, table, value_with_interval};
 use std::fmt;
@@ -15,13 +15,24 @@ impl fmt::Display for IdentificationSummary {
             "{}: {}, {}, {}",
             self.robot,
             count(self.rows, "row"),
-            count(self.visits, "visit"),
+            count(self.visits, "pose measurement"),
             count(self.configurations, "configuration")
         )?;
+        writeln!(f, "\n{}", self.verdict())?;
+        if !self.converged {
+            writeln!(
+                f,
+                "NOT CONVERGED: the fit still moved after {}; no figure of the declared model below is final",
+                count(self.rounds, "iteration")
+            )?;
+        }
+        for warning in &self.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
         if let Some(placement) = &self.placement {
             writeln!(
                 f,
-                "found from the data: {} (leaves {} mm RMS)",
+                "\nestimated from the data: {} (RMS {} mm with the nominal arm)",
                 placement.found.join(", "),
                 significant(placement.rms_mm, 3)
             )?;
@@ -29,26 +40,19 @@ impl fmt::Display for IdentificationSummary {
                 writeln!(f, "  {line}")?;
             }
         }
-        if !self.converged {
-            let rounds = count(self.rounds, "round");
-            writeln!(
-                f,
-                "NOT CONVERGED: the fit still moved after {rounds}; no figure of the declared model below is final"
-            )?;
-        }
         self.errors(f)?;
         self.noise(f)?;
         self.reduction(f)?;
         if !self.worst.is_empty() {
-            let worst = self
+            let largest = self
                 .worst
                 .iter()
-                .map(|(visit, row, d)| format!("visit {visit} (row {row}) {} mm", significant(*d, 3)));
-            writeln!(f, "\nworst visits: {}", worst.collect::<Vec<_>>().join(", "))?;
-        }
-        writeln!(f, "\n{}", self.verdict())?;
-        for warning in &self.warnings {
-            writeln!(f, "warning: {warning}")?;
+                .map(|(visit, row, d)| format!("{visit} (row {row}) {} mm", significant(*d, 3)));
+            writeln!(
+                f,
+                "\npose measurements with the largest errors: {}",
+                largest.collect::<Vec<_>>().join(", ")
+            )?;
         }
         Ok(())
     }
@@ -57,7 +61,7 @@ impl fmt::Display for IdentificationSummary {
 impl IdentificationSummary {
     fn errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = self.stages.iter().any(|s| s.held_out.is_some());
-        let locked = self.stages.iter().any(|s| s.locked.is_some());
+        let test_set = self.stages.iter().any(|s| s.test_set.is_some());
         writeln!(f, "\nposition error, mm (3-D distance)")?;
         let mut header = vec!["", "", "mean", "RMS", "95 %", "max"];
         let mut rows = Vec::new();
@@ -67,12 +71,12 @@ impl IdentificationSummary {
                 row.extend(cells);
                 rows.push(row);
             };
-            push("train", stage.train.cells());
+            push("training", stage.train.cells());
             if let Some(spread) = &stage.held_out {
                 push("held out", spread.cells());
             }
-            if let Some(spread) = &stage.locked {
-                push("locked away", spread.cells());
+            if let Some(spread) = &stage.test_set {
+                push("test set", spread.cells());
             }
         }
         header[1] = "rows";
@@ -93,10 +97,10 @@ impl IdentificationSummary {
                 )?;
             }
         }
-        if locked {
+        if test_set {
             writeln!(
                 f,
-                " locked away: drawn first, took part in nothing; the model was then fitted again on all rows"
+                " test set: held out before anything is fitted; the model was then fitted again on all rows"
             )?;
         }
         let turned: Vec<Vec<String>> = self
@@ -108,7 +112,7 @@ impl IdentificationSummary {
                     row.extend(cells);
                     row
                 };
-                let train = stage.train_rotation.map(|s| row("train", s.cells()));
+                let train = stage.train_rotation.map(|s| row("training", s.cells()));
                 let held = stage.held_out_rotation.map(|s| row("held out", s.cells()));
                 train.into_iter().chain(held)
             })
@@ -139,10 +143,19 @@ impl IdentificationSummary {
     }
 
     fn noise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let own = if self.noise.stated { " on top of what the instrument states" } else { "" };
-        write!(f, "\nscatter per component: {} mm a row{own}", significant(self.noise.position_sd_mm, 3))?;
+        let own =
+            if self.noise.stated { " in addition to the stated accuracy of the instrument" } else { "" };
+        write!(
+            f,
+            "\nnoise standard deviation per component: {} mm per row{own}",
+            significant(self.noise.position_sd_mm, 3)
+        )?;
         if self.noise.visit_sd_mm > 0.0 {
-            write!(f, ", {} mm shared by a visit (repeatability)", significant(self.noise.visit_sd_mm, 3))?;
+            write!(
+                f,
+                ", {} mm per pose measurement (repeatability)",
+                significant(self.noise.visit_sd_mm, 3)
+            )?;
         }
         if let Some(sd) = self.noise.orientation_sd_mrad {
             write!(f, ", {} mrad in orientation", significant(sd, 3))?;
@@ -151,7 +164,7 @@ impl IdentificationSummary {
         if let Some(repeats) = &self.repeats {
             write!(
                 f,
-                "repeated visits: {}, pure error {} mm 3-D RMS",
+                "repeated pose measurements: {}, pure error {} mm RMS (3-D)",
                 count(repeats.groups, "group"),
                 significant(repeats.rms * 1e3, 3)
             )?;
@@ -167,7 +180,7 @@ impl IdentificationSummary {
                 None => writeln!(f)?,
             }
             if repeats.one_sided {
-                writeln!(f, " all repeats came from one side: they do not show backlash")?;
+                writeln!(f, " all repeats have the same direction of approach: they do not show backlash")?;
             }
         }
         Ok(())
@@ -176,14 +189,14 @@ impl IdentificationSummary {
     fn reduction(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "\n{} of {} unknowns can be identified: {} depend on others on any data of this kind, {} on this data",
+            "\n{} of {} unknowns are identifiable: {} are dependent for any data of this kind, {} for this data",
             self.rank, self.unknowns, self.structural, self.unexcited
         )?;
         if self.weak_directions > 0 {
             writeln!(
                 f,
-                "{} determined worse than by their expected sizes",
-                count(self.weak_directions, "direction")
+                "{}: the standard deviation exceeds that of the prior",
+                count(self.weak_directions, "weak direction")
             )?;
         }
         for line in &self.advice {
@@ -199,8 +212,8 @@ impl IdentificationSummary {
             significant(o.o4, 3),
             significant(o.o5, 3)
         )?;
-        let word = if self.converged { "" } else { "NOT CONVERGED: " };
-        writeln!(f, "\n{word}grouped errors, 95 % intervals")?;
+        let prefix = if self.converged { "" } else { "NOT CONVERGED: " };
+        writeln!(f, "\n{prefix}grouped errors, 95 % confidence intervals")?;
         let rows: Vec<Vec<String>> = self
             .groups
             .iter()
@@ -218,49 +231,44 @@ impl IdentificationSummary {
         if self.groups.len() > MOST_GROUPS {
             writeln!(f, " … and {} more (--json has all)", self.groups.len() - MOST_GROUPS)?;
         }
-        if !self.shapes.is_empty() {
-            writeln!(f, "\nfound within their ranges, 95 % intervals")?;
-            for shape in &self.shapes {
-                let [value, interval] = shape.numbers();
-                let cut = shape.cut_words();
+        if !self.nonlinear_parameters.is_empty() {
+            writeln!(f, "\nnonlinear parameters, 95 % confidence intervals")?;
+            for parameter in &self.nonlinear_parameters {
+                let [value, interval] = parameter.value_and_interval();
+                let truncation = parameter.truncation();
                 writeln!(
                     f,
-                    " {} = {value} {}  {interval}  ({}){}{cut}",
-                    shape.name,
-                    shape.unit,
-                    shape.effect_words(),
-                    if cut.is_empty() { "" } else { ": " }
+                    " {} = {value} {}  {interval}  ({}){}{truncation}",
+                    parameter.name,
+                    parameter.unit,
+                    parameter.effect_name(),
+                    if truncation.is_empty() { "" } else { ": " }
                 )?;
             }
         }
         Ok(())
     }
 
-    /// Before → after in one sentence, and what limits it.
+    /// Position error before and after, and what limits the accuracy.
     pub fn verdict(&self) -> String {
-        let pick = |k: usize| self.stages.get(k).map(|s| s.locked.or(s.held_out).unwrap_or(s.train).rms_mm);
-        let (before, after) = (pick(0), pick(self.stages.len().saturating_sub(1)));
-        let where_from = match self.stages.last() {
-            Some(s) if s.locked.is_some() => "on configurations locked away",
+        let stage = |stage: &StageSummary| {
+            let rms = stage.test_set.or(stage.held_out).unwrap_or(stage.train).rms_mm;
+            format!("{} mm ({})", significant(rms, 3), stage.name)
+        };
+        let rows = match self.stages.last() {
+            Some(s) if s.test_set.is_some() => "on the held-out test set",
             Some(s) if s.held_out.is_some() => "on held-out configurations",
             _ => "on the data of the fit",
         };
-        let word = if self.converged { "" } else { "NOT CONVERGED: " };
-        match (before, after) {
+        let prefix = if self.converged { "" } else { "NOT CONVERGED: " };
+        match (self.stages.first(), self.stages.last()) {
             (Some(before), Some(after)) => format!(
-                "{word}before → after, RMS {where_from}: {} mm → {} mm. {}.",
-                significant(before, 3),
-                significant(after, 3),
-                capitalised(&self.limit)
+                "{prefix}Position error (3-D RMS) {rows}: {} → {}.\n{}",
+                stage(before),
+                stage(after),
+                self.limit
             ),
-            _ => format!("{word}{}", capitalised(&self.limit)),
+            _ => format!("{prefix}{}", self.limit),
         }
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters
-        .next()
-        .map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
 }

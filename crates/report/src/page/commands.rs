@@ -1,20 +1,20 @@
-//! The page of a compensation: what became of every pose that was asked for.
+//! The page of a compensation: status and correction of every desired pose.
 
 use super::{Page, Report};
 use crate::figure::{Bar, Chart, Plot, bars, cells_for, chart, escape, quantile, range, thin};
 use crate::{RunRecord, count, significant};
 use serde::{Deserialize, Serialize};
 
-/// What a page shows of commands.
+/// Commands as the page shows them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CommandsView {
     /// The robot's name.
     pub robot: String,
-    /// Words of the statuses with their counts.
+    /// Names of the statuses with their counts.
     pub status: Vec<(String, usize)>,
-    /// Commands beyond the range on which the model was fitted.
+    /// Number of commands outside of the range of the data of the fit.
     pub extrapolating: usize,
-    /// In the order of the file.
+    /// One command for each pose, in the order of the file.
     pub commands: Vec<CommandView>,
 }
 
@@ -23,21 +23,21 @@ pub struct CommandsView {
 pub struct CommandView {
     /// Row of the pose, from 1.
     pub row: usize,
-    /// What became of it.
+    /// Status of the command: `ok`, `limit`, `unreachable`, `not_converged`.
     pub status: String,
-    /// Where the point is wanted, measurement frame, mm.
+    /// Desired position of the point, measurement frame, mm.
     pub at_mm: [f64; 3],
-    /// How far the point ends from there, by the model, mm.
+    /// Distance of the point from there by the model, mm.
     pub left_mm: f64,
-    /// How far the nominal robot would end from there under this command, mm: the correction.
+    /// The correction: distance of the nominal robot from there under this command, mm.
     pub correction_mm: f64,
-    /// With 95 %, the real point ends no farther from there than this, mm: noise of the fit and what its coefficients leave open.
+    /// Distance within which the real point lies with 95 % probability, mm: noise and uncertainty of the coefficients.
     pub within_95_mm: f64,
-    /// Whether the model was asked beyond the range that it was fitted on.
+    /// Whether the command is outside of the range of the data of the fit.
     pub extrapolates: bool,
 }
 
-/// Forms the page.
+/// Builds the page.
 pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
     const DRAWN: usize = 3000;
     let mut page = Page::new(&format!("{}: compensated commands", view.robot));
@@ -54,7 +54,7 @@ pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
             if good == 1 { "is" } else { "are" },
             match quantile(within.clone(), 0.5) {
                 mm if mm.is_finite() => format!(
-                    " With 95 % a point ends within {} mm of where it is wanted (median of the poses; {} mm for the worst).",
+                    " Expected position error (95 %): {} mm (median of the poses), {} mm (largest).",
                     significant(mm, 3),
                     significant(quantile(within, 1.0), 3)
                 ),
@@ -63,19 +63,19 @@ pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
         ))
     ));
     match view.extrapolating {
-        0 => page.text("No command is outside the range that the model was fitted on."),
+        0 => page.text("All commands are within the range of the data of the fit."),
         n => page.text(&format!(
-            "{} outside the range that the model was fitted on: it extrapolates there, and its figures are less certain than they say.",
+            "{} outside of the range of the data of the fit: the model extrapolates there, and the true uncertainty is larger than stated.",
             count(n, "command")
         )),
     }
     let list: Vec<Bar> = view
         .status
         .iter()
-        .map(|(word, number)| Bar {
-            name: word.clone(),
+        .map(|(name, number)| Bar {
+            name: name.clone(),
             range: [0.0, *number as f64],
-            class: if word == "ok" { "bar-after" } else { "bar-before" },
+            class: if name == "ok" { "bar-after" } else { "bar-before" },
             label: number.to_string(),
         })
         .collect();
@@ -97,8 +97,8 @@ pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
         "corrections",
         &plot.finish("Size of the correction of every pose"),
         &format!(
-            "Distance between the desired position and where the nominal robot would go under the compensated command: median {} mm, \
-             95 % below {} mm, largest {} mm. Orange: poses that are not reached. {} of {total} are drawn.",
+            "Distance between the desired position and the position of the nominal robot under the compensated command: median {} mm, \
+             95th percentile {} mm, largest {} mm. Orange: poses that are not reached. {} of {total} are drawn.",
             significant(quantile(sizes.clone(), 0.5), 3),
             significant(quantile(sizes.clone(), 0.95), 3),
             significant(top, 3),
@@ -115,18 +115,18 @@ pub fn commands_report(view: &CommandsView, run: &RunRecord) -> Report {
         .collect();
     if !missed.is_empty() {
         page.table(
-            "Poses that are not reached (the first 100), with what the nearest command leaves",
+            "Poses that are not reached (the first 100), with the error of the nearest command",
             &["pose", "status", "mm"],
             &missed,
             true,
         );
     }
     page.section("Files");
-    page.repeat(run);
+    page.reproduction(run);
     page.finish()
 }
 
-/// Charts of the correction and of what is expected after it, over the two directions in which the poses lie farthest apart.
+/// Charts of the correction and of the expected error after it, over the two directions in which the poses lie farthest apart.
 fn over_the_workspace(page: &mut Page, view: &CommandsView) {
     let ok: Vec<&CommandView> = view.commands.iter().filter(|c| c.status == "ok").collect();
     let place = |axis: usize| ok.iter().map(|c| c.at_mm[axis]).collect::<Vec<f64>>();
@@ -146,7 +146,7 @@ fn over_the_workspace(page: &mut Page, view: &CommandsView) {
         ok.iter().map(|c| c.correction_mm).collect::<Vec<f64>>(),
         ok.iter().map(|c| c.within_95_mm).collect(),
     ];
-    let titles = ["correction", "expected after it, with 95 %"];
+    let titles = ["correction", "expected error (95 %)"];
     let charts =
         columns.each_ref().map(|list| Chart::rms(&place(across), &place(up), list, cells_for(ok.len())));
     let one = |k: usize, class: &str| {
@@ -161,7 +161,7 @@ fn over_the_workspace(page: &mut Page, view: &CommandsView) {
     page.figures(
         "over_workspace",
         &[one(0, "bar-before"), one(1, "bar-after")],
-        "RMS in cells over the workspace (measurement frame; each chart has a scale of its own). Right: the distance from where it is wanted \
-         within which the point is expected with 95 %, by the noise of the fit and by what its coefficients leave open.",
+        "RMS in cells over the workspace (measurement frame; each chart has its own scale). Right: distance from the desired position \
+         within which the point lies with 95 % probability, from noise and from the uncertainty of the coefficients.",
     );
 }

@@ -4,7 +4,7 @@ use super::{Page, Report};
 use crate::figure::{Bar, bars, escape};
 use crate::{ComparisonSummary, RunRecord, StrategyOutcome, significant};
 
-/// Forms the page.
+/// Builds the page.
 pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report {
     let mut page = Page::new(&format!("{}: solver strategies", summary.robot));
     page.section("Verdict");
@@ -26,7 +26,7 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
                 ]);
             }
             StrategyOutcome::Failed { error } => {
-                rows.push(vec![strategy.solver.clone(), format!("no answer: {error}")]);
+                rows.push(vec![strategy.solver.clone(), format!("no fit: {error}")]);
             }
         }
     }
@@ -54,23 +54,23 @@ pub fn comparison_report(summary: &ComparisonSummary, run: &RunRecord) -> Report
         page.figure("strategies", &bars("Held-out error of each strategy", &list, None), &words);
     }
     page.table(
-        "Strategies: RMS in mm; p: paired difference of squared errors to the first",
-        &["solver", "train", "held out", "p", "rank", "not zero", "rounds", "ms"],
+        "Strategies: RMS in mm; p: paired test of the squared errors against the first",
+        &["solver", "training", "held out", "p", "rank", "not zero", "iterations", "ms"],
         &rows,
         true,
     );
     page.section("Settings, files");
-    page.text("Wall times differ from run to run; everything else is repeated to the last digit.");
-    page.repeat(run);
+    page.text("Wall times differ from run to run; all other figures are reproduced to the last digit.");
+    page.reproduction(run);
     page.finish()
 }
 
-/// Which strategy to take, and whether it matters.
+/// The best strategy, and whether its advantage is significant.
 fn verdict(best: Option<&(String, f64, Option<f64>)>, first: Option<&(String, f64, Option<f64>)>) -> String {
-    /// Below it, a difference is taken for one.
+    /// Significance level of the paired test.
     const LEVEL: f64 = 0.05;
-    let (Some(best), Some(first)) = (best, first) else { return "No strategy gave an answer.".into() };
-    // As many digits as tell the two apart.
+    let (Some(best), Some(first)) = (best, first) else { return "No strategy gave a fit.".into() };
+    // As many digits as distinguish the two.
     let mm = |digits| (significant(best.1, digits), significant(first.1, digits));
     let (smallest, reference) = (3..8).map(mm).find(|(a, b)| a != b).unwrap_or_else(|| mm(3));
     if best.0 == first.0 {
@@ -87,8 +87,8 @@ fn verdict(best: Option<&(String, f64, Option<f64>)>, first: Option<&(String, f6
             significant(p, 2)
         ),
         p => format!(
-            "No strategy predicts held-out configurations better than {}, {reference} mm, by more than chance: the smallest error \
-             is that of {}, {smallest} mm{}.",
+            "No strategy predicts held-out configurations significantly better than {} ({reference} mm). The smallest error is that \
+             of {}: {smallest} mm{}.",
             first.0,
             best.0,
             p.map_or_else(String::new, |p| format!(" (p = {})", significant(p, 2)))
@@ -101,14 +101,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_difference_that_chance_makes_is_no_difference() {
+    fn a_difference_that_is_not_significant_is_reported_as_such() {
         let qr = ("qr".to_owned(), 0.134_31, None);
-        let lucky = ("ridge".to_owned(), 0.134_29, Some(0.68));
+        let smaller = ("ridge".to_owned(), 0.134_29, Some(0.68));
         let better = ("huber(qr)".to_owned(), 0.1, Some(0.001));
         assert_eq!(
-            verdict(Some(&lucky), Some(&qr)),
-            "No strategy predicts held-out configurations better than qr, 0.13431 mm, by more than chance: the smallest error \
-             is that of ridge, 0.13429 mm (p = 0.68)."
+            verdict(Some(&smaller), Some(&qr)),
+            "No strategy predicts held-out configurations significantly better than qr (0.13431 mm). The smallest error is that \
+             of ridge: 0.13429 mm (p = 0.68)."
         );
         assert_eq!(
             verdict(Some(&better), Some(&qr)),

@@ -1,4 +1,4 @@
-//! Errors over the robot's joints: a chart over the two that tell most about them.
+//! Errors over the robot's joints: a chart over the two joints that explain most of their variance.
 //!
 //! ```text
 //! η²_adj = 1 − [Σ_c Σ_{i∈c} (e_i − ē_c)² / (n − C)] / [Σ_i (e_i − ē)² / (n − 1)]
@@ -8,7 +8,7 @@
 //! | --- | --- | --- |
 //! | e_i | 3-D error of row i | mm |
 //! | c, C | a cell of the chart with two rows or more; their number | 1 |
-//! | η²_adj | share of the error's variance between cells, corrected for their number | 1 |
+//! | η²_adj | fraction of the error's variance between cells, corrected for their number | 1 |
 //!
 //! Source: the adjusted correlation ratio (Kelley 1935).
 
@@ -27,8 +27,8 @@ impl Page {
         let judged = pairs.filter_map(|(a, b)| {
             Some((between(&joints[a].values, &joints[b].values, &errors, cells)?, joints[a], joints[b]))
         });
-        let Some((share, across, up)) = judged.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
-        self.title("Over the robot's joints");
+        let Some((fraction, across, up)) = judged.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        self.title("Position errors over joint values");
         let left: Vec<f64> = rows.after.iter().map(length).collect();
         let charts = [&errors, &left].map(|list| Chart::rms(&across.values, &up.values, list, cells));
         let most = charts[0].most().max(charts[1].most());
@@ -43,26 +43,26 @@ impl Page {
             );
             chart(&about, titles[k], [&names[0], &names[1]], &charts[k], most, class)
         };
-        let mut words = format!(
+        let mut caption = format!(
             "RMS of the 3-D position error in {cells} × {cells} cells over {} and {}, {}; cells without a measurement stay empty.",
             across.name,
             up.name,
             if joints.len() > 2 {
-                "of all pairs of joints the one that tells most about the error"
+                "the pair of joints that explains most of the variance of the error"
             } else {
                 "the joints that moved"
             }
         );
         if rows.same {
-            self.figure("over_joints", &one(0, "bar-after"), &words);
+            self.figure("over_joints", &one(0, "bar-after"), &caption);
             return;
         }
-        words += &format!(
-            " Place in the chart explains {} % of the variance of the error on the left; what is left should be as strong everywhere.",
-            significant(100.0 * share.max(0.0), 2)
+        caption += &format!(
+            " The cells explain {} % of the variance of the error on the left; the residual of an adequate model is the same in all cells.",
+            significant(100.0 * fraction.max(0.0), 2)
         );
         let both = [one(0, "bar-before"), one(1, "bar-after")];
-        self.figures("over_joints", &both, &words);
+        self.figures("over_joints", &both, &caption);
     }
 }
 
@@ -81,8 +81,8 @@ fn between(x: &[f64], y: &[f64], errors: &[f64], along: usize) -> Option<f64> {
     }
     let within: f64 = cells.iter().map(|c| c.1 - c.0 * c.0 / c.2 as f64).sum();
     let whole = square - sum * sum / n as f64;
-    let share = 1.0 - (within / (n - cells.len()) as f64) / (whole / (n - 1) as f64);
-    share.is_finite().then_some(share)
+    let fraction = 1.0 - (within / (n - cells.len()) as f64) / (whole / (n - 1) as f64);
+    fraction.is_finite().then_some(fraction)
 }
 
 #[cfg(test)]
@@ -90,14 +90,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_follows_two_inputs_is_told_from_what_does_not() {
+    fn dependence_on_two_inputs_is_distinguished_from_noise() {
         let x: Vec<f64> = (0..900).map(|k| f64::from(k % 30)).collect();
         let y: Vec<f64> = (0..900).map(|k| f64::from(k / 30)).collect();
         let scatter = |k: usize| f64::from(u32::try_from(k * 7919 % 101).unwrap_or(0)) / 100.0;
         let follows: Vec<f64> = (0..900).map(|k| x[k] * y[k] / 100.0 + 0.01 * scatter(k)).collect();
         let alone: Vec<f64> = (0..900).map(scatter).collect();
-        assert!(between(&x, &y, &follows, 12).is_some_and(|share| share > 0.9));
-        assert!(between(&x, &y, &alone, 12).is_some_and(|share| share < 0.2));
+        assert!(between(&x, &y, &follows, 12).is_some_and(|fraction| fraction > 0.9));
+        assert!(between(&x, &y, &alone, 12).is_some_and(|fraction| fraction < 0.2));
         assert_eq!(between(&x, &vec![1.0; 900], &follows, 12), None);
     }
 }

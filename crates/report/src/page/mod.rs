@@ -1,4 +1,4 @@
-//! The report: one page that needs nothing else, and its figures as files.
+//! The report: one self-contained page, and its figures as files.
 
 mod commands;
 mod comparison;
@@ -62,7 +62,7 @@ impl Page {
         let _ = write!(self.body, "<p>{}</p>", escape(text));
     }
 
-    /// A paragraph that is read last, if there is anything to say.
+    /// A paragraph in small print; nothing for an empty text.
     pub(crate) fn note(&mut self, text: &str) {
         if text.is_empty() {
             return;
@@ -104,63 +104,63 @@ impl Page {
         self.body += "</tbody></table></div>";
     }
 
-    /// A figure with its words; it also becomes a file.
-    pub(crate) fn figure(&mut self, name: &str, svg: &str, words: &str) {
+    /// A figure with its caption; it also becomes a file.
+    pub(crate) fn figure(&mut self, name: &str, svg: &str, caption: &str) {
         let file = format!("{name}.svg");
         let _ = write!(
             self.body,
             "<figure><div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"{file}\">{svg}</div><figcaption>{} <a href=\"{file}\">{file}</a></figcaption></figure>",
-            escape(words)
+            escape(caption)
         );
         self.figures.push((file, standalone(svg)));
     }
 
     /// Figures beside each other, or under each other where the page is narrow; each becomes a file.
-    pub(crate) fn figures(&mut self, name: &str, svgs: &[String], words: &str) {
+    pub(crate) fn figures(&mut self, name: &str, svgs: &[String], caption: &str) {
         let named = svgs.iter().enumerate().map(|(k, svg)| (format!("{name}_{}", k + 1), standalone(svg)));
         let files: Vec<(String, String)> = named.map(|(name, svg)| (format!("{name}.svg"), svg)).collect();
-        self.beside(svgs, words, &files.iter().map(|f| f.0.clone()).collect::<Vec<_>>());
+        self.side_by_side(svgs, caption, &files.iter().map(|f| f.0.clone()).collect::<Vec<_>>());
         self.figures.extend(files);
     }
 
     /// Figures beside each other, of which one file shows all.
-    pub(crate) fn figure_of_two(&mut self, name: &str, svgs: &[String], whole: &str, words: &str) {
+    pub(crate) fn figure_of_two(&mut self, name: &str, svgs: &[String], whole: &str, caption: &str) {
         let file = format!("{name}.svg");
-        self.beside(svgs, words, std::slice::from_ref(&file));
+        self.side_by_side(svgs, caption, std::slice::from_ref(&file));
         self.figures.push((file, standalone(whole)));
     }
 
-    fn beside(&mut self, svgs: &[String], words: &str, files: &[String]) {
+    fn side_by_side(&mut self, svgs: &[String], caption: &str, files: &[String]) {
         let links: Vec<String> = files.iter().map(|file| format!("<a href=\"{file}\">{file}</a>")).collect();
         let _ = write!(
             self.body,
             "<figure><div class=\"pair\">{}</div><figcaption>{} {}</figcaption></figure>",
             svgs.concat(),
-            escape(words),
+            escape(caption),
             links.join(" ")
         );
     }
 
     /// A figure that is a file, and on the page only where there is no script.
-    pub(crate) fn spare_figure(&mut self, name: &str, svg: &str) {
+    pub(crate) fn fallback_figure(&mut self, name: &str, svg: &str) {
         let _ = write!(self.body, "<noscript>{svg}</noscript>");
         self.figures.push((format!("{name}.svg"), standalone(svg)));
     }
 
-    /// Markup that was made with care.
+    /// Markup; the caller escapes texts.
     pub(crate) fn raw(&mut self, html: &str) {
         self.body += html;
     }
 
-    /// Program, command, files.
-    pub(crate) fn repeat(&mut self, run: &RunRecord) {
+    /// Program, command and files: what reproduces the run.
+    pub(crate) fn reproduction(&mut self, run: &RunRecord) {
         self.text(&format!(
-            "Made by {}. The command, typed in the same folder, gives the same bytes:",
+            "Made by {}. This command, run in the same folder, reproduces the same bytes:",
             run.program
         ));
-        let words: Vec<String> = run.arguments.iter().map(|a| quoted(a)).collect();
-        let _ = write!(self.body, "<pre tabindex=\"0\">truepose {}</pre>", escape(&words.join(" ")));
-        self.text("truepose verify run.json (beside this page) repeats the run and compares.");
+        let arguments: Vec<String> = run.arguments.iter().map(|a| quoted(a)).collect();
+        let _ = write!(self.body, "<pre tabindex=\"0\">truepose {}</pre>", escape(&arguments.join(" ")));
+        self.text("`truepose verify run.json` (the file beside this page) repeats the run and compares the results.");
         self.raw("<div class=\"files\">");
         let rows: Vec<Vec<String>> = run
             .inputs
@@ -193,7 +193,7 @@ impl Page {
     }
 }
 
-/// A word as a shell takes it.
+/// An argument, quoted for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn words_for_a_shell() {
+    fn arguments_are_quoted_for_a_shell() {
         assert_eq!(quoted("--data=a/b.csv"), "--data=a/b.csv");
         assert_eq!(quoted("huber(qr)"), "'huber(qr)'");
         assert_eq!(quoted("it's"), "'it'\\''s'");

@@ -1,4 +1,4 @@
-//! Residuals by axis, against every input, against the normal law, and the worst visits.
+//! Residuals by axis, against every input, against the normal distribution, and the pose measurements with the largest errors.
 
 use super::Page;
 use super::rows::{Input, Rows, length};
@@ -37,7 +37,7 @@ impl Page {
         }
         self.table(
             "Errors by axis over all rows, mm",
-            &["axis", "mean", "RMS", "95 % below", "largest"],
+            &["axis", "mean", "RMS", "95th percentile", "largest"],
             &table,
             true,
         );
@@ -67,7 +67,7 @@ impl Page {
         self.legend(rows, titles, drawn.len());
     }
 
-    /// The 3-D error against each input.
+    /// 3-D error against each input.
     pub(crate) fn against_inputs(&mut self, rows: &Rows, titles: [&str; 2]) {
         let before: Vec<f64> = rows.before.iter().map(length).collect();
         let after: Vec<f64> = rows.after.iter().map(length).collect();
@@ -81,7 +81,8 @@ impl Page {
             self.input(number, input, if rows.same { &errors[1..] } else { &errors }, top, &drawn);
         }
         self.raw("</div>");
-        self.note("Lines: RMS in bins of equal width. What is left should be level; a wave, a slope or a step is an effect that is not in the model.");
+        self.note("Lines: RMS in bins of equal width. The residual of an adequate model shows no trend; a periodic pattern, a slope or a step indicates an \
+             effect that the model lacks.");
         self.legend(rows, titles, drawn.len());
     }
 
@@ -110,7 +111,7 @@ impl Page {
 
     fn legend(&mut self, rows: &Rows, titles: [&str; 2], drawn: usize) {
         let thinned = if drawn < rows.len() {
-            format!(" {drawn} of {} rows are drawn, with the hundredth of the largest errors.", rows.len())
+            format!(" {drawn} of {} rows are drawn, including the 1 % with the largest errors.", rows.len())
         } else {
             String::new()
         };
@@ -121,7 +122,7 @@ impl Page {
         }
     }
 
-    /// Components of what is left against the normal law; `sd` is the standard deviation that noise would have, mm.
+    /// Components of the residual against the normal distribution; `sd` is the standard deviation that noise would have, mm.
     pub(crate) fn quantiles(&mut self, rows: &Rows, sd: f64) {
         let mut values: Vec<f64> = rows.after.iter().flatten().copied().filter(|v| v.is_finite()).collect();
         values.sort_by(f64::total_cmp);
@@ -138,44 +139,45 @@ impl Page {
         let reach = shown.iter().map(|p| p.0.abs()).fold(0.0, f64::max);
         let top = values[n - 1].abs().max(values[0].abs()).max(sd * reach);
         let mut plot = Plot::new(420.0, 320.0, [-reach, reach], [-1.05 * top, 1.05 * top]).axes(
-            "quantiles of what is left",
-            "quantile of the normal law",
+            "quantiles of the residual",
+            "quantile of the normal distribution",
             "residual of a component, mm",
         );
         plot.line("ink thinline dash", &[(-reach, -reach * sd), (reach, reach * sd)]);
         plot.dots("after dots", shown.iter().copied());
         self.figure(
             "quantiles",
-            &plot.finish("Quantiles of residual components against those of a normal law"),
+            &plot.finish("Quantiles of residual components against those of a normal distribution"),
             &format!(
-                "Dashed: noise of {} mm a component. Tails above the line are outliers or an effect that acts rarely; a steeper line is more than noise.",
+                "Dashed: noise of {} mm per component. Tails above the line indicate outliers or a rare effect; a steeper slope indicates a residual \
+                 above the noise.",
                 significant(sd, 3)
             ),
         );
     }
 
-    /// The visits with the largest errors, with what their rows were measured under.
-    pub(crate) fn worst(&mut self, rows: &Rows, count: usize) {
+    /// The pose measurements with the largest errors, with the inputs of their rows.
+    pub(crate) fn largest_errors(&mut self, rows: &Rows, count: usize) {
         let mut order: Vec<usize> = (0..rows.len()).filter(|&k| length(&rows.after[k]).is_finite()).collect();
         order.sort_by(|&a, &b| length(&rows.after[b]).total_cmp(&length(&rows.after[a])).then(a.cmp(&b)));
         let mut seen: Vec<&str> = Vec::new();
-        let mut worst = Vec::new();
+        let mut largest = Vec::new();
         for k in order {
             if !seen.contains(&rows.visit[k].as_str()) {
                 seen.push(&rows.visit[k]);
-                worst.push(k);
+                largest.push(k);
             }
-            if worst.len() == count {
+            if largest.len() == count {
                 break;
             }
         }
-        self.raw("<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Worst visits\"><table class=\"numbers\"><caption>Worst visits, by their worst row; mm</caption><thead><tr>");
-        let heads = ["visit", "row", "before", "after", "held out"];
+        self.raw("<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Pose measurements with the largest errors\"><table class=\"numbers\"><caption>Pose measurements with the largest errors; mm</caption><thead><tr>");
+        let heads = ["pose measurement", "row", "before", "after", "held out"];
         for head in heads.iter().filter(|head| !rows.same || **head != "before") {
             self.raw(&format!("<th scope=\"col\">{head}</th>"));
         }
         self.raw("</tr></thead><tbody>");
-        for &k in &worst {
+        for &k in &largest {
             let number = rows.row[k] + 1;
             self.raw(&format!(
                 "<tr><th scope=\"row\">{}</th><td><a href=\"#row-{number}\">{number}</a></td>{}<td>{}</td><td>{}</td></tr>",
@@ -190,7 +192,7 @@ impl Page {
             ));
         }
         self.raw("</tbody></table></div><ul>");
-        for &k in &worst {
+        for &k in &largest {
             let inputs: Vec<String> = rows
                 .inputs
                 .iter()
@@ -220,7 +222,7 @@ fn rounded(value: f64, decimals: usize) -> String {
     if nothing { text.trim_start_matches('-').into() } else { text }
 }
 
-/// Quantile of the standard normal law; relative error below 2e-9 (Acklam's rational functions).
+/// Quantile of the standard normal distribution; relative error below 2e-9 (Acklam's rational functions).
 fn normal_quantile(p: f64) -> f64 {
     const A: [f64; 6] = [
         -39.69683028665376,
@@ -265,7 +267,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_of_the_normal_law() {
+    fn quantiles_of_the_normal_distribution() {
         for (p, z) in [
             (0.5, 0.0),
             (0.975, 1.959963985),

@@ -1,6 +1,6 @@
 //! What a page shows of every row: its errors before and after, and the inputs under which it was measured.
 
-use crate::figure::unit_words;
+use crate::figure::unit_text;
 use std::collections::BTreeSet;
 use truepose_errormodel::{Dataset, is_derived};
 use truepose_identify::Residuals;
@@ -15,17 +15,17 @@ pub(crate) struct Rows {
     pub after: Vec<[f64; 3]>,
     /// Measured position, mm.
     pub place: Vec<[f64; 3]>,
-    /// Rows that took part in nothing.
+    /// Rows of the held-out test set.
     pub held_out: Vec<bool>,
     /// Number of the row in the data (0-based).
     pub row: Vec<usize>,
-    /// What the file calls its visit.
+    /// Label of the pose measurement in the file.
     pub visit: Vec<String>,
     /// Joints, load, time, channels.
     pub inputs: Vec<Input>,
     /// How many of the inputs, the first ones, are joints.
     pub joints: usize,
-    /// Nothing was added: before and after are the same.
+    /// True when nothing was added: before and after are the same.
     pub same: bool,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Input {
 }
 
 impl Input {
-    /// What never changes drives nothing.
+    /// Whether the input takes more than one value.
     fn varies(&self) -> bool {
         let mut values = self.values.iter().filter(|v| v.is_finite());
         let first = values.next().copied();
@@ -50,7 +50,7 @@ impl Input {
 }
 
 impl Rows {
-    /// Of these rows of the data; residuals are in the order of `rows`.
+    /// Errors and inputs of these rows of the data; residuals are in the order of `rows`.
     pub(crate) fn new(
         chain: &Chain,
         data: &Dataset,
@@ -82,13 +82,13 @@ impl Rows {
         }
     }
 
-    /// What is shown with its title: before and after, or the one that there is.
+    /// Errors with their titles: before and after, or one of them where both are the same.
     pub(crate) fn shown<'a>(&'a self, titles: [&'a str; 2]) -> Vec<(&'a str, &'a [[f64; 3]])> {
         let both = [(titles[0], self.before.as_slice()), (titles[1], self.after.as_slice())];
         both.into_iter().take(if self.same { 1 } else { 2 }).collect()
     }
 
-    /// How many.
+    /// Number of rows.
     pub(crate) fn len(&self) -> usize {
         self.row.len()
     }
@@ -99,7 +99,7 @@ pub(crate) fn length(v: &[f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// What the robot did, and how many of the inputs are joints.
+/// Inputs that vary (joints, payload, time or order, channels), and how many of them are joints.
 fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) {
     let pick = |column: &[f64], factor: f64| rows.iter().map(|&row| column[row] * factor).collect::<Vec<_>>();
     let mut list = Vec::new();
@@ -124,11 +124,15 @@ fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) 
         list.push(Input { name: "time".into(), unit: "s".into(), values: pick(&data.time, 1.0) });
     } else {
         let order: Vec<f64> = data.visit.iter().map(|v| (v + 1) as f64).collect();
-        list.push(Input { name: "order of visits".into(), unit: String::new(), values: pick(&order, 1.0) });
+        list.push(Input {
+            name: "order of pose measurements".into(),
+            unit: String::new(),
+            values: pick(&order, 1.0),
+        });
     }
     for (channel, column) in data.schema.channels.iter().zip(&data.channels) {
         if !is_derived(&channel.name) {
-            let (name, unit) = (channel.name.clone(), unit_words(&channel.unit));
+            let (name, unit) = (channel.name.clone(), unit_text(&channel.unit));
             list.push(Input { name, unit, values: pick(column, 1.0) });
         }
     }

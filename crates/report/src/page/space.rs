@@ -1,4 +1,4 @@
-//! Errors in space before and after, to be turned, with the sphere of the specification.
+//! Position errors before and after as vectors in 3-D, with the sphere of the specification.
 
 use super::Page;
 use super::rows::{Rows, length};
@@ -16,7 +16,7 @@ impl Page {
             .filter(|&k| length(&rows.before[k]).is_finite() && length(&rows.after[k]).is_finite())
             .collect();
         if whole.is_empty() {
-            self.text("No row has all three components of a position: there is nothing to show in space.");
+            self.text("No row has all three components of a position: no 3-D picture is drawn.");
             return;
         }
         let sizes: Vec<f64> =
@@ -34,7 +34,7 @@ impl Page {
             .iter()
             .map(|v| length(&[v[0] - middle[0], v[1] - middle[1], v[2] - middle[2]]))
             .fold(1e-9, f64::max);
-        let words = match limit {
+        let caption = match limit {
             Some(limit) => format!(
                 "sphere: specification {} mm; axes to {} mm",
                 significant(limit, 3),
@@ -72,17 +72,17 @@ impl Page {
         let data = serde_json::json!({
             "titles": named, "clouds": clouds.iter().map(|c| flat(c)).collect::<Vec<_>>(),
             "colours": if rows.same { vec!["--after"] } else { vec!["--before", "--after"] },
-            "place": flat(&place), "reach": short(reach), "size": short(size), "middle": middle.map(short), "limit": limit,
-            "words": words,
-            "placeWords": format!("where it was measured; blue: no error, red: {} mm", significant(reach, 3)),
+            "place": flat(&place), "reach": rounded(reach), "size": rounded(size), "middle": middle.map(rounded), "limit": limit,
+            "words": caption,
+            "placeWords": format!("measured positions; blue: no error, red: {} mm", significant(reach, 3)),
         });
         // A closing tag within a name must not end the script.
         let data = data.to_string().replace('<', "\\u003c");
         self.raw(&format!(
             "<div class=\"bar\"><button type=\"button\" data-mode=\"errors\" aria-pressed=\"true\">error vectors</button>\
-             <button type=\"button\" data-mode=\"place\" aria-pressed=\"false\">where in space</button></div>\
+             <button type=\"button\" data-mode=\"place\" aria-pressed=\"false\">measured positions</button></div>\
              <figure><canvas id=\"space\" width=\"1040\" height=\"520\" tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\
-             <figcaption>Drag, or use the arrow keys, to turn. <a href=\"errors_in_space.svg\">errors_in_space.svg</a></figcaption></figure>\
+             <figcaption>Drag, or use the arrow keys, to rotate. <a href=\"errors_in_space.svg\">errors_in_space.svg</a></figcaption></figure>\
              <script type=\"application/json\" id=\"space-data\">{data}</script>",
             escape(&about)
         ));
@@ -92,34 +92,34 @@ impl Page {
             &clouds,
             limit.map(|limit| (limit, format!("specification {} mm", significant(limit, 3)))),
         );
-        self.spare_figure("errors_in_space", &svg);
-        let mut said = String::new();
+        self.fallback_figure("errors_in_space", &svg);
+        let mut notes = String::new();
         if drawn.len() < whole.len() {
             let _ = write!(
-                said,
-                "{} of {} are drawn: the hundredth with the largest errors, and the others at equal steps. ",
+                notes,
+                "{} of {} are drawn: the 1 % with the largest errors, and the others at equal steps. ",
                 drawn.len(),
                 count(whole.len(), "row")
             );
         }
         if whole.len() < rows.len() {
             let _ = write!(
-                said,
+                notes,
                 "{} without a complete position are not drawn.",
                 count(rows.len() - whole.len(), "row")
             );
         }
-        if !said.is_empty() {
-            self.note(&said);
+        if !notes.is_empty() {
+            self.note(&notes);
         }
     }
 }
 
 fn flat(list: &[[f64; 3]]) -> Vec<f64> {
-    list.iter().flatten().map(|v| short(*v)).collect()
+    list.iter().flatten().map(|v| rounded(*v)).collect()
 }
 
-/// Four digits: a picture shows no more.
-fn short(value: f64) -> f64 {
+/// Rounded to four digits, the resolution of the picture.
+fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(0.0)
 }

@@ -1,4 +1,4 @@
-//! What is measured, in which order: visits of the robot, with their loads.
+//! Measurement campaign: poses in their order, with their loads.
 //!
 //! A campaign is made from a set of postures, loaded, put in order and put on the clock:
 //!
@@ -25,12 +25,12 @@ pub use paper::{POUND, TREATMENT_POINT, payload_at_treatment_point};
 
 use truepose_kinematics::{Load, TargetId};
 
-/// One standstill of the robot.
+/// One pose measurement (file key `visit`): a dwell of the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visit {
     /// Values of the movable joints, rad or m.
     pub joints: Vec<f64>,
-    /// What is declared to hang on the tool.
+    /// Declared load of the tool.
     pub load: Load,
     /// Direction in which each movable joint last moved; none: from the visit before.
     pub approach: Option<Vec<f64>>,

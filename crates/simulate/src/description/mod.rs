@@ -112,7 +112,7 @@ impl PlantDescription {
 }
 
 impl SimulateError {
-    /// An error about a name, with the place in the description where that name stands first.
+    /// An error about a name, with the first place of that name in the description.
     pub fn located(self, description: &str) -> SimulateError {
         let name = match &self {
             SimulateError::Unknown { name, .. } => name,

@@ -41,7 +41,7 @@ pub struct ShopDay {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct InstrumentSize {
-    /// Where it stands in the measurement frame, mm.
+    /// Its position in the measurement frame, mm.
     pub station_mm: [f64; 3],
     /// Standard deviation an axis at range zero, µm.
     pub sd_um: f64,

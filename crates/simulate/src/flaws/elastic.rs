@@ -1,16 +1,16 @@
-//! What yields under load: joints, links and the floor.
+//! Compliance: joints, links and the foundation.
 
 use super::{Draft, Install};
 use crate::SimulateError;
 use crate::physics::beam::Beam;
-use crate::physics::bearing::Bearing;
 use crate::physics::foundation::Foundation;
+use crate::physics::joint_stiffness::JointStiffness;
 use crate::truth::span;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// A joint that yields. What is left out is rigid.
+/// A compliant joint. What is left out is rigid.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct JointCompliance {
@@ -18,7 +18,7 @@ pub struct JointCompliance {
     pub joint: String,
     /// Of the drive: N·m/rad for a turn, N/m for a slide.
     pub stiffness: Option<f64>,
-    /// Deflection at which the drive carries twice what its stiffness says: mrad for a turn.
+    /// Deflection at which the load of the drive is twice the linear one: mrad for a revolute joint.
     pub hardens_at_mrad: Option<f64>,
     /// The same for a slide, mm.
     pub hardens_at_mm: Option<f64>,
@@ -50,7 +50,7 @@ pub struct LinkCompliance {
     pub tip_mm: Option<[f64; 3]>,
 }
 
-/// A floor that yields. What is left out is rigid.
+/// A compliant foundation. What is left out is rigid.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BaseCompliance {
@@ -77,7 +77,7 @@ impl Install for JointCompliance {
         if hardens_at.is_nan() || hardens_at <= 0.0 {
             return Err(SimulateError::Size { what: "hardens_at", value: hardens_at, need: "positive" });
         }
-        draft.truth.joints[joint.index()].bearing = Bearing { drive, hardens_at, tilt, radial };
+        draft.truth.joints[joint.index()].stiffness = JointStiffness { drive, hardens_at, tilt, radial };
         Ok(())
     }
 }
@@ -150,12 +150,15 @@ mod tests {
         };
         let shop = Shop::steady(20.0).expect("a shop");
         let (exact, _) = flaws(0.0).on(&chain, &shop, 1).expect("a truth");
-        assert_eq!(exact.joints[1].bearing, Bearing { drive: 3e6, hardens_at: 2e-3, ..Bearing::default() });
+        assert_eq!(
+            exact.joints[1].stiffness,
+            JointStiffness { drive: 3e6, hardens_at: 2e-3, ..JointStiffness::default() }
+        );
         let beam = exact.joints[1].beam.as_ref().expect("a beam");
         assert!((beam.length() - 1.1).abs() < 1e-15);
         assert_eq!(exact.foundation.tilt.to_vec(), [1e7; 3]);
         let (scattered, _) = flaws(0.2).on(&chain, &shop, 1).expect("a truth");
-        let ratio = scattered.joints[1].bearing.drive / 3e6;
+        let ratio = scattered.joints[1].stiffness.drive / 3e6;
         assert!((ratio - 1.0).abs() > 1e-6 && (0.4..2.5).contains(&ratio), "{ratio}");
     }
 }

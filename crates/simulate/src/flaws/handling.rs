@@ -9,17 +9,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mislabelled {
-    /// What the data says, kg.
+    /// Declared mass, kg.
     pub declared_kg: f64,
-    /// What hangs there, kg.
+    /// True mass, kg.
     pub true_kg: f64,
 }
 
-/// Wrong payloads at some of the loaded visits.
+/// Wrong payloads at some of the loaded pose measurements.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WrongPayloads {
-    /// Share of the loaded visits.
+    /// Fraction of the loaded pose measurements.
     pub share: f64,
     /// True mass over declared mass.
     pub factor: f64,
@@ -68,7 +68,7 @@ fn share(value: f64) -> Result<f64, SimulateError> {
     if (0.0..=1.0).contains(&value) {
         Ok(value)
     } else {
-        Err(SimulateError::Size { what: "a share", value, need: "between 0 and 1" })
+        Err(SimulateError::Size { what: "a fraction", value, need: "between 0 and 1" })
     }
 }
 
@@ -80,7 +80,7 @@ mod tests {
     use truepose_kinematics::samples;
 
     #[test]
-    fn shares_are_shares() {
+    fn fractions_are_between_zero_and_one() {
         let flaws = |share| Flaws {
             outliers: Some(Outliers { share, size_mm: 2.0 }),
             payload: vec![Mislabelled { declared_kg: 50.0, true_kg: 60.0 }],

@@ -1,4 +1,4 @@
-//! Errors as people speak of them: families, places, sizes with units. What is not said (a phase, a curve, the
+//! Errors in everyday units: families, places, sizes with units. What is not specified (a phase, a curve, the
 //! direction of a displacement) is drawn from the seed.
 //!
 //! Every item draws from a stream of its own, so that one more error leaves the others as they were.
@@ -37,19 +37,19 @@ pub struct Flaws {
     pub mass_scatter: f64,
     /// Relative standard deviation (log-normal) of every stiffness about the value given.
     pub stiffness_scatter: f64,
-    /// Joints that yield; with `hardens_at` not in proportion.
+    /// Joint compliance; with `hardens_at` not proportional to the load.
     pub joint_compliance: Vec<JointCompliance>,
     /// Links that bend and twist.
     pub link_compliance: Vec<LinkCompliance>,
-    /// The floor.
+    /// Base compliance.
     pub base_compliance: Option<BaseCompliance>,
-    /// Slides whose rail is not straight.
+    /// Errors of linear guideways.
     pub guideway: Vec<Guideway>,
     /// Slides with a screw.
     pub lead_screw: Vec<LeadScrew>,
-    /// Gears and encoder discs.
+    /// Transmission errors: gears and encoder discs.
     pub transmission: Vec<Transmission>,
-    /// Play.
+    /// Backlash.
     pub backlash: Vec<Backlash>,
     /// Joints dragged along by others.
     pub coupling: Vec<Dragging>,
@@ -61,7 +61,7 @@ pub struct Flaws {
     pub shift: Vec<Shift>,
     /// Payloads whose label is wrong.
     pub payload: Vec<Mislabelled>,
-    /// Wrong payloads at some of the visits.
+    /// Wrong payloads at some of the pose measurements.
     pub wrong_payloads: Option<WrongPayloads>,
     /// Targets that are not where they are declared.
     pub target: Vec<WrongTarget>,
@@ -79,7 +79,7 @@ pub(crate) struct Draft<'a> {
     pub mass_scatter: f64,
 }
 
-/// One kind of flaw: how it changes the truth.
+/// An error source: how it changes the truth.
 pub(crate) trait Install {
     /// Writes the flaw into the draft; what it leaves open comes from `rng`.
     fn install(&self, draft: &mut Draft<'_>, rng: &mut ChaCha8Rng) -> Result<(), SimulateError>;
@@ -253,14 +253,14 @@ mod tests {
         let (few, _) = few.on(&chain, &shop, 4).expect("a truth");
         let (more, _) = more.on(&chain, &shop, 4).expect("a truth");
         assert_eq!(few.frames, more.frames);
-        assert_ne!(more.joints[0].gears, more.joints[1].gears);
+        assert_ne!(more.joints[0].transmission, more.joints[1].transmission);
     }
 
     #[test]
     fn places_and_kinds_are_checked() {
         let chain = samples::scara();
         let shop = Shop::steady(20.0).expect("a shop");
-        let play = |joint: &str, mrad, mm| Flaws {
+        let backlash = |joint: &str, mrad, mm| Flaws {
             backlash: vec![Backlash {
                 joint: joint.into(),
                 width_mrad: mrad,
@@ -269,11 +269,13 @@ mod tests {
             }],
             ..Flaws::default()
         };
-        assert!(play("r1", Some(0.1), None).on(&chain, &shop, 1).is_ok());
-        assert!(play("slide", None, Some(0.1)).on(&chain, &shop, 1).is_ok());
-        for wrong in
-            [play("r9", Some(0.1), None), play("r1", None, Some(0.1)), play("slide", Some(0.1), None)]
-        {
+        assert!(backlash("r1", Some(0.1), None).on(&chain, &shop, 1).is_ok());
+        assert!(backlash("slide", None, Some(0.1)).on(&chain, &shop, 1).is_ok());
+        for wrong in [
+            backlash("r9", Some(0.1), None),
+            backlash("r1", None, Some(0.1)),
+            backlash("slide", Some(0.1), None),
+        ] {
             let error = wrong.on(&chain, &shop, 1).expect_err("a refusal").to_string();
             assert!(error.contains('`'), "{error}");
         }

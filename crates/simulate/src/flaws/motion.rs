@@ -1,18 +1,18 @@
-//! What a joint does beyond what it reports: rails, screws, gears, play, and other joints that drag it.
+//! Errors of joint motion: guideways, lead screws, transmission errors, backlash and coupling.
 
 use super::{Draft, Install};
 use crate::SimulateError;
+use crate::physics::backlash::{DeadBand, Side};
 use crate::physics::coupling::Coupling;
-use crate::physics::gear::Gear;
-use crate::physics::play::{Play, Side};
-use crate::physics::rail::Rail;
+use crate::physics::guideway::GuidewayProfile;
+use crate::physics::transmission::TransmissionError;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use truepose_kinematics::JointKind;
 
-/// A slide whose rail is not straight: root mean squares over its travel.
+/// Errors of a linear guideway: root mean squares over its travel.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Guideway {
@@ -65,7 +65,7 @@ pub struct Transmission {
     pub phase_deg: Option<f64>,
 }
 
-/// What decides on which side a joint with play lies.
+/// What determines the flank of a joint with backlash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BacklashSide {
@@ -78,7 +78,7 @@ pub enum BacklashSide {
     LoadThenApproach,
 }
 
-/// Play in a joint.
+/// Backlash of a joint.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Backlash {
@@ -115,7 +115,8 @@ impl Install for Guideway {
         let correlation =
             if self.correlation_mm > 0.0 { 1e-3 * self.correlation_mm } else { (upper - lower) / 3.0 };
         let rms = std::array::from_fn(|k| 1e-6 * if k < 3 { self.xyz_um[k] } else { self.turn_urad[k - 3] });
-        draft.truth.joints[joint.index()].rail = Some(Rail::draw((lower, upper), correlation, rms, rng)?);
+        draft.truth.joints[joint.index()].guideway =
+            Some(GuidewayProfile::draw((lower, upper), correlation, rms, rng)?);
         Ok(())
     }
 }
@@ -126,8 +127,9 @@ impl Install for LeadScrew {
         if self.lead_mm.is_nan() || self.lead_mm <= 0.0 {
             return Err(SimulateError::Size { what: "a lead", value: self.lead_mm, need: "positive" });
         }
-        let gear = Gear::mesh(1e-6 * self.amplitude_um, 1e3 / self.lead_mm, TAU * rng.random::<f64>());
-        draft.truth.joints[joint.index()].gears.push(gear);
+        let gear =
+            TransmissionError::mesh(1e-6 * self.amplitude_um, 1e3 / self.lead_mm, TAU * rng.random::<f64>());
+        draft.truth.joints[joint.index()].transmission.push(gear);
         Ok(())
     }
 }
@@ -139,17 +141,17 @@ impl Install for Transmission {
         let phase = self.phase_deg.map_or(drawn, f64::to_radians);
         let amplitude = 1e-3 * self.amplitude_mrad;
         let gear = match self.wheel {
-            Wheel::Eccentric => Gear::Eccentric { ratio: amplitude.sin(), phase },
+            Wheel::Eccentric => TransmissionError::Eccentric { ratio: amplitude.sin(), phase },
             Wheel::Mesh => {
                 let cycles = self.cycles.unwrap_or(f64::NAN);
                 if cycles.is_nan() || cycles <= 0.0 {
                     let what = "the periods a turn of a mesh";
                     return Err(SimulateError::Size { what, value: cycles, need: "positive" });
                 }
-                Gear::mesh(amplitude, cycles, phase)
+                TransmissionError::mesh(amplitude, cycles, phase)
             }
         };
-        draft.truth.joints[joint.index()].gears.push(gear);
+        draft.truth.joints[joint.index()].transmission.push(gear);
         Ok(())
     }
 }
@@ -167,7 +169,7 @@ impl Install for Backlash {
             BacklashSide::Load => Side::Load { flank_load },
             BacklashSide::LoadThenApproach => Side::LoadThenApproach { flank_load },
         };
-        draft.truth.joints[joint.index()].play = Some(Play { width, side });
+        draft.truth.joints[joint.index()].backlash = Some(DeadBand { width, side });
         Ok(())
     }
 }
@@ -220,17 +222,17 @@ mod tests {
         let (truth, _) = flaws.on(&chain, &Shop::steady(20.0).expect("a shop"), 3).expect("a truth");
         let peak = |joint: usize, kind| {
             (0..6000)
-                .map(|k| truth.joints[joint].gears[0].error(kind, 1e-3 * f64::from(k)))
+                .map(|k| truth.joints[joint].transmission[0].error(kind, 1e-3 * f64::from(k)))
                 .fold(0.0, f64::max)
         };
         assert!((peak(1, JointKind::Revolute) - 3e-4).abs() < 1e-9);
         assert!((peak(2, JointKind::Prismatic) - 4e-6).abs() < 0.5e-6);
-        assert!(truth.joints[2].rail.as_ref().is_some_and(|rail| rail.displacement(0.1)[0].abs() < 5e-5));
+        assert!(truth.joints[2].guideway.as_ref().is_some_and(|rail| rail.displacement(0.1)[0].abs() < 5e-5));
         assert!((truth.joints[3].couplings[0].error(JointKind::Revolute, 1.0) - 5e-4).abs() < 1e-12);
     }
 
     #[test]
-    fn a_rail_under_a_turn_is_refused() {
+    fn a_guideway_of_a_revolute_joint_is_rejected() {
         let flaws = Flaws {
             guideway: vec![Guideway { joint: "r1".into(), ..Guideway::default() }],
             ..Flaws::default()

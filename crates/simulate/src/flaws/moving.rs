@@ -1,4 +1,4 @@
-//! What changes while one measures: growth with temperature, drift, bumps.
+//! Changes during the measurement: thermal growth, drift, sudden shifts.
 
 use super::{Draft, Install, normal};
 use crate::SimulateError;

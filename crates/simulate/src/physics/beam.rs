@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn shear_and_stretch_add_what_timoshenko_says() {
+    fn shear_and_stretch_agree_with_timoshenko() {
         let beam = Beam { axial: 3e6, shear: 8e5, ..beam() };
         let pulled = beam.deflection(&push([500.0, 0.0, -700.0], [0.0; 3]), None, &Vector3::zeros());
         check(pulled[0], 500.0 * L / 3e6);
@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_values_are_rejected() {
         assert!(Beam::slender(Vector3::zeros(), Vector3::zeros(), EI, GJ).is_err());
         assert!(Beam::slender(Vector3::zeros(), Vector3::x(), 0.0, GJ).is_err());
         assert!(Beam { section_y: Vector3::x(), ..beam() }.checked().is_err());

@@ -1,9 +1,9 @@
-//! What changes with time: growth with temperature, drift, and bumps.
+//! Changes with time: thermal growth, drift, and sudden shifts.
 //!
 //! ```text
 //! growth   κ · (T(t) − T_ref) · direction           T from a body of its own lag
 //! drift    f(t) · direction                         f a smooth walk that begins at zero
-//! bump     direction from the instant t_b on, nothing before
+//! shift    direction from the instant t_b on, nothing before
 //! ```
 //!
 //! | symbol | here | unit | frame |
@@ -12,12 +12,12 @@
 //! | T − T_ref | amount of a growth | K | |
 //! | f | amount of a drift | 1 | |
 //!
-//! A [`Mover`] says which way one unit moves the robot; an [`Amount`] says how many units there are at time t.
+//! A [`Mover`] is the direction of one unit of a change; an [`Amount`] is the number of units at time t.
 //! Source: Slocum, *Precision Machine Design*, section 2.3.5 (thermal growth).
 
 use super::curve::SmoothCurve;
 
-/// Which way one unit of a change moves the robot. Places are counted from 0.
+/// Direction in which one unit of a change moves the robot. Places are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mover {
     /// The base, `[tx ty tz rx ry rz]` in frame 0's axes, m and rad a unit.
@@ -44,9 +44,9 @@ pub enum Amount {
 /// Something that changes with time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// Which way.
+    /// The direction.
     pub mover: Mover,
-    /// How much.
+    /// The amount.
     pub amount: Amount,
 }
 
@@ -66,7 +66,7 @@ pub struct Moved {
 }
 
 impl Moved {
-    /// What these changes have come to at this time (s) on a robot of `joints` joints.
+    /// Sum of these changes at this time (s) on a robot of `joints` joints.
     pub fn at(changes: &[Change], time: f64, joints: usize) -> Self {
         let mut moved = Moved {
             base: [0.0; 6],

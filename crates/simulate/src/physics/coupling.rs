@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_centred_wheel_drags_in_proportion() {
+    fn a_centred_wheel_couples_in_proportion() {
         let coupling = Coupling { driver: 2, ratio: 1e-3, eccentricity: 0.0, phase: 0.0 };
         assert!((coupling.error(JointKind::Revolute, 0.8) - 8e-4).abs() < 1e-18);
         let wobbling = Coupling { eccentricity: 1e-4, ..coupling };

@@ -9,8 +9,8 @@
 //! | σ | `rms` | of the curve |
 //! | ℓ | `correlation` | of x |
 //!
-//! It stands for everything that a maker cannot write down: a rail's straightness, the weather, a tripod
-//! that settles. It is neither a polynomial nor a Fourier series nor a spline on the model's knots.
+//! It represents errors without a closed form: straightness of a guideway, ambient temperature, settling of a
+//! tripod. It is neither a polynomial nor a Fourier series nor a spline on the model's knots.
 //! Source: Rasmussen and Williams, *Gaussian Processes for Machine Learning*, Eq. (4.17); the spline is the
 //! natural cubic one through the drawn points.
 
@@ -33,7 +33,7 @@ pub struct SmoothCurve {
 pub enum Centred {
     /// Its mean.
     Mean,
-    /// Its mean and its slope: what is left of a rail once its position and direction are known.
+    /// Its mean and its slope: the residual of a guideway after its position and direction.
     MeanAndSlope,
     /// Its first value: something that begins at zero and wanders away.
     Start,

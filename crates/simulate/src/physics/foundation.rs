@@ -1,4 +1,4 @@
-//! The floor under the robot: it sinks and tilts under what it carries.
+//! The elastic foundation of the robot: it sinks and tilts under load.
 //!
 //! ```text
 //! u = F / k_u       φ = M / k_φ        for each of x, y, z of the base
@@ -10,11 +10,11 @@
 //! | k_φ | `tilt` | N·m/rad | base (frame 0) |
 //!
 //! The wrench is that of everything above the base at the *deflected* posture, about the base's origin.
-//! Source: a rigid plate on springs, e.g. Richart, Hall and Woods, *Vibrations of Soils and Foundations*, table 10-13.
+//! Source: a rigid plate on elastic supports, e.g. Richart, Hall and Woods, *Vibrations of Soils and Foundations*, table 10-13.
 
 use truepose_kinematics::Wrench;
 
-/// Springs under the base.
+/// Stiffness of the foundation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foundation {
     /// Translation, N/m.
@@ -43,7 +43,7 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn it_sinks_and_tilts_by_its_springs() {
+    fn it_sinks_and_tilts_by_its_stiffness() {
         let floor = Foundation { sink: [1e8, 1e8, 2e8], tilt: [1e6, 2e6, f64::INFINITY] };
         let wrench = Wrench { force: Vector3::new(0.0, 0.0, -2e4), moment: Vector3::new(1e3, -1e3, 1e3) };
         let by = floor.settling(&wrench);

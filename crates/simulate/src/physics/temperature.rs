@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_follows_a_ramp_late() {
+    fn a_body_follows_a_ramp_with_a_first_order_lag() {
         // dT/dt = (r t − T)/τ from 0: T = r (t − τ + τ e^{−t/τ}).
         let (rate, lag) = (1e-3, 900.0);
         let body = warming().body(lag).expect("a body");

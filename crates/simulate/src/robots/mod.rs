@@ -36,7 +36,7 @@ pub fn ur10_plant(seed: u64) -> Result<Plant, SimulateError> {
     made(&samples::ur10(), include_str!("ur10.toml"), seed)
 }
 
-/// A gantry with three rails and a turning head.
+/// A gantry with three linear axes and a rotary head.
 ///
 /// # Errors
 /// None in practice, as above.
@@ -44,7 +44,7 @@ pub fn gantry_plant(seed: u64) -> Result<Plant, SimulateError> {
     made(&gantry()?, include_str!("gantry.toml"), seed)
 }
 
-/// A SCARA with play.
+/// A SCARA with backlash.
 ///
 /// # Errors
 /// None in practice, as above.
@@ -97,7 +97,7 @@ mod tests {
                 let mut truth = plant.truth().clone();
                 truth.foundation = crate::physics::foundation::Foundation::default();
                 for joint in &mut truth.joints {
-                    joint.bearing = crate::physics::bearing::Bearing::default();
+                    joint.stiffness = crate::physics::joint_stiffness::JointStiffness::default();
                     joint.beam = None;
                 }
                 plant.clone().with_truth(truth).expect("a plant")
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn the_couch_yields_nearly_in_proportion() {
+    fn the_deflection_of_the_couch_is_nearly_proportional() {
         // The paper fits a line to 0…300 lb within 0.1 mm.
         let plant = pps_plant(3).expect("a plant");
         let sag: Vec<f64> = Campaign::paper_linearity()

@@ -112,7 +112,7 @@ impl Gram {
     }
 
     /// Brings everything to one matrix, which [`Gram::solve_guarded`] and [`Gram::finish`] otherwise do on a copy.
-    pub fn settle(&mut self) {
+    pub fn flush(&mut self) {
         self.pieces.flush(&mut self.whole);
     }
 

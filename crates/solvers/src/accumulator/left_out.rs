@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 /// A set takes in rows with fewer columns if it has at most this many times as many.
 const WIDER: usize = 3;
 
-/// Rows by groups, and what all of them say together.
+/// Rows by groups, and their common normal equations.
 #[derive(Debug, Clone)]
 pub struct LeftOut {
     columns: usize,

@@ -10,7 +10,7 @@
 //! Source: Björck, *Numerical Methods for Least Squares Problems*, §2.2 and §6.6. The Gram matrix squares the condition
 //! number, so it cannot see singular values below about 1e-8. While those of L stay above 1 / `condition_limit` they
 //! are certain, and the rank is full. Otherwise the rank and the columns to keep come from a pivoted QR, and the Gram
-//! matrix is used on these columns if it can be; if not, QR answers and the info says so.
+//! matrix is used on these columns if it can be; if not, QR solves and `SolverInfo::fallback` records it.
 
 use crate::accumulator::Factor;
 use crate::dense::{cholesky, gram, norm, singular_values, solve_upper, solve_upper_transposed};
@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 /// Gram matrix, Cholesky, one refinement against the rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalEquations {
-    /// Rule of the pivoted QR that is asked when the Gram matrix cannot decide.
+    /// Rule of the pivoted QR that is used when the Gram matrix is too ill conditioned.
     pub rank: RankRule,
     /// Highest condition number of the scaled columns that the Gram matrix is trusted with; at most 1e8.
     pub condition_limit: f64,

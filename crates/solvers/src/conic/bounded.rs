@@ -4,7 +4,7 @@
 //!
 //! optimal: g = Mᵀ (M u − z) is 0 inside, ≥ 0 at l, ≤ 0 at b
 //!
-//! The inner solver is asked first: if its answer lies within the bounds it is the answer. If not, an interior point
+//! The inner solver is run first: if its answer lies within the bounds it is the answer. If not, an interior point
 //! finds which bounds bind, and an active-set iteration by QR makes the answer exact.
 
 use super::box_descent::descend;

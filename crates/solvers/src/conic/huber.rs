@@ -10,7 +10,7 @@
 //! | σ | its scale: given, or that of a reweighted fit | 1 | 1 |
 //!
 //! ρ is ½ ‖r − o‖² + δ ‖o‖ at its best o, which is what the cones see. It needs the rows themselves, so it costs more
-//! than [`Robust::huber`](crate::Robust); it has no start and no rounds, and the two check each other.
+//! than [`Robust::huber`](crate::Robust); it has no start and no reweighting, and the two check each other.
 
 use super::core::{Core, Inner};
 use super::newton::newton;
@@ -58,10 +58,11 @@ impl Solver for ExactHuber {
             }
             Some(noise) => noise,
             None => {
-                let mut rounds = Robust::huber(PivotedQr::default());
-                rounds.loss = crate::Loss::Huber { k: self.k };
-                rounds.tolerance = 1e-6;
-                rounds.solve(problem)?.info.noise.unwrap_or(0.0)
+                let mut reweighted = Robust::huber(PivotedQr::default());
+                reweighted.loss = crate::Loss::Huber { k: self.k };
+                reweighted.tolerance = 1e-6;
+                reweighted.only_where_contaminated = false;
+                reweighted.solve(problem)?.info.noise.unwrap_or(0.0)
             }
         };
         let core = Core::new(&Factor::of_valid(problem))?;
@@ -197,9 +198,10 @@ mod tests {
         });
         let ids: Vec<usize> = (0..150).map(|i| i / 3).collect();
         let problem = LeastSquares::new(&a, &y).with_row_groups(&ids);
-        let rounds = Robust::huber(PivotedQr::default()).solve(&problem).unwrap();
-        let exact = ExactHuber { noise: rounds.info.noise, ..Default::default() }.solve(&problem).unwrap();
-        assert!((&exact.x - &rounds.x).amax() < 1e-7, "{}", (&exact.x - &rounds.x).amax());
+        let reweighted = Robust::huber(PivotedQr::default()).solve(&problem).unwrap();
+        let exact =
+            ExactHuber { noise: reweighted.info.noise, ..Default::default() }.solve(&problem).unwrap();
+        assert!((&exact.x - &reweighted.x).amax() < 1e-7, "{}", (&exact.x - &reweighted.x).amax());
         assert!(exact.info.optimality.unwrap() < 1e-12);
     }
 }

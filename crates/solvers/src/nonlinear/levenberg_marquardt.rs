@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt by QR, as an argmin `Solver`.
+//! Levenberg-Marquardt by QR.
 //!
 //! minimise ‖J δ + r‖² + μ ‖D δ‖²:   [R; √μ D] δ = [z; 0] in least squares, with J = Q R, z = −Qᵀ r
 //!
@@ -20,14 +20,10 @@ use crate::accumulator::{Factor, Triangular};
 use crate::dense::norm;
 use crate::problem::check_len;
 use crate::{SolveError, Status};
-use argmin::core::{Error, Executor, IterState, KV, Problem, Solver, TerminationReason, TerminationStatus};
 use nalgebra::DVector;
 
-/// State of argmin's executor for this solver.
-pub type LevenbergMarquardtState = IterState<Vec<f64>, (), (), (), Vec<f64>, f64>;
-
 /// Levenberg-Marquardt with damping by the gain ratio.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevenbergMarquardt {
     /// Largest number of accepted steps.
     pub max_iterations: usize,
@@ -39,21 +35,6 @@ pub struct LevenbergMarquardt {
     pub reduction_tolerance: f64,
     /// First μ.
     pub damping: f64,
-    run: Run,
-}
-
-/// What lives between iterations.
-#[derive(Debug, Clone, Default)]
-struct Run {
-    mu: f64,
-    growth: f64,
-    scale: Vec<f64>,
-    factor: Option<Factor>,
-    gradient: f64,
-    iterations: usize,
-    evaluations: usize,
-    jacobians: usize,
-    status: Option<Status>,
 }
 
 impl Default for LevenbergMarquardt {
@@ -64,7 +45,6 @@ impl Default for LevenbergMarquardt {
             step_tolerance: 1e-13,
             reduction_tolerance: 1e-16,
             damping: 1e-4,
-            run: Run::default(),
         }
     }
 }
@@ -89,146 +69,153 @@ impl LevenbergMarquardt {
         Ok(())
     }
 
-    /// Runs from `start` under argmin's executor.
+    /// Runs from `start`.
+    ///
+    /// # Errors
+    /// When an option is out of range, or the start has another length or a residual that is not finite.
     pub fn minimise(
         &self,
         problem: &dyn NonlinearLeastSquares,
         start: &[f64],
     ) -> Result<NonlinearSolution, SolveError> {
         self.validate()?;
-        let (m, p) = problem.size();
+        let (_, p) = problem.size();
         check_len("the start", p, start.len())?;
-        let mut r = DVector::zeros(m);
-        problem.residual(start, &mut r);
+        let r = residual(problem, start);
         if let Some(row) = r.iter().position(|v| !v.is_finite()) {
             return Err(SolveError::NotFinite { what: "the residual at the start", row, column: 0 });
         }
-        let fresh = Self { run: Run::default(), ..self.clone() };
-        let steps = self.max_iterations as u64;
-        let run = Executor::new(problem, fresh).configure(|s| s.param(start.to_vec()).max_iters(steps)).run();
-        let result =
-            run.map_err(|_| SolveError::Breakdown { what: "Levenberg-Marquardt", rows: m, columns: p })?;
-        let run = result.solver.run;
-        let x = DVector::from_vec(result.state.param.unwrap_or_else(|| start.to_vec()));
-        problem.residual(x.as_slice(), &mut r);
-        let factor = run.factor.unwrap_or_else(|| Triangular::new(p, 1).finish());
-        Ok(NonlinearSolution {
+        let mut run = Run::new(self, problem, start.to_vec(), r);
+        let mut steps = 0;
+        while run.status.is_none() && steps < self.max_iterations {
+            run.step();
+            steps += 1;
+        }
+        Ok(run.solution())
+    }
+}
+
+/// A run: where it stands, and what lives between its iterations.
+struct Run<'a> {
+    options: &'a LevenbergMarquardt,
+    problem: &'a dyn NonlinearLeastSquares,
+    x: Vec<f64>,
+    residual: Vec<f64>,
+    mu: f64,
+    growth: f64,
+    scale: Vec<f64>,
+    factor: Option<Factor>,
+    gradient: f64,
+    iterations: usize,
+    evaluations: usize,
+    jacobians: usize,
+    status: Option<Status>,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        options: &'a LevenbergMarquardt,
+        problem: &'a dyn NonlinearLeastSquares,
+        x: Vec<f64>,
+        residual: Vec<f64>,
+    ) -> Self {
+        let mut run = Self {
+            options,
+            problem,
             x,
-            status: run.status.unwrap_or(Status::MaxIterations),
-            residual_norm: norm(r.as_slice()),
-            gradient: run.gradient,
-            iterations: run.iterations,
-            evaluations: run.evaluations,
-            jacobians: run.jacobians,
-            factor,
-        })
+            residual,
+            mu: options.damping,
+            growth: 2.0,
+            scale: Vec::new(),
+            factor: None,
+            gradient: 0.0,
+            iterations: 0,
+            evaluations: 1,
+            jacobians: 0,
+            status: None,
+        };
+        let (x, residual) = (run.x.clone(), run.residual.clone());
+        if !run.linearise(&x, &residual) {
+            run.status = Some(Status::NumericalFailure);
+        } else if run.gradient <= options.gradient_tolerance {
+            run.status = Some(Status::Converged);
+        }
+        run
     }
 
     /// Reduces the Jacobian at `x`; whether it is finite.
-    fn linearise<O: NonlinearLeastSquares>(
-        &mut self,
-        problem: &mut Problem<O>,
-        x: &[f64],
-        r: &[f64],
-    ) -> Result<bool, Error> {
-        let factor = problem.problem("jacobian_count", |p| Ok(reduce(p, x, r)))?;
-        self.run.jacobians += 1;
-        let Some(factor) = factor else { return Ok(false) };
+    fn linearise(&mut self, x: &[f64], r: &[f64]) -> bool {
+        self.jacobians += 1;
+        let Some(factor) = reduce(self.problem, x, r) else { return false };
         let norms = factor.column_norms();
-        self.run.scale.resize(norms.len(), 0.0);
-        self.run.scale.iter_mut().zip(&norms).for_each(|(d, n)| *d = d.max(*n));
-        self.run.gradient = relative_gradient(&factor, norm(r));
-        self.run.factor = Some(factor);
-        Ok(true)
-    }
-}
-
-impl<O: NonlinearLeastSquares> Solver<O, LevenbergMarquardtState> for LevenbergMarquardt {
-    fn name(&self) -> &str {
-        "Levenberg-Marquardt by QR"
+        self.scale.resize(norms.len(), 0.0);
+        self.scale.iter_mut().zip(&norms).for_each(|(d, n)| *d = d.max(*n));
+        self.gradient = relative_gradient(&factor, norm(r));
+        self.factor = Some(factor);
+        true
     }
 
-    fn init(
-        &mut self,
-        problem: &mut Problem<O>,
-        mut state: LevenbergMarquardtState,
-    ) -> Result<(LevenbergMarquardtState, Option<KV>), Error> {
-        let x = state.take_param().unwrap_or_default();
-        let r = residual(problem, &x)?;
-        self.run = Run { mu: self.damping, growth: 2.0, evaluations: 1, ..Run::default() };
-        if !self.linearise(problem, &x, &r)? {
-            self.run.status = Some(Status::NumericalFailure);
-        } else if self.run.gradient <= self.gradient_tolerance {
-            self.run.status = Some(Status::Converged);
-        }
-        let cost = 0.5 * norm(&r).powi(2);
-        Ok((state.param(x).residuals(r).cost(cost), None))
-    }
-
-    fn next_iter(
-        &mut self,
-        problem: &mut Problem<O>,
-        mut state: LevenbergMarquardtState,
-    ) -> Result<(LevenbergMarquardtState, Option<KV>), Error> {
+    /// One accepted step, or the end.
+    fn step(&mut self) {
         const TRIALS: usize = 60;
-        let x = state.take_param().unwrap_or_default();
-        let r = state.take_residuals().unwrap_or_default();
-        let Some(factor) = self.run.factor.clone() else {
-            self.run.status = Some(Status::NumericalFailure);
-            return Ok((state.param(x).residuals(r), None));
+        let Some(factor) = self.factor.clone() else {
+            self.status = Some(Status::NumericalFailure);
+            return;
         };
-        let cost = 0.5 * norm(&r).powi(2);
-        let size = norm(&self.run.scale.iter().zip(&x).map(|(d, x)| d * x).collect::<Vec<_>>());
+        let cost = 0.5 * norm(&self.residual).powi(2);
+        let size = norm(&self.scale.iter().zip(&self.x).map(|(d, x)| d * x).collect::<Vec<_>>());
         for _ in 0..TRIALS {
-            let Step { delta, promised, length } = damped_step(&factor, &self.run.scale, self.run.mu);
-            let moved: Vec<f64> = x.iter().zip(delta.iter()).map(|(x, d)| x + d).collect();
-            let after = residual(problem, &moved)?;
-            self.run.evaluations += 1;
+            let Step { delta, promised, length } = damped_step(&factor, &self.scale, self.mu);
+            let moved: Vec<f64> = self.x.iter().zip(delta.iter()).map(|(x, d)| x + d).collect();
+            let after = residual(self.problem, &moved);
+            self.evaluations += 1;
             // Difference of squares without their cancellation.
-            let brought: f64 = 0.5 * r.iter().zip(&after).map(|(b, a)| (b - a) * (b + a)).sum::<f64>();
+            let brought: f64 =
+                0.5 * self.residual.iter().zip(&after).map(|(b, a)| (b - a) * (b + a)).sum::<f64>();
             let gain = brought / promised;
-            let small = promised <= self.reduction_tolerance * cost || length <= self.step_tolerance * size;
-            if gain > 1e-4
-                && after.iter().all(|v| v.is_finite())
-                && self.linearise(problem, &moved, &after)?
-            {
-                self.run.mu *= (1.0_f64 / 3.0).max(1.0 - (2.0 * gain - 1.0).powi(3));
-                self.run.mu = self.run.mu.max(1e-24);
-                self.run.growth = 2.0;
-                self.run.iterations += 1;
-                if small || self.run.gradient <= self.gradient_tolerance {
-                    self.run.status = Some(Status::Converged);
+            let small = promised <= self.options.reduction_tolerance * cost
+                || length <= self.options.step_tolerance * size;
+            if gain > 1e-4 && after.iter().all(|v| v.is_finite()) && self.linearise(&moved, &after) {
+                self.mu *= (1.0_f64 / 3.0).max(1.0 - (2.0 * gain - 1.0).powi(3));
+                self.mu = self.mu.max(1e-24);
+                self.growth = 2.0;
+                self.iterations += 1;
+                if small || self.gradient <= self.options.gradient_tolerance {
+                    self.status = Some(Status::Converged);
                 }
-                let cost = 0.5 * norm(&after).powi(2);
-                return Ok((state.param(moved).residuals(after).cost(cost), None));
+                (self.x, self.residual) = (moved, after);
+                return;
             }
             if small {
                 // The model promises nothing that this arithmetic could deliver.
-                self.run.status = Some(Status::Converged);
-                return Ok((state.param(x).residuals(r).cost(cost), None));
+                self.status = Some(Status::Converged);
+                return;
             }
-            self.run.mu *= self.run.growth;
-            self.run.growth *= 2.0;
+            self.mu *= self.growth;
+            self.growth *= 2.0;
         }
-        self.run.status = Some(Status::Stalled);
-        Ok((state.param(x).residuals(r).cost(cost), None))
+        self.status = Some(Status::Stalled);
     }
 
-    fn terminate(&mut self, _state: &LevenbergMarquardtState) -> TerminationStatus {
-        match self.run.status {
-            None => TerminationStatus::NotTerminated,
-            Some(Status::Converged) => TerminationStatus::Terminated(TerminationReason::SolverConverged),
-            Some(other) => TerminationStatus::Terminated(TerminationReason::SolverExit(format!("{other:?}"))),
+    fn solution(self) -> NonlinearSolution {
+        let columns = self.x.len();
+        NonlinearSolution {
+            residual_norm: norm(&self.residual),
+            x: DVector::from_vec(self.x),
+            status: self.status.unwrap_or(Status::MaxIterations),
+            gradient: self.gradient,
+            iterations: self.iterations,
+            evaluations: self.evaluations,
+            jacobians: self.jacobians,
+            factor: self.factor.unwrap_or_else(|| Triangular::new(columns, 1).finish()),
         }
     }
 }
 
-fn residual<O: NonlinearLeastSquares>(problem: &mut Problem<O>, x: &[f64]) -> Result<Vec<f64>, Error> {
-    problem.problem("residual_count", |p| {
-        let mut r = DVector::zeros(p.size().0);
-        p.residual(x, &mut r);
-        Ok(r.as_slice().to_vec())
-    })
+fn residual(problem: &dyn NonlinearLeastSquares, x: &[f64]) -> Vec<f64> {
+    let mut r = DVector::zeros(problem.size().0);
+    problem.residual(x, &mut r);
+    r.as_slice().to_vec()
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ pub(super) fn relative_gradient(factor: &Factor, residual: f64) -> f64 {
         .fold(0.0, |top: f64, (g, n)| if n > 0.0 { top.max(g.abs() / n / residual) } else { top })
 }
 
-/// A damped step and what the model says of it.
+/// A damped step and its reduction predicted by the linear model.
 pub(super) struct Step {
     pub delta: DVector<f64>,
     /// Promised reduction of ½ ‖r‖².

@@ -1,4 +1,4 @@
-//! What a nonlinear problem has to say about itself, and what comes back.
+//! The nonlinear least-squares problem and its solution.
 //!
 //! minimise ½ ‖r(x)‖²,  J = ∂r/∂x
 //!

@@ -2,9 +2,12 @@
 
 use super::RidgePath;
 use crate::folds::GroupedFolds;
+use crate::minimum::golden_section;
 use crate::{ColumnScale, LeastSquares, SolveError};
 
 const GRID: usize = 80;
+/// Golden sections: 0.618⁶⁰ = 3e-13 of the grid's step.
+const STEPS: usize = 60;
 
 /// λ of least generalized cross-validation score: grid, then golden section between its neighbours.
 pub(super) fn gcv(path: &RidgePath) -> f64 {
@@ -16,20 +19,11 @@ pub(super) fn gcv(path: &RidgePath) -> f64 {
         }
     }
     let (high, low) = (grid[best.saturating_sub(1)], grid[(best + 1).min(grid.len() - 1)]);
-    if low <= 0.0 { grid[best] } else { golden(|l| path.gcv(l.exp()), low.ln(), high.ln()).exp() }
-}
-
-fn golden(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    for _ in 0..60 {
-        let (left, right) = (high - RATIO * (high - low), low + RATIO * (high - low));
-        if f(left) < f(right) {
-            high = right;
-        } else {
-            low = left;
-        }
+    if low <= 0.0 {
+        grid[best]
+    } else {
+        golden_section(low.ln(), high.ln(), STEPS, |l| path.gcv(l.exp())).exp()
     }
-    0.5 * (low + high)
 }
 
 /// λ where the curve (ln ‖r‖, ln ‖S⁻¹ x‖) bends most.
@@ -72,14 +66,4 @@ pub(super) fn grouped(
         }
     }
     Ok(grid[folds.choose(&errors)])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::golden;
-
-    #[test]
-    fn golden_section_finds_the_minimum() {
-        assert!((golden(|x| (x - 0.3).powi(2), -2.0, 5.0) - 0.3).abs() < 1e-7);
-    }
 }

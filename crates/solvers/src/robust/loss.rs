@@ -65,6 +65,15 @@ impl Loss {
         }
     }
 
+    /// How fast that factor falls: w'(t) / t, never above zero.
+    pub fn slope(&self, t: f64) -> f64 {
+        match *self {
+            Loss::Huber { k } if t > k => -k / t.powi(3),
+            Loss::Tukey { c } if t < c => -4.0 * (1.0 - (t / c).powi(2)) / (c * c),
+            _ => 0.0,
+        }
+    }
+
     /// Refuses constants that are not positive.
     pub fn validate(&self) -> Result<(), SolveError> {
         let (option, value) = match *self {
@@ -91,5 +100,15 @@ mod tests {
         }
         assert!(Loss::tukey().weight(5.0) < 1e-15 && Loss::huber().weight(2.69) > 0.49);
         assert!(Loss::Huber { k: -1.0 }.validate().is_err());
+    }
+
+    #[test]
+    fn the_slope_is_that_of_the_weight() {
+        for loss in [Loss::huber(), Loss::tukey()] {
+            for t in [0.4, 1.2, 1.5, 3.0, 4.6, 5.0] {
+                let difference = (loss.weight(t + 1e-6) - loss.weight(t - 1e-6)) / 2e-6;
+                assert!((loss.slope(t) * t - difference).abs() < 1e-8, "{loss:?} at {t}");
+            }
+        }
     }
 }

@@ -10,6 +10,8 @@
 //! For visits of one row this is the MAD about zero over 0.6745. The last factor makes up for what the fit took from the
 //! residuals; it matters when rows are few. Median of χ²: exact to n = 6, then Wilson and Hilferty (1931).
 
+use crate::order::median;
+
 /// Medians of χ² with 1 … 6 degrees of freedom.
 const MEDIANS: [f64; 6] = [
     0.454_936_423_119_573,
@@ -21,28 +23,18 @@ const MEDIANS: [f64; 6] = [
 ];
 
 pub(super) fn robust_scale(residuals: &[(f64, usize)], rank: usize) -> f64 {
-    let mut standard: Vec<f64> = residuals
+    let standard = residuals
         .iter()
         .filter(|(_, n)| *n > 0)
-        .map(|(u, n)| u / (median_of_chi_square(*n) / *n as f64).sqrt())
-        .collect();
+        .map(|(u, n)| u / (median_of_chi_square(*n) / *n as f64).sqrt());
     let rows: usize = residuals.iter().map(|(_, n)| n).sum();
     let free = rows.saturating_sub(rank).max(1);
-    median(&mut standard) * (rows.max(1) as f64 / free as f64).sqrt()
+    median(standard).unwrap_or(0.0) * (rows.max(1) as f64 / free as f64).sqrt()
 }
 
 pub(super) fn median_of_chi_square(n: usize) -> f64 {
     let f = n as f64;
     MEDIANS.get(n.saturating_sub(1)).copied().unwrap_or_else(|| f * (1.0 - 2.0 / (9.0 * f)).powi(3))
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    values.sort_unstable_by(f64::total_cmp);
-    let half = values.len() / 2;
-    if values.len() % 2 == 1 { values[half] } else { 0.5 * (values[half - 1] + values[half]) }
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@
 //! Driessen (2006), FAST-LTS. Begun from the plain fit, from a Huber fit and from random handfuls; the best of them
 //! wins.
 
-use super::{Loss, Visits};
+use super::Loss;
+use super::visits::Visits;
 use crate::folds::shuffle;
 use crate::{Fallback, Solution, SolveError, Solver};
 
@@ -45,15 +46,15 @@ impl Trimming {
         &self,
         inner: &dyn Solver,
         visits: &Visits<'_>,
+        plain: Solution,
     ) -> Result<(Solution, Option<Fallback>), SolveError> {
         const FIRST: usize = 3;
         const LAST: usize = 30;
-        let plain = inner.solve(visits.problem)?;
         let total = visits.groups.len();
         let keep = (self.keep * total as f64).ceil() as usize;
         let rows: usize = visits.groups.iter().map(Vec::len).sum();
         let too_few = keep * rows < 2 * plain.rank * total || keep >= total;
-        if too_few || !plain.status.is_success() {
+        if too_few {
             return Ok((plain, Some(Fallback::PlainStart)));
         }
         let huber = visits.iterate(inner, Loss::huber(), plain.clone(), 30, 1e-4)?;

@@ -12,107 +12,14 @@
 mod grammar;
 mod names;
 mod read;
+mod tree;
 mod write;
 
-#[cfg(feature = "clarabel")]
-use crate::{Bounded, ElasticNet, ExactHuber, GroupLasso, Lasso};
-use crate::{Loss, NormalEquations, PivotedQr, Ridge, Robust, SolveError, Solver, Start, Svd};
-
-/// Every solver that can be named.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum SolverSpec {
-    /// `normal`
-    Normal(NormalEquations),
-    /// `qr`
-    Qr(PivotedQr),
-    /// `svd`
-    Svd(Svd),
-    /// `ridge`
-    Ridge(Ridge),
-    /// `lasso`
-    #[cfg(feature = "clarabel")]
-    Lasso(Lasso),
-    /// `elastic_net`
-    #[cfg(feature = "clarabel")]
-    ElasticNet(ElasticNet),
-    /// `group_lasso`
-    #[cfg(feature = "clarabel")]
-    GroupLasso(GroupLasso),
-    /// `bounded`
-    #[cfg(feature = "clarabel")]
-    Bounded {
-        /// Asked first; the bounds are imposed on what it minimises.
-        inner: Box<SolverSpec>,
-    },
-    /// `huber_exact`
-    #[cfg(feature = "clarabel")]
-    ExactHuber(ExactHuber),
-    /// `huber` and `tukey`
-    Robust {
-        /// Asked in every round.
-        inner: Box<SolverSpec>,
-        /// Which loss.
-        loss: Loss,
-        /// Where the rounds begin.
-        start: Start,
-        /// Largest number of rounds.
-        rounds: usize,
-    },
-}
-
-/// Rounds of a robust solver unless told otherwise.
-pub(crate) const ROUNDS: usize = 200;
-
-impl Default for SolverSpec {
-    fn default() -> Self {
-        SolverSpec::Qr(PivotedQr::default())
-    }
-}
-
-impl SolverSpec {
-    /// The solver.
-    pub fn build(&self) -> Box<dyn Solver> {
-        match self {
-            SolverSpec::Normal(s) => Box::new(*s),
-            SolverSpec::Qr(s) => Box::new(*s),
-            SolverSpec::Svd(s) => Box::new(*s),
-            SolverSpec::Ridge(s) => Box::new(*s),
-            #[cfg(feature = "clarabel")]
-            SolverSpec::Lasso(s) => Box::new(*s),
-            #[cfg(feature = "clarabel")]
-            SolverSpec::ElasticNet(s) => Box::new(*s),
-            #[cfg(feature = "clarabel")]
-            SolverSpec::GroupLasso(s) => Box::new(*s),
-            #[cfg(feature = "clarabel")]
-            SolverSpec::Bounded { inner } => Box::new(Bounded::new(inner.build())),
-            #[cfg(feature = "clarabel")]
-            SolverSpec::ExactHuber(s) => Box::new(*s),
-            SolverSpec::Robust { inner, loss, start, rounds } => {
-                let mut robust = Robust::new(inner.build(), *loss, *start);
-                robust.rounds = *rounds;
-                Box::new(robust)
-            }
-        }
-    }
-
-    /// Names that [`FromStr`](std::str::FromStr) knows in this build, with what each does.
-    pub fn known() -> Vec<(&'static str, &'static str)> {
-        names::NAMES.iter().filter(|n| n.available).map(|n| (n.name, n.about)).collect()
-    }
-}
-
-impl std::str::FromStr for SolverSpec {
-    type Err = SolveError;
-
-    fn from_str(text: &str) -> Result<Self, SolveError> {
-        read::read(&grammar::parse(text)?)
-    }
-}
+pub use tree::SolverSpec;
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::SolverSpec;
 
     #[track_caller]
     fn check(text: &str, printed: &str) {
@@ -178,6 +85,16 @@ mod tests {
         refused("ridge(lambda=-1)", "lambda = -1");
         refused("huber(qr, start=best)", "has no option `best`");
         refused("ridge(cv, folds=2.5)", "folds = 2.5");
+    }
+
+    #[cfg(not(feature = "clarabel"))]
+    #[test]
+    fn solvers_that_are_not_built_in_are_refused_with_the_name_of_their_feature() {
+        for text in
+            ["lasso", "elastic_net(mix=0.9)", "group_lasso", "bounded(qr)", "huber_exact", "huber(lasso)"]
+        {
+            refused(text, "feature `clarabel`");
+        }
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! A tree of calls into a solver.
 
-use super::grammar::{Argument, Call, Value};
+use super::grammar::{Argument, Call, Value, parse};
 use super::names::{NAMES, Name, nearest};
-use super::{ROUNDS, SolverSpec};
+use super::tree::{MAX_ITERATIONS, SolverSpec};
 use crate::{
     Choice, GroupedFolds, Loss, NormalEquations, PivotedQr, RankRule, Ridge, RidgeStrength, SolveError,
     Start, Svd, Trimming,
@@ -10,7 +10,15 @@ use crate::{
 #[cfg(feature = "clarabel")]
 use crate::{ElasticNet, ExactHuber, GroupLasso, Lasso, Strength};
 
-pub(super) fn read(call: &Call) -> Result<SolverSpec, SolveError> {
+impl std::str::FromStr for SolverSpec {
+    type Err = SolveError;
+
+    fn from_str(text: &str) -> Result<Self, SolveError> {
+        read(&parse(text)?)
+    }
+}
+
+fn read(call: &Call) -> Result<SolverSpec, SolveError> {
     let Some(entry) = NAMES.iter().find(|n| n.name == call.name) else {
         let known: Vec<&'static str> = NAMES.iter().filter(|n| n.available).map(|n| n.name).collect();
         let nearest = nearest(&call.name, &known);
@@ -206,8 +214,8 @@ impl Options {
             trimming.seed = self.count("seed")?.map_or(trimming.seed, |s| s as u64);
             trimming.validate()?;
         }
-        let rounds = self.count("rounds")?.unwrap_or(ROUNDS).max(1);
-        Ok(SolverSpec::Robust { inner: Box::new(self.inner()?), loss, start, rounds })
+        let max_iterations = self.count("rounds")?.unwrap_or(MAX_ITERATIONS).max(1);
+        Ok(SolverSpec::Robust { inner: Box::new(self.inner()?), loss, start, max_iterations })
     }
 
     fn finish(self) -> Result<(), SolveError> {

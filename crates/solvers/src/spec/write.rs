@@ -1,6 +1,6 @@
 //! A solver into the shortest text that reads back the same.
 
-use super::{ROUNDS, SolverSpec};
+use super::tree::{MAX_ITERATIONS, SolverSpec};
 use crate::{Choice, GroupedFolds, Loss, NormalEquations, RankRule, RidgeStrength, Start, Trimming};
 #[cfg(feature = "clarabel")]
 use crate::{ElasticNet, ExactHuber, Strength};
@@ -73,7 +73,7 @@ fn parts(spec: &SolverSpec) -> (&'static str, Vec<String>) {
             o.extend(s.noise.map(|n| format!("noise={n:?}")));
             "huber_exact"
         }
-        SolverSpec::Robust { inner, loss, start, rounds } => {
+        SolverSpec::Robust { inner, loss, start, max_iterations } => {
             o.push(inner.to_string());
             let usual = match (*loss, Loss::huber(), Loss::tukey()) {
                 (Loss::Huber { k }, Loss::Huber { k: plain }, _) => {
@@ -87,8 +87,8 @@ fn parts(spec: &SolverSpec) -> (&'static str, Vec<String>) {
                 _ => Start::Plain,
             };
             begin(&mut o, *start, usual);
-            if *rounds != ROUNDS {
-                o.push(format!("rounds={rounds}"));
+            if *max_iterations != MAX_ITERATIONS {
+                o.push(format!("rounds={max_iterations}"));
             }
             loss.name()
         }

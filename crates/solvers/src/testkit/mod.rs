@@ -1,6 +1,6 @@
-//! The conformance kit: what every solver has to get right, checked without asking another solver.
+//! The conformance kit: what every solver has to satisfy, checked without another solver.
 //!
-//! The tests follow from what the solver says that it supports. Without a penalty ([`Unpenalised`](Need::Unpenalised)) it
+//! The tests follow from what the solver declares to support. Without a penalty ([`Unpenalised`](Need::Unpenalised)) it
 //! has to meet the normal equations Aᵀ W (A x − y) = 0, or, with bounds, the Karush-Kuhn-Tucker conditions; with a penalty
 //! at least xᵀ Aᵀ W (A x − y) ≤ 0, which any penalty that grows along a ray from zero implies. The weights are those of the
 //! problem, times the row weights that a robust solver reports.
@@ -12,21 +12,21 @@ use crate::{LeastSquares, Need, Solution, Solver, Status};
 use cases::{Case, cases};
 use optimality::{Demand, stationary};
 
-/// How one case went.
+/// Outcome of one case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// Name of the case.
     pub case: &'static str,
-    /// Nothing, or what was wrong.
-    pub complaint: Option<String>,
+    /// None, or what failed.
+    pub failure: Option<String>,
 }
 
-/// Runs the kit and says how every case went.
+/// Runs the kit and returns the outcome of every case.
 pub fn examine(solver: &dyn Solver) -> Vec<Outcome> {
     let mut outcomes: Vec<Outcome> =
-        cases().iter().map(|case| Outcome { case: case.name, complaint: run(solver, case).err() }).collect();
-    outcomes.push(Outcome { case: "what is not finite is refused", complaint: refuses(solver).err() });
-    outcomes.push(Outcome { case: "the same twice, bit for bit", complaint: repeats(solver).err() });
+        cases().iter().map(|case| Outcome { case: case.name, failure: run(solver, case).err() }).collect();
+    outcomes.push(Outcome { case: "what is not finite is refused", failure: refuses(solver).err() });
+    outcomes.push(Outcome { case: "the same twice, bit for bit", failure: repeats(solver).err() });
     outcomes
 }
 
@@ -34,14 +34,12 @@ pub fn examine(solver: &dyn Solver) -> Vec<Outcome> {
 ///
 /// # Panics
 ///
-/// With the list of complaints, if there are any.
+/// With the list of failures, if there are any.
 #[track_caller]
 pub fn check_solver(solver: &dyn Solver) {
-    let complaints: Vec<String> = examine(solver)
-        .into_iter()
-        .filter_map(|o| o.complaint.map(|c| format!("  {}: {c}", o.case)))
-        .collect();
-    assert!(complaints.is_empty(), "solver `{}` fails the kit:\n{}", solver.name(), complaints.join("\n"));
+    let failures: Vec<String> =
+        examine(solver).into_iter().filter_map(|o| o.failure.map(|c| format!("  {}: {c}", o.case))).collect();
+    assert!(failures.is_empty(), "solver `{}` fails the kit:\n{}", solver.name(), failures.join("\n"));
 }
 
 fn run(solver: &dyn Solver, case: &Case) -> Result<(), String> {
@@ -73,7 +71,7 @@ fn run(solver: &dyn Solver, case: &Case) -> Result<(), String> {
     sane(&problem, &solution)?;
     if solver.supports(Need::RankDeficient) {
         let by_rank = !deficient || solution.status == Status::RankDeficient { rank: case.rank };
-        // A penalty may keep fewer directions than the data determine, and may settle what they do not.
+        // A penalty may keep fewer directions than the data determine, and may determine what they do not.
         if solver.supports(Need::Unpenalised) && (solution.rank != case.rank || !by_rank) {
             return Err(format!(
                 "rank {} with status {:?}, should be {}",
@@ -115,7 +113,7 @@ fn sane(problem: &LeastSquares<'_>, solution: &Solution) -> Result<(), String> {
     let residual = crate::dense::norm((problem.residual(&solution.x) / scale).as_slice());
     let reported = solution.info.residual_norm / scale;
     if (residual - reported).abs() > 1e-9 * (1.0 + residual) {
-        return Err(format!("says residual {reported}, has {residual} (relative to y)"));
+        return Err(format!("reports residual {reported}, has {residual} (relative to y)"));
     }
     Ok(())
 }
@@ -177,21 +175,21 @@ mod tests {
     }
 
     #[track_caller]
-    fn caught(by: &str, spoil: fn(&mut Solution)) {
+    fn detected(by: &str, spoil: fn(&mut Solution)) {
         let outcomes = examine(&Wrong(spoil));
-        assert!(outcomes.iter().any(|o| o.case == by && o.complaint.is_some()), "{by}: {outcomes:#?}");
+        assert!(outcomes.iter().any(|o| o.case == by && o.failure.is_some()), "{by}: {outcomes:#?}");
     }
 
     #[test]
-    fn mistakes_are_caught() {
-        caught("full rank", |s| s.x *= 1.0 + 1e-7);
-        caught("full rank", |s| s.info.residual_norm *= 1.001);
-        caught("deficient rank", |s| s.status = Status::Converged);
-        caught("deficient rank", |s| s.rank += 1);
-        caught("zero column", |s| s.x.iter_mut().for_each(|x| *x += if *x == 0.0 { 1.0 } else { 0.0 }));
-        caught("badly scaled columns", |s| {
+    fn mistakes_are_detected() {
+        detected("full rank", |s| s.x *= 1.0 + 1e-7);
+        detected("full rank", |s| s.info.residual_norm *= 1.001);
+        detected("deficient rank", |s| s.status = Status::Converged);
+        detected("deficient rank", |s| s.rank += 1);
+        detected("zero column", |s| s.x.iter_mut().for_each(|x| *x += if *x == 0.0 { 1.0 } else { 0.0 }));
+        detected("badly scaled columns", |s| {
             s.x.iter_mut().for_each(|x| *x *= 1.0 + 1e-6);
         });
-        caught("weighted rows", |s| s.x.fill(f64::NAN));
+        detected("weighted rows", |s| s.x.fill(f64::NAN));
     }
 }

@@ -1,15 +1,15 @@
 //! Intervals of numbers whose truth is a number of the model.
 
-use super::causes::Cause;
+use super::hidden_effects::HiddenEffect;
 use super::plants::Made;
 use super::record::Interval;
 use truepose_discover::Finding;
 use truepose_kinematics::{Chain, JointKind};
 use truepose_simulate::physics::changes::{Amount, Mover};
-use truepose_simulate::physics::gear::Gear;
+use truepose_simulate::physics::transmission::TransmissionError;
 
-/// Intervals of a find at the right place, each with its truth.
-pub fn intervals(cause: Cause, made: &Made, found: &Finding) -> Vec<Interval> {
+/// Intervals of a finding at the right place, each with its truth.
+pub fn intervals(cause: HiddenEffect, made: &Made, found: &Finding) -> Vec<Interval> {
     truths(cause, made, found)
         .into_iter()
         .filter_map(|(name, truth)| {
@@ -25,7 +25,7 @@ pub fn intervals(cause: Cause, made: &Made, found: &Finding) -> Vec<Interval> {
 }
 
 /// Names of parameters and what they really are.
-fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
+fn truths(cause: HiddenEffect, made: &Made, found: &Finding) -> Vec<(String, f64)> {
     let (chain, truth) = (&made.chain, made.plant.truth());
     let place = &found.candidate.place;
     let word = place.joint.clone().unwrap_or_default();
@@ -33,34 +33,36 @@ fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
     let errors = at.and_then(|at| truth.joints.get(at));
     let one = |name: String, truth: Option<f64>| truth.map(|truth| (name, truth)).into_iter().collect();
     match cause {
-        Cause::JointCompliance => one(format!("compliance {word}"), errors.map(|e| 1.0 / e.bearing.drive)),
-        Cause::BacklashApproach | Cause::BacklashLoad => {
-            one(format!("gap {word}"), errors.and_then(|e| e.play).map(|play| play.width))
+        HiddenEffect::JointCompliance => {
+            one(format!("compliance {word}"), errors.map(|e| 1.0 / e.stiffness.drive))
         }
-        Cause::Coupling => {
+        HiddenEffect::BacklashApproach | HiddenEffect::BacklashLoad => {
+            one(format!("gap {word}"), errors.and_then(|e| e.backlash).map(|play| play.width))
+        }
+        HiddenEffect::Coupling => {
             let driver = place.driver.clone().unwrap_or_default();
             // An eccentric wheel adds to what a richer shape says.
             let ratio = errors.and_then(|e| e.couplings.first()).filter(|c| c.eccentricity.abs() < 1e-12);
             one(format!("coupling {word} by {driver}"), ratio.map(|coupling| coupling.ratio))
         }
-        Cause::Eccentric => match errors.and_then(|e| e.gears.first()) {
+        HiddenEffect::Eccentric => match errors.and_then(|e| e.transmission.first()) {
             // ε sin(q − φ), to the first order in ε.
-            Some(Gear::Eccentric { ratio, phase }) => vec![
+            Some(TransmissionError::Eccentric { ratio, phase }) => vec![
                 (format!("transmission {word} sin1"), ratio * phase.cos()),
                 (format!("transmission {word} cos1"), -ratio * phase.sin()),
             ],
             _ => Vec::new(),
         },
         // A wheel's n-th tooth: whatever is not a sine in it repeats as often.
-        Cause::Mesh => match errors.and_then(|e| e.gears.first()) {
-            Some(Gear::Mesh { cycles, .. }) => {
+        HiddenEffect::Mesh => match errors.and_then(|e| e.transmission.first()) {
+            Some(TransmissionError::Mesh { cycles, .. }) => {
                 let slides = at.is_some_and(|at| chain.joints()[at].kind == JointKind::Prismatic);
                 let turn = if slides { 1.0 } else { std::f64::consts::TAU };
                 vec![("period".to_owned(), turn / cycles)]
             }
             _ => Vec::new(),
         },
-        Cause::Shift => {
+        HiddenEffect::Shift => {
             let when = truth.changes.iter().find_map(|change| match change.amount {
                 Amount::Since(at) => Some(("at".to_owned(), at)),
                 _ => None,
@@ -71,7 +73,7 @@ fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
             });
             own(chain, found, "shift ", jump).into_iter().chain(when).collect()
         }
-        Cause::Thermal => {
+        HiddenEffect::Thermal => {
             let growth = truth.changes.iter().find_map(|change| match change.mover {
                 Mover::Joint(joint, size) | Mover::Length(joint, size) | Mover::Scale(joint, size)
                     if Some(joint) == at =>
@@ -82,7 +84,7 @@ fn truths(cause: Cause, made: &Made, found: &Finding) -> Vec<(String, f64)> {
             });
             found.parameters.first().map_or_else(Vec::new, |p| one(p.name.clone(), growth))
         }
-        Cause::Payload => {
+        HiddenEffect::Payload => {
             let level = place.level.unwrap_or(f64::NAN);
             let labels = &made.plant.blunders.mislabelled;
             let real = labels.iter().find(|(declared, _)| (declared - level).abs() < 1e-6);

@@ -1,6 +1,6 @@
 //! A figure of each part, as SVG.
 
-use super::causes::CAUSES;
+use super::hidden_effects::HIDDEN_EFFECTS;
 use super::record::Record;
 use super::summary::{confusion, first_p};
 use plotters::prelude::*;
@@ -34,9 +34,9 @@ pub fn power(path: &Path, records: &[Record], multiples: &[f64]) -> Done {
     const COLUMNS: usize = 5;
     let root = SVGBackend::new(path, (1250, 1000)).into_drawing_area();
     root.fill(&WHITE)?;
-    let areas = root.split_evenly((CAUSES.len().div_ceil(COLUMNS), COLUMNS));
+    let areas = root.split_evenly((HIDDEN_EFFECTS.len().div_ceil(COLUMNS), COLUMNS));
     let (first, last) = (multiples.first().copied().unwrap_or(0.5), multiples.last().copied().unwrap_or(8.0));
-    for ((_, word), area) in CAUSES.iter().zip(&areas) {
+    for ((_, word), area) in HIDDEN_EFFECTS.iter().zip(&areas) {
         let share = |m: f64, of: fn(&Record) -> bool| {
             let here: Vec<&Record> = records
                 .iter()
@@ -70,8 +70,11 @@ pub fn matrix(path: &Path, records: &[Record]) -> Done {
     let mut names: Vec<&str> = counts.keys().map(|(_, first)| first.as_str()).collect();
     names.sort_unstable();
     names.dedup();
-    let rows: Vec<&str> =
-        CAUSES.iter().map(|c| c.1).filter(|word| counts.keys().any(|(cause, _)| cause == word)).collect();
+    let rows: Vec<&str> = HIDDEN_EFFECTS
+        .iter()
+        .map(|c| c.1)
+        .filter(|word| counts.keys().any(|(cause, _)| cause == word))
+        .collect();
     let (left, top, cell) = (150, 130, 44);
     let size = (left + cell * names.len() as i32 + 20, top + cell * rows.len() as i32 + 20);
     let root = SVGBackend::new(path, (size.0 as u32, size.1 as u32)).into_drawing_area();

@@ -1,6 +1,6 @@
 //! The closed loop of `discover`, calibrated on simulated robots: false alarms, power, names, intervals.
 //!
-//! | part | plants | asked |
+//! | part | plants | question |
 //! | --- | --- | --- |
 //! | nulls | nothing hidden; distractors, correlated visits, a third with heavy tails | how often is something found? |
 //! | power | one cause hidden, at multiples of the detectable size | is it found, named, placed? do the intervals hold? |
@@ -10,9 +10,9 @@
 //! `study discovery [--short] [--nulls N] [--robots N] [--multiples M,M] [--causes C,C] [--part NAME] [--folder NAME]` runs what is not
 //! yet in its tables, one line a robot; `study discovery --one CAUSE SEED MULTIPLE [--without]` shows one whole diagnosis (cause `none`: a null).
 
-pub mod causes;
 mod coverage;
 mod figures;
+pub mod hidden_effects;
 mod plants;
 pub mod record;
 pub mod robots;
@@ -20,14 +20,14 @@ mod several;
 pub mod summary;
 pub mod trial;
 
-use crate::ledger::{Ledger, Line, commit};
-use crate::{folder, say};
-use causes::{CAUSES, Cause};
+use crate::journal::{Journal, Line, commit};
+use crate::{folder, print};
+use hidden_effects::{HIDDEN_EFFECTS, HiddenEffect};
 use record::Record;
 use std::error::Error;
 use std::path::Path;
 use trial::Task;
-use truepose_report::{DiscoverySummary, Settings};
+use truepose_report::{DiscoverySettings, DiscoverySummary};
 
 /// Multiples of the detectable size.
 const MULTIPLES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
@@ -36,12 +36,12 @@ const SEVERAL: u64 = 6;
 /// At which a family is taken out.
 const WITHOUT: f64 = 4.0;
 
-/// What was asked for.
+/// The options of the run.
 struct Asked {
     nulls: u64,
     robots: u64,
     multiples: Vec<f64>,
-    causes: Vec<Cause>,
+    causes: Vec<HiddenEffect>,
     part: Option<String>,
     folder: Option<String>,
     one: Option<Task>,
@@ -57,18 +57,18 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
     let folder = folder("discovery")?.join(into);
     std::fs::create_dir_all(&folder)?;
-    say(&format!("commit {commit}; {}", folder.display()));
+    print(&format!("commit {commit}; {}", folder.display()));
     let wanted = |part: &str| asked.part.as_deref().is_none_or(|only| only == part);
     let mut text = format!("commit {commit}\n\n");
-    let mut ledger: Ledger<Record> = Ledger::open(&folder, "nulls", &commit)?;
+    let mut journal: Journal<Record> = Journal::open(&folder, "nulls", &commit)?;
     if wanted("nulls") {
         let task = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
-        work(&mut ledger, (0..asked.nulls).map(task))?;
+        work(&mut journal, (0..asked.nulls).map(task))?;
     }
-    text += &summary::nulls(&ledger.records)?;
-    figures::nulls(&folder.join("nulls.svg"), &ledger.records)?;
+    text += &summary::nulls(&journal.records)?;
+    figures::nulls(&folder.join("nulls.svg"), &journal.records)?;
 
-    let mut ledger: Ledger<Record> = Ledger::open(&folder, "power", &commit)?;
+    let mut journal: Journal<Record> = Journal::open(&folder, "power", &commit)?;
     if wanted("power") {
         // All cells first, then the next robot of each.
         let tasks = (0..asked.robots).flat_map(|seed| {
@@ -77,64 +77,66 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
                 causes.iter().map(move |&cause| Task { cause: Some(cause), multiple, seed, without: false })
             })
         });
-        work(&mut ledger, tasks)?;
+        work(&mut journal, tasks)?;
     }
-    text += &format!("\n{}", summary::power(&ledger.records, &asked.multiples)?);
-    text += &format!("\n{}", summary::confusion_text(&ledger.records)?);
-    text += &format!("\n{}", summary::coverage(&ledger.records)?);
-    figures::power(&folder.join("power.svg"), &ledger.records, &asked.multiples)?;
-    figures::matrix(&folder.join("confusion.svg"), &ledger.records)?;
-    figures::coverage(&folder.join("coverage.svg"), &ledger.records)?;
+    text += &format!("\n{}", summary::power(&journal.records, &asked.multiples)?);
+    text += &format!("\n{}", summary::confusion_text(&journal.records)?);
+    text += &format!("\n{}", summary::coverage(&journal.records)?);
+    figures::power(&folder.join("power.svg"), &journal.records, &asked.multiples)?;
+    figures::matrix(&folder.join("confusion.svg"), &journal.records)?;
+    figures::coverage(&folder.join("coverage.svg"), &journal.records)?;
 
-    let mut ledger: Ledger<Record> = Ledger::open(&folder, "several", &commit)?;
+    let mut journal: Journal<Record> = Journal::open(&folder, "several", &commit)?;
     if wanted("several") {
-        several::work(&mut ledger, SEVERAL * asked.robots)?;
+        several::work(&mut journal, SEVERAL * asked.robots)?;
     }
-    text += &format!("\n{}", several::summary(&ledger.records)?);
+    text += &format!("\n{}", several::summary(&journal.records)?);
 
-    let mut ledger: Ledger<Record> = Ledger::open(&folder, "without", &commit)?;
+    let mut journal: Journal<Record> = Journal::open(&folder, "without", &commit)?;
     if wanted("without") {
         let tasks = (0..asked.robots).flat_map(|seed| {
-            let causes = asked.causes.iter().filter(|c| !matches!(c, Cause::Outliers | Cause::Wobble));
+            let causes =
+                asked.causes.iter().filter(|c| !matches!(c, HiddenEffect::Outliers | HiddenEffect::Wobble));
             causes.map(move |&cause| Task { cause: Some(cause), multiple: WITHOUT, seed, without: true })
         });
-        work(&mut ledger, tasks)?;
+        work(&mut journal, tasks)?;
     }
-    text += &format!("\n{}", summary::without(&ledger.records)?);
+    text += &format!("\n{}", summary::without(&journal.records)?);
     finish(&folder, &text)
 }
 
 fn finish(folder: &Path, text: &str) -> Result<(), Box<dyn Error>> {
-    say(text);
+    print(text);
     std::fs::write(folder.join("table.txt"), text)?;
-    say(&format!("tables and figures in {}", folder.display()));
+    print(&format!("tables and figures in {}", folder.display()));
     Ok(())
 }
 
 /// Runs what is not yet in the table.
-pub fn work(ledger: &mut Ledger<Record>, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
+pub fn work(journal: &mut Journal<Record>, tasks: impl Iterator<Item = Task>) -> Result<(), Box<dyn Error>> {
     for task in tasks {
-        let word = task.cause.map_or("none", Cause::word);
-        if ledger.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
+        let word = task.cause.map_or("none", HiddenEffect::word);
+        if journal.records.iter().any(|known| known.is(word, task.multiple, task.seed)) {
             continue;
         }
         let record = task.run();
-        say(&format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story));
-        ledger.add(record)?;
+        print(&format!("{}: {} in {:.1} s, {}", task.words(), record.first, record.seconds, record.story));
+        journal.add(record)?;
     }
     Ok(())
 }
 
-/// One robot, with all that the loop has to say.
+/// One robot, with all results of the search.
 fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let (made, diagnosis) = task.diagnosed()?;
     let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
-    say(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
-    let settings = Settings { seed: plants::HOLDOUT.1, holdout: plants::HOLDOUT.0, flips: 999, alpha: 0.005 };
+    print(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
+    let settings =
+        DiscoverySettings { seed: plants::HOLDOUT.1, holdout: plants::HOLDOUT.0, flips: 999, alpha: 0.005 };
     let summary = DiscoverySummary::new(&diagnosis, settings);
-    say(&summary.to_string());
-    say(&serde_json::to_string_pretty(&summary)?);
-    say(&task.judged(&made, &diagnosis).row());
+    print(&summary.to_string());
+    print(&serde_json::to_string_pretty(&summary)?);
+    print(&task.judged(&made, &diagnosis).row());
     Ok(())
 }
 
@@ -144,7 +146,7 @@ impl Asked {
             nulls: 1000,
             robots: 20,
             multiples: MULTIPLES.to_vec(),
-            causes: CAUSES.iter().map(|(cause, _)| *cause).collect(),
+            causes: HIDDEN_EFFECTS.iter().map(|(cause, _)| *cause).collect(),
             part: None,
             folder: None,
             one: None,
@@ -162,7 +164,7 @@ impl Asked {
                     asked.multiples = next()?.split(',').map(str::parse).collect::<Result<_, _>>()?;
                 }
                 "--causes" => {
-                    let named = |word: &str| Cause::named(word).ok_or_else(|| unknown(word));
+                    let named = |word: &str| HiddenEffect::named(word).ok_or_else(|| unknown(word));
                     asked.causes = next()?.split(',').map(named).collect::<Result<_, _>>()?;
                 }
                 "--part" => asked.part = Some(next()?.clone()),
@@ -170,7 +172,7 @@ impl Asked {
                 "--one" => {
                     let cause = match next()?.as_str() {
                         "none" => None,
-                        word => Some(Cause::named(word).ok_or_else(|| unknown(word))?),
+                        word => Some(HiddenEffect::named(word).ok_or_else(|| unknown(word))?),
                     };
                     let (seed, multiple) = (next()?.parse()?, next()?.parse()?);
                     asked.one = Some(Task { cause, multiple, seed, without: false });
@@ -192,6 +194,6 @@ impl Asked {
 }
 
 fn unknown(word: &str) -> String {
-    let known: Vec<&str> = CAUSES.iter().map(|(_, word)| *word).collect();
+    let known: Vec<&str> = HIDDEN_EFFECTS.iter().map(|(_, word)| *word).collect();
     format!("unknown cause `{word}`; there are: none, {}", known.join(", "))
 }

@@ -6,10 +6,10 @@
 //! ```
 //!
 //! λ is the noncentrality that the declared model leaves: what any test could see of the cause. At 30 a single
-//! unknown among the thousands that are asked for is found about four times in five. Outliers are no effect: each is m √30
+//! unknown among the thousands that are tested is found about four times in five. Outliers are no effect: each is m √30
 //! standard deviations of one coordinate long.
 
-use super::causes::{CAUSES, Cause, Hidden};
+use super::hidden_effects::{HIDDEN_EFFECTS, Hidden, HiddenEffect};
 use super::robots::{self, Robot, Undeclared};
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -18,7 +18,7 @@ use std::error::Error;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel};
 use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, fit, hold_out};
 use truepose_kinematics::{Chain, Conditions, JointId, Placement};
-use truepose_simulate::physics::rail::Rail;
+use truepose_simulate::physics::guideway::GuidewayProfile;
 use truepose_simulate::{Campaign, Observation, Plant};
 use truepose_solvers::PivotedQr;
 
@@ -46,18 +46,18 @@ pub struct Made {
 }
 
 /// Causes of which several may be hidden in one plant: all that the declared model is the same for.
-const TOGETHER: [Cause; 11] = [
-    Cause::LinkCompliance,
-    Cause::BaseCompliance,
-    Cause::LoadNonlinearity,
-    Cause::Eccentric,
-    Cause::Mesh,
-    Cause::BacklashApproach,
-    Cause::Coupling,
-    Cause::Guideway,
-    Cause::Thermal,
-    Cause::Drift,
-    Cause::Shift,
+const TOGETHER: [HiddenEffect; 11] = [
+    HiddenEffect::LinkCompliance,
+    HiddenEffect::BaseCompliance,
+    HiddenEffect::LoadNonlinearity,
+    HiddenEffect::Eccentric,
+    HiddenEffect::Mesh,
+    HiddenEffect::BacklashApproach,
+    HiddenEffect::Coupling,
+    HiddenEffect::Guideway,
+    HiddenEffect::Thermal,
+    HiddenEffect::Drift,
+    HiddenEffect::Shift,
 ];
 
 /// Everything of a plant but the size of what is hidden.
@@ -71,8 +71,8 @@ struct Ground<'a> {
 }
 
 /// Draws a plant; without a cause it is a null.
-pub fn make(cause: Option<Cause>, multiple: f64, seed: u64) -> Result<Made, Box<dyn Error>> {
-    let number = cause.map_or(0, |cause| 1 + CAUSES.iter().position(|c| c.0 == cause).unwrap_or(0));
+pub fn make(cause: Option<HiddenEffect>, multiple: f64, seed: u64) -> Result<Made, Box<dyn Error>> {
+    let number = cause.map_or(0, |cause| 1 + HIDDEN_EFFECTS.iter().position(|c| c.0 == cause).unwrap_or(0));
     let kinds = robots::all();
     for place in 0..PLACES {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -103,13 +103,13 @@ pub fn make(cause: Option<Cause>, multiple: f64, seed: u64) -> Result<Made, Box<
             return ground.measured(plant, hidden, lambda);
         }
     }
-    Err(format!("no place where {} can be that large", cause.map_or("", Cause::word)).into())
+    Err(format!("no place where {} can be that large", cause.map_or("", HiddenEffect::word)).into())
 }
 
 /// A plant with several causes, measured; of the plant itself none is noted as hidden.
 pub struct Several {
     pub made: Made,
-    pub causes: Vec<(Cause, Hidden)>,
+    pub causes: Vec<(HiddenEffect, Hidden)>,
 }
 
 /// Draws a plant with two or three causes, each as large as it would be alone.
@@ -125,12 +125,12 @@ pub fn several(multiple: f64, seed: u64) -> Result<Several, Box<dyn Error>> {
     let ground = Ground { robot, chain, campaign, heavy: false, hours, seed };
     let (loads, duration) = (ground.loads()?, ground.campaign.duration_s());
     let wanted = rng.random_range(2..=3);
-    let mut found: Vec<(Cause, Hidden, f64)> = Vec::new();
+    let mut found: Vec<(HiddenEffect, Hidden, f64)> = Vec::new();
     for _ in 0..PLACES {
         if found.len() == wanted {
             break;
         }
-        let cause = *TOGETHER.choose(&mut rng).unwrap_or(&Cause::Shift);
+        let cause = *TOGETHER.choose(&mut rng).unwrap_or(&HiddenEffect::Shift);
         let known = found.iter().any(|(other, ..)| *other == cause);
         let drawn = cause.draw(&ground.chain, robot.payloads, &loads, duration, &mut rng);
         let Some(hidden) = drawn.filter(|_| !known) else { continue };
@@ -163,12 +163,12 @@ impl Ground<'_> {
         let wandering = hidden.iter().find_map(|(hidden, size)| Some((hidden.wobbles?, *size)));
         let Some((joint, size)) = wandering else { return Ok(plant) };
         let mut truth = plant.truth().clone();
-        truth.joints[joint.index()].rail = Some(self.wobble(joint, 1e-4 * size)?);
+        truth.joints[joint.index()].guideway = Some(self.wobble(joint, 1e-4 * size)?);
         Ok(plant.with_truth(truth)?)
     }
 
     /// The wandering of a turn's axis: sideways and in direction, m and rad.
-    fn wobble(&self, joint: JointId, size: f64) -> Result<Rail, Box<dyn Error>> {
+    fn wobble(&self, joint: JointId, size: f64) -> Result<GuidewayProfile, Box<dyn Error>> {
         let described = self.chain.joint(joint);
         let axis = match described.placement {
             Placement::Origin { axis, .. } => axis.into_inner(),
@@ -177,7 +177,12 @@ impl Ground<'_> {
         let (lower, upper) = described.limits.unwrap_or((-std::f64::consts::PI, std::f64::consts::PI));
         let across = |k: usize| if axis[k % 3].abs() > 0.5 { 0.0 } else { size };
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed ^ 0x77);
-        Ok(Rail::draw((lower, upper), (upper - lower) / 7.0, std::array::from_fn(across), &mut rng)?)
+        Ok(GuidewayProfile::draw(
+            (lower, upper),
+            (upper - lower) / 7.0,
+            std::array::from_fn(across),
+            &mut rng,
+        )?)
     }
 
     /// The largest load of each movable joint of the robot as described, N·m or N.
@@ -221,22 +226,22 @@ impl Ground<'_> {
             noise: NoiseSource::Fixed(self.noise(&real, &data)),
             // As good as none, but for directions that nothing excites.
             prior: PriorStrength::Fixed(1e3),
-            max_rounds: 30,
+            max_iterations: 30,
             ..FitOptions::default()
         };
         Ok(fit(&model, &data, &PivotedQr::default(), &options)?.chi_square)
     }
 
-    /// The size at which λ is what is asked for, and λ there; none when no size is.
+    /// The size with the required λ, and its λ; none where there is no such size.
     fn size(
         &self,
-        cause: Option<Cause>,
+        cause: Option<HiddenEffect>,
         hidden: Option<&Hidden>,
         multiple: f64,
     ) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
         let goal = DETECTABLE * multiple * multiple;
         let Some(cause) = cause else { return Ok(Some((0.0, self.lambda(None, 0.0)?))) };
-        if cause == Cause::Outliers {
+        if cause == HiddenEffect::Outliers {
             let sd = self.robot.noise[0].hypot(self.robot.noise[1]);
             return Ok(Some((1e-3 * sd * goal.sqrt(), goal)));
         }
@@ -298,7 +303,7 @@ mod tests {
 
     #[test]
     fn a_cause_is_as_large_as_was_asked_for() {
-        for (cause, seed) in [(Cause::Shift, 1), (Cause::JointCompliance, 2)] {
+        for (cause, seed) in [(HiddenEffect::Shift, 1), (HiddenEffect::JointCompliance, 2)] {
             let made = make(Some(cause), 2.0, seed).expect("a plant");
             // λ = 30 · 2², reached within five per cent.
             assert!((made.lambda / 120.0).ln().abs() < 0.05, "{}: {}", cause.word(), made.lambda);

@@ -1,6 +1,6 @@
 //! One line a robot.
 
-use crate::ledger::Line;
+use crate::journal::Line;
 
 /// A parameter with its interval and its truth.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +16,7 @@ impl Interval {
         (self.ci95[0]..=self.ci95[1]).contains(&self.truth)
     }
 
-    /// An interval without a width says nothing.
+    /// An interval without a width has no information.
     pub fn empty(&self) -> bool {
         self.ci95[1] - self.ci95[0] <= 1e-12 * self.value.abs()
     }
@@ -51,7 +51,7 @@ pub struct Record {
     /// Held-out RMS over that of the true plant, after and before.
     pub ratio: f64,
     pub ratio_before: f64,
-    /// On the wall, and of the processor where the system says so.
+    /// On the wall, and of the processor where the system reports it.
     pub seconds: f64,
     pub processor: f64,
     pub intervals: Vec<Interval>,
@@ -155,7 +155,7 @@ impl Record {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::Ledger;
+    use crate::journal::Journal;
     use std::fs;
     use std::io::Write as _;
 
@@ -174,17 +174,17 @@ mod tests {
             intervals: vec![interval],
             ..Record::default()
         };
-        let mut ledger: Ledger<Record> = Ledger::open(&folder, "power", "abc").expect("a ledger");
-        ledger.add(record.clone()).expect("a line");
+        let mut journal: Journal<Record> = Journal::open(&folder, "power", "abc").expect("a journal");
+        journal.add(record.clone()).expect("a line");
         let path = folder.join("power.csv");
         let half: String = record.row().chars().take(20).collect();
         let mut file = fs::OpenOptions::new().append(true).open(&path).expect("the file");
         write!(file, "{half}").expect("half a line");
-        let mut again: Ledger<Record> = Ledger::open(&folder, "power", "abc").expect("a ledger");
+        let mut again: Journal<Record> = Journal::open(&folder, "power", "abc").expect("a journal");
         assert_eq!(again.records, std::slice::from_ref(&record));
         assert!(again.records[0].is("shift", 2.0, 3) && !again.records[0].is("shift", 2.0, 4));
         again.add(Record { seed: 4, ..record }).expect("a line");
-        let twice: Ledger<Record> = Ledger::open(&folder, "power", "abc").expect("a ledger");
+        let twice: Journal<Record> = Journal::open(&folder, "power", "abc").expect("a journal");
         assert_eq!(twice.records.len(), 2);
         fs::remove_dir_all(&folder).expect("no folder");
     }

@@ -1,7 +1,7 @@
 //! The robots of this study: their description, what is declared of them, how they are measured.
 //!
-//! What is declared is what a null has: constant errors of every frame and target, and one spring in every joint. The
-//! springs' sizes are those of real machines of the kind.
+//! The declared model is that of a null: constant errors of every frame and target, and one compliance per joint. The
+//! compliances are those of real machines of the type.
 
 use std::error::Error;
 use truepose_errormodel::AnyEffect;
@@ -146,9 +146,9 @@ fn weighed(chain: &Chain, weights: &[(f64, [f64; 3])], reach: f64) -> Result<Cha
 pub struct Undeclared {
     /// A frame without constant errors.
     pub frame: Option<FrameId>,
-    /// Targets are where they are said to be.
+    /// Targets are where they are declared.
     pub targets: bool,
-    /// A joint without a spring.
+    /// A joint without compliance.
     pub spring: Option<JointId>,
 }
 
@@ -174,7 +174,7 @@ impl Undeclared {
 }
 
 impl Robot {
-    /// Everything that is wrong with a null and known to be: constant errors and springs.
+    /// The declared errors of a null: constant errors and joint compliance.
     pub fn options(&self, chain: &Chain, undeclared: &Undeclared, heavy: bool, hours: f64) -> PlantOptions {
         let frames = match undeclared.frame {
             None => Vec::new(),

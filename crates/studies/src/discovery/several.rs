@@ -3,8 +3,8 @@
 use super::plants::{HOLDOUT, Several, several};
 use super::record::Record;
 use super::trial::{is_named, is_there, plain, ratios};
-use crate::ledger::Ledger;
-use crate::say;
+use crate::journal::Journal;
+use crate::print;
 use std::error::Error;
 use std::fmt::Write;
 use std::time::Instant;
@@ -13,22 +13,22 @@ use truepose_solvers::PivotedQr;
 
 /// Each cause is this many times as large as it would have to be alone to be detected.
 pub const MULTIPLE: f64 = 8.0;
-/// What the lines say in place of a cause.
+/// Text of the records in place of an effect.
 const WORD: &str = "several";
 
 /// Runs what is not yet in the table.
-pub fn work(ledger: &mut Ledger<Record>, robots: u64) -> Result<(), Box<dyn Error>> {
+pub fn work(journal: &mut Journal<Record>, robots: u64) -> Result<(), Box<dyn Error>> {
     for seed in 0..robots {
-        if !ledger.records.iter().any(|known| known.is(WORD, MULTIPLE, seed)) {
+        if !journal.records.iter().any(|known| known.is(WORD, MULTIPLE, seed)) {
             let record = run(seed);
-            say(&format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio));
-            ledger.add(record)?;
+            print(&format!("{WORD} {seed}: {}, ratio {:.2}", record.story, record.ratio));
+            journal.add(record)?;
         }
     }
     Ok(())
 }
 
-/// One robot: `found` when every cause was told with its name and place, `extras` those that are none of them.
+/// One robot: `found` when every effect was found with its name and place; `extras` counts other findings.
 fn run(seed: u64) -> Record {
     let blank =
         Record { cause: WORD.into(), multiple: MULTIPLE, seed, first: "none".into(), ..Record::default() };

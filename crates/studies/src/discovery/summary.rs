@@ -1,6 +1,6 @@
 //! What the lines come to.
 
-use super::causes::CAUSES;
+use super::hidden_effects::HIDDEN_EFFECTS;
 use super::record::{Interval, Record};
 use std::collections::BTreeMap;
 use std::fmt::{Error, Write};
@@ -100,7 +100,7 @@ pub fn power(records: &[Record], multiples: &[f64]) -> Result<String, Error> {
     write!(text, "{:18}", "hidden")?;
     multiples.iter().try_for_each(|m| write!(text, " {m:>9}"))?;
     writeln!(text, " {:>10} {:>8} {:>9} {:>9} {:>8}", "first name", "listed", "extras", "ratio", "worst")?;
-    for (_, word) in CAUSES {
+    for (_, word) in HIDDEN_EFFECTS {
         let mine = || records.iter().filter(move |r| r.cause == word && r.ended());
         if mine().next().is_none() {
             continue;
@@ -147,7 +147,7 @@ pub fn confusion(records: &[Record]) -> BTreeMap<(String, String), usize> {
 pub fn confusion_text(records: &[Record]) -> Result<String, Error> {
     let mut text = String::from("What is named first, at 2 and more times the detectable size\n");
     let counts = confusion(records);
-    for (_, word) in CAUSES {
+    for (_, word) in HIDDEN_EFFECTS {
         let mut here: Vec<(&str, usize)> = counts
             .iter()
             .filter(|((cause, _), _)| cause == word)
@@ -169,7 +169,7 @@ pub fn coverage(records: &[Record]) -> Result<String, Error> {
     );
     writeln!(text, "{:18} {:>12} {:>12} {:>14}", "hidden", "4 and more", "below", "without width")?;
     let (mut inside, mut all) = (0, 0);
-    for (_, word) in CAUSES {
+    for (_, word) in HIDDEN_EFFECTS {
         let at = |large: bool| -> Vec<&Interval> {
             let mine = records.iter().filter(|r| r.cause == word && (r.multiple > 3.9) == large);
             mine.flat_map(|r| &r.intervals).collect()
@@ -197,14 +197,14 @@ pub fn coverage(records: &[Record]) -> Result<String, Error> {
     Ok(text)
 }
 
-/// One family taken out: what the loop says instead.
+/// Findings with one family removed from the library.
 pub fn without(records: &[Record]) -> Result<String, Error> {
     let mut text = String::from("The hidden cause's family taken out of the library\n");
     let ended: Vec<&Record> = records.iter().filter(|r| r.ended()).collect();
     let wrong = |r: &Record| {
         !["none", "unmodelled", "outlier"].contains(&r.first.as_str()) && !r.listed && r.p_first < 0.01
     };
-    for (_, word) in CAUSES {
+    for (_, word) in HIDDEN_EFFECTS {
         let mine: Vec<&&Record> = ended.iter().filter(|r| r.cause == word).collect();
         if mine.is_empty() {
             continue;

@@ -1,7 +1,7 @@
 //! One robot through the loop, and what became of it.
 
-use super::causes::Cause;
 use super::coverage;
+use super::hidden_effects::HiddenEffect;
 use super::plants::{HOLDOUT, Made, make};
 use super::record::Record;
 use std::error::Error;
@@ -14,7 +14,7 @@ use truepose_solvers::PivotedQr;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Task {
     /// None is a null.
-    pub cause: Option<Cause>,
+    pub cause: Option<HiddenEffect>,
     pub multiple: f64,
     pub seed: u64,
     /// The cause's family is taken out of the library.
@@ -24,12 +24,12 @@ pub struct Task {
 impl Task {
     /// What to type for it alone.
     pub fn words(&self) -> String {
-        let cause = self.cause.map_or("none", Cause::word);
+        let cause = self.cause.map_or("none", HiddenEffect::word);
         let without = if self.without { " --without" } else { "" };
         format!("{cause} {} {}{without}", self.seed, self.multiple)
     }
 
-    /// The plant and what the loop says of it.
+    /// The plant and the results of the search.
     pub fn diagnosed(&self) -> Result<(Made, Diagnosis), Box<dyn Error>> {
         let made = make(self.cause, self.multiple, self.seed)?;
         let diagnosis = self.look(&made)?;
@@ -81,7 +81,7 @@ impl Task {
 
     fn blank(&self) -> Record {
         Record {
-            cause: self.cause.map_or("none", Cause::word).into(),
+            cause: self.cause.map_or("none", HiddenEffect::word).into(),
             multiple: self.multiple,
             seed: self.seed,
             first: "none".into(),
@@ -138,11 +138,11 @@ pub(super) fn ratios(made: &Made, diagnosis: &Diagnosis) -> (f64, f64) {
 }
 
 /// Whether the family is a right word for a cause.
-pub(super) fn is_named(cause: Cause, family: Family) -> bool {
+pub(super) fn is_named(cause: HiddenEffect, family: Family) -> bool {
     family == cause.family()
 }
 
-/// Whether a place agrees with the truth in everything that the truth says.
+/// Whether a place agrees with the truth in all keys of the truth.
 pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
     let agrees = |truth: &Option<String>, place: &Option<String>| truth.is_none() || truth == place;
     let level = match (truth.level, place.level) {
@@ -157,7 +157,7 @@ pub(super) fn is_there(truth: &Place, place: &Place) -> bool {
         && level
 }
 
-/// What this process has taken of the processors, s; NaN where the system does not say it as Linux does.
+/// What this process has taken of the processors, s; NaN where the system does not report it as Linux does.
 pub fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = text.rsplit(')').next().unwrap_or_default();

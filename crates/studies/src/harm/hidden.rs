@@ -1,4 +1,4 @@
-//! What a robot hides: errors that nobody declared, in the plant's own physics or in none that has a word.
+//! Hidden effects of a robot: undeclared errors, by the plant's physics or of no named family.
 
 use super::draw::Draw;
 use super::makes::Make;
@@ -16,7 +16,7 @@ pub enum Hidden {
     Gear,
     /// Teeth.
     Mesh,
-    /// Joints yield.
+    /// Joint compliance.
     Compliance,
     /// Play.
     Backlash,
@@ -24,9 +24,9 @@ pub enum Hidden {
     Thermal,
     /// The instrument's stand or the tool creeps, or is bumped.
     Drift,
-    /// Joints yield, and a payload's label is wrong.
+    /// Joint compliance, and a wrong payload.
     Payload,
-    /// Gear, compliance, play and heat.
+    /// Transmission error, compliance, backlash and thermal error.
     Several,
     /// A smooth error over the joint space that is nothing.
     Nonsense,
@@ -167,7 +167,7 @@ fn periodic(flaws: &mut Flaws, joint: &str, turn: bool, mesh: bool, draw: &mut D
     }
 }
 
-/// Every joint yields by up to some tenths of a milliradian (a slide: tenths of a millimetre) under what such a robot weighs.
+/// Every joint deflects by up to some tenths of a milliradian (a prismatic joint: tenths of a millimetre) under the weight of such a robot.
 fn compliance(flaws: &mut Flaws, chain: &Chain, make: Make, draw: &mut Draw) {
     let class = make.class();
     let force = 9.81 * (0.5 * class.weight + class.payload);

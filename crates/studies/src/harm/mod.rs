@@ -1,4 +1,4 @@
-//! First, do no harm: every verb that writes a model or commands, on robots as unlike as can be, held against the truth.
+//! First, do no harm: every verb that writes a model or commands, on a wide variety of robots, compared with the truth.
 //!
 //! A robot's number decides everything: its kind and dimensions, what is wrong with it, how it is measured, what goes wrong
 //! with the record. Even numbers are there to be worked with; odd ones are locked: nothing is tuned to them.
@@ -7,7 +7,7 @@
 //! robot; verbs are solvers, discover, export, compensate (identify always runs). `study harm --one NUMBER` shows one robot.
 
 mod draw;
-mod driven;
+mod executed;
 mod fits;
 mod hidden;
 mod makes;
@@ -19,21 +19,21 @@ mod unnamed;
 mod verbs;
 mod visits;
 
-use crate::ledger::{Ledger, commit};
-use crate::{folder, say};
+use crate::journal::{Journal, commit};
+use crate::{folder, print};
 use record::{Figure, Record};
 use robots::{Robot, locked};
 use std::error::Error;
 use std::ops::Range;
 use verbs::Asked;
 
-/// Robots unless told otherwise; with nested folds.
+/// Default number of robots; with nested folds.
 const ROBOTS: Range<u64> = 0..220;
 const NESTED: Range<u64> = 0..60;
 
 const ALL: Asked = Asked { solvers: true, discover: true, export: true, compensate: true };
 
-/// What was asked for.
+/// The options of the run.
 struct Options {
     robots: Option<Range<u64>>,
     half: Option<bool>,
@@ -49,27 +49,27 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let into = options.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
     let folder = folder("harm")?.join(into);
     std::fs::create_dir_all(&folder)?;
-    say(&format!("commit {commit}; {}", folder.display()));
+    print(&format!("commit {commit}; {}", folder.display()));
     let part = if options.nested { "nested" } else { "harm" };
-    let mut ledger: Ledger<Record> = Ledger::open(&folder, part, &commit)?;
+    let mut journal: Journal<Record> = Journal::open(&folder, part, &commit)?;
     let numbers = options.robots.clone().unwrap_or(if options.nested { NESTED } else { ROBOTS });
     for number in numbers.clone().filter(|&n| options.half.is_none_or(|half| locked(n) == half)) {
-        if ledger.records.iter().any(|known| known.number == number) {
+        if journal.records.iter().any(|known| known.number == number) {
             continue;
         }
         let robot = Robot::of(number)?;
         let record =
             if options.nested { verbs::run_nested(&robot) } else { verbs::run(&robot, options.asked) };
-        say(&progress(&record, options.nested));
-        ledger.add(record)?;
+        print(&progress(&record, options.nested));
+        journal.add(record)?;
     }
     let mine: Vec<Record> =
-        ledger.records.iter().filter(|record| numbers.contains(&record.number)).cloned().collect();
+        journal.records.iter().filter(|record| numbers.contains(&record.number)).cloned().collect();
     let text = if options.nested { table::nested(&mine)? } else { table::harm(&mine)? };
     let text = format!("commit {commit}\n\n{text}");
-    say(&text);
+    print(&text);
     std::fs::write(folder.join(format!("{part}.txt")), text)?;
-    say(&format!("table and record in {}", folder.display()));
+    print(&format!("table and record in {}", folder.display()));
     Ok(())
 }
 

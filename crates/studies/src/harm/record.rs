@@ -1,8 +1,8 @@
 //! One line a robot.
 
-use crate::ledger::Line;
+use crate::journal::Line;
 
-/// What is measured; RMS in mm unless another unit stands in the name.
+/// What is measured; RMS in mm unless the name has another unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Figure {
     /// Nominal robot after best base, tool and targets.
@@ -19,12 +19,12 @@ pub enum Figure {
     Export,
     /// The exported geometry as it is written.
     Written,
-    /// The plant, driven with nominal inverse kinematics after best base, tool and targets.
+    /// The plant, executing nominal inverse kinematics after best base, tool and targets.
     DriveNominal,
     DriveConstants,
     DriveDiscover,
-    /// How many of the fresh configurations could be driven.
-    Driven,
+    /// How many of the fresh configurations could be executed.
+    Executed,
     /// Nested folds of `discover`: the declared model, and what was found.
     NestedBefore,
     NestedAfter,
@@ -48,7 +48,7 @@ pub const FIGURES: [Figure; 19] = [
     Figure::DriveNominal,
     Figure::DriveConstants,
     Figure::DriveDiscover,
-    Figure::Driven,
+    Figure::Executed,
     Figure::NestedBefore,
     Figure::NestedAfter,
     Figure::SecondsIdentify,
@@ -72,7 +72,7 @@ pub struct Record {
     /// `base`, `tool`, `targets`, as far as they were unknown; `turns` where orientations were measured.
     pub given: String,
     pub noise_mm: f64,
-    /// NaN where it was not asked for, or refused.
+    /// NaN where it was not requested, or rejected.
     pub figures: [f64; FIGURES.len()],
     /// What was found.
     pub finds: String,

@@ -1,4 +1,4 @@
-//! One robot of this study: drawn from its number, measured, its record spoiled; and the truth where nobody measured.
+//! One robot of this study: drawn from its number, measured, with blunders in its record; and the truth at other configurations.
 
 use super::draw::{Draw, Stream};
 use super::hidden::{HIDDEN, Hidden};
@@ -14,7 +14,7 @@ use truepose_simulate::description::{InstrumentSize, PlantOptions, Repeatability
 use truepose_simulate::flaws::{Flaws, Geometric};
 use truepose_simulate::{Campaign, ChannelPlan, Plant, Visit};
 
-/// Configurations at which a result is held against the plant.
+/// Configurations at which a result is compared with the plant.
 const FRESH: usize = 100;
 /// Least and most poses that are measured.
 const POSES: (f64, f64) = (15.0, 200.0);
@@ -31,13 +31,13 @@ pub struct Robot {
     pub hidden: Hidden,
     pub style: Style,
     pub spoil: Spoil,
-    /// As the verbs are told.
+    /// As the verbs receive it.
     pub described: Chain,
-    /// As the verbs are told.
+    /// As the verbs receive it.
     pub data: Dataset,
     /// The record without what went wrong with it, where there is such a one.
     pub clean: Option<Dataset>,
-    /// Rows at configurations that nobody measured, with the true positions, free of noise, of the targets that were measured.
+    /// Rows at configurations that are not measured, with the true positions, free of noise, of the targets that were measured.
     pub truth: Dataset,
     /// Standard deviation of a measured coordinate, instrument and repeatability, m.
     pub noise: f64,
@@ -45,11 +45,11 @@ pub struct Robot {
     plant: Plant,
     unnamed: Unnamed,
     fresh: Campaign,
-    /// The target that is driven.
-    pub driven: Option<TargetId>,
+    /// The target that is executed.
+    pub executed: Option<TargetId>,
 }
 
-/// Even numbers are there to be worked with, odd ones to be looked at when the work is done.
+/// Even numbers are for development, odd ones are a test set.
 pub fn locked(number: u64) -> bool {
     number % 2 == 1
 }
@@ -117,7 +117,7 @@ impl Robot {
         let measured: Vec<usize> =
             (0..truth.len()).filter(|&row| data.target.contains(&truth.target[row])).collect();
         let truth = truth.select(&measured);
-        let driven = data.target.iter().copied().min_by_key(|t| t.map(|t| t.0)).flatten();
+        let executed = data.target.iter().copied().min_by_key(|t| t.map(|t| t.0)).flatten();
         Ok(Robot {
             number,
             make,
@@ -133,29 +133,29 @@ impl Robot {
             plant,
             unnamed,
             fresh,
-            driven,
+            executed,
         })
     }
 
-    /// Conditions of the fresh configurations as the verbs are told them: rows of the driven target, one a configuration.
+    /// Conditions of the fresh configurations as the verbs receive them: rows of the executed target, one a configuration.
     pub fn asked(&self) -> Vec<usize> {
-        (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.driven).collect()
+        (0..self.truth.len()).filter(|&row| self.truth.target[row] == self.executed).collect()
     }
 
-    /// Where the driven target really ends when these joint values are commanded in place of the fresh configurations, m.
+    /// Where the executed target really ends when these joint values are commanded in place of the fresh configurations, m.
     pub fn ends(&self, commands: Vec<Vec<f64>>) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
         let mut campaign = self.fresh.clone();
         for (visit, joints) in campaign.visits.iter_mut().zip(commands) {
             visit.joints = joints;
         }
         let targets = self.described.targets().len().max(1);
-        let place = self.driven.map_or(0, |target| target.0);
+        let place = self.executed.map_or(0, |target| target.0);
         let (_, positions) = observed(&self.plant, &self.unnamed, &campaign, None, seed(self.number) + 1)?;
         Ok(positions.into_iter().skip(place).step_by(targets).collect())
     }
 }
 
-/// The robot where it stands, with its tool and targets.
+/// The robot with its base, tool and targets.
 fn placed(make: Make, spoil: Spoil, shape: &mut Draw, place: &mut Draw) -> Result<Chain, Box<dyn Error>> {
     let reach = make.class().reach;
     let chain = make.chain(shape)?;

@@ -13,7 +13,7 @@ pub enum Spoil {
     Flicker,
     /// One to three rows are 5 to 50 mm off.
     WrongRows,
-    /// One to three rows say (0, 0, 0).
+    /// One to three rows contain (0, 0, 0).
     Zeros,
     /// All targets of one pose are off by the same 5 to 50 mm.
     PoseOff,
@@ -67,7 +67,7 @@ impl Spoil {
         !matches!(self, Spoil::Nothing | Spoil::Leverage | Spoil::FewRows)
     }
 
-    /// What the record says instead. Directions of approach are derived from the order, as of a file that does not state them.
+    /// The changed record. Directions of approach are derived from the order, as of a file that does not state them.
     pub fn spoiled(self, data: &Dataset, draw: &mut Draw) -> Dataset {
         let mut data = match self {
             Spoil::FewRows => few_rows(data, draw),

@@ -9,7 +9,7 @@ pub const BOUND: f64 = 1.05;
 /// How much worse than the declared model the whole loop may be in nested folds.
 pub const NESTED_BOUND: f64 = 1.02;
 
-/// A figure and what it is held against.
+/// A figure and its reference.
 pub struct Verb {
     pub word: &'static str,
     figure: Figure,

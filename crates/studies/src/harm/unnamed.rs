@@ -1,4 +1,4 @@
-//! What the library has no word for: between the joint values that are commanded and those at which the robot stands.
+//! Errors that no named family describes: between commanded and true joint values.
 //!
 //! ```text
 //! nonsense      δ_j(q) = A Σ_m c_jm cos(w_jm · q̂ + φ_jm)                q̂: rad; slides over half a travel

@@ -1,4 +1,4 @@
-//! What each verb makes of a robot, held against the truth where nobody measured.
+//! Results of each verb for a robot, compared with the truth at other configurations.
 //!
 //! | figure | of |
 //! | --- | --- |
@@ -27,7 +27,7 @@ use truepose_solvers::{PivotedQr, SolverSpec};
 /// Folds of `discover --nested`.
 const FOLDS: usize = 5;
 
-/// Which verbs are asked.
+/// The verbs that are tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Asked {
     pub solvers: bool,
@@ -41,7 +41,7 @@ pub fn declared() -> Vec<Box<dyn AnyEffect>> {
     vec![Box::new(Geometric::default())]
 }
 
-/// All verbs that were asked for.
+/// All verbs that are requested.
 pub fn run(robot: &Robot, asked: Asked) -> Record {
     let mut record = blank(robot);
     let mut fits = Fits { nominal: None, constants: None, discover: None };
@@ -98,7 +98,7 @@ pub fn run(robot: &Robot, asked: Asked) -> Record {
         }
     }
     if asked.compensate {
-        super::driven::drive(robot, &fits, &mut record);
+        super::executed::execute(robot, &fits, &mut record);
     }
     record
 }
@@ -152,7 +152,7 @@ fn blank(robot: &Robot) -> Record {
     }
 }
 
-/// RMS distance between where the model says that the targets are and where they are, mm.
+/// RMS distance between predicted and true positions of the targets, mm.
 fn note(record: &mut Record, robot: &Robot, figure: Figure, fitted: &FittedModel) {
     let verb = format!("predict for {figure:?}");
     let residuals = attempt(record, &verb, || Ok(Residuals::of(fitted, &robot.truth)?));

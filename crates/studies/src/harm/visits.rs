@@ -1,4 +1,4 @@
-//! Where a robot is sent: a campaign to measure, and configurations of the same region that nobody measures.
+//! Configurations of a robot: a measurement campaign, and other configurations of the same region.
 
 use super::draw::Draw;
 use truepose_kinematics::Chain;

@@ -10,9 +10,9 @@
 //! | ms | the identification, on one thread |
 
 use crate::clock::least;
-use crate::drive::{Robot, robots};
+use crate::closed_loop::{Robot, robots};
 use crate::pps::{Experiment, Strategy, polynomial, reduced_first};
-use crate::{folder, say};
+use crate::{folder, print};
 use rayon::prelude::*;
 use serde_json::json;
 use std::error::Error;
@@ -45,7 +45,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
         "{:8} {:9} {:13} {:>8} {:>6} {:>18} {:>7}",
         "robot", "prior", "order", "columns", "rank", "error", "ms"
     )?;
-    say(&text);
+    print(&text);
     let experiments: Vec<Experiment> = (0..PLANTS)
         .into_par_iter()
         .map(|seed| Experiment::new(100 + seed).map_err(|e| e.to_string()))
@@ -61,7 +61,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
                 prior,
                 solver,
                 refine: true,
-                second_look: true,
+                second_reduction: true,
                 rounds: 25,
             };
             let shown: Vec<Shown> = experiments
@@ -87,7 +87,7 @@ pub fn run() -> Result<(), Box<dyn Error>> {
         }
     }
     std::fs::write(folder.join("table.txt"), &text)?;
-    say(&format!("table in {}", folder.display()));
+    print(&format!("table in {}", folder.display()));
     Ok(())
 }
 
@@ -110,7 +110,7 @@ fn line(
         format!("{median:.1} [{:.1}]", errors[errors.len() - 1]),
         1e3 * seconds
     )?;
-    say(text.lines().last().unwrap_or_default());
+    print(text.lines().last().unwrap_or_default());
     Ok(())
 }
 
@@ -156,7 +156,7 @@ impl Measured {
             registry.build("polynomial", polynomial, &self.chain)?,
         ];
         let model = ErrorModel::new(self.chain.clone(), effects)?;
-        let options = FitOptions { prior, max_rounds: 25, ..FitOptions::default() };
+        let options = FitOptions { prior, max_iterations: 25, ..FitOptions::default() };
         Ok(fit(&model, &self.used, &PivotedQr::default(), &options)?)
     }
 

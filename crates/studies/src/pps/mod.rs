@@ -8,7 +8,7 @@
 //! | measured | the treatment point computed from the three measured targets | the model |
 //! | noise only | the same measurement | the true plant |
 //! | noise-free | the true plant | the model |
-//! | driven | the true plant, sent there with compensated commands | where it is wanted |
+//! | executed | the true plant, sent there with compensated commands | where it is wanted |
 //!
 //! `--plants N` takes fewer plants, `--only WORD` the models with that word in their names.
 
@@ -20,7 +20,7 @@ pub use models::{Strategy, polynomial, reduced_first};
 pub use trial::Experiment;
 
 use crate::clock::{least, least_on_the_wall};
-use crate::{folder, say};
+use crate::{folder, print};
 use models::strategies;
 use rayon::prelude::*;
 use std::error::Error;
@@ -63,12 +63,12 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         "measured",
         "/ noise only",
         "noise-free",
-        "driven",
+        "executed",
         "rounds",
         "ms",
         "wall"
     )?;
-    say(&text);
+    print(&text);
     let mut best: Option<(f64, Vec<Radii>, String)> = None;
     for strategy in strategies().into_iter().filter(|s| s.name.contains(&only)) {
         let radii: Vec<Radii> = experiments
@@ -80,23 +80,23 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         let wall: Vec<f64> =
             timed().map(|e| least_on_the_wall(RUNS, || e.fit(&strategy))).collect::<Result<_, _>>()?;
         line(&mut text, &strategy, &radii, [&work, &wall])?;
-        say(text.lines().last().unwrap_or_default());
+        print(text.lines().last().unwrap_or_default());
         let median = quantile(&radii.iter().map(|r| r.noise_free).collect::<Vec<_>>(), 0.5);
         if best.as_ref().is_none_or(|b| median < b.0) {
             best = Some((median, radii, strategy.name.clone()));
         }
     }
     writeln!(text, "paper (measured, one machine): {:>39}", "0.38")?;
-    say(&text);
+    print(&text);
     std::fs::write(folder.join("table.txt"), &text)?;
     let missed: usize = best.iter().flat_map(|b| &b.1).map(|r| r.errors.len() - r.reached).sum();
-    say(&format!("commands of the best model that are not ok: {missed}"));
+    print(&format!("commands of the best model that are not ok: {missed}"));
     if let (Some((_, radii, name)), Some(first)) = (best, experiments.first()) {
         figures::space(&folder.join("figure_6.svg"), first, &radii[0], &name)?;
         figures::repeatability(&folder.join("figure_7.svg"), first)?;
         figures::axes(&folder.join("figure_8.svg"), &radii)?;
         figures::linearity(&folder.join("linearity.svg"), first)?;
-        say(&format!("figures and table in {}", folder.display()));
+        print(&format!("figures and table in {}", folder.display()));
     }
     Ok(())
 }
@@ -116,7 +116,7 @@ fn line(
         show(&of(&|r| r.measured)),
         quantile(&of(&|r| r.measured / r.noise_only), 0.5),
         show(&of(&|r| r.noise_free)),
-        show(&of(&|r| r.driven)),
+        show(&of(&|r| r.executed)),
         quantile(&of(&|r| r.rounds as f64), 0.5),
         1e3 * quantile(seconds[0], 0.5),
         1e3 * quantile(seconds[1], 0.5),

@@ -18,14 +18,14 @@ pub struct Strategy {
     pub name: String,
     /// The declared effects.
     pub effects: fn(&Chain) -> Declared,
-    /// How coefficients are held to their expected sizes.
+    /// Scale of the prior standard deviations.
     pub prior: PriorStrength,
     /// The solver.
     pub solver: SolverSpec,
     /// Rounds at the exact robot, or the paper's single linear step.
     pub refine: bool,
-    /// Whether what the nominal robot leaves out is looked at again at the exact one.
-    pub second_look: bool,
+    /// Whether identifiability is determined again at the exact robot.
+    pub second_reduction: bool,
     /// Rounds at most.
     pub rounds: usize,
 }
@@ -38,13 +38,13 @@ pub fn strategies() -> Vec<Strategy> {
         prior,
         solver: solver.parse().unwrap_or_default(),
         refine: true,
-        second_look: true,
+        second_reduction: true,
         // Polynomials without a prior lie in flat valleys: what more rounds than these gain is not worth its time.
         rounds: 25,
     };
     use PriorStrength::{Evidence, None};
     let once =
-        |name: &str, effects| Strategy { second_look: false, ..strategy(name, effects, Evidence, "qr") };
+        |name: &str, effects| Strategy { second_reduction: false, ..strategy(name, effects, Evidence, "qr") };
     let linear = |name: &str, effects| Strategy { refine: false, ..strategy(name, effects, None, "qr") };
     vec![
         strategy("constant errors, qr", constant, None, "qr"),
@@ -89,12 +89,12 @@ fn in_order(chain: &Chain, order: &str) -> Declared {
     ])
 }
 
-/// Every frame gives in proportion to each component of the wrench that it carries: six springs a frame.
+/// Every frame has a compliance for each component of its wrench: six per frame.
 fn elastic(chain: &Chain) -> Declared {
     springs(chain, &Axis::ALL)
 }
 
-/// Every frame gives along and about these of its axes in proportion to what it carries there; the couch bends, the base yields.
+/// Every frame has compliances along and about these axes; the couch is a beam, the base is compliant.
 fn springs(chain: &Chain, axes: &[Axis]) -> Declared {
     let mut effects = constant(chain)?;
     for frame in (0..=chain.joints().len()).map(FrameId) {
@@ -111,17 +111,17 @@ fn springs(chain: &Chain, axes: &[Axis]) -> Declared {
     Ok(effects)
 }
 
-/// The same, with rails that are not straight.
+/// The same, with errors of the linear guideways.
 fn physics(chain: &Chain) -> Declared {
     Ok(on_rails(elastic(chain)?, 6))
 }
 
-/// Frames that turn under moments, and rails that bend three times at the most.
+/// Rotational compliance of frames, and guideways with three spline pieces at most.
 fn lean(chain: &Chain) -> Declared {
     Ok(on_rails(springs(chain, &Axis::ROTATIONS)?, 3))
 }
 
-/// With rails as splines of so many pieces.
+/// With guideways as splines of this number of pieces.
 fn on_rails(mut effects: Vec<Box<dyn AnyEffect>>, pieces: usize) -> Vec<Box<dyn AnyEffect>> {
     for slide in 1..=3 {
         effects.push(Box::new(Guideway { pieces, ..Guideway::of(JointId(slide)) }));

@@ -43,7 +43,7 @@ pub struct Radii {
     pub noise_only: f64,
     pub noise_free: f64,
     /// Largest distance of the true treatment point from where it is wanted, when the plant gets the compensated commands.
-    pub driven: f64,
+    pub executed: f64,
     /// Check configurations whose command is `ok`.
     pub reached: usize,
     pub columns: usize,
@@ -103,8 +103,8 @@ impl Experiment {
     pub fn fit(&self, strategy: &Strategy) -> Result<Fit, Box<dyn Error>> {
         let chain = self.plant.chain();
         let model = ErrorModel::new(chain.clone(), (strategy.effects)(chain)?)?;
-        let Strategy { prior, refine, second_look, rounds: max_rounds, .. } = *strategy;
-        let options = FitOptions { prior, refine, second_look, max_rounds, ..FitOptions::default() };
+        let Strategy { prior, refine, second_reduction, rounds: max_iterations, .. } = *strategy;
+        let options = FitOptions { prior, refine, second_reduction, max_iterations, ..FitOptions::default() };
         Ok(fit(&model, &self.identification, &*strategy.solver.build(), &options)?)
     }
 
@@ -112,12 +112,12 @@ impl Experiment {
     pub fn identify(&self, strategy: &Strategy) -> Result<Radii, Box<dyn Error>> {
         let fit = self.fit(strategy)?;
         let mut predictor = fit.fitted.bind(&self.identification.schema)?;
-        let (driven, reached) = self.drive(&fit.fitted)?;
+        let (executed, reached) = self.execute(&fit.fitted)?;
         let mut radii = Radii {
             measured: 0.0,
             noise_only: self.noise_only(),
             noise_free: 0.0,
-            driven,
+            executed,
             reached,
             columns: fit.fitted.coefficients().len(),
             rank: fit.reduction.rank(),
@@ -135,7 +135,7 @@ impl Experiment {
 
     /// Sends the plant to where the nominal robot has the couch at each check configuration: the largest distance of the true
     /// treatment point from where it is wanted, m, and at how many of them the command was `ok`.
-    fn drive(&self, fitted: &FittedModel) -> Result<(f64, usize), Box<dyn Error>> {
+    fn execute(&self, fitted: &FittedModel) -> Result<(f64, usize), Box<dyn Error>> {
         // The treatment point is no target: the tool is sent so that it comes right, and moves with the tool.
         const ROUNDS: usize = 3;
         let chain = self.plant.chain();

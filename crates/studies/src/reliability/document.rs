@@ -1,4 +1,4 @@
-//! The part of `docs/reliability.md` that this study writes, between two markers; what stands around it is left alone.
+//! The part of `docs/reliability.md` that this study writes, between two markers; other text is not changed.
 
 use std::error::Error;
 use std::fs;

@@ -1,11 +1,11 @@
-//! What the program states with 95 %, held against robots whose truth is known; p-values where nothing is missing.
+//! Coverage of 95 % intervals on robots with known truth; p-values where the model is adequate.
 //!
-//! | part | robots | held against the truth |
+//! | part | robots | compared with the truth |
 //! | --- | --- | --- |
 //! | robots | everything declared, shapes left free | coefficients, shapes, bands of predictions and commands, statements about all poses, lack of fit |
 //! | nulls | those of the study `discovery` | the family-wise p of its first screen |
 //! | precision | none: ten ill-conditioned problems | solutions, covariances, ranks and relations, in sixty digits |
-//! | power | the same with a hidden cause, at 4 and 8 times the detectable size | sizes and shapes that `discover` tells |
+//! | power | the same with a hidden effect, at 4 and 8 times the detectable size | sizes and nonlinear parameters of `discover` |
 //!
 //! `study reliability [--short] [--robots N] [--nulls N] [--finds N] [--folder NAME]` runs what is not yet in its tables, one line a robot,
 //! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.
@@ -17,25 +17,25 @@ mod record;
 mod table;
 mod trial;
 
-use crate::discovery::causes::Cause;
+use crate::discovery::hidden_effects::HiddenEffect;
 use crate::discovery::record::Record as Discovered;
 use crate::discovery::trial::Task;
 use crate::discovery::work;
-use crate::ledger::{Ledger, Line, commit};
-use crate::{folder, say};
+use crate::journal::{Journal, Line, commit};
+use crate::{folder, print};
 use record::Record;
 use std::error::Error;
 
 /// Causes with a number that is the model's.
-const FOUND: [Cause; 8] = [
-    Cause::Mesh,
-    Cause::Shift,
-    Cause::ThermalLate,
-    Cause::Thermal,
-    Cause::BacklashApproach,
-    Cause::JointCompliance,
-    Cause::Coupling,
-    Cause::Payload,
+const FOUND: [HiddenEffect; 8] = [
+    HiddenEffect::Mesh,
+    HiddenEffect::Shift,
+    HiddenEffect::ThermalLate,
+    HiddenEffect::Thermal,
+    HiddenEffect::BacklashApproach,
+    HiddenEffect::JointCompliance,
+    HiddenEffect::Coupling,
+    HiddenEffect::Payload,
 ];
 
 /// Multiples of the detectable size at which finds are judged: selection biases smaller ones.
@@ -63,7 +63,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
             "--finds" => asked.finds = next()?.parse()?,
             "--folder" => asked.folder = Some(next()?.clone()),
             "--one" => {
-                say(&trial::run(next()?.parse()?).row());
+                print(&trial::run(next()?.parse()?).row());
                 return Ok(());
             }
             word => return Err(format!("unknown option `{word}` of the study").into()),
@@ -73,22 +73,22 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
     let folder = folder("reliability")?.join(into);
     std::fs::create_dir_all(&folder)?;
-    say(&format!("commit {commit}; {}", folder.display()));
+    print(&format!("commit {commit}; {}", folder.display()));
 
-    let mut robots: Ledger<Record> = Ledger::open(&folder, "robots", &commit)?;
+    let mut robots: Journal<Record> = Journal::open(&folder, "robots", &commit)?;
     for seed in 0..asked.robots {
         if !robots.records.iter().any(|known| known.seed == seed) {
             let record = trial::run(seed);
             if !record.ended() || (seed + 1).is_multiple_of(50) {
-                say(&format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds));
+                print(&format!("robot {seed}: {} ({:.1} s)", record.story, record.seconds));
             }
             robots.add(record)?;
         }
     }
-    let mut nulls: Ledger<Discovered> = Ledger::open(&folder, "nulls", &commit)?;
+    let mut nulls: Journal<Discovered> = Journal::open(&folder, "nulls", &commit)?;
     let null = |seed| Task { cause: None, multiple: 0.0, seed, without: false };
     work(&mut nulls, (0..asked.nulls).map(null))?;
-    let mut finds: Ledger<Discovered> = Ledger::open(&folder, "power", &commit)?;
+    let mut finds: Journal<Discovered> = Journal::open(&folder, "power", &commit)?;
     let tasks = (0..asked.finds).flat_map(|seed| {
         let cells = CLEAR.into_iter().flat_map(|m| FOUND.into_iter().map(move |cause| (m, cause)));
         cells.map(move |(multiple, cause)| Task { cause: Some(cause), multiple, seed, without: false })
@@ -111,12 +111,12 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
         precision::table(&precision::all()?)?,
     ]
     .join("\n");
-    say(&text);
+    print(&text);
     std::fs::write(folder.join("table.md"), &text)?;
     if !asked.short {
         document::write(&text)?;
     }
-    say(&format!("tables in {}", folder.display()));
+    print(&format!("tables in {}", folder.display()));
     Ok(())
 }
 
@@ -126,7 +126,7 @@ mod tests {
 
     /// A short form of the study: two robots with each extra; of what there are few, all together.
     #[test]
-    fn what_is_stated_holds_about_as_often_as_it_says() {
+    fn coverage_is_near_its_nominal_value() {
         let records: Vec<Record> = (0..20).map(trial::run).collect();
         for record in &records {
             assert!(record.ended(), "robot {}: {}", record.seed, record.story);
@@ -147,6 +147,6 @@ mod tests {
     fn holds(what: &str, counts: &[(usize, usize)]) {
         let c = table::Coverage::of(counts);
         let wide = 4.0 * (0.95f64 * 0.05 / c.robots as f64).sqrt();
-        assert!(c.share > 0.95 - wide, "{what}: {c:?}");
+        assert!(c.fraction > 0.95 - wide, "{what}: {c:?}");
     }
 }

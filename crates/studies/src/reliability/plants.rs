@@ -2,14 +2,14 @@
 //!
 //! | extra | in the plant | declared, with what is left free |
 //! | --- | --- | --- |
-//! | none | constant errors, a spring in every joint | the same |
-//! | gap | play by the side of approach | `backlash` |
+//! | none | constant errors, a compliance in every joint | the same |
+//! | gap | backlash by the direction of approach | `backlash` |
 //! | ratio | one joint drags another | `coupling` |
 //! | period | a mesh that is no sine, centred (side bands of one that is not are no part of what is declared) | `transmission`, three harmonics, its period |
 //! | instant | a bump | `shift`, when |
 //! | lag | a joint that follows the air late | `thermal`, its time constant |
 //! | settling | a joint that comes to rest | `drift`, its time constant |
-//! | flank | play by the side of the load | `backlash`, the load on the flank |
+//! | flank | backlash by the direction of the load | `backlash`, the load on the flank |
 
 use crate::discovery::robots::{self, Robot, Undeclared};
 use rand::seq::IndexedRandom;
@@ -25,10 +25,10 @@ use truepose_kinematics::{Chain, Conditions, JointId, JointKind, TargetId};
 use truepose_simulate::description::PlantOptions;
 use truepose_simulate::physics::changes::{Amount, Change, Mover};
 use truepose_simulate::physics::curve::SmoothCurve;
-use truepose_simulate::physics::gear::Gear;
+use truepose_simulate::physics::transmission::TransmissionError;
 use truepose_simulate::{Campaign, Plant, flaws};
 
-/// What a robot has besides constant errors and springs.
+/// Effects of a robot besides constant errors and joint compliance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extra {
     None,
@@ -139,15 +139,16 @@ pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> 
     let mut plant = Plant::random(&chain, &options, seed)?;
     let mut truth = plant.truth().clone();
     truth.changes.extend(change);
-    for gear in truth.joints.iter_mut().flat_map(|joint| &mut joint.gears) {
-        if let Gear::Mesh { runout, .. } = gear {
+    for gear in truth.joints.iter_mut().flat_map(|joint| &mut joint.transmission) {
+        if let TransmissionError::Mesh { runout, .. } = gear {
             *runout = 0.0;
         }
     }
     plant = plant.with_truth(truth)?;
     let mut effects = Undeclared::default().effects(&chain);
     let mut coefficients = constants(&plant, extra.keeps_constants());
-    coefficients.extend(chain.movable().iter().map(|j| 1.0 / plant.truth().joints[j.index()].bearing.drive));
+    coefficients
+        .extend(chain.movable().iter().map(|j| 1.0 / plant.truth().joints[j.index()].stiffness.drive));
     effects.extend(declared.effect);
     coefficients.extend(declared.coefficients);
     let model = ErrorModel::new(chain, effects)?;
@@ -169,7 +170,7 @@ pub fn make(kinds: &'static [Robot], seed: u64) -> Result<Made, Box<dyn Error>> 
 }
 
 impl Made {
-    /// Other configurations over the same day, as many as are asked for and no fewer than were measured.
+    /// Other configurations over the same day, as many as requested and no fewer than were measured.
     pub fn fresh(&self, visits: usize, seed: u64) -> Result<Campaign, Box<dyn Error>> {
         let visits = visits.max(self.campaign.visits.len());
         let mut campaign = self.kind.campaign(self.model.chain(), visits, seed)?;
@@ -240,7 +241,7 @@ struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    /// Puts the extra into the plant and declares it; what no flaw says is changed in the plant afterwards.
+    /// Adds the extra effect to the plant and declares it; effects without a flaw are added to the plant afterwards.
     fn extra(&mut self, extra: Extra) -> Result<(Declared, Option<Change>), Box<dyn Error>> {
         let (joint, load) = self.joint;
         let named = self.chain.joint(joint).name.clone();

@@ -1,6 +1,6 @@
 //! One line a robot.
 
-use crate::ledger::Line;
+use crate::journal::Line;
 use std::collections::BTreeMap;
 
 /// Of so many intervals, how many hold the truth.
@@ -22,7 +22,7 @@ pub struct Record {
     /// p of the lack-of-fit test; NaN without one.
     pub lack_of_fit: f64,
     pub seconds: f64,
-    /// By what is held against the truth.
+    /// By statement.
     pub counts: BTreeMap<String, Count>,
     /// [`Record::ENDED`] with the shape that was found and its truth, or why not.
     pub story: String,

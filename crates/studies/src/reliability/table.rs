@@ -4,7 +4,7 @@
 //! c = Σ held / Σ of        s² = n/(n−1) Σ (held − c of)² / (Σ of)²        c ± 1.96 s
 //! ```
 //!
-//! The sums go over robots: what is stated of one robot shares its noise, so that intervals of one robot are no independent
+//! The sums go over robots: what is stated of one robot shares its noise, so that intervals of one robot are not independent
 //! trials. Where each robot has one interval s is the binomial deviation.
 
 use super::record::Record;
@@ -18,8 +18,8 @@ use std::fmt::{Error, Write};
 pub struct Coverage {
     pub robots: usize,
     pub intervals: usize,
-    pub share: f64,
-    /// Standard deviation of the share.
+    pub fraction: f64,
+    /// Standard deviation of the fraction.
     pub deviation: f64,
 }
 
@@ -29,8 +29,8 @@ impl Coverage {
         let robots = pairs.len();
         let intervals: usize = pairs.iter().map(|p| p.1).sum();
         let all = intervals.max(1) as f64;
-        let share = pairs.iter().map(|p| p.0).sum::<usize>() as f64 / all;
-        let squares: f64 = pairs.iter().map(|&(held, of)| (held as f64 - share * of as f64).powi(2)).sum();
+        let fraction = pairs.iter().map(|p| p.0).sum::<usize>() as f64 / all;
+        let squares: f64 = pairs.iter().map(|&(held, of)| (held as f64 - fraction * of as f64).powi(2)).sum();
         let n = robots.max(2) as f64;
         // Where all or none are held the scatter says nothing: then that of one more that is not.
         let least = 1.0 / (all + 1.0);
@@ -38,18 +38,18 @@ impl Coverage {
         Coverage {
             robots,
             intervals,
-            share,
+            fraction,
             deviation: deviation.max(if squares > 0.0 { 0.0 } else { least }),
         }
     }
 
-    /// Within 93 to 97 %, as far as can be told.
+    /// Whether the coverage is within 93 to 97 %, as far as is significant.
     pub fn verdict(&self, least: f64, most: f64) -> &'static str {
-        let (low, high) = (self.share - 1.96 * self.deviation, self.share + 1.96 * self.deviation);
-        match (self.share < least, self.share > most) {
+        let (low, high) = (self.fraction - 1.96 * self.deviation, self.fraction + 1.96 * self.deviation);
+        match (self.fraction < least, self.fraction > most) {
             (false, false) => "",
-            (true, _) if high >= least => "low, by chance perhaps",
-            (_, true) if low <= most => "high, by chance perhaps",
+            (true, _) if high >= least => "low, not significant",
+            (_, true) if low <= most => "high, not significant",
             (true, _) => "LOW",
             _ => "HIGH",
         }
@@ -66,7 +66,7 @@ pub fn coverage(records: &[Record], what: &str) -> Option<Coverage> {
 /// Intervals of robots whose effects are declared.
 pub fn declared(records: &[Record]) -> Result<String, Error> {
     let mut text = String::from(
-        "| stated with 95 % | robots | intervals | hold the truth | |\n| --- | --- | --- | --- | --- |\n",
+        "| stated with 95 % | robots | intervals | contain the truth | |\n| --- | --- | --- | --- | --- |\n",
     );
     for what in WHAT {
         let Some(c) = coverage(records, what) else { continue };
@@ -83,7 +83,7 @@ fn row(text: &mut String, what: &str, c: &Coverage, verdict: &str) -> Result<(),
         "| {what} | {} | {} | {:.1} ± {:.1} % | {verdict} |",
         c.robots,
         c.intervals,
-        100.0 * c.share,
+        100.0 * c.fraction,
         196.0 * c.deviation
     )
 }
@@ -94,7 +94,7 @@ pub fn found(records: &[Discovered]) -> Result<String, Error> {
         return Ok(String::new());
     }
     let mut text = String::from(
-        "| told by `discover` | robots | intervals | hold the truth | |\n| --- | --- | --- | --- | --- |\n",
+        "| stated by `discover` | robots | intervals | contain the truth | |\n| --- | --- | --- | --- | --- |\n",
     );
     let shape =
         |i: &Interval| ["period", "at", "lag", "time_constant", "flank_load"].contains(&i.name.as_str());
@@ -113,10 +113,10 @@ pub fn found(records: &[Discovered]) -> Result<String, Error> {
     Ok(text)
 }
 
-/// p-values where nothing is missing, against the uniform law.
+/// p-values where nothing is missing, against the uniform distribution.
 pub fn nulls(records: &[Record], screened: &[Discovered]) -> Result<String, Error> {
     let mut text = String::from(
-        "| p-values where nothing is missing | robots | largest distance from the uniform law | probability of a larger one (Kolmogorov, \
+        "| p-values where nothing is missing | robots | largest distance from the uniform distribution | probability of a larger one (Kolmogorov, \
          Smirnov) | below 5 % |\n| --- | --- | --- | --- | --- |\n",
     );
     let lack: Vec<f64> = records.iter().map(|r| r.lack_of_fit).filter(|p| p.is_finite()).collect();
@@ -127,8 +127,8 @@ pub fn nulls(records: &[Record], screened: &[Discovered]) -> Result<String, Erro
         }
         let (distance, probability) = uniformity(&values);
         let below = values.iter().filter(|p| **p < 0.05).count();
-        let share = 100.0 * below as f64 / values.len() as f64;
-        writeln!(text, "| {what} | {} | {distance:.3} | {probability:.2} | {share:.1} % |", values.len())?;
+        let fraction = 100.0 * below as f64 / values.len() as f64;
+        writeln!(text, "| {what} | {} | {distance:.3} | {probability:.2} | {fraction:.1} % |", values.len())?;
     }
     Ok(text)
 }
@@ -141,7 +141,7 @@ mod tests {
     fn one_interval_a_robot_has_the_binomial_deviation() {
         let pairs: Vec<(usize, usize)> = (0..400).map(|k| (usize::from(k % 20 > 0), 1)).collect();
         let c = Coverage::of(&pairs);
-        assert!((c.share - 0.95).abs() < 1e-12);
+        assert!((c.fraction - 0.95).abs() < 1e-12);
         assert!((c.deviation - (0.95f64 * 0.05 / 399.0).sqrt()).abs() < 1e-12);
         // The same robots with ten intervals each that all agree tell no more.
         let tens: Vec<(usize, usize)> = pairs.iter().map(|p| (10 * p.0, 10)).collect();
@@ -153,7 +153,7 @@ mod tests {
         let of =
             |held: usize| Coverage::of(&(0..1000).map(|k| (usize::from(k < held), 1)).collect::<Vec<_>>());
         assert_eq!(of(950).verdict(0.93, 0.97), "");
-        assert_eq!(of(925).verdict(0.93, 0.97), "low, by chance perhaps");
+        assert_eq!(of(925).verdict(0.93, 0.97), "low, not significant");
         assert_eq!(of(880).verdict(0.93, 0.97), "LOW");
         assert_eq!(of(995).verdict(0.93, 0.97), "HIGH");
     }

@@ -1,4 +1,4 @@
-//! One robot: what the program states about it, held against the plant.
+//! One robot: the statements of the program, compared with the plant.
 
 use super::plants::{Extra, Made, kinds, make};
 use super::record::Record;
@@ -13,16 +13,16 @@ use truepose_identify::{
 use truepose_identify::{cross_validate, fit, fit_again, refit, repeats};
 use truepose_kinematics::Conditions;
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_report::{SpecificationSummary, worst_of_poses};
+use truepose_report::{SpecificationSummary, largest_error_by_pose};
 use truepose_solvers::PivotedQr;
 
-/// Configurations at which predictions and commands are held against the plant.
+/// Configurations at which predictions and commands are compared with the plant.
 const FRESH: usize = 24;
 /// Configurations that stand for all poses, of every so many robots without an extra.
 const POPULATION: usize = 4000;
 const EVERY: u64 = 3;
 
-/// What is held against the truth, in the order of the table.
+/// The statements that are compared with the truth, in the order of the table.
 pub const WHAT: [&str; 21] = [
     "constant errors, lengths",
     "constant errors, angles",
@@ -184,16 +184,16 @@ fn bands(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<dyn Er
     for row in 0..seen.data.len() {
         campaign.visits[seen.data.visit[row]].approach = Some(seen.data.conditions(row).approach);
     }
-    let driven = made.plant.observe(&campaign, record.seed + 3_000_000)?;
-    for row in 0..driven.data.len() {
-        let visit = driven.data.visit[row];
-        if row > 0 && driven.data.visit[row - 1] == visit {
+    let executed = made.plant.observe(&campaign, record.seed + 3_000_000)?;
+    for row in 0..executed.data.len() {
+        let visit = executed.data.visit[row];
+        if row > 0 && executed.data.visit[row - 1] == visit {
             continue;
         }
         let Some((wanted, commanded)) = &commands[visit] else { continue };
-        let band = predicted_error(fitted, &mut predictor, commanded, driven.data.target[row]);
-        record.count(WHAT[16], (driven.true_positions[row] - wanted).norm() <= band.model_95);
-        record.count(WHAT[17], (driven.data.measured_position(row) - wanted).norm() <= band.measured_95);
+        let band = predicted_error(fitted, &mut predictor, commanded, executed.data.target[row]);
+        record.count(WHAT[16], (executed.true_positions[row] - wanted).norm() <= band.model_95);
+        record.count(WHAT[17], (executed.data.measured_position(row) - wanted).norm() <= band.measured_95);
     }
     Ok(())
 }
@@ -212,12 +212,12 @@ fn tolerances(made: &Made, found: &Fit, record: &mut Record) -> Result<(), Box<d
     let position = rows.iter().map(|&row| held.residuals.position[row]).collect();
     let orientation = rows.iter().map(|&row| held.residuals.orientation[row]).collect();
     let seen = Residuals { position, orientation };
-    let stated = SpecificationSummary::new(limit, &worst_of_poses(&made.data, &rows, &seen));
+    let stated = SpecificationSummary::new(limit, &largest_error_by_pose(&made.data, &rows, &seen));
     let all =
         made.plant.measure(&made.fresh(POPULATION, record.seed + 4_000_000)?, record.seed + 5_000_000)?;
     let rows: Vec<usize> = (0..all.len()).collect();
     let worst = |fit: &Fit| -> Result<Vec<f64>, Box<dyn Error>> {
-        Ok(worst_of_poses(&all, &rows, &Residuals::of(&fit.fitted, &all)?))
+        Ok(largest_error_by_pose(&all, &rows, &Residuals::of(&fit.fitted, &all)?))
     };
     let share =
         |worst: &[f64], limit: f64| worst.iter().filter(|v| **v <= limit).count() as f64 / worst.len() as f64;

@@ -8,7 +8,7 @@
 //! | --- | --- | --- |
 //! | U, V | random orthonormal columns | m × p, p × p |
 //! | κ | condition number of the scaled matrix | 1 |
-//! | S | true sizes of the unknowns, over six decades; what a solver is told is off by a factor of about 1.5 | p, diagonal |
+//! | S | true sizes of the unknowns, over six decades; the prior given to a solver is off by a factor of about 1.5 | p, diagonal |
 //! | x | truth: S times unit normals; whole effects of three columns are zero when it is sparse | p |
 //!
 //! A row is in units of its noise; the noise is given relative to the signal. A visit has two rows, and one that is wrong is
@@ -49,7 +49,7 @@ pub struct Problem {
     pub y: DVector<f64>,
     pub visits: Vec<usize>,
     pub groups: Vec<usize>,
-    /// Sizes as a solver is told.
+    /// Prior standard deviations given to a solver.
     pub scale: Vec<f64>,
     /// Tolerances: four such sizes to either side.
     pub bounds: Bounds,
@@ -97,7 +97,7 @@ impl Problem {
         Problem { a, y, visits, groups, scale, bounds, truth, sizes, wrong }
     }
 
-    /// These rows, with everything that a solver may be told except the bounds.
+    /// These rows, with everything that a solver may use except the bounds.
     pub fn rows(&self, rows: &[usize]) -> Rows {
         Rows {
             a: self.a.select_rows(rows),

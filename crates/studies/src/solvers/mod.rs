@@ -11,9 +11,9 @@ mod strategies;
 mod summary;
 mod trial;
 
-use crate::{folder, say};
+use crate::{folder, print};
 use family::Recipe;
-use record::{Ledger, Record};
+use record::{Journal, Record};
 use std::error::Error;
 
 /// Draws of each problem.
@@ -40,29 +40,29 @@ impl Task {
 pub fn run() -> Result<(), Box<dyn Error>> {
     let folder = folder("solvers")?;
     let strategies = strategies::strategies()?;
-    let mut ledger = Ledger::open(&folder)?;
+    let mut journal = Journal::open(&folder)?;
     let tasks = tasks();
     let mut records: Vec<Record> = Vec::new();
     for (k, task) in tasks.iter().enumerate() {
         let name = task.name();
-        if ledger.known(&name).is_none() {
+        if journal.known(&name).is_none() {
             let done = match task {
                 Task::Family { sweep, recipe } => trial::trial(sweep, recipe, &strategies)?,
                 Task::Robot { plant, outliers, seed } => robots::trial(plant, *outliers, *seed, &strategies)?,
             };
-            ledger.add(&name, done)?;
+            journal.add(&name, done)?;
         }
-        records.extend_from_slice(ledger.known(&name).unwrap_or_default());
+        records.extend_from_slice(journal.known(&name).unwrap_or_default());
         if (k + 1) % 20 == 0 {
-            say(&format!("{} of {} problems", k + 1, tasks.len()));
+            print(&format!("{} of {} problems", k + 1, tasks.len()));
         }
     }
     let text = summary::text(&records, &strategies)?;
-    say(&text);
+    print(&text);
     std::fs::write(folder.join("table.txt"), &text)?;
     figures::draw(&folder, &records)?;
-    ledger.finish(&records)?;
-    say(&format!("tables and figures in {}", folder.display()));
+    journal.finish(&records)?;
+    print(&format!("tables and figures in {}", folder.display()));
     Ok(())
 }
 

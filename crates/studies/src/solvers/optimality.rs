@@ -1,4 +1,4 @@
-//! The optimality conditions of what each solver says that it minimises, from the rows alone.
+//! The optimality conditions of the objective of each solver, from the rows alone.
 //!
 //! g_j = s_j a_jᵀ (A x − y), v = x / s; everything relative to ‖s_j a_j‖ ‖y‖
 //!

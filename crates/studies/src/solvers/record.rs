@@ -21,7 +21,7 @@ pub struct Record {
     pub solver: String,
     /// RMS error at rows that took no part and are not wrong; in standard deviations, for robots in mm.
     pub held_out: f64,
-    /// The same of least squares that is told which rows are wrong.
+    /// The same of least squares without the outlying rows.
     pub oracle: f64,
     /// RMS error of the parameters in true sizes; NaN where there is no truth.
     pub parameters: f64,
@@ -108,14 +108,14 @@ impl Record {
 }
 
 /// The records of a run that may be taken up again where it was interrupted.
-pub struct Ledger {
+pub struct Journal {
     partial: PathBuf,
     whole: PathBuf,
     /// Finished problems, by name.
     done: BTreeMap<String, Vec<Record>>,
 }
 
-impl Ledger {
+impl Journal {
     /// Takes up what an interrupted run of this same program left in `folder`; a finished run is not taken up.
     pub fn open(folder: &Path) -> Result<Self, Box<dyn Error>> {
         let (partial, whole) = (folder.join("partial.csv"), folder.join("table.csv"));
@@ -138,7 +138,7 @@ impl Ledger {
         } else {
             fs::write(&partial, format!("{mark}\n"))?;
         }
-        Ok(Ledger { partial, whole, done })
+        Ok(Journal { partial, whole, done })
     }
 
     /// What an interrupted run already found out about a problem.
@@ -180,19 +180,19 @@ mod tests {
 
     #[test]
     fn an_interrupted_run_is_taken_up_and_a_finished_one_is_not() {
-        let folder = std::env::temp_dir().join(format!("truepose-ledger-{}", std::process::id()));
+        let folder = std::env::temp_dir().join(format!("truepose-journal-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let record = Record { sweep: "rows".into(), held_out: 0.1 + 0.2, ..Record::default() };
-        let mut ledger = Ledger::open(&folder).unwrap();
-        ledger.add("first", vec![record.clone()]).unwrap();
+        let mut journal = Journal::open(&folder).unwrap();
+        journal.add("first", vec![record.clone()]).unwrap();
         // Cut off in the middle of the second problem.
         let mut file = fs::OpenOptions::new().append(true).open(folder.join("partial.csv")).unwrap();
         writeln!(file, "{}", record.row()).unwrap();
-        let again = Ledger::open(&folder).unwrap();
+        let again = Journal::open(&folder).unwrap();
         assert_eq!(again.known("first"), Some(&[record.clone()][..]));
         assert!(again.known("second").is_none());
         again.finish(&[record]).unwrap();
-        assert!(Ledger::open(&folder).unwrap().known("first").is_none());
+        assert!(Journal::open(&folder).unwrap().known("first").is_none());
         fs::remove_dir_all(&folder).unwrap();
     }
 }

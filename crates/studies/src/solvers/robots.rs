@@ -1,6 +1,6 @@
-//! Calibrations of simulated robots: plants that share no code with the model, constant errors and joint springs declared.
+//! Calibrations of simulated robots: plants that share no code with the model, constant errors and joint compliance declared.
 //!
-//! The folds are of configurations; errors are judged at rows that are not wrong, against an oracle that is told which are.
+//! The folds are of configurations; errors are evaluated at rows without outliers, against an oracle that excludes the outliers.
 
 use super::record::Record;
 use super::strategies::Strategy;
@@ -19,7 +19,7 @@ const CONFIGURATIONS: usize = 70;
 const WRONG: f64 = 2e-3;
 
 /// Rounds of a fit at most with a penalty: what it chooses hardly changes from round to round, and each round chooses
-/// anew. Plain least squares takes steps back and needs all of its rounds; robust fits settle in between.
+/// anew. Ordinary least squares reduces its steps and needs all iterations; robust fits converge earlier.
 const PENALISED: usize = 4;
 const ROBUST: usize = 10;
 
@@ -114,12 +114,12 @@ impl Calibration {
     }
 
     fn fit(&self, solver: &dyn Solver, rows: &[usize]) -> Result<Fit, truepose_identify::IdentifyError> {
-        let max_rounds = match (solver.supports(Need::Unpenalised), solver.supports(Need::Outliers)) {
-            (true, false) => self.options.max_rounds,
+        let max_iterations = match (solver.supports(Need::Unpenalised), solver.supports(Need::Outliers)) {
+            (true, false) => self.options.max_iterations,
             (true, true) => ROBUST,
             (false, _) => PENALISED,
         };
-        let options = FitOptions { max_rounds, ..self.options.clone() };
+        let options = FitOptions { max_iterations, ..self.options.clone() };
         fit(&self.model, &self.data.select(rows), solver, &options)
     }
 

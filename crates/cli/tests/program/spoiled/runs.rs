@@ -191,7 +191,7 @@ fn names_that_are_no_text_are_names() {
     ];
     let (code, log) = run(&identify);
     assert_eq!(code, Some(0), "{log}");
-    assert!(log.contains("is not UTF-8: `truepose verify` will not be able to repeat this run"), "{log}");
+    assert!(log.contains("is not UTF-8: `truepose verify` cannot repeat this run"), "{log}");
     let (code, log) =
         run(&[s("predict"), s("--fit"), fit, s("--data"), data, s("--out"), s("p.csv"), s("--json")]);
     assert_eq!(code, Some(0), "{log}");
@@ -245,6 +245,6 @@ fn positions_that_stand_still_while_the_robot_moves_are_remarked_upon() {
     folder.write("data.csv", &data.lines().enumerate().map(row).collect::<String>());
     let run = folder.run(&words("identify --robot robot.toml --data data.csv --folds 0")).ended(0);
     let told =
-        "data.csv:1: column `x[mm]` (4): never changes, nor do the other two, although the robot moves; ";
+        "data.csv:1: column `x[mm]` (4): never changes, nor do the other two, although the robot moves: ";
     assert!(run.log.contains(told), "{}", run.log);
 }

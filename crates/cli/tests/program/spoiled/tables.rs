@@ -113,7 +113,7 @@ const MISTAKES: &[(&str, Change)] = &[
 ];
 
 #[test]
-fn the_likely_cause_is_said() {
+fn the_likely_cause_is_reported() {
     let folder = Folder::empty();
     folder.write("robot.toml", ARM);
     folder.write("lost.toml", &ARM.replace("[base]", "[base]\nknown = false"));

@@ -18,8 +18,8 @@ mod factor;
 pub use basis::Basis;
 pub use factor::{Factor, Input};
 
+use super::checks::{frame_exists, joint_exists, joint_moves, target_exists};
 use super::geometric::EXPECTED_ANGLE;
-use super::{frame_exists, joint_exists, joint_moves, target_exists};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Signal, UNBOUNDED};
 use serde::{Deserialize, Serialize};
@@ -172,11 +172,11 @@ impl Expansion {
 }
 
 impl Effect for Expansion {
-    const KIND: &'static str = "expansion";
+    const FAMILY: &'static str = "expansion";
     const ABOUT: &'static str =
         "a generalized error as a series in joints, wrench, channels and time (Eq. 17)";
 
-    fn settles(&self) -> bool {
+    fn load_dependent(&self) -> bool {
         self.factors.iter().any(|factor| matches!(factor.of, Input::Wrench { .. } | Input::Load(_)))
     }
 
@@ -263,11 +263,11 @@ impl Effect for Expansion {
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         match &self.at {
-            Place::Frame { frame, .. } => frame_exists(Self::KIND, *frame, chain)?,
-            Place::Target { target, .. } => target_exists(Self::KIND, *target, chain)?,
-            Place::Motion { joint } => joint_moves(Self::KIND, *joint, chain)?,
+            Place::Frame { frame, .. } => frame_exists(Self::FAMILY, *frame, chain)?,
+            Place::Target { target, .. } => target_exists(Self::FAMILY, *target, chain)?,
+            Place::Motion { joint } => joint_moves(Self::FAMILY, *joint, chain)?,
         }
-        let refuse = |reason: String| Err(ModelError::Parameters { kind: Self::KIND.into(), reason });
+        let refuse = |reason: String| Err(ModelError::Parameters { kind: Self::FAMILY.into(), reason });
         if let Place::Target { components, .. } = &self.at
             && components.iter().any(|axis| axis.is_rotation())
         {
@@ -275,15 +275,15 @@ impl Effect for Expansion {
         }
         for factor in &self.factors {
             match &factor.of {
-                Input::Joint(joint) => joint_moves(Self::KIND, *joint, chain)?,
-                Input::Load(joint) => joint_exists(Self::KIND, *joint, chain)?,
+                Input::Joint(joint) => joint_moves(Self::FAMILY, *joint, chain)?,
+                Input::Load(joint) => joint_exists(Self::FAMILY, *joint, chain)?,
                 Input::Wrench { frame, component } => {
-                    frame_exists(Self::KIND, *frame, chain)?;
+                    frame_exists(Self::FAMILY, *frame, chain)?;
                     if *component > 5 {
                         return refuse(format!("a wrench has components 0 to 5, not {component}"));
                     }
                 }
-                Input::Approach(joint) => joint_moves(Self::KIND, *joint, chain)?,
+                Input::Approach(joint) => joint_moves(Self::FAMILY, *joint, chain)?,
                 Input::Channel(_) | Input::Time => {}
             }
             if let Err(reason) = factor.basis.check() {

@@ -30,46 +30,20 @@
 //! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times gravity.
 
 mod beam;
+mod section;
 mod wide;
 
-use super::{joint_moves, listed_once};
+pub use section::{OwnWeight, Section};
+
+use super::checks::{joint_moves, listed_once};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use beam::{Beam, NO_LENGTH};
+use section::TUBE;
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Axis, Chain, JointId, Posture, Site, Wrench};
 use wide::Bending;
-
-/// Which stiffnesses of a link are told apart.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Section {
-    /// One unknown: a round tube, whose torsion follows from its bending.
-    Tube,
-    /// Two: bending alike in both planes, and twist.
-    Symmetric,
-    /// Three: bending about the joint's axis, bending sideways, and twist.
-    #[default]
-    General,
-}
-
-/// Where the links' own weight comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum OwnWeight {
-    /// From the masses in the robot's description.
-    #[default]
-    Declared,
-    /// Unknown: found from the data.
-    Free,
-}
-
-impl OwnWeight {
-    pub(super) fn is_declared(&self) -> bool {
-        *self == OwnWeight::Declared
-    }
-}
 
 /// Compliance of links as beams.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -88,8 +62,6 @@ pub struct LinkCompliance {
 
 /// Links shorter than this share of the arm are rigid unless they are asked for.
 const SHORT: f64 = 0.03;
-/// EI / GJ of a round tube: 1 + ν.
-const TUBE: f64 = 1.3;
 
 impl LinkCompliance {
     /// Of the link behind one joint.
@@ -136,7 +108,7 @@ impl LinkCompliance {
 }
 
 impl Effect for LinkCompliance {
-    const KIND: &'static str = "link_compliance";
+    const FAMILY: &'static str = "link_compliance";
     const ABOUT: &'static str =
         "a link bends and twists under the wrench at its tip and under its own weight";
 
@@ -235,9 +207,11 @@ impl Effect for LinkCompliance {
             if chain.link_length(joint) <= NO_LENGTH {
                 return;
             }
-            let said = |into: &mut [f64]| at.arch().dispatch(Bending { effect: self, at, joint, out: into });
+            let (section, own_weight) = (self.section, self.own_weight);
+            let bend =
+                |into: &mut [f64]| at.arch().dispatch(Bending { section, own_weight, at, joint, out: into });
             let frame = chain.frame_after(joint);
-            for (k, value) in out.values(6 * width, said).enumerate() {
+            for (k, value) in out.values(6 * width, bend).enumerate() {
                 out.push(column + k / 6, Site::Frame(frame, Axis::ALL[k % 6]), value);
             }
         });
@@ -246,14 +220,14 @@ impl Effect for LinkCompliance {
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         for &joint in self.joints.iter().flatten() {
-            joint_moves(Self::KIND, joint, chain)?;
+            joint_moves(Self::FAMILY, joint, chain)?;
             if chain.link_length(joint) < 1e-6 {
                 let name = &chain.joint(joint).name;
                 let reason = format!("the link behind joint `{name}` has no length, so that it cannot bend");
-                return Err(ModelError::Parameters { kind: Self::KIND.into(), reason });
+                return Err(ModelError::Parameters { kind: Self::FAMILY.into(), reason });
             }
         }
-        listed_once(Self::KIND, self.joints.as_deref(), chain)
+        listed_once(Self::FAMILY, self.joints.as_deref(), chain)
     }
 }
 

@@ -9,7 +9,7 @@
 //! A mass in front of the tip, on the beam or behind the root is one formula here: u, u² and u³ are means over the part of the beam that has it,
 //! and what lies beyond the tip hangs on an arm of its own.
 
-use super::{LinkCompliance, OwnWeight, Section, TUBE};
+use super::section::{OwnWeight, Section, TUBE};
 use crate::lanes::{LANES, LanePosture};
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::nalgebra::Vector3;
@@ -20,7 +20,8 @@ type Vector<S> = [Lane<S>; 3];
 
 /// What the link behind a joint says: for each of its columns six rows of `LANES` numbers, shift and turn of its frame.
 pub(super) struct Bending<'a> {
-    pub effect: &'a LinkCompliance,
+    pub section: Section,
+    pub own_weight: OwnWeight,
     pub at: &'a LanePosture<'a>,
     pub joint: JointId,
     pub out: &'a mut [f64],
@@ -135,7 +136,7 @@ impl WithSimd for Bending<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Bending { effect, at, joint, out } = self;
+        let Bending { section, own_weight, at, joint, out } = self;
         let chain = at.chain();
         let (root, tip) = chain.link(joint);
         let way = tip - root;
@@ -151,7 +152,7 @@ impl WithSimd for Bending<'_> {
         let width = LANES / S::F64_LANES;
         let numbers = S::as_simd_f64s(at.numbers()).0;
         let out = S::as_mut_simd_f64s(out).0;
-        let general = effect.section == Section::General;
+        let general = section == Section::General;
         for v in 0..at.rows().div_ceil(S::F64_LANES) {
             let vector = |row: usize| three!(k => Lane::read(simd, numbers, row + k, width, v));
             let axes = |row: usize| [vector(row), vector(row + 3), vector(row + 6)];
@@ -163,7 +164,7 @@ impl WithSimd for Bending<'_> {
             let arm = cross(minus(here(vector(end.1)), same(simd, &tip)), force);
             let bare = Sums { slope: zero, sag: zero };
             let mut loaded = beam.with_tip(bare, force, three!(k => moment[k] + arm[k]));
-            if effect.own_weight == OwnWeight::Declared {
+            if own_weight == OwnWeight::Declared {
                 for part in (joint.0..=last).map(JointId) {
                     let Some(link) = &chain.joint(part).link else { continue };
                     let frame = at.frame_rows(chain.frame_after(part));
@@ -210,7 +211,7 @@ impl WithSimd for Bending<'_> {
             };
             let twist = dot(beam.along, loaded.slope);
             let twist = three!(k => beam.along[k] * twist);
-            let tied = if effect.section == Section::Tube { TUBE } else { 0.0 };
+            let tied = if section == Section::Tube { TUBE } else { 0.0 };
             let tied = three!(k => twist[k].times(tied));
             if general {
                 for axis in [across, sideways] {
@@ -221,10 +222,10 @@ impl WithSimd for Bending<'_> {
                 let (sag, turn) = beam.bent(loaded);
                 put(sag, three!(k => turn[k] + tied[k]));
             }
-            if effect.section != Section::Tube {
+            if section != Section::Tube {
                 put(zero, twist);
             }
-            if effect.own_weight == OwnWeight::Free {
+            if own_weight == OwnWeight::Free {
                 let own = beam.with_mass(simd, bare, g, same(simd, &(way / 2.0)));
                 let beyond = beam.with_tip(bare, g, zero);
                 for sums in [own, beyond] {

@@ -33,9 +33,9 @@ mod term;
 
 pub use term::WrenchComponent;
 
+use super::checks::{frame_exists, joint_moves, refused};
 use super::geometric::EXPECTED_ANGLE;
 use super::spot::distinct;
-use super::{frame_exists, joint_moves, refused};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Effect, Emission, ModelError, UNBOUNDED};
 use known::Known;
@@ -145,7 +145,7 @@ impl Polynomial {
 
     /// The polynomial that an effect is, if it is one.
     pub fn of_effect(effect: &dyn AnyEffect) -> Option<Self> {
-        (effect.kind() == Self::KIND).then(|| serde_json::from_value(effect.parameters()).ok()).flatten()
+        (effect.kind() == Self::FAMILY).then(|| serde_json::from_value(effect.parameters()).ok()).flatten()
     }
 
     /// The errors that have terms when each has its own, base to tip.
@@ -231,7 +231,7 @@ struct Place<'a> {
 }
 
 impl Effect for Polynomial {
-    const KIND: &'static str = "polynomial";
+    const FAMILY: &'static str = "polynomial";
     const ABOUT: &'static str =
         "Eq. (17) ready-made: each error by powers of its own joint, and of the load times the joints beyond";
 
@@ -303,11 +303,11 @@ impl Effect for Polynomial {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
-        let refuse = |reason: String| Err(refused(Self::KIND, reason));
+        let refuse = |reason: String| Err(refused(Self::FAMILY, reason));
         if let Some(list) = &self.components {
-            distinct(Self::KIND, list)?;
+            distinct(Self::FAMILY, list)?;
         }
-        self.small.iter().try_for_each(|&joint| joint_moves(Self::KIND, joint, chain))?;
+        self.small.iter().try_for_each(|&joint| joint_moves(Self::FAMILY, joint, chain))?;
         if let Some(list) = &self.degrees {
             let movable = chain.movable().len();
             if list.len() != movable {
@@ -330,7 +330,7 @@ impl Effect for Polynomial {
             return refuse("a component stands twice in `wrench`".into());
         }
         for group in self.groups.iter().flatten() {
-            group.of.iter().chain([&group.frame]).try_for_each(|&f| frame_exists(Self::KIND, f, chain))?;
+            group.of.iter().chain([&group.frame]).try_for_each(|&f| frame_exists(Self::FAMILY, f, chain))?;
             if group.of.is_empty() {
                 return refuse("a group has no members".into());
             }

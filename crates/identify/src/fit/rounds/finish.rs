@@ -1,12 +1,15 @@
 //! What is made of the last round.
 
-use super::{Outcome, State};
+use super::state::{Outcome, State};
 use crate::IdentifyError;
-use crate::fit::{Fit, Warning, constraints, warnings};
+use crate::fit::result::Fit;
+use crate::fit::warnings::Warning;
+use crate::fit::{constraints, warnings};
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{Domain, FittedModel, Noise};
+use truepose_errormodel::{Domain, FittedModel, NoiseModel};
 use truepose_solvers::Need;
+use truepose_solvers::order::high_median;
 
 impl State<'_> {
     pub(in crate::fit) fn finish(self, reduction: Reduction, outcome: Outcome) -> Result<Fit, IdentifyError> {
@@ -18,19 +21,17 @@ impl State<'_> {
         let inverse =
             joined.inverse_gram().unwrap_or_else(|| DMatrix::zeros(reduction.rank(), reduction.rank()));
         let covariance = spread_out(&inverse, &reduction.kept, columns);
-        let mut fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?;
-        fitted.channels = self.data.schema.channels.clone();
-        fitted.domain = Domain::of(self.data);
-        let typical =
-            median(self.data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()).collect());
-        fitted.noise = Noise {
-            position_sd: self.noise.position(typical).hypot(self.noise.visit_sd),
-            orientation_sd: if self.data.orientation.iter().any(Option::is_some) {
-                self.noise.orientation_sd
-            } else {
-                0.0
-            },
+        let typical = high_median(self.data.position_sd.iter().flatten().copied().filter(|v| !v.is_nan()));
+        let turned = self.data.orientation.iter().any(Option::is_some);
+        let noise = NoiseModel {
+            position_sd: self.noise.position(typical.unwrap_or(f64::NAN)).hypot(self.noise.visit_sd),
+            visit_sd: 0.0,
+            orientation_sd: if turned { self.noise.orientation_sd } else { 0.0 },
         };
+        let fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?
+            .with_channels(self.data.schema.channels.clone())
+            .with_domain(Domain::of(self.data))
+            .with_noise(noise);
         let mut warnings = warnings::of(self.model, &reduction, self.observations);
         if !outcome.converged {
             warnings.push(Warning::NotConverged { rounds: outcome.rounds });
@@ -72,12 +73,4 @@ fn spread_out(inner: &DMatrix<f64>, kept: &[usize], columns: usize) -> DMatrix<f
         }
     }
     outer
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -4,9 +4,9 @@
 //! directions of the first step run to where no linear picture holds, into valleys that bend; the way back takes hundreds of rounds.
 //! The marginal likelihood of the first picture knows better before any step is taken.
 
-use super::State;
+use super::state::State;
 use crate::IdentifyError;
-use crate::fit::NoiseSource;
+use crate::fit::options::NoiseSource;
 use crate::reduction::Reduction;
 use truepose_solvers::accumulator::Factor;
 

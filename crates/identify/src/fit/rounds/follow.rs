@@ -13,13 +13,14 @@
 //! be held to (with a prior, where the solver has a penalty of its own), finds structure, noise and prior, and leads to where one linear picture holds all that the solver will still change. The
 //! noise that wrong visits have blown up is brought down by the robust scale of the solver, and the prior asked for anew by the weighted rows.
 
-use super::{Outcome, STILL, State, squares_of};
-use crate::fit::NoiseSource;
+use super::state::{Outcome, STILL, State, WORSE, squares_of};
+use crate::fit::options::NoiseSource;
 use crate::linearise::{Rows, collect, left_over_rows};
 use crate::reduction::Reduction;
 use crate::{IdentifyError, Prior};
 use nalgebra::{DMatrix, DVector};
 use truepose_solvers::accumulator::{Factor, Triangular};
+use truepose_solvers::order::high_median;
 use truepose_solvers::{Need, Solution, Solver};
 
 /// Rounds at most, halvings of a step at most, and looks at noise and prior.
@@ -73,7 +74,9 @@ impl<'a> State<'a> {
                 converged = true;
                 break;
             }
-            if robust && share >= 1.0 && looks < LOOKS {
+            // Where the solver left every weight as it was, noise and prior are those of the plain fit.
+            let weighed = weights.iter().any(|weight| *weight < 1.0);
+            if robust && weighed && share >= 1.0 && looks < LOOKS {
                 looks += 1;
                 self.look_by_weights(reduction, &rows, &solution, &weights)?;
             }
@@ -123,7 +126,7 @@ impl<'a> State<'a> {
             let to = now + change * share;
             self.coefficients = reduction.expand(to.as_slice(), start.len());
             let found = weighted(&self.rows_at(&self.coefficients)?.residual, weights);
-            let most = expected + 0.5 * (before - expected).abs() + TENTH.max(super::WORSE * before);
+            let most = expected + 0.5 * (before - expected).abs() + TENTH.max(WORSE * before);
             if found <= most {
                 return Ok(Some(share));
             }
@@ -221,9 +224,7 @@ struct Yardstick {
 impl Yardstick {
     fn new(rows: &Rows) -> Self {
         let visits = visits(rows);
-        let mut sizes: Vec<f64> = visits.iter().map(|v| v.0).collect();
-        sizes.sort_by(f64::total_cmp);
-        let scale = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        let scale = high_median(visits.iter().map(|v| v.0)).unwrap_or(1.0).max(f64::MIN_POSITIVE);
         let plain = Self { scale, plain: 0.0 }.of(&visits);
         Yardstick { scale, plain }
     }

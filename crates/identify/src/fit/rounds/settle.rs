@@ -9,7 +9,7 @@
 //! valley after millimetres, one after which the placement follows the arm stays in it for a hundred times as long. This is Ruhe and Wedin's
 //! second algorithm for separable problems (1980), with the prior.
 
-use super::State;
+use super::state::State;
 use crate::IdentifyError;
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};

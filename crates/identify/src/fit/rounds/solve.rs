@@ -1,6 +1,6 @@
 //! One round's problem, and its solution.
 
-use super::State;
+use super::state::State;
 use crate::IdentifyError;
 use crate::fit::constraints;
 use crate::linearise::{Rows, collect};

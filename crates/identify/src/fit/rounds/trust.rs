@@ -13,7 +13,7 @@
 //!
 //! λ by Hebden's iteration on `1/‖u‖`, which is nearly a straight line in λ. Source: Moré (1978); Nocedal and Wright (2006), ch. 4.
 
-use super::State;
+use super::state::State;
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
 use truepose_solvers::accumulator::Factor;

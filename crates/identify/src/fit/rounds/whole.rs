@@ -1,9 +1,10 @@
 //! One step from the normal equations of data that is nowhere whole, with the structure that a sample of it has.
 
-use super::{Outcome, State};
-use crate::fit::Fit;
+use super::state::{Outcome, State};
+use crate::fit::options::FitOptions;
+use crate::fit::result::Fit;
 use crate::reduction::Reduction;
-use crate::{FitOptions, IdentifyError, NoiseModel, Prior, Residuals};
+use crate::{IdentifyError, Residuals};
 use nalgebra::DVector;
 use truepose_errormodel::{Dataset, Visits};
 use truepose_solvers::Solver;
@@ -42,16 +43,4 @@ pub(crate) fn from_factor(
     let mut whole = state.finish(reduction.clone(), outcome)?;
     whole.shapes.clone_from(&fit.shapes);
     Ok((whole, length))
-}
-
-impl State<'_> {
-    /// What another look at the structure may spoil: prior, coefficients and noise.
-    pub(in crate::fit) fn spoilable(&self) -> (Prior, Vec<f64>, NoiseModel) {
-        (self.prior.clone(), self.coefficients.clone(), self.noise)
-    }
-
-    /// As it was then.
-    pub(in crate::fit) fn back_to(&mut self, then: (Prior, Vec<f64>, NoiseModel)) {
-        (self.prior, self.coefficients, self.noise) = then;
-    }
 }

@@ -1,4 +1,4 @@
-//! What the library believes of a file is held against the file here, so that one that was cut or altered is refused: bytes beyond its end, and pages whose
+//! The offsets and lengths that the library uses are checked against the file here, so that one that was cut or altered is refused: bytes beyond its end, and pages whose
 //! dictionary is missing.
 
 use ::parquet::basic::Encoding;
@@ -10,7 +10,7 @@ use bytes::Bytes;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 
-/// A file of which nobody reads more than there is.
+/// A file that is never read beyond its end.
 pub(super) struct Bounded {
     pub file: File,
     pub size: u64,
@@ -55,7 +55,7 @@ impl ChunkReader for Bounded {
     }
 }
 
-/// Whether a column of a row group can lie where its description says, in a file of this size.
+/// Whether the declared place of a column of a row group is inside a file of this size.
 pub(super) fn lies_in(column: &ColumnChunkMetaData, size: u64) -> bool {
     let start = column.dictionary_page_offset().unwrap_or(column.data_page_offset());
     let end = start.checked_add(column.compressed_size());
@@ -65,12 +65,12 @@ pub(super) fn lies_in(column: &ColumnChunkMetaData, size: u64) -> bool {
         && end.is_some_and(|end| end.cast_unsigned() <= size)
 }
 
-/// Pages of a column; one that asks for a dictionary has one.
+/// Pages of a column; a page that needs a dictionary has one.
 pub(super) struct Pages {
     pub inner: Box<dyn PageReader>,
     /// Whether there was a dictionary.
     pub known: bool,
-    /// One that was passed over and is asked for now.
+    /// A page that was skipped and is requested now.
     pub late: Option<Page>,
 }
 

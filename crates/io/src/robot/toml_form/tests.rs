@@ -76,7 +76,7 @@ fn units_reach_every_number() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn what_is_wrong_is_reported() {
     let change = |from: &str, to: &str| {
         assert!(GOOD.contains(from), "{from}");
         read(&GOOD.replacen(from, to, 1)).unwrap_err()
@@ -97,7 +97,7 @@ fn what_is_wrong_is_said() {
         ),
         (
             change("name = \"theta\"", "name = \"d1\""),
-            "r.toml:20:8: two joints bear the name `d1`; names must be different",
+            "r.toml:20:8: two joints have the name `d1`; names must be different",
         ),
         (
             change("name = \"theta\"", "name = \"rx\""),

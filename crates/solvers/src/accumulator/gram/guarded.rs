@@ -1,4 +1,4 @@
-//! What a Gram matrix may be asked where its squares still hold the digits: each answer is one, or none.
+//! Solutions from a Gram matrix where squared condition numbers leave enough digits, none elsewhere.
 
 use super::Gram;
 use crate::accumulator::Factor;

@@ -1,0 +1,160 @@
+//! Options of the verbs that use a fit: plan, predict, compensate, export, map.
+
+use super::Grouped;
+use super::values::{parse_position, parse_three, parse_whole};
+use std::path::PathBuf;
+
+/// `truepose plan`
+#[derive(Debug, clap::Args)]
+pub struct Plan {
+    /// A fit, as `identify` or `discover` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
+    #[arg(long, value_name = "FILE", alias = "discriminate")]
+    pub rival: Option<PathBuf>,
+    /// Joints, loads and channels (CSV) where accuracy matters [default: spread over the joints' ranges]
+    #[arg(long, value_name = "FILE")]
+    pub at: Option<PathBuf>,
+    #[command(flatten)]
+    pub grouped: Grouped,
+    /// Where to write the plan (CSV, with the columns of measurements)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Number of pose measurements
+    #[arg(long, default_value_t = 30, value_parser = parse_whole::<usize>)]
+    pub count: usize,
+    /// Available payloads, kg [default: none]
+    #[arg(long, value_name = "KG", value_delimiter = ',', allow_negative_numbers = true)]
+    pub loads: Vec<f64>,
+    /// Their centre of gravity in the tool frame, mm
+    #[arg(long, value_name = "MM", num_args = 3, value_delimiter = ',', allow_negative_numbers = true, default_values_t = [0.0, 0.0, 0.0])]
+    pub com: Vec<f64>,
+    /// Number of candidate configurations
+    #[arg(long, default_value_t = 400, value_parser = parse_whole::<usize>)]
+    pub pool: usize,
+    /// Seed of the candidate configurations
+    #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
+    pub seed: u64,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose predict`
+#[derive(Debug, clap::Args)]
+pub struct Predict {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Joints, loads and channels (CSV); measured columns may be empty or absent
+    #[arg(long, value_name = "FILE")]
+    pub data: PathBuf,
+    #[command(flatten)]
+    pub grouped: Grouped,
+    /// Where to write the predictions
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose compensate`
+#[derive(Debug, clap::Args)]
+pub struct Compensate {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
+    #[arg(long, value_name = "FILE")]
+    pub poses: PathBuf,
+    /// Where to write the commands
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Folder for the report: `index.html`, its figures, `compensation.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose export`
+#[derive(Debug, clap::Args)]
+pub struct Export {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Format of the file
+    #[arg(long, value_enum)]
+    pub format: ExportFormat,
+    /// Where to write it
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// The URDF that the fit was made from: its joint origins are corrected, everything else stays as it is
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// Reject nearly parallel axes in dh and mdh, instead of using Hayati's parameter (beta)
+    #[arg(long)]
+    pub no_hayati: bool,
+    /// Number of values of each joint in iso230
+    #[arg(long, default_value_t = 181, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub entries: u32,
+    /// Target at which the remaining error is computed [default: the tool's origin]
+    #[arg(long, value_name = "NAME")]
+    pub target: Option<String>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Forms of the fitted geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum ExportFormat {
+    /// URDF with corrected joint origins
+    Urdf,
+    /// Denavit and Hartenberg's table (CSV)
+    Dh,
+    /// Craig's modified table (CSV)
+    Mdh,
+    /// Kinematics file of ROS drivers (YAML): x y z roll pitch yaw of each joint
+    Ros,
+    /// Component errors of each joint, named as in ISO 230-1 (CSV)
+    Iso230,
+}
+
+/// `truepose map`
+#[derive(Debug, clap::Args)]
+pub struct Map {
+    /// A fit, as `identify` writes it
+    #[arg(long, value_name = "FILE")]
+    pub fit: PathBuf,
+    /// Where to write the map (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Corner of a box in the measurement frame, e.g. -500mm,0mm,200mm [default: a grid of joint values]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "to", allow_hyphen_values = true)]
+    pub from: Option<[f64; 3]>,
+    /// The opposite corner
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "from", allow_hyphen_values = true)]
+    pub to: Option<[f64; 3]>,
+    /// Orientation of the tool in the box: roll, pitch, yaw about the fixed axes, degrees [default: any]
+    #[arg(long, value_name = "R,P,Y", value_parser = parse_three, requires = "from", allow_hyphen_values = true)]
+    pub rpy: Option<[f64; 3]>,
+    /// Number of values of each joint, or of each coordinate of the box
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub points: u16,
+    /// Mass carried, kg
+    #[arg(long, allow_negative_numbers = true, value_name = "KG")]
+    pub payload: Option<f64>,
+    /// Its centre of gravity in the tool's frame, e.g. 0mm,0mm,80mm
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "payload", allow_hyphen_values = true)]
+    pub com: Option<[f64; 3]>,
+    /// Target that is mapped [default: the tool's origin]
+    #[arg(long, value_name = "NAME")]
+    pub target: Option<String>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}

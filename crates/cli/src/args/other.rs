@@ -1,0 +1,56 @@
+//! Options of the verbs that fit nothing: check, effects, simulate, verify.
+
+use super::values::parse_whole;
+use super::{Grouped, Robot};
+use std::path::PathBuf;
+
+/// `truepose check`
+#[derive(Debug, clap::Args)]
+pub struct Check {
+    #[command(flatten)]
+    pub robot: Robot,
+    /// Measurements (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<PathBuf>,
+    /// Declared model (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    #[command(flatten)]
+    pub grouped: Grouped,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose effects`
+#[derive(Debug, clap::Args)]
+pub struct Effects {
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose simulate`
+#[derive(Debug, clap::Args)]
+pub struct Simulate {
+    /// Plant (TOML): the robot's file, its error sources, and the measurement campaign
+    #[arg(long, value_name = "FILE")]
+    pub plant: PathBuf,
+    /// Where to write the measurements (CSV, mm and degrees)
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Seed of every random choice [default: that of the plant]
+    #[arg(long, value_parser = parse_whole::<u64>)]
+    pub seed: Option<u64>,
+    /// Draw other configurations from this seed; the robot stays the same
+    #[arg(long, value_name = "SEED", value_parser = parse_whole::<u64>)]
+    pub campaign_seed: Option<u64>,
+}
+
+/// `truepose verify`
+#[derive(Debug, clap::Args)]
+pub struct Verify {
+    /// Record of the run, `run.json` in the folder of its report; to be used in the folder in which the run was made
+    #[arg(value_name = "FILE")]
+    pub run: PathBuf,
+}

@@ -1,0 +1,278 @@
+//! How likely the data is with a candidate in the model: generalized least squares with the noise estimated again.
+//!
+//! ```text
+//! −2 ln L = Σ ln det V + rᵀ V⁻¹ r + ‖W β‖² + ‖γ‖²/κ²,   r = y − A β − X γ,   V from τ and ρ of r
+//! ```
+//!
+//! | symbol | here | shape |
+//! | --- | --- | --- |
+//! | β, γ | coefficients of the present model and of the candidate (in expected sizes) | r, k |
+//! | τ, ρ | noise of a row and of a visit, estimated at r | 1 |
+//! | κ | 100: holds only what the data leaves open | 1 |
+//!
+//! The noise has to be estimated for each rival by itself: a cause that leaves 0.02 mm of a visit's scatter and one that leaves
+//! 0.1 mm look alike when both are weighed with the scatter from before.
+
+use crate::error::DiscoverError;
+use crate::policy::WIDE;
+use crate::problem::linearisation::Scene;
+use crate::statistics::coefficients::Law;
+use crate::statistics::product::cross;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+use std::ops::Range;
+use std::sync::OnceLock;
+use truepose_errormodel::Visits;
+use truepose_identify::{Folds, Freedom, NoiseModel, Residuals, estimate_noise};
+
+/// Times that the noise is estimated.
+const LOOKS: usize = 5;
+
+/// A model with a candidate's columns, fitted by generalized least squares.
+pub(crate) struct Likelihood {
+    /// −2 ln L.
+    pub deviance: f64,
+    pub noise: NoiseModel,
+    /// γ, in expected sizes.
+    pub coefficients: DVector<f64>,
+    /// Covariance of γ.
+    pub covariance: DMatrix<f64>,
+    /// Raw X, m × k.
+    extra: DMatrix<f64>,
+    /// Precision that the priors add.
+    prior: DMatrix<f64>,
+    /// Raw and whitened [A | X | y], once they are asked for.
+    rows: OnceLock<(DMatrix<f64>, DMatrix<f64>)>,
+}
+
+/// [A | X | y], raw.
+fn joined(scene: &Scene<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
+    let (r, k) = (scene.base.ncols(), extra.ncols());
+    let mut all = DMatrix::zeros(scene.len(), r + k + 1);
+    all.columns_mut(0, r).copy_from(&scene.base);
+    all.columns_mut(r, k).copy_from(extra);
+    all.column_mut(r + k).copy_from(&scene.y);
+    all
+}
+
+impl Likelihood {
+    /// Of the present model with these raw columns added (m × k; k may be zero).
+    pub fn new(scene: &Scene<'_>, extra: &DMatrix<f64>, visits: &Visits) -> Result<Self, DiscoverError> {
+        let (r, k) = (scene.base.ncols(), extra.ncols());
+        let n = r + k;
+        let mut prior = DMatrix::zeros(n, n);
+        if let Some(rows) = &scene.prior {
+            prior.view_mut((0, 0), (r, r)).copy_from(&cross(rows, rows));
+        }
+        for at in r..n {
+            prior[(at, at)] = 1.0 / (WIDE * WIDE);
+        }
+        let known = scene.normal().map(|normal| (normal, normal.beside(extra)));
+        let gram = |noise: NoiseModel| match &known {
+            Some((normal, beside)) => normal.gram(noise, beside),
+            None => {
+                let whitener = scene.whitener(noise);
+                let white = whitener.of(&joined(scene, extra));
+                (cross(&white, &white), whitener.log_determinant())
+            }
+        };
+        // One share for all: rivals are held against each other, and what each takes of it differs by a trifle.
+        let share = (1.0 - n as f64 / scene.len().max(1) as f64).max(0.02);
+        let freedom = Freedom::all(scene.data, visits).share(share);
+        let mut noise = scene.noise;
+        let mut looks = 0;
+        loop {
+            let (gram, log_determinant) = gram(noise);
+            let (solution, factor) = solved(&gram, &prior)?;
+            let residual = &scene.y - &scene.base * solution.rows(0, r) - extra * solution.rows(r, k);
+            let again = estimate_noise(scene.data, visits, &as_residuals(scene, &residual), &freedom);
+            looks += 1;
+            if looks < LOOKS && !near(&noise, &again) {
+                noise = again;
+                continue;
+            }
+            let squares = gram[(n, n)] - 2.0 * gram.view((0, n), (n, 1)).dot(&solution)
+                + (gram.view((0, 0), (n, n)) * &solution).dot(&solution);
+            let penalty = (&prior * &solution).dot(&solution);
+            return Ok(Likelihood {
+                deviance: log_determinant + squares.max(0.0) + penalty,
+                noise,
+                coefficients: solution.rows(r, k).into_owned(),
+                covariance: factor.covariance(r),
+                extra: extra.clone(),
+                prior,
+                rows: OnceLock::new(),
+            });
+        }
+    }
+
+    /// Standard deviation of one of γ.
+    pub fn deviation(&self, at: usize) -> f64 {
+        self.covariance[(at, at)].max(0.0).sqrt()
+    }
+
+    /// The law from which these of γ look drawn.
+    pub fn law(&self, which: Range<usize>) -> Law {
+        let (first, count) = (which.start, which.len());
+        let coefficients = self.coefficients.rows(first, count).into_owned();
+        Law::of(&coefficients, &self.covariance.view((first, first), (count, count)).into_owned())
+    }
+
+    /// [A | X | y], raw and whitened.
+    fn rows(&self, scene: &Scene<'_>) -> &(DMatrix<f64>, DMatrix<f64>) {
+        self.rows.get_or_init(|| {
+            let raw = joined(scene, &self.extra);
+            let white = scene.whitener(self.noise).of(&raw);
+            (raw, white)
+        })
+    }
+
+    /// Residuals of every measured number by a fit that did not see its fold, m or rad; γ is held within `width` expected sizes, as it will
+    /// be in the model: where a fold leaves a piece of a curve open, nothing is claimed there.
+    pub fn held_out(&self, scene: &Scene<'_>, folds: &Folds, width: f64) -> Result<Vec<f64>, DiscoverError> {
+        let (raw, white) = self.rows(scene);
+        let n = raw.ncols() - 1;
+        let mut prior = self.prior.clone();
+        for at in n - self.extra.ncols()..n {
+            prior[(at, at)] = width.min(WIDE).powi(-2);
+        }
+        let mut by_fold = vec![Vec::new(); folds.count];
+        for (at, o) in scene.observations.iter().enumerate() {
+            by_fold[folds.of_visit[o.visit]].push(at);
+        }
+        let whole = cross(white, white);
+        let mut residual = vec![f64::NAN; scene.len()];
+        for members in &by_fold {
+            let part = white.select_rows(members);
+            let (solution, _) = solved(&(&whole - cross(&part, &part)), &prior)?;
+            for &at in members {
+                let row = raw.row(at);
+                let predicted: f64 = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).sum();
+                residual[at] = row[n] - predicted;
+            }
+        }
+        Ok(residual)
+    }
+
+    /// γ from these visits only, with its covariance.
+    pub fn on_visits(
+        &self,
+        scene: &Scene<'_>,
+        visits: &[bool],
+        unknowns: usize,
+    ) -> Result<(DVector<f64>, DMatrix<f64>), DiscoverError> {
+        let members: Vec<usize> =
+            (0..scene.len()).filter(|&at| visits[scene.observations[at].visit]).collect();
+        let white = self.rows(scene).1.select_rows(&members);
+        let (solution, factor) = solved(&cross(&white, &white), &self.prior)?;
+        let first = white.ncols() - 1 - unknowns;
+        Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
+    }
+}
+
+/// Squared 3-D distance of each row of the data.
+pub(crate) fn distances(scene: &Scene<'_>, residual: &[f64]) -> Vec<f64> {
+    let mut squares = vec![f64::NAN; scene.data.len()];
+    let mut seen = vec![0; scene.data.len()];
+    for (o, r) in scene.observations.iter().zip(residual) {
+        if o.component < 3 {
+            squares[o.row] = if seen[o.row] == 0 { r * r } else { squares[o.row] + r * r };
+            seen[o.row] += 1;
+        }
+    }
+    squares.iter().zip(&seen).map(|(&s, &n)| if n == 3 { s } else { f64::NAN }).collect()
+}
+
+/// The measured numbers' residuals as rows.
+pub(crate) fn as_residuals(scene: &Scene<'_>, residual: &DVector<f64>) -> Residuals {
+    let mut rows = Residuals {
+        position: vec![Vector3::repeat(f64::NAN); scene.data.len()],
+        orientation: vec![None; scene.data.len()],
+    };
+    for (o, &r) in scene.observations.iter().zip(residual.iter()) {
+        if o.component < 3 {
+            rows.position[o.row][o.component] = r;
+        } else {
+            rows.orientation[o.row].get_or_insert_with(Vector3::zeros)[o.component - 3] = r;
+        }
+    }
+    rows
+}
+
+/// Least squares from the Gram matrix of [A | y], scaled, with a prior's precision.
+pub(crate) fn solved(
+    gram: &DMatrix<f64>,
+    prior: &DMatrix<f64>,
+) -> Result<(DVector<f64>, Scaled), DiscoverError> {
+    let n = gram.ncols() - 1;
+    let scale: Vec<f64> = (0..n)
+        .map(|k| {
+            let size = gram[(k, k)] + prior[(k, k)];
+            if size > 0.0 { 1.0 / size.sqrt() } else { 1.0 }
+        })
+        .collect();
+    let mut normal = DMatrix::from_fn(n, n, |i, j| (gram[(i, j)] + prior[(i, j)]) * scale[i] * scale[j]);
+    let right = DVector::from_fn(n, |i, _| gram[(i, n)] * scale[i]);
+    // Columns that the data cannot tell apart at all stay where the prior holds them.
+    let mut ridge = 0.0;
+    for _ in 0..8 {
+        if let Some(factor) = Cholesky::new(normal.clone()) {
+            let solution = factor.solve(&right).component_mul(&DVector::from_column_slice(&scale));
+            if solution.iter().all(|v| v.is_finite()) {
+                return Ok((solution, Scaled { factor, scale }));
+            }
+        }
+        let more = if ridge > 0.0 { 9.0 * ridge } else { 1e-13 };
+        ridge += more;
+        for k in 0..n {
+            normal[(k, k)] += more;
+        }
+    }
+    Err(truepose_identify::IdentifyError::NoAnswer {
+        solver: "generalized least squares".into(),
+        status: "the columns of the model are not finite or all alike".into(),
+    }
+    .into())
+}
+
+/// A Cholesky factor of scaled normal equations.
+pub(crate) struct Scaled {
+    factor: Cholesky<f64, Dyn>,
+    scale: Vec<f64>,
+}
+
+impl Scaled {
+    /// The covariance of the unknowns from this one on.
+    fn covariance(&self, first: usize) -> DMatrix<f64> {
+        let n = self.scale.len();
+        // Of L⁻¹ e only what is below e is not zero.
+        let mut half = DMatrix::identity(n - first, n - first);
+        let lower = self.factor.l_dirty();
+        lower.view((first, first), (n - first, n - first)).solve_lower_triangular_mut(&mut half);
+        let mut covariance = cross(&half, &half);
+        for i in 0..n - first {
+            for j in 0..n - first {
+                covariance[(i, j)] *= self.scale[first + i] * self.scale[first + j];
+            }
+        }
+        covariance
+    }
+}
+
+fn near(a: &NoiseModel, b: &NoiseModel) -> bool {
+    let close = |a: f64, b: f64| (a - b).abs() <= 0.02 * (a.abs() + b.abs()) + 1e-10;
+    close(a.position_sd, b.position_sd)
+        && close(a.visit_sd, b.visit_sd)
+        && close(a.orientation_sd, b.orientation_sd)
+}
+
+/// The same data and the same real robot, as a model sees it that lacks some of its effects; the noise is estimated again. None when
+/// the effects that stay are entangled with those that go.
+pub(crate) fn without<'a>(
+    scene: Scene<'a>,
+    effects: Range<usize>,
+) -> Result<Option<Scene<'a>>, DiscoverError> {
+    let Some(mut scene) = scene.muting(effects) else { return Ok(None) };
+    let nothing = DMatrix::zeros(scene.len(), 0);
+    scene.noise = Likelihood::new(&scene, &nothing, &Visits::of(scene.data))?.noise;
+    Ok(Some(scene))
+}

@@ -1,0 +1,363 @@
+//! The data as the present model sees it: linearised once, so that every candidate costs a product.
+//!
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | J | `sites`: error Jacobian of every measured number at the real robot | m × sites | m or rad per m or rad |
+//! | A | `base`: design matrix of the present model, its kept columns | m × r | m or rad per unit |
+//! | y | `y`: residual + A β, what the model has to explain | m | m or rad |
+//! | W | `prior`: rows that hold β near zero | r × r | 1 per unit |
+//! | X | [`Scene::columns`]: what a candidate's unknowns, in expected sizes, would do | m × k | m or rad |
+//!
+//! A candidate's column is `P J_e Φ e_k`, as in the fit: J_e at the real posture, Φ there as well where it depends on what the
+//! robot carries, else at the nominal one.
+
+use crate::error::DiscoverError;
+use crate::hypotheses::candidate::{Candidate, Change};
+use crate::problem::normal::Normal;
+use crate::problem::observation::{Observation, typical_sd};
+use crate::problem::whitening::Whitener;
+use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
+use std::sync::OnceLock;
+use truepose_errormodel::{
+    AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel, FittedModel, Visits,
+};
+use truepose_identify::{Fit, NoiseModel};
+use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, Site, rotation_log};
+
+/// The data, linearised at a fit.
+#[derive(Debug)]
+pub(crate) struct Scene<'a> {
+    pub data: &'a Dataset,
+    pub fit: &'a Fit,
+    pub observations: Vec<Observation>,
+    /// How many visits the data has.
+    pub visits: usize,
+    pub base: DMatrix<f64>,
+    pub y: DVector<f64>,
+    pub prior: Option<DMatrix<f64>>,
+    pub noise: NoiseModel,
+    /// Columns of the model that are not in `base`, though they are in the fit.
+    muted: Range<usize>,
+    sites: Vec<f64>,
+    site_count: usize,
+    stations: Vec<Station>,
+    /// Sums over the numbers, once they are asked for.
+    normal: OnceLock<Option<Normal>>,
+}
+
+/// Where the robot stood while some targets of one visit were measured: everything that an effect can depend on.
+#[derive(Debug, Clone)]
+pub(crate) struct Station {
+    pub visit: usize,
+    conditions: Conditions,
+    nominal: PostureBuffer,
+    /// Frames and wrenches where the real robot comes to rest.
+    settled: PostureBuffer,
+    /// Its observations.
+    pub numbers: Range<usize>,
+}
+
+impl<'a> Scene<'a> {
+    /// Linearises the data at a fit.
+    pub fn new(fit: &'a Fit, data: &'a Dataset) -> Result<Self, DiscoverError> {
+        let model = fit.fitted.model();
+        let chain = model.chain();
+        let bound = model.bind(&data.schema)?;
+        let visits = Visits::of(data);
+        let site_count = chain.site_count();
+        let kept = &fit.reduction.kept;
+        let mut place = vec![usize::MAX; model.columns().len()];
+        kept.iter().enumerate().for_each(|(k, &c)| place[c] = k);
+
+        let mut scene = Scene {
+            data,
+            fit,
+            observations: Vec::new(),
+            visits: visits.len(),
+            base: DMatrix::zeros(0, 0),
+            y: DVector::zeros(0),
+            prior: fit.prior.rows(),
+            noise: fit.noise,
+            muted: 0..0,
+            sites: Vec::new(),
+            site_count,
+            stations: Vec::new(),
+            normal: OnceLock::new(),
+        };
+        let (mut flat, mut y) = (Vec::new(), Vec::new());
+        let mut rest = Equilibrium::new(model);
+        for (visit, rows) in visits.rows.iter().enumerate() {
+            for &row in rows {
+                let seen = data.seen(row);
+                if seen.count() == 0 {
+                    continue;
+                }
+                let conditions = data.conditions(row);
+                let first = scene.observations.len();
+                let stands =
+                    scene.stations.last().is_some_and(|s| s.visit == visit && s.conditions == conditions);
+                if !stands {
+                    rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                    let mut nominal = PostureBuffer::new(chain);
+                    nominal.update(chain, &conditions);
+                    let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
+                    scene.stations.push(Station {
+                        visit,
+                        conditions,
+                        nominal,
+                        settled,
+                        numbers: first..first,
+                    });
+                }
+                let (real, errors) = (rest.real(), rest.errors());
+                let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
+                let matrix = jacobian.matrix(chain);
+                let difference = data.measured_position(row) - jacobian.point();
+                let turn = data
+                    .measured_rotation(row)
+                    .map(|measured| rotation_log(&(measured * real.tool().rotation.transpose())));
+                for component in 0..6 {
+                    let residual = match component {
+                        0..3 if seen.position[component] => difference[component],
+                        3.. => match turn {
+                            Some(turn) => turn[component - 3],
+                            None => continue,
+                        },
+                        _ => continue,
+                    };
+                    scene.observations.push(Observation { row, component, visit });
+                    scene.sites.extend(matrix.row(component).iter());
+                    let start = flat.len();
+                    flat.resize(start + kept.len(), 0.0);
+                    for entry in rest.emission().entries() {
+                        if place[entry.column] != usize::MAX {
+                            flat[start + place[entry.column]] +=
+                                entry.value * matrix[(component, chain.site_index(entry.site))];
+                        }
+                    }
+                    let explained: f64 =
+                        flat[start..].iter().zip(kept).map(|(a, &c)| a * fit.fitted.coefficients()[c]).sum();
+                    y.push(residual + explained);
+                }
+                if let Some(station) = scene.stations.last_mut() {
+                    station.numbers.end = scene.observations.len();
+                }
+            }
+        }
+        scene.base = DMatrix::from_row_slice(scene.observations.len(), kept.len(), &flat);
+        scene.y = DVector::from_vec(y);
+        Ok(scene)
+    }
+
+    /// The normal equations of `[A | y]`; none where noise has to be taken number by number.
+    pub fn normal(&self) -> Option<&Normal> {
+        self.normal.get_or_init(|| Normal::of(&self.observations, self.data, (&self.base, &self.y))).as_ref()
+    }
+
+    /// The whitening of these numbers under a noise model.
+    pub fn whitener(&self, noise: NoiseModel) -> Whitener {
+        Whitener::new(&self.observations, self.data, noise)
+    }
+
+    /// How many numbers were measured.
+    pub fn len(&self) -> usize {
+        self.observations.len()
+    }
+
+    /// What the instrument states of a position's component in the median, m; NaN where it states nothing.
+    pub fn typical_sd(&self) -> f64 {
+        typical_sd(self.data)
+    }
+
+    /// The robot.
+    pub fn chain(&self) -> &Chain {
+        self.fit.fitted.chain()
+    }
+
+    /// Whether columns of other effects were dropped because those of these effects stand for them.
+    pub fn entangled(&self, effects: Range<usize>) -> bool {
+        let model = self.fit.fitted.model();
+        let own = |column: usize| effects.contains(&model.effect_of(column));
+        self.fit
+            .reduction
+            .dropped
+            .iter()
+            .any(|dropped| !own(dropped.column) && dropped.relation.iter().any(|&(kept, _)| own(kept)))
+    }
+
+    /// The same data and the same real robot, as a model sees it that lacks some of its effects, under the same noise. None when the
+    /// effects that stay are entangled with those that go.
+    pub fn muting(mut self, effects: Range<usize>) -> Option<Self> {
+        let model = self.fit.fitted.model();
+        if effects.is_empty() {
+            return None;
+        }
+        let muted = model.columns_of(effects.start).start..model.columns_of(effects.end - 1).end;
+        if self.entangled(effects) {
+            return None;
+        }
+        let kept = &self.fit.reduction.kept;
+        let out: Vec<usize> = (0..kept.len()).filter(|&k| muted.contains(&kept[k])).collect();
+        self.base = self.base.remove_columns_at(&out);
+        self.prior = self.prior.map(|prior| prior.remove_columns_at(&out).remove_rows_at(&out));
+        self.muted = muted;
+        self.normal = OnceLock::new();
+        Some(self)
+    }
+
+    /// Whether the present model has a constant error at this site, kept or reduced into others.
+    pub fn has_constant(&self, site: Site) -> bool {
+        let columns = self.fit.fitted.model().columns().iter().enumerate();
+        columns.filter(|(k, _)| !self.muted.contains(k)).any(|(_, column)| column.site == Some(site))
+    }
+
+    /// The present model's coefficients, those of the columns of `base`.
+    pub fn coefficients(&self) -> DVector<f64> {
+        let kept = self.fit.reduction.kept.iter().filter(|column| !self.muted.contains(column));
+        DVector::from_iterator(self.base.ncols(), kept.map(|&column| self.fit.fitted.coefficients()[column]))
+    }
+
+    /// Where the robot stood, visit by visit.
+    pub fn stations(&self) -> &[Station] {
+        &self.stations
+    }
+
+    /// How many sites the robot has.
+    pub fn site_count(&self) -> usize {
+        self.site_count
+    }
+
+    /// J of one measured number: what an error at each site does to it.
+    pub fn sites(&self, at: usize) -> &[f64] {
+        &self.sites[at * self.site_count..(at + 1) * self.site_count]
+    }
+
+    /// What these effects say, their unknowns side by side.
+    pub fn ask(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Asked<'_>, DiscoverError> {
+        let model = ErrorModel::new(self.chain().clone(), effects.to_vec())?;
+        let scales = model.columns().iter().map(|column| column.scale).collect();
+        Ok(Asked { scene: self, model, scales })
+    }
+
+    /// What effects' unknowns do to every measured number, in m or rad per expected size; m × k.
+    pub fn columns(&self, effects: &[Box<dyn AnyEffect>]) -> Result<DMatrix<f64>, DiscoverError> {
+        let asked = self.ask(effects)?;
+        let mut columns = DMatrix::zeros(self.len(), asked.width());
+        asked.each(0..self.stations.len(), &mut |station, entries| {
+            for at in self.stations[station].numbers.clone() {
+                let sites = self.sites(at);
+                for &(column, site, value) in entries {
+                    columns[(at, column)] += value * sites[site];
+                }
+            }
+        })?;
+        Ok(columns)
+    }
+
+    /// What a candidate would do to every measured number, m or rad per expected size (per kg for a load); m × k.
+    pub fn columns_of(&self, candidate: &Candidate) -> Result<DMatrix<f64>, DiscoverError> {
+        match &candidate.change {
+            Change::CorrectLoad { level, .. } => self.heavier(*level),
+            Change::Add(effects) => self.columns(effects),
+        }
+    }
+
+    /// What another kilogram at one declared level of payload would do, through the compliances of the present model:
+    /// a difference of predictions, m or rad per kg; m × 1.
+    pub fn heavier(&self, level: f64) -> Result<DMatrix<f64>, DiscoverError> {
+        const STEP: f64 = 1e-2;
+        let mut coefficients = self.fit.fitted.coefficients().to_vec();
+        coefficients[self.muted.clone()].fill(0.0);
+        let model = self.fit.fitted.model().clone();
+        let fitted = FittedModel::new(model, coefficients, self.fit.fitted.covariance().clone())?;
+        let mut predictor = fitted.bind(&self.data.schema)?;
+        let mut column = DMatrix::zeros(self.len(), 1);
+        for station in &self.stations {
+            let Some(changed) = crate::data::payload::changed(&station.conditions, level, level + STEP)
+            else {
+                continue;
+            };
+            let mut at = station.numbers.start;
+            for row in self.observations[station.numbers.clone()].chunk_by(|a, b| a.row == b.row) {
+                let target = self.data.target[row[0].row];
+                let before = predictor.predict(&station.conditions, target);
+                let after = predictor.predict(&changed, target);
+                let moved = (after.translation - before.translation) / STEP;
+                let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
+                for o in row {
+                    column[(at, 0)] =
+                        if o.component < 3 { moved[o.component] } else { turned[o.component - 3] };
+                    at += 1;
+                }
+            }
+        }
+        Ok(column)
+    }
+
+    /// The sites that a joint's own motion touches, with the share of each.
+    pub fn motion(&self, joint: JointId) -> Option<Vec<(usize, f64)>> {
+        let motion = self.chain().joint_motion(joint)?;
+        let mut emission = Emission::new();
+        emission.along(0, &motion, 1.0);
+        Some(emission.entries().iter().map(|e| (self.chain().site_index(e.site), e.value)).collect())
+    }
+
+    /// How far a joint was moved, rad or m.
+    pub fn travel(&self, joint: JointId) -> Option<f64> {
+        let column = &self.data.joints[self.chain().coordinate(joint)?];
+        let ends = column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &q| [a.min(q), b.max(q)]);
+        Some(ends[1] - ends[0])
+    }
+
+    /// A joint's value at a station.
+    pub fn joint_at(&self, station: usize, joint: JointId) -> Option<f64> {
+        Some(self.stations[station].conditions.joints[self.chain().coordinate(joint)?])
+    }
+}
+
+/// (unknown, site, error of the site per expected size of the unknown).
+pub(crate) type Entry = (usize, usize, f64);
+
+/// Effects, asked at every station.
+pub(crate) struct Asked<'s> {
+    scene: &'s Scene<'s>,
+    model: ErrorModel,
+    scales: Vec<f64>,
+}
+
+impl Asked<'_> {
+    /// How many unknowns there are.
+    pub fn width(&self) -> usize {
+        self.scales.len()
+    }
+
+    /// Calls `each(k, entries)` for the k-th of some stations, with what they say there.
+    pub fn each(
+        &self,
+        stations: impl Iterator<Item = usize>,
+        each: &mut dyn FnMut(usize, &[Entry]),
+    ) -> Result<(), DiscoverError> {
+        let chain = self.scene.chain();
+        let bound = self.model.bind(&self.scene.data.schema)?;
+        let mut emission = Emission::new();
+        let mut entries = Vec::new();
+        for (k, station) in stations.enumerate() {
+            let station = &self.scene.stations[station];
+            emission.clear();
+            for (settle, buffer) in [(true, &station.settled), (false, &station.nominal)] {
+                bound.emit_those(settle, &buffer.view(chain, &station.conditions), &mut emission);
+            }
+            entries.clear();
+            entries.extend(
+                emission
+                    .entries()
+                    .iter()
+                    .filter(|e| e.value != 0.0)
+                    .map(|e| (e.column, chain.site_index(e.site), e.value * self.scales[e.column])),
+            );
+            each(k, &entries);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,7 @@
+//! The score test of every candidate in one pass.
+
+pub(crate) mod candidates;
+pub(crate) mod functions;
+pub(crate) mod periodogram;
+pub(crate) mod refine;
+pub(crate) mod untestable;

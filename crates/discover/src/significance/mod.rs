@@ -1,0 +1,3 @@
+//! Family-wise p-values by resampling.
+
+pub(crate) mod sign_flips;

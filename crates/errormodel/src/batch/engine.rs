@@ -1,0 +1,304 @@
+//! Many rows at once: J_e, Φ and y(c) of a block of [`LANES`] rows, number by number.
+//!
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | s | [`Lanes::gather`]: conditions, measurements | `LANES` each | SI |
+//! | ε = Φ c | `errors` | sites × `LANES` | m, rad |
+//! | J_e | rows of `store`, position and rotation of each site | 6 × sites × `LANES` | m or rad per m or rad |
+//! | P J_e Φ | [`Lanes::columns`], component by component | columns × `LANES` | m or rad per unit |
+//!
+//! The same mathematics as [`crate::Equilibrium`] and [`crate::ErrorJacobian`], which do one row after the other and against which a test holds
+//! this. Effects that speak of a block at once ([`crate::Effect::eval_lanes`]) are asked so; others row by row, at the frames and weights of
+//! the block. A model whose gravity turns with a base that yields is brought to rest row by row, and only the rest of the arithmetic is wide.
+//! What is zero in a whole block is known and left out: slides do not turn, a joint that stands at zero has no powers. Rows of one standstill
+//! are brought to rest once.
+
+use super::fill::Fill;
+use crate::dataset::Dataset;
+use crate::emission::Emission;
+use crate::equilibrium::Equilibrium;
+use crate::lanes::{LANES, LaneEmission, LaneErrors, LaneLoad, LanePosture, Standing, Store};
+use crate::model::{BoundModel, Pace};
+use nalgebra::Vector3;
+use std::cell::Cell;
+use truepose_kinematics::pulp::Arch;
+use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer};
+
+/// How often the weights follow the deflections, as in [`crate::Equilibrium`].
+const STEPS: usize = 2;
+
+/// A block of rows.
+#[derive(Debug, Clone)]
+pub struct Lanes<'m> {
+    pub(super) bound: BoundModel<'m>,
+    pub(super) rows: Vec<usize>,
+    standing: Standing,
+    conditions: Conditions,
+    joints: Vec<f64>,
+    signals: Vec<f64>,
+    load: LaneLoad,
+    pub(super) store: Store,
+    pub(super) emission: LaneEmission,
+    pub(super) errors: LaneErrors,
+    /// None at all.
+    plain: LaneErrors,
+    /// Of what does not settle.
+    stiff: LaneErrors,
+    /// ε of a change of the coefficients.
+    pub(super) change: LaneErrors,
+    /// For each effect: whether it speaks of blocks.
+    wide: Vec<bool>,
+    /// One row at a time, for those that do not.
+    seat: PostureBuffer,
+    said: Emission,
+    /// Row by row, where gravity turns.
+    rest: Equilibrium,
+    settles: bool,
+    /// Whether some effect asked for frames or weights of the last block: it is likely to ask for those of the next one.
+    asks: bool,
+    pub(super) fill: Fill,
+}
+
+impl<'m> Lanes<'m> {
+    /// Memory for this model.
+    pub fn new(bound: BoundModel<'m>) -> Self {
+        let model = bound.model();
+        let chain = model.chain();
+        let mut lanes = Lanes {
+            rows: Vec::with_capacity(LANES),
+            standing: Standing::default(),
+            conditions: Conditions::default(),
+            joints: vec![0.0; chain.movable().len() * LANES],
+            signals: vec![0.0; bound.slots().len() * LANES],
+            load: LaneLoad::default(),
+            store: Store::new(chain),
+            emission: LaneEmission::new(),
+            errors: LaneErrors::new(chain),
+            plain: LaneErrors::new(chain),
+            stiff: LaneErrors::new(chain),
+            change: LaneErrors::new(chain),
+            wide: Vec::new(),
+            seat: PostureBuffer::new(chain),
+            said: Emission::new(),
+            rest: Equilibrium::new(model),
+            settles: model.effects().iter().any(|effect| effect.load_dependent()),
+            asks: true,
+            fill: Fill::default(),
+            bound,
+        };
+        lanes.wide = lanes.speaks_wide();
+        lanes
+    }
+
+    /// On these registers, instead of the widest that the processor has: the same numbers but for their last digits.
+    pub fn on(mut self, arch: Arch) -> Self {
+        (self.store.arch, self.errors.arch, self.change.arch) = (arch, arch, arch);
+        self
+    }
+
+    /// The model.
+    pub fn bound(&self) -> &BoundModel<'m> {
+        &self.bound
+    }
+
+    /// The rows of the block, as they were gathered.
+    pub fn rows(&self) -> &[usize] {
+        &self.rows
+    }
+
+    /// Asks every effect once whether it speaks of blocks.
+    fn speaks_wide(&mut self) -> Vec<bool> {
+        let asked = Cell::new(false);
+        let posture = LanePosture {
+            chain: self.bound.model().chain(),
+            joints: &self.joints,
+            signals: &[],
+            load: &self.load,
+            store: &self.store,
+            rows: 0,
+            asked: &asked,
+        };
+        let effects = self.bound.model().effects();
+        let ask = |k: usize| {
+            let signals = &self.signals[self.bound.slots_of(k).start * LANES..];
+            effects[k].eval_lanes(&LanePosture { signals, ..posture }, &mut self.emission)
+        };
+        let wide = (0..effects.len()).map(ask).collect();
+        self.emission.clear();
+        wide
+    }
+
+    /// Takes the inputs and measurements of some rows, [`LANES`] at most.
+    pub fn gather(&mut self, data: &Dataset, rows: &[usize]) {
+        let rows = &rows[..rows.len().min(LANES)];
+        self.rows.clear();
+        self.rows.extend_from_slice(rows);
+        self.standing.gather(rows, |a, b| self.bound.same_conditions(data, a, b));
+        let standing = &self.standing.rows;
+        let put = |to: &mut [f64], from: &[f64]| {
+            to.iter_mut().zip(standing).for_each(|(to, &row)| *to = from[row]);
+            to[standing.len()..LANES].fill(0.0);
+        };
+        for (to, from) in self.joints.chunks_exact_mut(LANES).zip(&data.joints) {
+            put(to, from);
+        }
+        for (to, slot) in self.signals.chunks_exact_mut(LANES).zip(self.bound.slots()) {
+            put(to, data.slot(*slot));
+        }
+        self.load.gather(data, standing);
+        self.store.aim(self.bound.model().chain(), data, rows);
+    }
+
+    /// Brings the block to rest with these coefficients (one a column of the model): Φ, ε and the frames.
+    pub fn settle(&mut self, data: &Dataset, coefficients: &[f64]) {
+        self.come_to_rest(data, coefficients);
+        if self.standing.shared() {
+            self.store.spread(&self.standing);
+            self.emission.spread(&self.standing);
+            self.errors.spread(&self.standing);
+        }
+    }
+
+    /// The standstills of the block, one a lane.
+    fn come_to_rest(&mut self, data: &Dataset, coefficients: &[f64]) {
+        let moves = coefficients.iter().any(|&c| c != 0.0);
+        if moves && self.turns_with_base() {
+            self.row_by_row(data, coefficients);
+            return;
+        }
+        let chain = self.bound.model().chain();
+        let gravity = chain.gravity_in_measurement_frame();
+        self.emission.clear();
+        self.errors.clear();
+        self.store.turn(chain, &self.joints);
+        self.emit(data, |pace| pace != Pace::Settling);
+        let still = self.emission.mark();
+        if moves {
+            self.errors.add(&self.emission, 0, coefficients);
+        }
+        let weighed = self.settles && self.emit_at_nominal(data, still, &gravity);
+        let yields = weighed && moves && self.emission.mark() > still;
+        if !yields {
+            if moves {
+                self.errors.add(&self.emission, still, coefficients);
+            }
+            if moves || !weighed {
+                self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
+            }
+            return;
+        }
+        self.stiff.become_as(&self.errors);
+        self.errors.add(&self.emission, still, coefficients);
+        for _ in 0..STEPS {
+            self.walk(&gravity);
+            self.emission.truncate(still);
+            self.emit(data, |pace| pace == Pace::Settling);
+            self.errors.become_as(&self.stiff);
+            self.errors.add(&self.emission, still, coefficients);
+        }
+        self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
+    }
+
+    /// What effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
+    /// on where the robot comes to rest (a polynomial in a measured wrench), and the nominal frames need not be there.
+    fn emit_at_nominal(&mut self, data: &Dataset, still: usize, gravity: &Vector3<f64>) -> bool {
+        let chain = self.bound.model().chain();
+        let mut ready = false;
+        loop {
+            if self.asks && !ready {
+                self.store.walk(chain, &self.joints, &self.plain, self.standing.rows.len());
+                self.store.weigh(chain, &self.load, gravity, self.standing.rows.len());
+                ready = true;
+            }
+            self.emission.truncate(still);
+            self.asks = self.emit(data, |pace| pace == Pace::Settling);
+            if ready || !self.asks {
+                return self.asks;
+            }
+        }
+    }
+
+    /// Asks effects of some paces; whether one of them asked for frames or weights.
+    fn emit(&mut self, data: &Dataset, wanted: impl Fn(Pace) -> bool) -> bool {
+        let model = self.bound.model();
+        let asked = Cell::new(false);
+        let mut narrow = false;
+        for k in (0..model.effects().len()).filter(|k| wanted(model.pace(*k))) {
+            if !self.wide[k] {
+                narrow = true;
+                continue;
+            }
+            self.emission.start_at(model.columns_of(k).start);
+            let posture = LanePosture {
+                chain: model.chain(),
+                joints: &self.joints,
+                signals: &self.signals[self.bound.slots_of(k).start * LANES..],
+                load: &self.load,
+                store: &self.store,
+                rows: self.standing.rows.len(),
+                asked: &asked,
+            };
+            model.effects()[k].eval_lanes(&posture, &mut self.emission);
+        }
+        if narrow {
+            for pace in [Pace::Constant, Pace::Moving, Pace::Settling].into_iter().filter(|p| wanted(*p)) {
+                self.emit_row_by_row(data, pace, &asked);
+            }
+        }
+        asked.get()
+    }
+
+    /// Asks the effects of a pace that do not speak of blocks, at the frames and weights of the block.
+    fn emit_row_by_row(&mut self, data: &Dataset, pace: Pace, asked: &Cell<bool>) {
+        let model = self.bound.model();
+        let those: Vec<usize> =
+            (0..model.effects().len()).filter(|&k| !self.wide[k] && model.pace(k) == pace).collect();
+        if those.is_empty() {
+            return;
+        }
+        // What depends on no frame is asked at the nominal posture, as it is row by row.
+        let settling = pace == Pace::Settling;
+        asked.set(asked.get() || settling);
+        let from = self.emission.mark();
+        for (lane, &row) in self.standing.rows.iter().enumerate() {
+            data.conditions_into(row, &mut self.conditions);
+            let (store, seat) = (&self.store, &mut self.seat);
+            let at = |f: FrameId| (store.frame(f.0, lane), store.carries(f.0, lane));
+            let posture = match settling {
+                true => seat.place(model.chain(), &self.conditions, at),
+                false => seat.update(model.chain(), &self.conditions),
+            };
+            self.said.clear();
+            those.iter().for_each(|&k| self.bound.emit_effect(k, &posture, &mut self.said));
+            self.emission.take(lane, self.said.entries(), from, model.chain());
+        }
+    }
+
+    /// Frames with the errors that there are, and weights under this gravity.
+    fn walk(&mut self, gravity: &Vector3<f64>) {
+        let chain = self.bound.model().chain();
+        self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
+        self.store.weigh(chain, &self.load, gravity, self.standing.rows.len());
+    }
+
+    /// Whether gravity goes with the base, whose own error then turns it.
+    fn turns_with_base(&self) -> bool {
+        let model = self.bound.model();
+        model.chain().gravity().frame == GravityFrame::Base && self.settles
+    }
+
+    /// As [`Lanes::settle`], one row after the other.
+    fn row_by_row(&mut self, data: &Dataset, coefficients: &[f64]) {
+        let chain = self.bound.model().chain();
+        self.emission.clear();
+        self.errors.clear();
+        self.store.turn(chain, &self.joints);
+        for (lane, &row) in self.standing.rows.iter().enumerate() {
+            data.conditions_into(row, &mut self.conditions);
+            self.rest.settle(&self.bound, &self.conditions, coefficients);
+            self.emission.take(lane, self.rest.emission().entries(), 0, chain);
+            self.errors.take(lane, self.rest.errors(), chain);
+        }
+        self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
+    }
+}

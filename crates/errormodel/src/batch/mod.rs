@@ -1,0 +1,11 @@
+//! A model in a block of rows at once.
+
+mod columns;
+mod engine;
+mod fill;
+
+pub use engine::Lanes;
+pub use fill::Component;
+
+#[cfg(test)]
+mod tests;

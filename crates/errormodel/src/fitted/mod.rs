@@ -1,0 +1,11 @@
+//! Fitted models: evaluation, the data of the fit, and whether a prediction lies within it.
+
+mod coverage;
+mod domain;
+mod model;
+mod sample;
+
+pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
+pub use domain::{Domain, Interval};
+pub use model::{FittedModel, LoadCorrection, Predictor};
+pub use sample::Sample;

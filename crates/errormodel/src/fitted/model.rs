@@ -1,0 +1,266 @@
+//! A fitted model: evaluated without the data, the solver or the reduction that made it.
+
+use super::domain::Domain;
+use crate::noise::NoiseModel;
+use crate::{
+    BoundModel, Channel, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Schema,
+};
+use nalgebra::{DMatrix, Matrix3, Matrix6};
+use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
+
+/// An error model with coefficients, how well they are known, and where they were seen.
+#[derive(Debug, Clone)]
+pub struct FittedModel {
+    model: ErrorModel,
+    coefficients: Vec<f64>,
+    covariance: DMatrix<f64>,
+    /// Channels at fit time, with their units: the same have to be there at run time.
+    pub channels: Vec<Channel>,
+    /// The inputs on which it was fitted.
+    pub domain: Domain,
+    /// Standard deviations of one component of a new measurement around the model: `position_sd` includes what the rows of
+    /// a visit share, `visit_sd` is zero.
+    pub noise: NoiseModel,
+    /// Payloads that are declared wrongly: what is declared, and what is carried.
+    pub loads: Vec<LoadCorrection>,
+    /// How it came about, for people: program, data, options. Not needed for evaluation.
+    pub provenance: serde_json::Map<String, serde_json::Value>,
+}
+
+/// A payload whose declared mass is wrong, wherever it is declared.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadCorrection {
+    /// As declared, kg.
+    pub declared: f64,
+    /// As it is, kg.
+    pub carried: f64,
+}
+
+impl LoadCorrection {
+    /// Declared masses closer than this share are one level.
+    const SAME: f64 = 1e-9;
+
+    /// The load that is carried, when this is the level that it declares.
+    pub fn apply(&self, load: Load) -> Option<Load> {
+        match load {
+            Load::Payload(payload)
+                if (payload.mass - self.declared).abs() <= Self::SAME * self.declared.abs().max(1.0) =>
+            {
+                Some(Load::Payload(Payload { mass: self.carried, ..payload }))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl FittedModel {
+    /// From coefficients c (one a column of the model) and their covariance.
+    ///
+    /// # Errors
+    /// When the sizes do not fit.
+    pub fn new(
+        model: ErrorModel,
+        coefficients: Vec<f64>,
+        covariance: DMatrix<f64>,
+    ) -> Result<Self, ModelError> {
+        let need = model.columns().len();
+        if coefficients.len() != need {
+            return Err(ModelError::Shape { what: "coefficients", have: coefficients.len(), need });
+        }
+        if covariance.shape() != (need, need) {
+            return Err(ModelError::Shape { what: "covariance", have: covariance.nrows(), need });
+        }
+        Ok(FittedModel {
+            model,
+            coefficients,
+            covariance,
+            channels: Vec::new(),
+            domain: Domain::default(),
+            noise: NoiseModel::none(),
+            loads: Vec::new(),
+            provenance: serde_json::Map::new(),
+        })
+    }
+
+    /// With the channels of the data of the fit.
+    pub fn with_channels(self, channels: Vec<Channel>) -> Self {
+        FittedModel { channels, ..self }
+    }
+
+    /// With the inputs on which it was fitted.
+    pub fn with_domain(self, domain: Domain) -> Self {
+        FittedModel { domain, ..self }
+    }
+
+    /// With the noise of a new measurement around the model.
+    pub fn with_noise(self, noise: NoiseModel) -> Self {
+        FittedModel { noise, ..self }
+    }
+
+    /// With payloads that are declared wrongly.
+    pub fn with_loads(self, loads: Vec<LoadCorrection>) -> Self {
+        FittedModel { loads, ..self }
+    }
+
+    /// With the record of how it came about.
+    pub fn with_provenance(self, provenance: serde_json::Map<String, serde_json::Value>) -> Self {
+        FittedModel { provenance, ..self }
+    }
+
+    /// The same with another covariance of the coefficients; everything else stays.
+    ///
+    /// # Errors
+    /// When its size does not fit.
+    pub fn with_covariance(self, covariance: DMatrix<f64>) -> Result<Self, ModelError> {
+        let need = self.model.columns().len();
+        if covariance.shape() != (need, need) {
+            return Err(ModelError::Shape { what: "covariance", have: covariance.nrows(), need });
+        }
+        Ok(FittedModel { covariance, ..self })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &ErrorModel {
+        &self.model
+    }
+
+    /// The robot.
+    pub fn chain(&self) -> &Chain {
+        self.model.chain()
+    }
+
+    /// Coefficients c, one a column of the model, in its unit.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.coefficients
+    }
+
+    /// Covariance of the coefficients; rows and columns of those that the reduction left out are zero.
+    pub fn covariance(&self) -> &DMatrix<f64> {
+        &self.covariance
+    }
+
+    /// The load that is carried where this one is declared.
+    pub fn carried(&self, declared: Load) -> Load {
+        self.loads.iter().find_map(|correction| correction.apply(declared)).unwrap_or(declared)
+    }
+
+    /// Ready to predict under conditions of this schema.
+    ///
+    /// # Errors
+    /// When a signal that the model needs is missing, or a channel has another unit than at fit time.
+    pub fn bind(&self, schema: &Schema) -> Result<Predictor<'_>, ModelError> {
+        for channel in &self.channels {
+            if let Some(k) = schema.channel(&channel.name)
+                && schema.channels[k].unit != channel.unit
+                && self
+                    .model
+                    .effects()
+                    .iter()
+                    .any(|effect| effect.needs().contains(&crate::Signal::Channel(channel.name.clone())))
+            {
+                return Err(ModelError::ChannelUnit {
+                    channel: channel.name.clone(),
+                    have: schema.channels[k].unit.clone(),
+                    need: channel.unit.clone(),
+                });
+            }
+        }
+        Ok(Predictor {
+            fitted: self,
+            bound: self.model.bind(schema)?,
+            nominal: PostureBuffer::new(self.chain()),
+            rest: Equilibrium::new(&self.model),
+            conditions: Conditions::default(),
+        })
+    }
+}
+
+/// Evaluates a fitted model, posture after posture, without allocating.
+#[derive(Debug, Clone)]
+pub struct Predictor<'m> {
+    fitted: &'m FittedModel,
+    bound: BoundModel<'m>,
+    nominal: PostureBuffer,
+    rest: Equilibrium,
+    /// Used where a declared load is wrong.
+    conditions: Conditions,
+}
+
+impl Predictor<'_> {
+    /// The real robot under these conditions: orientation of the tool, position of the target (none: of the tool's
+    /// origin), in the measurement frame.
+    pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
+        self.settle(conditions);
+        let real = self.rest.real();
+        let point = real.point(self.fitted.chain(), self.rest.errors(), target);
+        Pose::new(real.tool().rotation, point)
+    }
+
+    /// The same pose as the nominal robot has it.
+    pub fn nominal(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
+        let chain = self.fitted.chain();
+        let posture = self.nominal.update(chain, conditions);
+        let tool = posture.tool();
+        let point = target.map_or(tool.translation, |t| tool.apply(&chain.targets()[t.0].position));
+        Pose::new(tool.rotation, point)
+    }
+
+    /// How the prediction moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
+    /// of the coefficient; 6 × p.
+    pub fn sensitivity(&mut self, conditions: &Conditions, target: Option<TargetId>) -> DMatrix<f64> {
+        self.settle(conditions);
+        let (chain, rest) = (self.fitted.chain(), &self.rest);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), target);
+        let mut rows = DMatrix::zeros(6, self.fitted.coefficients.len());
+        for entry in rest.emission().entries() {
+            let mut column = rows.column_mut(entry.column);
+            let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
+            for k in 0..3 {
+                column[k] += entry.value * p[k];
+                column[k + 3] += entry.value * r[k];
+            }
+        }
+        rows
+    }
+
+    /// How well the prediction is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
+    /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
+    pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
+        let rows = self.sensitivity(conditions, target);
+        let spread = &rows * &self.fitted.covariance * rows.transpose();
+        Matrix6::from_iterator(spread.iter().copied())
+    }
+
+    /// [`Predictor::predict`], and the covariance of its position (m²) that comes from the coefficients alone.
+    pub fn with_covariance(
+        &mut self,
+        conditions: &Conditions,
+        target: Option<TargetId>,
+    ) -> (Pose, Matrix3<f64>) {
+        let rows = self.sensitivity(conditions, target);
+        let real = self.rest.real();
+        let pose =
+            Pose::new(real.tool().rotation, real.point(self.fitted.chain(), self.rest.errors(), target));
+        let rows = rows.rows(0, 3);
+        let spread = rows * &self.fitted.covariance * rows.transpose();
+        (pose, Matrix3::from_iterator(spread.iter().copied()))
+    }
+
+    /// The generalized errors under these conditions.
+    pub fn errors(&mut self, conditions: &Conditions) -> &GeneralizedErrors {
+        self.settle(conditions);
+        self.rest.errors()
+    }
+
+    fn settle(&mut self, conditions: &Conditions) {
+        let conditions = if self.fitted.loads.is_empty() {
+            conditions
+        } else {
+            self.conditions.clone_from(conditions);
+            self.conditions.load = self.fitted.carried(conditions.load);
+            &self.conditions
+        };
+        self.rest.settle(&self.bound, conditions, &self.fitted.coefficients);
+    }
+}

@@ -1,0 +1,4 @@
+//! The size of a block.
+
+/// How many rows a block has at most.
+pub const LANES: usize = 128;

@@ -1,0 +1,218 @@
+//! What accumulators make of all blocks: triangles, Gram matrices, rows by visits, and what is left of the measurements.
+
+use super::accumulate::{WORTH_TWO_SUMS, WORTH_TWO_TRIANGLES, accumulate, by_blocks};
+use super::blocks::{Blocks, batches};
+use super::rows::collect;
+use crate::{IdentifyError, NoiseModel, Residuals};
+use nalgebra::{DMatrix, Vector3};
+use rayon::prelude::*;
+use truepose_errormodel::batch::Lanes;
+use truepose_errormodel::lanes::LANES;
+use truepose_errormodel::{Dataset, ErrorModel, Visits};
+use truepose_solvers::Gram;
+use truepose_solvers::accumulator::{Factor, LeftOut, Triangular};
+
+/// The triangular factor of `[A | r]` over all visits, over all columns or over these: as [`gram`], with all digits.
+///
+/// # Errors
+/// When the model and the data do not fit, or a number is not finite.
+pub fn triangular(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Triangular, IdentifyError> {
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let of = |range, threads| {
+        triangle(Blocks::new(model, data, noise, coefficients, columns)?.on_threads(threads), visits, range)
+    };
+    let mut parts = by_blocks(visits, width, WORTH_TWO_TRIANGLES, of)?.into_iter();
+    let mut whole = parts.next().unwrap_or_else(|| Triangular::new(width, 1));
+    for part in parts {
+        whole.merge(&part)?;
+    }
+    Ok(whole)
+}
+
+/// The triangular factor of all visits over all columns, or over these: in parallel over fixed blocks that are merged in order.
+///
+/// # Errors
+/// As [`accumulate`].
+pub fn factorise(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Factor, IdentifyError> {
+    Ok(triangular(model, data, visits, noise, coefficients, columns)?.into_factor())
+}
+
+/// The same over some of the visits, by one thread.
+///
+/// # Errors
+/// As [`triangular`].
+pub fn triangular_of(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+    which: impl Iterator<Item = usize> + Clone,
+) -> Result<Triangular, IdentifyError> {
+    triangle(Blocks::new(model, data, noise, coefficients, columns)?, visits, which)
+}
+
+fn triangle(
+    blocks: Blocks<'_>,
+    visits: &Visits,
+    which: impl Iterator<Item = usize> + Clone,
+) -> Result<Triangular, IdentifyError> {
+    let Some(batches) = batches(blocks.data, visits, which.clone()) else {
+        return accumulate(blocks.row_by_row()?, visits, which);
+    };
+    let mut triangle = Triangular::new(blocks.width(), 1);
+    blocks.in_turn(&batches, |whole| {
+        Ok(triangle.update_columns(&whole.active, whole.rows, whole.rows, &whole.numbers)?)
+    })?;
+    Ok(triangle)
+}
+
+/// The whitened rows of `[A | r]` over all visits, in the order of their blocks.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub(crate) fn dense(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+) -> Result<DMatrix<f64>, IdentifyError> {
+    let Some(batches) = batches(data, visits, 0..visits.len()) else {
+        let rows = collect(model, data, visits, noise, coefficients)?;
+        let width = rows.a.ncols();
+        let mut dense = rows.a.insert_column(width, 0.0);
+        dense.set_column(width, &rows.residual);
+        return Ok(dense);
+    };
+    let mut blocks = Blocks::new(model, data, noise, coefficients, None)?;
+    let wholes = blocks.wholes(&batches)?;
+    let (rows, width) = (wholes.iter().map(|whole| whole.rows).sum(), blocks.width());
+    let mut dense = DMatrix::zeros(rows, width + 1);
+    let mut first = 0;
+    for whole in wholes.iter().filter(|whole| whole.rows > 0) {
+        let columns = whole.active.iter().copied().chain([width]);
+        for (column, numbers) in columns.zip(whole.numbers.chunks_exact(whole.rows)) {
+            dense.column_mut(column).as_mut_slice()[first..first + whole.rows].copy_from_slice(numbers);
+        }
+        first += whole.rows;
+    }
+    Ok(dense)
+}
+
+/// The rows of `[A | r]` by visits, for cross-validation of the linear fit; visits are its groups.
+///
+/// # Errors
+/// When the model and the data do not fit, or a visit is longer than a block.
+pub fn left_out(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<LeftOut, IdentifyError> {
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+    let all = batches(data, visits, 0..visits.len());
+    let batches = all.ok_or(IdentifyError::LongVisit { most: LANES })?;
+    let wholes = blocks.wholes(&batches)?;
+    let parts = wholes.iter().map(|w| (w.active.as_slice(), w.groups.as_slice(), w.numbers.as_slice()));
+    Ok(LeftOut::new(blocks.width(), visits.len(), parts)?)
+}
+
+/// The Gram matrix of `[A | r]` over all visits, over all columns or over these: in parallel over fixed blocks, merged in order.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn gram(
+    model: &ErrorModel,
+    data: &Dataset,
+    visits: &Visits,
+    noise: NoiseModel,
+    coefficients: &[f64],
+    columns: Option<&[usize]>,
+) -> Result<Gram, IdentifyError> {
+    let width = columns.map_or(model.columns().len(), <[usize]>::len);
+    let parts = by_blocks(visits, width, WORTH_TWO_SUMS, |range, _| {
+        let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
+        let mut gram = Gram::new(blocks.width(), 1);
+        match batches(data, visits, range.clone()) {
+            Some(batches) => {
+                for batch in &batches {
+                    blocks.each(batch, |c| Ok(gram.update_columns(c.active, c.rows, LANES, c.numbers)?))?;
+                }
+            }
+            None => {
+                let mut lineariser = blocks.row_by_row()?;
+                for visit in range {
+                    gram.update_rows(lineariser.visit(&visits.rows[visit]).rows)?;
+                }
+            }
+        }
+        Ok(gram)
+    })?;
+    let mut parts = parts.into_iter();
+    let mut whole = parts.next().unwrap_or_else(|| Gram::new(width, 1));
+    whole.flush();
+    for part in parts {
+        whole.merge(&part)?;
+    }
+    Ok(whole)
+}
+
+/// Residuals `y − y(c) − P J_e Φ δ` of every row, in metres and radians.
+///
+/// # Errors
+/// When the model and the data do not fit.
+pub fn left_over(
+    model: &ErrorModel,
+    data: &Dataset,
+    coefficients: &[f64],
+    change: &[f64],
+) -> Result<Residuals, IdentifyError> {
+    data.validate(model.chain())?;
+    let bound = model.bind(&data.schema)?;
+    const ROWS: usize = 4 * LANES;
+    let parts: Vec<Vec<f64>> = (0..data.len().div_ceil(ROWS))
+        .into_par_iter()
+        .map(|part| {
+            let mut lanes = Lanes::new(bound.clone());
+            let rows: Vec<usize> = (part * ROWS..((part + 1) * ROWS).min(data.len())).collect();
+            let mut numbers = vec![0.0; rows.len().div_ceil(LANES) * 6 * LANES];
+            for (rows, numbers) in rows.chunks(LANES).zip(numbers.chunks_exact_mut(6 * LANES)) {
+                lanes.gather(data, rows);
+                lanes.settle(data, coefficients);
+                lanes.left(data, change, numbers);
+            }
+            numbers
+        })
+        .collect();
+    let mut residuals = Residuals {
+        position: vec![Vector3::repeat(f64::NAN); data.len()],
+        orientation: vec![None; data.len()],
+    };
+    for row in 0..data.len() {
+        let block = &parts[row / ROWS][row % ROWS / LANES * 6 * LANES..][..6 * LANES];
+        let at = |component: usize| block[component * LANES + row % LANES];
+        for k in (0..3).filter(|&k| !data.position[row][k].is_nan()) {
+            residuals.position[row][k] = at(k);
+        }
+        residuals.orientation[row] = data.orientation[row].map(|_| Vector3::new(at(3), at(4), at(5)));
+    }
+    Ok(residuals)
+}

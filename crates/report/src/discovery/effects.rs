@@ -1,0 +1,151 @@
+//! The findings of a discovery with their competing hypotheses.
+
+use serde::{Deserialize, Serialize};
+use truepose_discover::{Alternative, Evidence, Finding, Parameter, Place};
+
+/// One finding: an effect that was added to the model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FindingSummary {
+    /// Family of the effect.
+    pub family: String,
+    /// Where the effect acts.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Period, rad or m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period: Option<f64>,
+    /// All its periods, rad or m.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub periods: Vec<f64>,
+    /// Instant of a shift, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<f64>,
+    /// 1-based data rows of outliers or a wrong payload.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<usize>,
+    /// Family-wise p-value of the resampling test.
+    pub p_value: f64,
+    /// Parametric p-value of the likelihood-ratio statistic.
+    pub p_parametric: f64,
+    /// RMS on the held-out test set, mm.
+    pub holdout_rms_mm: BeforeAfter,
+    /// RMS on the training part, mm.
+    pub train_rms_mm: BeforeAfter,
+    /// Cross-validated RMS at the time when the effect was added, mm.
+    pub cross_validated_rms_mm: BeforeAfter,
+    /// Selection frequency: fraction of half-samples in which the effect is selected.
+    pub stability: f64,
+    /// Nonlinear parameters and coefficients with their 95 % intervals.
+    pub parameters: Vec<Parameter>,
+    /// Competing hypotheses, the most likely first.
+    pub alternatives: Vec<AlternativeSummary>,
+    /// One sentence: what the effect is and where to inspect the robot.
+    pub meaning: String,
+}
+
+/// An error before and after.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BeforeAfter {
+    /// Without the effect.
+    pub before: f64,
+    /// With it.
+    pub after: f64,
+}
+
+/// A competing hypothesis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AlternativeSummary {
+    /// Family of the effect.
+    pub family: String,
+    /// Where the effect acts.
+    #[serde(flatten)]
+    pub place: Place,
+    /// RMS on the held-out test set with this hypothesis in place of the finding, mm.
+    pub holdout_rms_mm: f64,
+    /// Penalised −2 ln L minus that of the finding: above 0, the data is less likely under this hypothesis.
+    pub behind: f64,
+    /// True when the hypothesis and the finding are not distinguishable with this data.
+    pub equivalent: bool,
+}
+
+impl FindingSummary {
+    pub(super) fn new(finding: &Finding) -> Self {
+        let candidate = &finding.candidate;
+        let mm = |(before, after): (f64, f64)| BeforeAfter { before: before * 1e3, after: after * 1e3 };
+        let parameter = |effect: &dyn truepose_errormodel::AnyEffect, key: &str| {
+            effect.parameters().get(key).and_then(serde_json::Value::as_f64)
+        };
+        let mut periods = Vec::new();
+        let mut at = None;
+        for effect in candidate.effects() {
+            if let Some(period) = parameter(&**effect, "period") {
+                let listed = effect.parameters();
+                let harmonics: Vec<f64> = listed
+                    .get("harmonics")
+                    .and_then(serde_json::Value::as_array)
+                    .map(|list| list.iter().filter_map(serde_json::Value::as_f64).collect())
+                    .unwrap_or_else(|| vec![1.0]);
+                periods.extend(harmonics.iter().map(|h| period / h));
+            }
+            if effect.kind() == "shift" {
+                at = at.or_else(|| parameter(&**effect, "at"));
+            }
+        }
+        // The harmonic of largest amplitude.
+        let power = |k: usize| -> f64 {
+            let part = |j: usize| finding.parameters.get(j).map_or(0.0, |p: &Parameter| p.value * p.value);
+            part(2 * k) + part(2 * k + 1)
+        };
+        let complete = finding.parameters.len() == 2 * periods.len();
+        let strongest = (0..periods.len())
+            .max_by(|&a, &b| power(a).total_cmp(&power(b)))
+            .filter(|_| complete)
+            .unwrap_or(0);
+        FindingSummary {
+            family: candidate.family.word().into(),
+            place: candidate.place.clone(),
+            period: periods.get(strongest).copied(),
+            periods: if periods.len() > 1 { periods } else { Vec::new() },
+            at,
+            rows: finding.rows.iter().map(|row| row + 1).collect(),
+            p_value: finding.evidence.p_value,
+            p_parametric: finding.evidence.p_parametric,
+            holdout_rms_mm: mm(finding.holdout),
+            train_rms_mm: mm(finding.train),
+            cross_validated_rms_mm: cross_validated(&finding.evidence),
+            stability: finding.evidence.stability,
+            parameters: finding.shape.iter().chain(&finding.parameters).cloned().collect(),
+            alternatives: finding.alternatives.iter().map(AlternativeSummary::from).collect(),
+            meaning: super::meaning::meaning(finding),
+        }
+    }
+
+    /// Family and place, e.g. `backlash a1`.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
+    }
+}
+
+impl From<&Alternative> for AlternativeSummary {
+    fn from(a: &Alternative) -> Self {
+        AlternativeSummary {
+            family: a.family.word().into(),
+            place: a.place.clone(),
+            holdout_rms_mm: a.holdout * 1e3,
+            behind: a.behind,
+            equivalent: a.equivalent,
+        }
+    }
+}
+
+/// Cross-validated RMS without and with a candidate, mm.
+pub(super) fn cross_validated(evidence: &Evidence) -> BeforeAfter {
+    BeforeAfter { before: evidence.random.before * 1e3, after: evidence.random.after * 1e3 }
+}
+
+impl AlternativeSummary {
+    /// Family and place, e.g. `backlash a1`.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
+    }
+}

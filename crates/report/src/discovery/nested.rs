@@ -1,0 +1,35 @@
+//! Nested cross-validation of the whole search.
+
+use crate::PositionStatistics;
+use serde::{Deserialize, Serialize};
+use truepose_discover::{Diagnosis, Nested};
+
+/// Nested cross-validation: the whole search, run once for each fold with that fold left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NestedSummary {
+    /// How the folds were made.
+    pub folds: String,
+    /// With the declared model.
+    pub before: PositionStatistics,
+    /// With the findings of each run.
+    pub after: PositionStatistics,
+    /// Names of the findings of each run.
+    pub found: Vec<Vec<String>>,
+    /// Position errors of each run on the fold that it left out.
+    #[serde(default)]
+    pub after_by_fold: Vec<PositionStatistics>,
+}
+
+impl NestedSummary {
+    /// Summary of nested cross-validation; `folds` names how the folds were made.
+    pub fn new(nested: &Nested, folds: String) -> Self {
+        let names = |run: &Diagnosis| run.findings.iter().map(|f| f.candidate.words()).collect();
+        NestedSummary {
+            folds,
+            before: nested.before.into(),
+            after: nested.after.into(),
+            found: nested.runs.iter().map(names).collect(),
+            after_by_fold: nested.runs.iter().map(|run| run.after.holdout.positions().into()).collect(),
+        }
+    }
+}

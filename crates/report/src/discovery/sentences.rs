@@ -1,0 +1,191 @@
+//! The sentences of a discovery, which terminal and page share.
+
+use super::{
+    DiscoverySummary, FindingSummary, NestedSummary, NoiseFloorSummary, NoiseReference, WithdrawnSummary,
+};
+use crate::{PositionStatistics, count, significant};
+use truepose_discover::{Check, Family, FloorSource, Stop, Verdict};
+
+impl DiscoverySummary {
+    /// The verdict: what the declared model lacks.
+    pub(crate) fn answer(&self) -> String {
+        let named = |effect: &&FindingSummary| effect.family != Family::Outlier.word();
+        let names: Vec<String> = self.effects.iter().filter(named).map(FindingSummary::name).collect();
+        let answer = match (names.len(), self.stopped) {
+            (0, Stop::NothingLeft) => "No effect beyond the declared model was found.".to_owned(),
+            (0, Stop::Withdrawn) => {
+                "The declared model is kept: the findings did not hold on unseen data.".to_owned()
+            }
+            (0, _) => {
+                "No effect was found that can be added to the declared model with confidence.".to_owned()
+            }
+            (1, _) => format!("The declared model lacks one effect: {}.", names.join(", ")),
+            (count, _) => format!("The declared model lacks {count} effects: {}.", names.join(", ")),
+        };
+        let outliers =
+            self.effects.iter().filter(|effect| !named(effect)).map(|effect| effect.rows.len()).sum();
+        match outliers {
+            0 => answer,
+            1 => format!("{answer} 1 row is reported as an outlier."),
+            rows => format!("{answer} {rows} rows are reported as outliers."),
+        }
+    }
+
+    /// Residual of the declared model, and the noise estimate behind each significance.
+    pub(crate) fn residual(&self) -> String {
+        let rms = significant(self.before.train_used().rms_mm, 3);
+        match (self.lack_of_fit.against, self.lack_of_fit.before, self.lack_of_fit.pure_error_mm) {
+            (NoiseReference::Repeats, Some(p), Some(pure)) => format!(
+                "Residual of the declared model: {rms} mm RMS. Repeatability (pure error): {} mm (lack of fit p = {}).",
+                significant(pure, 3),
+                significant(p, 2)
+            ),
+            _ => format!(
+                "Residual of the declared model: {rms} mm RMS. No repeated poses: significance comes from a resampling test (sign \
+                 flips of whole poses)."
+            ),
+        }
+    }
+
+    /// Position error before and after, on the held-out test set.
+    pub(crate) fn result(&self) -> String {
+        let pair = |before: PositionStatistics, after: PositionStatistics| match self.effects.is_empty() {
+            true => format!("{} mm", significant(after.rms_mm, 3)),
+            false => format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3)),
+        };
+        let all = pair(self.before.holdout, self.after.holdout);
+        let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
+            (Some(before), Some(after)) => format!(
+                "{} on the held-out test set without {}, {all} with {}",
+                pair(before, after),
+                count(self.after.holdout.count - after.count, "row that is reported as an outlier"),
+                if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
+            ),
+            _ => format!("{all} on the held-out test set"),
+        };
+        format!("Position error (3-D RMS): {figures}.")
+    }
+
+    /// Why the search ended.
+    pub(crate) fn termination(&self) -> String {
+        let p = format!("(p = {})", significant(self.unexplained.p_value, 2));
+        let found = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).count();
+        match self.stopped {
+            Stop::NothingLeft if found == 0 => {
+                format!("No effect beyond the declared model is significant {p}.")
+            }
+            Stop::NothingLeft => format!("No further effect is significant {p}."),
+            Stop::NothingConvincing => {
+                format!("The residual is significant {p}, but no candidate passed all tests.")
+            }
+            Stop::Circling => format!(
+                "The residual is significant {p}, but the search returned to the same candidates, which it cannot decide between."
+            ),
+            Stop::Withdrawn => self.withdrawn.as_ref().map_or_else(String::new, WithdrawnSummary::sentence),
+            Stop::Interrupted => {
+                "The run was ended before the search was complete; further effects are possible.".into()
+            }
+            Stop::Limit => {
+                format!(
+                    "The largest permitted number of effects was added {p}; further effects are possible."
+                )
+            }
+            _ => String::new(),
+        }
+    }
+
+    /// Whether the model is adequate.
+    pub(crate) fn adequacy(&self) -> String {
+        match (self.verdict, self.unexplained.rms_mm) {
+            (Verdict::Adequate, _) => {
+                "The model is adequate: the remaining residual is not significant against repeatability.".into()
+            }
+            (Verdict::Unexplained, Some(rms)) if rms > 0.0 => format!(
+                "No effect of the model explains {} mm of the {} mm RMS that remain.",
+                significant(rms, 2),
+                significant(self.after.train_used().rms_mm, 3)
+            ),
+            (Verdict::Unexplained, _) => match self.lack_of_fit.after {
+                Some(p) if self.stopped == Stop::NothingLeft => format!(
+                    "The lack of fit against repeated poses is significant (p = {}): the model lacks an effect.",
+                    significant(p, 2)
+                ),
+                _ => "The remaining residual is significant.".into(),
+            },
+            (Verdict::Undecided, _) if self.noise_floor.source == FloorSource::Unknown => {
+                "Whether the model is adequate cannot be decided without repeated poses: measure ten or more of them twice."
+                    .into()
+            }
+            _ => "Whether the model is adequate is not decided.".to_owned(),
+        }
+    }
+}
+
+impl NestedSummary {
+    /// Before and after in nested cross-validation, and the conclusion.
+    pub(crate) fn sentence(&self) -> String {
+        let (before, after) = (self.before.rms_mm, self.after.rms_mm);
+        let worse = if after > before {
+            " The declared model alone predicts better: do not rely on the findings."
+        } else {
+            ""
+        };
+        format!(
+            "Nested cross-validation of the whole search ({}): {} → {} mm RMS on the folds left out.{worse}",
+            self.folds,
+            significant(before, 3),
+            significant(after, 3)
+        )
+    }
+}
+
+impl NoiseFloorSummary {
+    /// Name of the limit in a chart.
+    pub(super) fn name(&self) -> &'static str {
+        match self.source {
+            FloorSource::Stated => "instrument",
+            _ => "repeatability",
+        }
+    }
+
+    /// The limit with its source.
+    pub(crate) fn sentence(&self) -> String {
+        let Some(rms) = self.rms_mm else {
+            return "Repeatability limit: unknown (no repeated poses, no stated accuracy).".into();
+        };
+        let rms = significant(rms, 3);
+        match (self.source, self.ci95_mm) {
+            (FloorSource::Repeats, Some([lower, upper])) => format!(
+                "Repeatability limit: {rms} mm ({} to {} mm; from repeats).",
+                significant(lower, 2),
+                significant(upper, 2)
+            ),
+            (FloorSource::Stated, _) => {
+                format!(
+                    "Repeatability limit: at least {rms} mm (stated accuracy of the instrument; no repeated poses)."
+                )
+            }
+            _ => format!("Repeatability limit: {rms} mm (from repeats)."),
+        }
+    }
+}
+
+impl WithdrawnSummary {
+    /// The withdrawn findings, the check that they failed, and the model that is kept.
+    pub(crate) fn sentence(&self) -> String {
+        let rows = match self.check {
+            Check::Refits => "in cross-validation by refits",
+            Check::UnsearchedRows => "on training rows outside of the sample that was searched",
+            Check::NestedFolds => "in nested cross-validation of the whole search",
+            Check::TestSet => "on the held-out test set",
+        };
+        format!(
+            "Withdrawn: {}. With {}, the model predicts unseen data worse than the declared model ({} → {} mm {rows}). The declared \
+             model is kept.",
+            self.findings.join(", "),
+            if self.findings.len() == 1 { "it" } else { "them" },
+            significant(self.declared_rms_mm, 3),
+            significant(self.enlarged_rms_mm, 3),
+        )
+    }
+}
