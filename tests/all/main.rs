@@ -7,6 +7,7 @@
 )]
 
 mod beams;
+mod cancelled;
 mod compensation;
 mod constraints;
 mod convergence;

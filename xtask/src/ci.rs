@@ -12,10 +12,14 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 17] = [
     Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
     Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
     Step { environment: &[], arguments: &["test", "--workspace"] },
+    Step {
+        environment: &[],
+        arguments: &["test", "-p", "truepose-errormodel", "--features", "ndarray", "--lib", "arrays"],
+    },
     Step {
         environment: &[],
         arguments: &["test", "-p", "truepose-io", "--features", "parquet", "--test", "parquet"],
@@ -24,6 +28,15 @@ const STEPS: [Step; 7] = [
         environment: &[],
         arguments: &["test", "-p", "truepose-cli", "--features", "parquet", "--test", "program", "parquet"],
     },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-kinematics", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-solvers", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-errormodel", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-identify", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-io", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-discover", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-compensate", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-simulate", "--no-default-features"] },
+    Step { environment: &[], arguments: &["check", "-p", "truepose-report", "--no-default-features"] },
     Step { environment: &[("RUSTDOCFLAGS", "-D warnings")], arguments: &["doc", "--workspace", "--no-deps"] },
     Step { environment: &[], arguments: &["xtask", "tidy"] },
 ];

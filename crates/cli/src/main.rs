@@ -10,6 +10,7 @@ mod watch;
 use args::{Args, Verb};
 use failure::Failure;
 use std::process::ExitCode;
+use watch::{Limits, watched};
 
 fn main() -> ExitCode {
     let args = Args::typed();
@@ -19,23 +20,26 @@ fn main() -> ExitCode {
         terminal::log(&format!("error: {error}"));
         return ExitCode::from(2);
     }
-    let done =
-        watch::begin(&args).and_then(|()| verbs::files::apart(&args.verb)).and_then(|()| match &args.verb {
-            Verb::Identify(verb) => verbs::identify::run(verb),
-            Verb::Discover(verb) => verbs::discover::run(verb),
-            Verb::Plan(verb) => verbs::plan::run(verb),
-            Verb::Predict(verb) => verbs::predict::run(verb),
-            Verb::Compensate(verb) => verbs::compensate::run(verb),
+    let limits = Limits { time: args.time_limit, memory: args.memory_limit };
+    let done = watched(limits, move |watch| {
+        verbs::files::apart(&args.verb)?;
+        match &args.verb {
+            Verb::Identify(verb) => verbs::identify::run(verb, watch),
+            Verb::Discover(verb) => verbs::discover::run(verb, watch),
+            Verb::Plan(verb) => verbs::plan::run(verb, watch),
+            Verb::Predict(verb) => verbs::predict::run(verb, watch),
+            Verb::Compensate(verb) => verbs::compensate::run(verb, watch),
             Verb::Export(verb) => verbs::export::run(verb),
-            Verb::Map(verb) => verbs::map::run(verb),
-            Verb::Compare(verb) => verbs::compare::run(verb),
+            Verb::Map(verb) => verbs::map::run(verb, watch),
+            Verb::Compare(verb) => verbs::compare::run(verb, watch),
             Verb::Check(verb) => verbs::check::run(verb),
             Verb::Effects(verb) => verbs::effects::run(verb),
             Verb::Simulate(verb) => verbs::simulate::run(verb),
             Verb::Verify(verb) => verbs::verify::run(verb),
-        });
+        }
+    });
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(failure) => {
             terminal::log(&failure.to_string());
             ExitCode::from(match failure {

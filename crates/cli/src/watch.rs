@@ -1,27 +1,25 @@
-//! Ends a run that was interrupted or went beyond its limits: within a tenth of a second, keeping the findings so far, without
-//! a half-written file.
+//! Watches a run from the main thread: ends it within a tenth of a second when it was interrupted or went beyond its limits, keeping
+//! the findings so far, without a half-written file.
 
-use crate::args::Args;
 use crate::failure::Failure;
 use crate::terminal;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use truepose_io::discard_unfinished;
+use truepose_io::stop_writing;
 
 /// Interval at which limits are checked.
 const STEP: Duration = Duration::from_millis(40);
 /// As shells have it for a program that was interrupted.
-const INTERRUPTED: i32 = 130;
+const INTERRUPTED: u8 = 130;
 /// A limit that the caller set was reached.
-const LIMIT: i32 = 3;
-
-#[derive(Debug, Default)]
-struct Progress {
-    doing: String,
-    found: Vec<String>,
-}
+const LIMIT: u8 = 3;
+/// As Rust has it for a program that panicked.
+const PANICKED: u8 = 101;
+/// Stack of the working thread, bytes: as much as Linux gives to a main thread.
+const STACK: usize = 8 << 20;
 
 /// What is kept of a run that was ended early.
 #[derive(Debug, Default)]
@@ -35,86 +33,142 @@ pub struct Kept {
 /// Writes what there is, given why the run ends.
 type Keep = Box<dyn FnOnce(&str) -> Kept + Send>;
 
-static KEEP: Mutex<Option<Keep>> = Mutex::new(None);
-
-static SO_FAR: Mutex<Progress> = Mutex::new(Progress { doing: String::new(), found: Vec::new() });
-
-/// Records the current step.
-pub fn doing(words: &str) {
-    SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).doing = words.to_owned();
+#[derive(Default)]
+struct Status {
+    doing: String,
+    found: Vec<String>,
+    keep: Option<Keep>,
+    ended: bool,
 }
 
-/// Records a finding.
-pub fn found(words: &str) {
-    SO_FAR.lock().unwrap_or_else(PoisonError::into_inner).found.push(words.to_owned());
+/// Status of a run: written by the working thread, read by the main thread.
+#[derive(Clone, Default)]
+pub struct Watch(Arc<Mutex<Status>>);
+
+impl Watch {
+    /// Records the current step.
+    pub fn doing(&self, words: &str) {
+        self.status().doing = words.to_owned();
+    }
+
+    /// Records a finding.
+    pub fn found(&self, words: &str) {
+        self.status().found.push(words.to_owned());
+    }
+
+    /// Sets how the findings so far are written if the run is ended now.
+    pub fn keep(&self, write: impl FnOnce(&str) -> Kept + Send + 'static) {
+        self.status().keep = Some(Box::new(write));
+    }
+
+    /// The complete result is about to be written: findings so far are not kept any more.
+    pub fn whole(&self) {
+        self.status().keep = None;
+    }
+
+    /// For the working thread, which stops here once the run was ended.
+    fn status(&self) -> MutexGuard<'_, Status> {
+        let status = self.locked();
+        if status.ended {
+            drop(status);
+            loop {
+                std::thread::park();
+            }
+        }
+        status
+    }
+
+    fn locked(&self) -> MutexGuard<'_, Status> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
-/// Sets how the findings so far are written if the run is ended now.
-pub fn keep(write: impl FnOnce(&str) -> Kept + Send + 'static) {
-    *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(write));
+/// Limits of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Wall-clock time.
+    pub time: Option<Duration>,
+    /// Memory in use, bytes.
+    pub memory: Option<u64>,
 }
 
-/// The complete result is about to be written: findings so far are not kept any more.
-pub fn whole() {
-    *KEEP.lock().unwrap_or_else(PoisonError::into_inner) = None;
+/// Events that the main thread receives.
+enum Event {
+    Interrupted,
+    Done(Result<(), Failure>),
 }
 
-/// Begins to watch.
+/// Runs `work` on a thread of its own until it is done or the run is ended; the exit code of the program.
 ///
 /// # Errors
-/// When signals or the memory in use cannot be watched here.
-pub fn begin(args: &Args) -> Result<(), Failure> {
-    if args.memory_limit.is_some() && resident().is_none() {
+/// Those of the work; and when signals or the memory in use cannot be watched here.
+pub fn watched(
+    limits: Limits,
+    work: impl FnOnce(&Watch) -> Result<(), Failure> + Send + 'static,
+) -> Result<ExitCode, Failure> {
+    if limits.memory.is_some() && resident().is_none() {
         return Err(Failure::Input(
             "--memory-limit: this system does not report the memory that a program uses".into(),
         ));
     }
     let (sender, receiver) = channel();
+    let interrupt = sender.clone();
     ctrlc::set_handler(move || {
-        let _ = sender.send(());
+        let _ = interrupt.send(Event::Interrupted);
     })?;
-    let (time, memory) = (args.time_limit, args.memory_limit);
-    let json = std::env::args_os().any(|argument| argument == "--json");
+    let watch = Watch::default();
+    let working = watch.clone();
     let began = Instant::now();
-    std::thread::Builder::new().name("watch".into()).spawn(move || {
-        loop {
-            match receiver.recv_timeout(STEP) {
-                Ok(()) => end("interrupted", began, json, INTERRUPTED),
-                Err(RecvTimeoutError::Disconnected) => return,
-                Err(RecvTimeoutError::Timeout) => (),
-            }
-            if time.is_some_and(|limit| began.elapsed() > limit) {
-                end("the time limit was reached", began, json, LIMIT);
-            }
-            if let (Some(limit), Some(used)) = (memory, memory.and_then(|_| resident()))
-                && used > limit
-            {
-                let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
-                end(&words, began, json, LIMIT);
-            }
-        }
+    // Not joined where the run ends early: it ends with the program.
+    let worker = std::thread::Builder::new().name("work".into()).stack_size(STACK).spawn(move || {
+        let _ = sender.send(Event::Done(work(&working)));
     })?;
-    Ok(())
+    loop {
+        match receiver.recv_timeout(STEP) {
+            Ok(Event::Done(done)) => return done.map(|()| ExitCode::SUCCESS),
+            Ok(Event::Interrupted) => return Ok(ended(&watch, "interrupted", began, INTERRUPTED)),
+            // The handler of signals holds a sender for ever: a thread that panicked sends nothing.
+            Err(RecvTimeoutError::Disconnected) => return Ok(ExitCode::from(PANICKED)),
+            Err(RecvTimeoutError::Timeout) if worker.is_finished() => {
+                // What it sent in its last moment is there by now.
+                return match receiver.try_recv() {
+                    Ok(Event::Done(done)) => done.map(|()| ExitCode::SUCCESS),
+                    _ => Ok(ExitCode::from(PANICKED)),
+                };
+            }
+            Err(RecvTimeoutError::Timeout) => (),
+        }
+        if limits.time.is_some_and(|limit| began.elapsed() > limit) {
+            return Ok(ended(&watch, "the time limit was reached", began, LIMIT));
+        }
+        if let (Some(limit), Some(used)) = (limits.memory, limits.memory.and_then(|_| resident()))
+            && used > limit
+        {
+            let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
+            return Ok(ended(&watch, &words, began, LIMIT));
+        }
+    }
 }
 
-/// Shows and writes the findings so far, and ends the program.
-fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
-    // Locked until the end, so that the complete result is not written over it meanwhile.
-    let mut keep = KEEP.lock().unwrap_or_else(PoisonError::into_inner);
-    let kept = keep.take().map_or_else(Kept::default, |write| write(why));
-    discard_unfinished();
-    let so_far = SO_FAR.lock().unwrap_or_else(PoisonError::into_inner);
+/// Shows and writes the findings so far. The program has to end now: the working thread stops at its next report, and cannot write any
+/// file.
+fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
+    let json = std::env::args_os().any(|argument| argument == "--json");
+    let mut status = watch.locked();
+    let kept = status.keep.take().map_or_else(Kept::default, |write| write(why));
+    stop_writing();
+    status.ended = true;
     let seconds = began.elapsed().as_secs_f64();
-    let doing = if so_far.doing.is_empty() { "reading" } else { &so_far.doing };
+    let doing = if status.doing.is_empty() { "reading" } else { &status.doing };
     let files: Vec<String> = kept.files.iter().map(|file| file.display().to_string()).collect();
     if json {
         let value = serde_json::json!({
-            "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": so_far.found,
+            "incomplete": true, "why": why, "seconds": seconds, "while": doing, "found_so_far": status.found,
             "files": files,
         });
         terminal::print(&format!("{value:#}\n"));
     } else {
-        let found = match so_far.found.as_slice() {
+        let found = match status.found.as_slice() {
             [] => "none".to_owned(),
             found => format!("{} (not yet evaluated on held-out rows)", found.join(", ")),
         };
@@ -128,7 +182,7 @@ fn end(why: &str, began: Instant, json: bool, code: i32) -> ! {
         false => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::log(&format!("error: {why}; {files}"));
-    std::process::exit(code)
+    ExitCode::from(code)
 }
 
 /// Memory in use, bytes.
@@ -136,52 +190,4 @@ fn resident() -> Option<u64> {
     let status = std::fs::read_to_string(PathBuf::from("/proc/self/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| 1024 * kilobytes)
-}
-
-/// `90s`, `10min`, `2h`.
-pub fn parse_time(text: &str) -> Result<Duration, String> {
-    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
-    let (number, unit) = text.split_at(split);
-    let factor = match unit {
-        "s" => 1.0,
-        "min" => 60.0,
-        "h" => 3600.0,
-        _ => return Err("a time needs a unit: s, min or h, as in 10min".into()),
-    };
-    match number.trim().parse::<f64>() {
-        Ok(value) if value > 0.0 && value * factor < 1e9 => Ok(Duration::from_secs_f64(value * factor)),
-        _ => Err(format!("`{number}` is no time above 0")),
-    }
-}
-
-/// `500MB`, `2GB`; bytes.
-pub fn parse_memory(text: &str) -> Result<u64, String> {
-    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
-    let (number, unit) = text.split_at(split);
-    let factor = match unit {
-        "MB" => 1e6,
-        "GB" => 1e9,
-        _ => return Err("a size needs a unit: MB or GB, as in 2GB".into()),
-    };
-    match number.trim().parse::<f64>() {
-        Ok(value) if value > 0.0 && value * factor < 1e18 => Ok((value * factor) as u64),
-        _ => Err(format!("`{number}` is no size above 0")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn limits_are_read_with_their_units() {
-        assert_eq!(parse_time("1.5min"), Ok(Duration::from_secs(90)));
-        assert_eq!(parse_memory("0.5GB"), Ok(500_000_000));
-        for bad in ["", "3", "s", "-1s", "nans", "1e30h", "3 weeks"] {
-            assert!(parse_time(bad).is_err(), "{bad}");
-        }
-        for bad in ["", "3", "GB", "-1GB", "1e300MB", "3 bytes"] {
-            assert!(parse_memory(bad).is_err(), "{bad}");
-        }
-    }
 }

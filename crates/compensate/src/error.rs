@@ -1,6 +1,6 @@
 //! What can be wrong before the first command.
 
-use crate::export::Accuracy;
+use crate::exported_accuracy::Accuracy;
 use thiserror::Error;
 use truepose_errormodel::ModelError;
 use truepose_kinematics::ChainError;

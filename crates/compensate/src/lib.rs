@@ -7,6 +7,7 @@ mod command;
 mod compensator;
 mod error;
 mod export;
+mod exported_accuracy;
 mod lanes;
 mod options;
 mod position_first;
@@ -24,8 +25,9 @@ pub use command::{Command, CommandRequest, Extrapolation, MOST, Status, Target, 
 pub use compensator::Compensator;
 pub use error::CompensateError;
 pub use export::{
-    Accuracy, AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorTable,
-    ErrorTables, ExportOptions, Exported, JointOrigin, JointOrigins, RemainingError, axis_table,
-    corrected_chain, error_tables, joint_origins, middle_conditions,
+    AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorTable, ErrorTables,
+    ExportOptions, Exported, JointOrigin, JointOrigins, RemainingError, axis_table, corrected_chain,
+    error_tables, joint_origins, middle_conditions,
 };
+pub use exported_accuracy::Accuracy;
 pub use options::{Approach, CompensatorOptions};

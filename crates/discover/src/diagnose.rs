@@ -14,11 +14,12 @@ use crate::data::sample::sample;
 use crate::error::DiscoverError;
 use crate::model::current::Context;
 use crate::model::{installation, wide};
+use crate::observer::Begin;
 use crate::options::DiscoverOptions;
 use crate::progress::Progress;
 use crate::search::search;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
-use truepose_identify::{FitOptions, PriorStrength, hold_out, place};
+use truepose_identify::{Answer, FitOptions, PriorStrength, hold_out, place, proceed};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -27,25 +28,27 @@ use truepose_solvers::Solver;
 /// `declared` are the effects of the declared model; `chain` is the nominal robot; `data` has joint values in
 /// rad or m, positions in m. A share `options.holdout` of the configurations is the test set, drawn before
 /// anything is fitted. All findings are withdrawn, and the result is the declared model, when the enlarged
-/// model predicts unseen data worse.  Same inputs and seed, same
+/// model predicts unseen data worse. Same inputs and seed, same
 /// result, whatever the number of threads. Method: section 8 of docs/method.md.
 ///
 /// # Errors
 /// When the model does not fit the data, nothing was measured, there are fewer than 12 training poses, or an
 /// option is out of its range.
-pub fn diagnose(
+pub fn diagnose<A: Answer>(
     chain: &Chain,
     declared: &[Box<dyn AnyEffect>],
     data: &Dataset,
     solver: &dyn Solver,
     options: &DiscoverOptions,
-    progress: &(dyn Fn(Progress) + Sync),
+    observer: &(dyn Fn(Progress) -> A + Sync),
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
     // Lagged channels need the whole record: they are derived before the test set is drawn.
     let data = &derived::with_derived(data, &options.policy);
     let rows = hold_out(data, options.holdout, options.seed)?;
-    on_split(chain, declared, (data, rows), solver, options, Checks::ALL, progress)
+    on_split(chain, declared, (data, rows), solver, options, Checks::ALL, &|step| {
+        Ok(proceed(observer(step))?)
+    })
 }
 
 /// Runs the search on given (training, test) rows.
@@ -56,10 +59,10 @@ pub(crate) fn on_split(
     solver: &dyn Solver,
     options: &DiscoverOptions,
     checks: Checks,
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &Begin<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let train = data.select(&train_rows);
-    progress(Progress::Fitting);
+    progress(Progress::Fitting)?;
     let placement = place(chain, &train)?;
     let part = sample(&train, options.seed, options.budget.sample_rows);
     let open = installation::with_unknown(chain, declared)?;
@@ -86,11 +89,10 @@ pub(crate) fn on_split(
     let partition = Partition { data, train_rows, holdout_rows, placement: placement.clone() };
     let mut interim_report = InterimReport::new(&first, &partition)?;
     let mut interim = |outcome: &Outcome| {
-        progress(Progress::Interim(Box::new(interim_report.after(&context, outcome, &partition)?)));
-        Ok(())
+        progress(Progress::Interim(Box::new(interim_report.after(&context, outcome, &partition)?)))
     };
     let mut outcome = search(&context, Model::declared(first), progress, &mut interim)?;
-    progress(Progress::Checking);
+    progress(Progress::Checking)?;
     let mut unsearched = None;
     let all_rows = Context { data: &train, ..context.clone() };
     let mut context = &context;
@@ -101,11 +103,12 @@ pub(crate) fn on_split(
         context = &all_rows;
     }
     outcome.model = outcome.model.between_rows(context)?;
-    let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| ());
+    let again =
+        |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| Ok(()));
     let withdrawn = withdrawn(context, &outcome.model, &partition, (&train, unsearched), checks, &again)?;
     if withdrawn.is_some() {
         outcome.model = outcome.model.without_findings();
     }
-    progress(Progress::Judging);
+    progress(Progress::Judging)?;
     conclude(context, outcome, partition, withdrawn, &declared_fit)
 }

@@ -13,7 +13,7 @@ use crate::options::DiscoverOptions;
 use crate::progress::Progress;
 use rayon::prelude::*;
 use truepose_errormodel::{AnyEffect, Dataset};
-use truepose_identify::{Folds, Residuals, Split, Spread};
+use truepose_identify::{Answer, Folds, Residuals, Split, Spread, proceed};
 use truepose_kinematics::Chain;
 use truepose_solvers::Solver;
 
@@ -33,14 +33,14 @@ pub struct Nested {
 ///
 /// # Errors
 /// As [`crate::diagnose`]; when there are too few configurations for the folds.
-pub fn nested(
+pub fn nested<A: Answer>(
     chain: &Chain,
     declared: &[Box<dyn AnyEffect>],
     data: &Dataset,
     split: &Split,
     solver: &dyn Solver,
     options: &DiscoverOptions,
-    progress: &(dyn Fn(usize, Progress) + Sync),
+    observer: &(dyn Fn(usize, Progress) -> A + Sync),
 ) -> Result<Nested, DiscoverError> {
     options.validate()?;
     let data = &derived::with_derived(data, &options.policy);
@@ -50,7 +50,7 @@ pub fn nested(
         .into_par_iter()
         .map(|fold| {
             let rows = (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);
-            let step = |step| progress(fold, step);
+            let step = |step| Ok(proceed(observer(fold, step))?);
             on_split(chain, declared, (data, rows), solver, options, Checks::UNSEEN, &step)
         })
         .collect::<Result<_, _>>()?;

@@ -6,27 +6,29 @@ use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
 use crate::accept::winner::{detectable_statistic, winner};
 use crate::error::DiscoverError;
+use crate::history::History;
 use crate::model::current::Context;
+use crate::observer::Begin;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::revise::revision::{after_finding, descended, reconsidered_once};
 use crate::screen::candidates::Screen;
 use crate::screen::untestable::untestable;
 use crate::significance::sign_flips::NullDistribution;
-use crate::termination::{History, Termination};
+use crate::termination::Termination;
 
 /// Adds effects until no candidate passes all tests. `interim` is called with the outcome after each finding.
 pub(crate) fn search(
     context: &Context<'_>,
     declared: Model,
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &Begin<'_>,
     interim: &mut dyn FnMut(&Outcome) -> Result<(), DiscoverError>,
 ) -> Result<Outcome, DiscoverError> {
     let options = context.options;
     let mut history = History::default();
     let mut outcome = Outcome::of(declared);
     loop {
-        progress(Progress::Screening(outcome.model.findings.len()));
+        progress(Progress::Screening(outcome.model.findings.len()))?;
         let current = outcome.model.current.clone();
         let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         let screen = Screen::new(&linearisation, &options.library, &current.found);
@@ -44,7 +46,7 @@ pub(crate) fn search(
         };
         if found {
             if history.may_revise(&outcome.model, context.budget().reconsidered) {
-                progress(Progress::Reconsidering);
+                progress(Progress::Reconsidering)?;
                 outcome.model = after_finding(context, outcome.model, test_counts)?;
             }
             interim(&outcome)?;
@@ -58,7 +60,7 @@ pub(crate) fn search(
             }
         }
         if history.may_reconsider(&outcome.model, context.budget().reconsidered) {
-            progress(Progress::Reconsidering);
+            progress(Progress::Reconsidering)?;
             let changed;
             (outcome.model, changed) = reconsidered_once(context, outcome.model, test_counts)?;
             if changed {
@@ -79,7 +81,7 @@ fn add(
     outcome: &mut Outcome,
     history: &mut History,
     screened: (&Linearisation<'_>, &Screen, &NullDistribution),
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &Begin<'_>,
 ) -> Result<bool, DiscoverError> {
     for _ in 0..context.budget().failures {
         let current = &outcome.model.current;
@@ -88,7 +90,7 @@ fn add(
             return Ok(false);
         };
         let (candidate, evidence) = (accepted.candidate.clone(), accepted.evidence.clone());
-        progress(Progress::Found(candidate.words()));
+        progress(Progress::Found(candidate.words()))?;
         match admitted(context, &outcome.model, accepted)? {
             Ok(model) => {
                 history.barred.clear();

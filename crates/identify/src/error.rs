@@ -8,6 +8,9 @@ use truepose_solvers::SolveError;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum IdentifyError {
+    /// The observer of the run ended it.
+    #[error("the run was cancelled")]
+    Cancelled,
     /// The model does not fit the robot or the data.
     #[error(transparent)]
     Model(#[from] ModelError),

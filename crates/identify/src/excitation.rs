@@ -80,7 +80,7 @@ pub fn excitation(fit: &Fit, data: &Dataset) -> Result<Excitation, IdentifyError
         }
     }
     advice.sort_by(|a, b| b.gains.cmp(&a.gains).then(a.joint.cmp(&b.joint)));
-    Ok(Excitation { weak_directions: now, advice: advice })
+    Ok(Excitation { weak_directions: now, advice })
 }
 
 /// Directions whose posterior standard deviation is above the prior one.

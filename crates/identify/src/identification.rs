@@ -1,9 +1,9 @@
 //! The whole of an identification: placement, what the frames alone explain, the declared model, and how far to trust it.
 
 use crate::{
-    CrossValidation, Excitation, Fit, FitOptions, Folds, IdentifyError, Method, Observability, Placement,
-    Repeats, Residuals, Split, Warning, against_plain, cross_validate, excitation, fit, hold_out,
-    observability, place, repeats,
+    Answer, CrossValidation, Excitation, Fit, FitOptions, Folds, IdentifyError, Method, Observability,
+    Placement, Repeats, Residuals, Split, Warning, against_plain, cross_validate, excitation, fit, hold_out,
+    observability, place, proceed, repeats,
 };
 use nalgebra::DMatrix;
 use truepose_errormodel::effects::{Geometric, Where};
@@ -112,14 +112,25 @@ impl Step {
 /// `effects` are made for `chain`; they do not depend on where base, tool and targets are.
 ///
 /// # Errors
-/// When the model does not fit the data, nothing was measured, or a solver refuses.
-pub fn identify(
+/// When the model does not fit the data, nothing was measured, or a solver refuses; [`IdentifyError::Cancelled`] where `observer` ends the run.
+pub fn identify<A: Answer>(
     chain: &Chain,
     effects: &[Box<dyn AnyEffect>],
     data: &Dataset,
     solver: &dyn Solver,
     options: &IdentificationOptions,
-    progress: &dyn Fn(Step),
+    observer: &dyn Fn(Step) -> A,
+) -> Result<Identification, IdentifyError> {
+    steps(chain, effects, data, solver, options, &|step| proceed(observer(step)))
+}
+
+fn steps(
+    chain: &Chain,
+    effects: &[Box<dyn AnyEffect>],
+    data: &Dataset,
+    solver: &dyn Solver,
+    options: &IdentificationOptions,
+    begin: &dyn Fn(Step) -> Result<(), IdentifyError>,
 ) -> Result<Identification, IdentifyError> {
     let (train_rows, held_rows) = match options.holdout {
         Some(share) => hold_out(data, share, options.seed)?,
@@ -132,18 +143,18 @@ pub fn identify(
         selected = data.select(&train_rows);
         &selected
     };
-    progress(Step::Placing);
+    begin(Step::Placing)?;
     let placement = place(chain, train)?;
     let placed = &placement.chain;
-    progress(Step::FramesOnly);
+    begin(Step::FramesOnly)?;
     let nominal = if placement.found.is_empty() { Some(nominal_residuals(placed, train)?) } else { None };
     let frames_model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
     let frames_fit = fit(&frames_model, train, solver, &options.fit)?;
-    progress(Step::Fitting);
+    begin(Step::Fitting)?;
     let model = ErrorModel::new(placed.clone(), effects.to_vec())?;
     let mut declared_fit = fit(&model, train, solver, &options.fit)?;
     let model = declared_fit.fitted.model().clone();
-    progress(Step::Validating);
+    begin(Step::Validating)?;
     let folds = match &options.split {
         Some(split) => Some(Folds::new(train, split)?),
         None => None,
@@ -175,7 +186,7 @@ pub fn identify(
             repeated.push(again.residuals.positions().rms);
         }
     }
-    progress(Step::Judging);
+    begin(Step::Judging)?;
     let pure = repeats(&declared_fit, train);
     let excitation = excitation(&declared_fit, train)?;
     let observability = observability(&declared_fit, Visits::of(train).len())?;

@@ -14,6 +14,7 @@ mod identification;
 mod linearise;
 mod noise;
 mod observability;
+mod observer;
 mod placement;
 mod plain;
 mod planning;
@@ -45,6 +46,7 @@ pub use linearise::{
 };
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
+pub use observer::{Answer, proceed};
 pub use placement::{Placement, Undetermined, place};
 pub use plain::{Plain, Way, plain};
 pub use planning::{Plan, PlanOptions, Planned, Why, plan};

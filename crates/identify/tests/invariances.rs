@@ -29,14 +29,15 @@ fn measured(chain: &Chain, seed: u64, order: &[usize], number: impl Fn(usize) ->
         let jitter = chain.base().pose.rotation
             * nalgebra::Vector3::from_fn(|k, _| 5e-5 * noise(seed, 2000 + 3 * visit + k));
         let row = Measurement::at(joints).position(tool.translation + jitter);
-        builder.push(row.visit(number(visit))).unwrap();
+        builder.push(row.visit(number(visit))).expect("a row that fits the robot");
     }
     builder.finish()
 }
 
 fn fitted(chain: &Chain, data: &Dataset) -> Fit {
-    let model = ErrorModel::new(chain.clone(), vec![Box::new(Geometric::default())]).unwrap();
-    fit(&model, data, &PivotedQr::default(), &FitOptions::default()).unwrap()
+    let model = ErrorModel::new(chain.clone(), vec![Box::new(Geometric::default())])
+        .expect("effects that fit the robot");
+    fit(&model, data, &PivotedQr::default(), &FitOptions::default()).expect("a fit")
 }
 
 /// The same unknowns are kept, and no coefficient differs by more than this share of its 95 % half width.

@@ -6,8 +6,6 @@
 //! origin   pose · motion(axis, q)       the axis is `axis` in frame i   (URDF)
 //! ```
 
-use crate::pose::sin_cos_exact;
-use crate::prepared::PreparedJoint;
 use crate::{ChainError, Pose};
 use nalgebra::{Unit, Vector3};
 use serde::{Deserialize, Serialize};
@@ -112,11 +110,6 @@ impl Joint {
             JointKind::Prismatic => "m",
             _ => "rad",
         }
-    }
-
-    /// The nominal transform `A_i(q)`; q in rad or m, ignored by a fixed joint.
-    pub fn transform(&self, q: f64) -> Pose {
-        PreparedJoint::of(self).transform(q, sin_cos_exact(q))
     }
 
     pub(crate) fn validate(&self) -> Result<(), ChainError> {

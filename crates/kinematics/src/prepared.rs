@@ -45,6 +45,13 @@ pub(crate) enum PreparedJoint {
     },
 }
 
+impl Joint {
+    /// The nominal transform `A_i(q)`; q in rad or m, ignored by a fixed joint.
+    pub fn transform(&self, q: f64) -> Pose {
+        PreparedJoint::of(self).transform(q, sin_cos_exact(q))
+    }
+}
+
 impl PreparedJoint {
     pub fn of(joint: &Joint) -> Self {
         let turns = joint.kind == JointKind::Revolute;

@@ -5,9 +5,13 @@
 
 mod layers;
 mod length;
+mod links;
 mod manifests;
+mod minimal;
+mod modules;
 mod names;
 mod supply;
+mod unused;
 mod words;
 
 use anyhow::{Context, Result, bail};
@@ -47,6 +51,11 @@ pub fn run(root: &Path) -> Result<()> {
         &deny,
     )?);
     findings.extend(length::check(&files));
+    findings.extend(modules::check(&files));
+    findings.extend(links::check(&files));
+    let lock = std::fs::read_to_string(root.join("Cargo.lock")).context("cannot read Cargo.lock")?;
+    findings.extend(minimal::check(&manifest, &lock)?);
+    findings.extend(unused::check(&metadata, &manifest, &files)?);
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
 

@@ -22,10 +22,10 @@ pub struct Args {
     #[arg(long, global = true, display_order = 900, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// End the run after this time and keep the findings so far, e.g. 10min (exit code 3)
-    #[arg(long, global = true, display_order = 901, value_name = "TIME", allow_hyphen_values = true, value_parser = crate::watch::parse_time)]
+    #[arg(long, global = true, display_order = 901, value_name = "TIME", allow_hyphen_values = true, value_parser = values::parse_time)]
     pub time_limit: Option<std::time::Duration>,
     /// End the run when it uses more memory, and keep the findings so far, e.g. 2GB (exit code 3)
-    #[arg(long, global = true, display_order = 902, value_name = "SIZE", allow_hyphen_values = true, value_parser = crate::watch::parse_memory)]
+    #[arg(long, global = true, display_order = 902, value_name = "SIZE", allow_hyphen_values = true, value_parser = values::parse_memory)]
     pub memory_limit: Option<u64>,
     /// The verb
     #[command(subcommand)]

@@ -59,3 +59,53 @@ fn length(text: &str) -> Result<f64, String> {
         .ok_or("a length needs a unit: m, mm, um or in, as in 0.15mm")?;
     if value.is_finite() { Ok(unit.to_si(value)) } else { Err("a finite length is needed".into()) }
 }
+
+/// `90s`, `10min`, `2h`.
+pub(super) fn parse_time(text: &str) -> Result<std::time::Duration, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let factor = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err("a time needs a unit: s, min or h, as in 10min".into()),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * factor < 1e9 => {
+            Ok(std::time::Duration::from_secs_f64(value * factor))
+        }
+        _ => Err(format!("`{number}` is no time above 0")),
+    }
+}
+
+/// `500MB`, `2GB`; bytes.
+pub(super) fn parse_memory(text: &str) -> Result<u64, String> {
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let factor = match unit {
+        "MB" => 1e6,
+        "GB" => 1e9,
+        _ => return Err("a size needs a unit: MB or GB, as in 2GB".into()),
+    };
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value * factor < 1e18 => Ok((value * factor) as u64),
+        _ => Err(format!("`{number}` is no size above 0")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_read_with_their_units() {
+        assert_eq!(parse_time("1.5min"), Ok(std::time::Duration::from_secs(90)));
+        assert_eq!(parse_memory("0.5GB"), Ok(500_000_000));
+        for bad in ["", "3", "s", "-1s", "nans", "1e30h", "3 weeks"] {
+            assert!(parse_time(bad).is_err(), "{bad}");
+        }
+        for bad in ["", "3", "GB", "-1GB", "1e300MB", "3 bytes"] {
+            assert!(parse_memory(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -7,13 +7,14 @@ use crate::args::Compare;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::watch::Watch;
 use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare, place};
 use truepose_io::read_measurements;
 use truepose_report::{ComparisonSummary, comparison_report};
 
 /// Runs the verb.
-pub fn run(args: &Compare) -> Result<(), Failure> {
+pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let folder = Folder::prepare(args.report.as_ref(), "comparison.json")?;
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
@@ -36,7 +37,7 @@ pub fn run(args: &Compare) -> Result<(), Failure> {
     let folds = Folds::new(&data, &split)?;
     let solvers: Vec<_> = args.solvers.iter().map(|spec| (spec.to_string(), spec.build())).collect();
     let options = FitOptions { prior: args.prior, ..FitOptions::default() };
-    let progress = Progress::steps(solvers.len());
+    let progress = Progress::steps(solvers.len(), watch);
     let compared = compare(&model, &data, &solvers, &options, &folds, &|name| progress.begin(name));
     drop(progress);
     let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &compared);

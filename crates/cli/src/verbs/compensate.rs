@@ -6,6 +6,7 @@ use crate::args::Compensate;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::watch::Watch;
 use rayon::prelude::*;
 use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
@@ -23,14 +24,14 @@ const CHUNK: usize = 2048;
 const TOGETHER: usize = 64;
 
 /// Runs the verb.
-pub fn run(args: &Compensate) -> Result<(), Failure> {
+pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::prepare(args.report.as_ref(), "compensation.json")?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let (poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
     terminal::warn(&warnings);
     known(args, &fitted, &poses)?;
-    let mut commands = commands(args, &fitted, &poses)?;
+    let mut commands = commands(args, &fitted, &poses, watch)?;
     let channels =
         poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?.schema.channels.clone();
     let expected = expected(&fitted, &poses, &mut commands)?;
@@ -211,7 +212,12 @@ fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandR
 }
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
-fn commands(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<Vec<Command>, Failure> {
+fn commands(
+    args: &Compensate,
+    fitted: &FittedModel,
+    poses: &Poses,
+    watch: &Watch,
+) -> Result<Vec<Command>, Failure> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
     let inputs = poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?;
     let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default()).map_err(
@@ -220,7 +226,7 @@ fn commands(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<Ve
             error => Failure::Input(format!("{}: {error}", args.fit.display())),
         },
     )?;
-    let progress = Progress::steps(rows.len().div_ceil(CHUNK));
+    let progress = Progress::steps(rows.len().div_ceil(CHUNK), watch);
     let parts: Vec<Vec<Command>> = rows
         .par_chunks(CHUNK)
         .map(|chunk| {

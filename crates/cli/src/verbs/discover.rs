@@ -7,7 +7,7 @@ use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
-use crate::watch::{self, Kept};
+use crate::watch::{Kept, Watch};
 use std::path::{Path, PathBuf};
 use truepose_discover::{
     CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
@@ -18,7 +18,7 @@ use truepose_io::{check_writable, make_folder, read_measurements, write_fit, wri
 use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
 /// Runs the verb.
-pub fn run(args: &Discover) -> Result<(), Failure> {
+pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         check_writable(out)?;
     }
@@ -49,16 +49,16 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     let settings =
         DiscoverySettings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
-    let bar = Bar::spinner();
+    let bar = Bar::spinner(watch);
     let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
         Progress::Interim(so_far) => {
             let (out, origin) = (args.out.clone(), origin.clone());
             let result = folder.as_ref().map(Folder::result);
-            watch::keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
+            watch.keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
         }
         step => {
             if let Progress::Found(words) = &step {
-                watch::found(words);
+                watch.found(words);
             }
             bar.show(&progress_text(&step));
         }
@@ -70,13 +70,13 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
         let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
-        watch::keep(move |why| without_validation(whole, fitted, &origin, why));
+        watch.keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
             return Err(Failure::Input(
                 "--nested: a single configuration cannot be divided into folds".into(),
             ));
         };
-        let bar = Bar::spinner();
+        let bar = Bar::spinner(watch);
         let judged = nested(&chain, &declared, &data, &split, &*solver, &options, &|fold, step| {
             bar.show(&format!("fold {} of {folds}: {}", fold + 1, progress_text(&step)));
         })?;
@@ -85,7 +85,7 @@ pub fn run(args: &Discover) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, &data);
     }
-    watch::whole();
+    watch.whole();
     if args.json {
         print_json(&summary)?;
     } else {

@@ -1,18 +1,20 @@
 //! `truepose identify`: fit a declared error model, and estimate its accuracy on held-out data.
 
+use super::identified::{origin, refused, require};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
-use truepose_errormodel::{Dataset, ModelError, Visits, configurations};
-use truepose_identify::{IdentificationOptions, IdentifyError, Split, Step, hold_out, identify};
+use crate::watch::Watch;
+use truepose_errormodel::{Dataset, Visits, configurations};
+use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{check_writable, read_measurements, write_fit};
-use truepose_report::{IdentificationSummary, identification_report, millimetres};
+use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
-pub fn run(args: &Identify) -> Result<(), Failure> {
+pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if let Some(out) = &args.out {
         check_writable(out)?;
     }
@@ -20,7 +22,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
     if args.stream {
-        return super::stream::identify(args, &chain, &effects);
+        return super::stream::identify(args, &chain, &effects, watch);
     }
     let (mut data, info, warnings) =
         read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
@@ -40,7 +42,7 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     };
     // Shown with the result, or with the error where there is none.
     let suspected = suspected(&chain, &data, &args.measured.data);
-    let progress = Progress::steps(Step::ALL.len());
+    let progress = Progress::steps(Step::ALL.len(), watch);
     let solver = args.solver.build();
     let mut found =
         identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(progress_text(step)))
@@ -82,39 +84,6 @@ pub fn run(args: &Identify) -> Result<(), Failure> {
     }
     let Some(last) = summary.stages.last() else { return Ok(()) };
     require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
-}
-
-/// Where a fit comes from.
-pub(super) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
-    provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
-    provenance.insert("verb".into(), "identify".into());
-    provenance.insert("solver".into(), solver.into());
-    provenance.insert("rows".into(), rows.into());
-}
-
-/// An error with the file that it is about, where it is about the data.
-pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
-    match error {
-        IdentifyError::NothingMeasured { .. }
-        | IdentifyError::Placement { .. }
-        | IdentifyError::Model(ModelError::MissingSignal { .. }) => {
-            Failure::Input(format!("{}: {error}", args.measured.data.display()))
-        }
-        _ => error.into(),
-    }
-}
-
-/// Compares an RMS (m) with `--require`.
-pub(super) fn require(args: &Identify, rms: f64) -> Result<(), Failure> {
-    let Some(required) = args.require else { return Ok(()) };
-    if rms <= required {
-        return Ok(());
-    }
-    Err(Failure::Criterion(format!(
-        "RMS {} is above the required {}",
-        millimetres(rms),
-        millimetres(required)
-    )))
 }
 
 /// Folds numbered by a channel.

@@ -4,6 +4,7 @@ use super::{beyond, print_json, status, target};
 use crate::args::Map;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::watch::Watch;
 use truepose_compensate::{AccuracyMap, MapGrid, MapOptions, Status, accuracy_map, middle_conditions};
 use truepose_errormodel::{EffectRegistry, FittedModel};
 use truepose_io::{MapRow, check_writable, read_fit, write_map};
@@ -12,7 +13,7 @@ use truepose_kinematics::{Load, Payload, Pose};
 use truepose_report::{count, millimetres};
 
 /// Runs the verb.
-pub fn run(args: &Map) -> Result<(), Failure> {
+pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let chain = fitted.chain();
@@ -43,7 +44,7 @@ pub fn run(args: &Map) -> Result<(), Failure> {
     terminal::warn(
         seen.map_err(|words| Failure::Input(format!("{}: {words}", args.fit.display())))?.as_slice(),
     );
-    crate::watch::doing("mapping");
+    watch.doing("mapping");
     let map = accuracy_map(&fitted, &options)?;
     let rows: Vec<MapRow> = map
         .nodes

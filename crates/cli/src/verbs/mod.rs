@@ -1,4 +1,4 @@
-//! The verbs: each is parse, one library call, print.
+//! The verbs: each reads its files, calls the libraries, prints and writes.
 
 mod beyond;
 pub mod check;
@@ -8,6 +8,7 @@ pub mod discover;
 pub mod effects;
 pub mod export;
 pub mod files;
+mod identified;
 pub mod identify;
 pub mod map;
 pub mod plan;

@@ -4,6 +4,7 @@ use super::print_json;
 use crate::args::Plan;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::watch::Watch;
 use truepose_errormodel::EffectRegistry;
 use truepose_identify::{PlanOptions, plan};
 use truepose_io::{PlannedVisit, check_writable, read_fit, read_measurements, write_plan};
@@ -12,7 +13,7 @@ use truepose_kinematics::{Load, Payload};
 use truepose_report::PlanSummary;
 
 /// Runs the verb.
-pub fn run(args: &Plan) -> Result<(), Failure> {
+pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let registry = EffectRegistry::builtin();
     let fitted = read_fit(&args.fit, &registry)?;
@@ -36,7 +37,7 @@ pub fn run(args: &Plan) -> Result<(), Failure> {
         pool: args.pool.max(args.count),
         seed: args.seed,
     };
-    crate::watch::doing("choosing pose measurements");
+    watch.doing("choosing pose measurements");
     let made = plan(&fitted, rival.as_ref(), goals.as_ref(), &options)?;
     let visits: Vec<PlannedVisit> = made
         .visits

@@ -5,6 +5,7 @@ use crate::args::Predict;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::watch::Watch;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use truepose_compensate::radius_95;
@@ -28,11 +29,11 @@ const EXACT: usize = 1 << 20;
 const CHUNK: usize = 256;
 
 /// Runs the verb.
-pub fn run(args: &Predict) -> Result<(), Failure> {
+pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let options = args.grouped.conditions();
-    if let Some(done) = by_blocks(args, &fitted, &options) {
+    if let Some(done) = by_blocks(args, &fitted, &options, watch) {
         return done;
     }
     let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
@@ -106,6 +107,7 @@ fn by_blocks(
     args: &Predict,
     fitted: &FittedModel,
     options: &MeasurementsOptions,
+    watch: &Watch,
 ) -> Option<Result<(), Failure>> {
     let chain = fitted.chain();
     let mut reader = MeasurementsReader::open(&args.data, chain, options).ok()?;
@@ -116,7 +118,7 @@ fn by_blocks(
         return None;
     }
     let coverage = Coverage::new(fitted, reader.schema()).ok()?;
-    let progress = Progress::bytes(size);
+    let progress = Progress::bytes(size, watch);
     progress.show("predicting");
     let (visits, targets) = reader.names();
     let mut file = PredictionsWriter::create(&args.out, chain, visits, targets).ok()?;

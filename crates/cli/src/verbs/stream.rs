@@ -1,11 +1,12 @@
 //! Identification of files that are larger than memory: read block by block, several times.
 
-use super::identify::{origin, refused, require};
+use super::identified::{origin, refused, require};
 use super::print_json;
 use crate::args::Identify;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
+use crate::watch::Watch;
 use std::path::Path;
 use truepose_errormodel::{AnyEffect, Dataset};
 use truepose_identify::{IdentifyError, Source, StreamedOptions, identify_streamed};
@@ -17,7 +18,12 @@ use truepose_report::StreamedSummary;
 const BLOCK: usize = 16384;
 
 /// Runs the verb.
-pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) -> Result<(), Failure> {
+pub fn identify(
+    args: &Identify,
+    chain: &Chain,
+    effects: &[Box<dyn AnyEffect>],
+    watch: &Watch,
+) -> Result<(), Failure> {
     let options = StreamedOptions { fit: args.fit(), folds: args.folds };
     if args.folds == 1 {
         return Err(Failure::Input(
@@ -31,6 +37,7 @@ pub fn identify(args: &Identify, chain: &Chain, effects: &[Box<dyn AnyEffect>]) 
         reading: args.measured.grouped.measured(),
         positions_only: args.positions_only,
         passes: 0,
+        watch,
     };
     let mut found =
         identify_streamed(chain, effects, &mut file, &*solver, &options).map_err(|error| match error {
@@ -60,6 +67,7 @@ struct Table<'a> {
     reading: MeasurementsOptions,
     positions_only: bool,
     passes: usize,
+    watch: &'a Watch,
 }
 
 /// What goes wrong with one.
@@ -94,7 +102,7 @@ impl Source for Table<'_> {
     fn each(&mut self, take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>) -> Result<(), Wrong> {
         let mut reader = MeasurementsReader::open(self.path, self.chain, &self.reading)?;
         self.passes += 1;
-        let progress = Progress::bytes(reader.progress().1);
+        let progress = Progress::bytes(reader.progress().1, self.watch);
         progress.show(if self.passes == 1 { "fitting" } else { "computing residuals" });
         let mut block = Dataset::default();
         while reader.read_block(BLOCK, &mut block)? > 0 {

@@ -12,17 +12,9 @@
 //! | B, X | base and tool, the best for each robot: whoever takes a file finds them anew | pose | m | p_τ free where it was declared unknown |
 
 use super::reference::{Reference, Row};
+use crate::exported_accuracy::Accuracy;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_kinematics::{Chain, Pose, TargetId, rotation_vector, skew};
-
-/// RMS of the 3-D distance, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Accuracy {
-    /// With base, tool and targets as they stand.
-    pub as_written: f64,
-    /// With the best base and tool.
-    pub aligned: f64,
-}
 
 /// Accuracy of an export beside the nominal robot and the model.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,9 +14,10 @@
 //! of a DH or MDH row become origin and axis z.
 
 use super::comparison::of_chain;
+use super::options::ExportOptions;
 use super::project::project;
 use super::reference::Reference;
-use super::remaining::{ExportOptions, Exported, judged, not_constant};
+use super::remaining::{Exported, judged, not_constant};
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::{Emission, FittedModel, GeneralizedErrors, error_matrix};

@@ -15,7 +15,7 @@
 //! | `error` | change from the reference, m or rad; constants in full |
 //! | `iso` | its name in ISO 230-1, where it has one |
 
-use super::tables::ErrorTables;
+use super::error_tables::ErrorTables;
 use nalgebra::Vector3;
 use std::fmt::Write;
 use truepose_kinematics::{Chain, FrameId, JointId, JointKind, Pose, Site};

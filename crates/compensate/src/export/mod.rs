@@ -5,8 +5,10 @@
 
 mod axes_csv;
 mod comparison;
+mod error_tables;
 mod geometry;
 mod iso230;
+mod options;
 mod origins;
 mod project;
 mod reference;
@@ -16,9 +18,11 @@ mod table;
 mod tables;
 
 pub use axes_csv::AxisConvention;
-pub use comparison::{Accuracy, Comparison};
+pub use comparison::Comparison;
+pub use error_tables::{ErrorTable, ErrorTables};
 pub use geometry::corrected_chain;
+pub use options::{ExportOptions, middle_conditions};
 pub use origins::{JointOrigin, JointOrigins, joint_origins};
-pub use remaining::{ExportOptions, Exported, RemainingError, middle_conditions};
+pub use remaining::{Exported, RemainingError};
 pub use table::{AxisLink, AxisRow, AxisTable, AxisTableOptions, axis_table};
-pub use tables::{ErrorTable, ErrorTables, error_tables};
+pub use tables::error_tables;

@@ -14,7 +14,8 @@
 //! `base`.
 
 use super::geometry::corrected_chain;
-use super::remaining::{ExportOptions, Exported};
+use super::options::ExportOptions;
+use super::remaining::Exported;
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::FittedModel;

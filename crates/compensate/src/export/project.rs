@@ -16,8 +16,9 @@
 //! method with the exact error Jacobian, in expected sizes of the constants, so that directions which the configurations do not fix stay
 //! where the fit has them.
 
+use super::error_tables::ErrorTables;
 use super::reference::{Reference, Row};
-use super::tables::ErrorTables;
+
 use crate::CompensateError;
 use nalgebra::{DMatrix, DVector, Vector3};
 use truepose_errormodel::effects::Geometric;

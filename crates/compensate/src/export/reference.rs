@@ -3,7 +3,7 @@
 //! Those that the robot visited, where the fit holds them: then load, time, channels and approach are those of each row, and what was
 //! measured is there. Else configurations spread over the joints' ranges (those of the fit's domain where it has one).
 
-use super::remaining::{ExportOptions, table_conditions};
+use super::options::{ExportOptions, ranges, table_conditions, within};
 use crate::CompensateError;
 use crate::accuracy::everything;
 use nalgebra::Vector3;
@@ -69,7 +69,7 @@ fn made_up(fitted: &FittedModel, options: &ExportOptions) -> Result<Vec<Row>, Co
     }
     let (schema, mut conditions) = everything(fitted, &table_conditions(fitted, options))?;
     let mut predictor = fitted.bind(&schema)?;
-    let ranges = super::remaining::ranges(fitted);
+    let ranges = ranges(fitted);
     let n = ranges.len();
     let mut rows = Vec::with_capacity(options.samples);
     for i in 0..options.samples {
@@ -105,7 +105,7 @@ fn spread(domain: &Domain, i: usize, conditions: &mut Conditions, share: impl Fn
         let mass = range.lower + (range.upper - range.lower) * share(0);
         conditions.load = Load::Payload(Payload { mass, com: Vector3::zeros() });
     }
-    super::remaining::within(domain, conditions, |k| share(1 + k));
+    within(domain, conditions, |k| share(1 + k));
 }
 
 const ROOTS: [f64; 16] =

@@ -16,9 +16,10 @@
 
 use super::comparison::of_chain;
 use super::geometry::{corrected_chain, split};
+use super::options::ExportOptions;
 use super::origins::placed;
 use super::reference::Reference;
-use super::remaining::{ExportOptions, Exported, judged};
+use super::remaining::{Exported, judged};
 use crate::CompensateError;
 use nalgebra::{Rotation3, Unit, Vector3};
 use truepose_errormodel::FittedModel;

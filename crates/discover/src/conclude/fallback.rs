@@ -18,9 +18,9 @@
 use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
 use crate::conclude::partition::Partition;
-use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
 use crate::model::current::Context;
+use crate::model::prepared::with_loads;
 use crate::model::refits::{Comparison, compared};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::outliers;

@@ -5,11 +5,11 @@
 //! [`truepose_identify::fit`] makes it. When the fit of all rows does not converge and that of the training
 //! rows did, the latter is returned.
 
-use crate::data::payload::without;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Context, ModelFit};
 use crate::model::nonlinear::{between_rows, descended, gaps, nonlinear_parameters};
+use crate::model::prepared::without;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::{Outliers, outliers};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, NonlinearParameter};

@@ -2,11 +2,11 @@
 //! one.
 
 use crate::conclude::partition::Partition;
-use crate::data::payload::with_loads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
+use crate::model::prepared::with_loads;
 use crate::problem::linear::Linear;
 use crate::problem::linearisation::Linearisation;
 use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals};

@@ -4,8 +4,6 @@
 //! strongly correlated with a compliance. Levels are therefore compared by whole fits, in which masses and
 //! compliances are estimated jointly ([`crate::contest::payload`]).
 
-use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::change::Change;
 use truepose_errormodel::{Dataset, LoadCorrection};
 use truepose_kinematics::{Conditions, Load};
 
@@ -46,22 +44,4 @@ pub(crate) fn levels(data: &Dataset) -> Vec<f64> {
 /// Rows (0-based) that declare a level (kg).
 pub(crate) fn rows_at(data: &Dataset, level: f64) -> Vec<usize> {
     (0..data.len()).filter(|&row| replaced(data.load[row], level, level).is_some()).collect()
-}
-
-/// The data with the corrected payloads of these findings.
-pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
-    found.iter().fold(data.clone(), |data, candidate| match candidate.change {
-        Change::CorrectLoad { level, mass, .. } => corrected(&data, level, mass),
-        Change::Add(_) | Change::Exclude { .. } => data,
-    })
-}
-
-/// The data without the measurements of these rows (0-based); the rows stay, so that indices do.
-pub(crate) fn without(data: &Dataset, rows: &[usize]) -> Dataset {
-    let mut data = data.clone();
-    for &row in rows {
-        data.position[row] = [f64::NAN; 3];
-        data.orientation[row] = None;
-    }
-    data
 }

@@ -2,10 +2,10 @@
 //! estimated.
 
 use crate::budget::Budget;
-use crate::data::payload::{with_loads, without};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
+use crate::model::prepared::{with_loads, without};
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::likelihood::Likelihood;

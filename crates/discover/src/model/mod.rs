@@ -4,5 +4,6 @@ pub(crate) mod admissible;
 pub(crate) mod current;
 pub(crate) mod installation;
 pub(crate) mod nonlinear;
+pub(crate) mod prepared;
 pub(crate) mod refits;
 pub(crate) mod wide;

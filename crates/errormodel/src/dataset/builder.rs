@@ -119,7 +119,7 @@ impl DatasetBuilder {
             return Err(format!("a measured component is {value}"));
         }
         if let Some(q) = row.orientation
-            && !((q.iter().map(|v| v * v).sum::<f64>() - 1.0).abs() < UNIT)
+            && !(1.0 - UNIT..1.0 + UNIT).contains(&q.iter().map(|v| v * v).sum())
         {
             return Err(format!("the orientation {q:?} is not a unit quaternion"));
         }

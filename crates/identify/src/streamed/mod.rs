@@ -46,7 +46,7 @@ pub trait Source {
     /// Hands on all rows once, block by block, always the same blocks in the same order, no visit cut.
     ///
     /// # Errors
-    /// When they cannot be had, or what `take` says.
+    /// When they cannot be had, or what `take` says. A source that is to be cancelled returns an error of its own between two blocks.
     fn each(
         &mut self,
         take: &mut dyn FnMut(&Dataset) -> Result<(), IdentifyError>,

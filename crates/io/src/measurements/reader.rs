@@ -5,6 +5,7 @@ use super::header::{Header, Needs};
 use super::info::{ColumnInfo, CsvInfo};
 use super::row::RowReader;
 use super::source::Source;
+use super::suspicious::{ReadSoFar, look_at_columns};
 use super::visits::{VisitNumbers, check_standstills};
 use crate::{IoError, Warning};
 use std::path::Path;
@@ -113,8 +114,12 @@ impl MeasurementsReader {
     /// What was suspicious so far: about the header, and about the rows read as far as no row has to be remembered for that.
     pub fn warnings(&self, chain: &Chain) -> Vec<Warning> {
         let mut warnings = self.warnings.clone();
-        super::suspicious::look_at_columns(self, chain, &mut warnings);
+        look_at_columns(&self.read_so_far(), chain, &mut warnings);
         warnings
+    }
+
+    pub(super) fn read_so_far(&self) -> ReadSoFar<'_> {
+        ReadSoFar { rows: &self.rows, count: self.count, backwards: self.backwards }
     }
 
     /// Whether the file numbers visits, and whether it has a column of targets.

@@ -5,7 +5,7 @@ use super::copies::copies;
 use super::header::Needs;
 use super::info::CsvInfo;
 use super::plausible::rounded;
-use super::reader::MeasurementsReader;
+use super::row::RowReader;
 use crate::{Quantity, Unit, Warning};
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Load};
@@ -13,18 +13,27 @@ use truepose_kinematics::{Chain, Load};
 /// Positions spread over more than this many lengths of the robot are in another unit.
 const TOO_FAR: f64 = 20.0;
 
+/// What a reader has taken from a table.
+pub(super) struct ReadSoFar<'a> {
+    pub rows: &'a RowReader,
+    /// Rows of the table so far.
+    pub count: usize,
+    /// The first line where time goes backwards, and how many do.
+    pub backwards: Option<(u64, usize)>,
+}
+
 pub(super) fn look(
-    reader: &MeasurementsReader,
+    read: &ReadSoFar<'_>,
     chain: &Chain,
     data: &Dataset,
     (needs, info): (Needs, &CsvInfo),
     warnings: &mut Vec<Warning>,
 ) {
-    let header = &reader.rows.header;
-    look_at_columns(reader, chain, warnings);
-    let at = |line, column, message| told(reader, line, column, message);
+    let header = &read.rows.header;
+    look_at_columns(read, chain, warnings);
+    let at = |line, column, message| told(read, line, column, message);
     if needs.measured && data.len() >= 5 {
-        unvaried(reader, data, warnings);
+        unvaried(read, data, warnings);
         if let Some(k) = header.columns.iter().position(|column| column.cells == Cells::Target)
             && let Some(first) = data.target.iter().position(Option::is_none)
         {
@@ -64,8 +73,8 @@ pub(super) fn look(
         header.warn(warnings, None, message);
     }
     if needs.measured {
-        let empty = (0..data.len())
-            .filter(|&row| data.seen(row).count() == 0 && !reader.rows.lost.has(data.line[row]));
+        let empty =
+            (0..data.len()).filter(|&row| data.seen(row).count() == 0 && !read.rows.lost.has(data.line[row]));
         let mut empty = empty.peekable();
         if let Some(&first) = empty.peek() {
             let count = empty.count();
@@ -76,8 +85,8 @@ pub(super) fn look(
 }
 
 /// A warning about a row.
-fn told(reader: &MeasurementsReader, line: u64, column: Option<usize>, message: String) -> Warning {
-    let header = &reader.rows.header;
+fn told(read: &ReadSoFar<'_>, line: u64, column: Option<usize>, message: String) -> Warning {
+    let header = &read.rows.header;
     Warning {
         file: header.file.clone(),
         line: Some(line),
@@ -87,19 +96,19 @@ fn told(reader: &MeasurementsReader, line: u64, column: Option<usize>, message: 
 }
 
 /// What needs no row to be remembered.
-pub(super) fn look_at_columns(reader: &MeasurementsReader, chain: &Chain, warnings: &mut Vec<Warning>) {
-    let header = &reader.rows.header;
-    let at = |line, column, message| told(reader, line, column, message);
-    if let Some((line, count)) = reader.backwards {
+pub(super) fn look_at_columns(read: &ReadSoFar<'_>, chain: &Chain, warnings: &mut Vec<Warning>) {
+    let header = &read.rows.header;
+    let at = |line, column, message| told(read, line, column, message);
+    if let Some((line, count)) = read.backwards {
         let message = format!("time goes backwards here{}; it counts as the order all the same", more(count));
         warnings.push(at(line, header.slots.time, message));
     }
-    if let (Some(slots), Some((line, message))) = (header.slots.position, reader.rows.lost.words()) {
+    if let (Some(slots), Some((line, message))) = (header.slots.position, read.rows.lost.words()) {
         warnings.push(at(line, Some(slots[0]), message));
     }
     if let Some(slots) = &header.slots.joints {
         for (joint, &k) in slots.iter().enumerate() {
-            if let Some((line, count)) = reader.rows.beyond[joint] {
+            if let Some((line, count)) = read.rows.beyond[joint] {
                 let message = format!("is beyond the joint's limits{}", more(count));
                 warnings.push(at(line, Some(k), message));
             }
@@ -112,14 +121,14 @@ pub(super) fn look_at_columns(reader: &MeasurementsReader, chain: &Chain, warnin
                 .filter(|&(_, &k)| header.columns[k].unit == unit)
                 .filter_map(|(joint, &k)| {
                     let conversion = header.columns[k].conversion;
-                    let (low, high) = reader.rows.seen[k].range()?;
+                    let (low, high) = read.rows.seen[k].range()?;
                     let (low, high) = (conversion.to_si(low), conversion.to_si(high));
-                    Some((k, reader.rows.plausible(joint).looks_too_small(low, high, unit)?))
+                    Some((k, read.rows.plausible(joint).looks_too_small(low, high, unit)?))
                 })
                 .collect();
             if let Some(&(k, _)) = judged.first()
                 && judged.iter().all(|(_, small)| *small)
-                && reader.count >= 5
+                && read.count >= 5
             {
                 let message = format!(
                     "all joint values in [{unit}] are so small that they look like {what}; if so, call the columns `name[{larger}]`"
@@ -145,7 +154,7 @@ pub(super) fn look_at_columns(reader: &MeasurementsReader, chain: &Chain, warnin
             .iter()
             .map(|&k| {
                 let conversion = header.columns[k].conversion;
-                reader.rows.seen[k]
+                read.rows.seen[k]
                     .range()
                     .map_or(0.0, |(low, high)| conversion.to_si(high) - conversion.to_si(low))
             })
@@ -163,8 +172,8 @@ pub(super) fn look_at_columns(reader: &MeasurementsReader, chain: &Chain, warnin
 }
 
 /// Columns that should change and do not.
-fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warning>) {
-    let header = &reader.rows.header;
+fn unvaried(read: &ReadSoFar<'_>, data: &Dataset, warnings: &mut Vec<Warning>) {
+    let header = &read.rows.header;
     let still = |column: &[f64]| column.iter().all(|q| q.to_bits() == column[0].to_bits());
     if let Some(slots) = &header.slots.joints {
         let fixed: Vec<usize> =
@@ -188,7 +197,7 @@ fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warn
                 );
                 header.warn(warnings, None, message);
             }
-            stuck(reader, warnings);
+            stuck(read, warnings);
         }
     }
     let unloaded =
@@ -202,13 +211,13 @@ fn unvaried(reader: &MeasurementsReader, data: &Dataset, warnings: &mut Vec<Warn
 }
 
 /// Positions that are all the same, although the robot moves.
-fn stuck(reader: &MeasurementsReader, warnings: &mut Vec<Warning>) {
-    let Some(slots) = reader.rows.header.slots.position else { return };
+fn stuck(read: &ReadSoFar<'_>, warnings: &mut Vec<Warning>) {
+    let Some(slots) = read.rows.header.slots.position else { return };
     let one =
-        |&k: &usize| reader.rows.seen[k].range().is_some_and(|(low, high)| low.to_bits() == high.to_bits());
-    if reader.count >= 5 && slots.iter().all(one) {
+        |&k: &usize| read.rows.seen[k].range().is_some_and(|(low, high)| low.to_bits() == high.to_bits());
+    if read.count >= 5 && slots.iter().all(one) {
         let message = "never changes, nor do the other two, although the robot moves: the measured point does not move with the robot";
-        reader.rows.header.warn(warnings, Some(slots[0]), message);
+        read.rows.header.warn(warnings, Some(slots[0]), message);
     }
 }
 

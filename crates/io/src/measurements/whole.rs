@@ -68,7 +68,7 @@ pub(crate) fn read_table(
     info.configurations = configuration.iter().max().map_or(0, |last| last + 1);
     info.grouping = Some(grouping(&data, chain, &configuration, dwell, numbered));
     let mut warnings = std::mem::take(&mut reader.warnings);
-    suspicious::look(&reader, chain, &data, (needs, &info), &mut warnings);
+    suspicious::look(&reader.read_so_far(), chain, &data, (needs, &info), &mut warnings);
     Ok(Table { data, header: reader.rows.header, info, warnings })
 }
 

@@ -9,7 +9,6 @@
 //! | rss | squares that no column reaches | k | that of y, squared |
 //! | s | column scale: R diag(s) is what ranks are decided on | p | that of x |
 
-use super::Triangular;
 use crate::dense::{inverse_gram, norm, singular_values};
 use crate::problem::check_len;
 use crate::{RankDecision, RankRule, SolveError, decide_rank};
@@ -71,19 +70,6 @@ impl Factor {
                 }
             }
         }
-    }
-
-    /// The factor of some of the columns.
-    pub fn select(&self, columns: &[usize]) -> Self {
-        let (p, k) = (columns.len(), self.z.ncols());
-        let mut block = DMatrix::zeros(self.columns(), p + k);
-        columns.iter().enumerate().for_each(|(to, from)| block.set_column(to, &self.r.column(*from)));
-        (0..k).for_each(|j| block.set_column(p + j, &self.z.column(j)));
-        let mut part = Triangular::new(p, k);
-        part.take_block(&mut block);
-        let mut factor = part.finish();
-        factor.rss.iter_mut().zip(&self.rss).for_each(|(new, old)| *new += old);
-        Self { rows: self.rows, resolution: self.resolution, ..factor }
     }
 
     /// R diag(s).

@@ -13,7 +13,6 @@ mod gram;
 mod left_out;
 mod null_space;
 mod pieces;
-mod sets;
 mod solve;
 mod triangular;
 

@@ -9,14 +9,16 @@
 //!
 //! Source: Demmel, Grigori, Hoemmen and Langou (2012). Rows are kept in a buffer and folded in blocks.
 
+mod sets;
+
 use super::Factor;
 use super::bytes::{Stored, read, write};
-use super::sets::{Ordered, Sets};
 use crate::dense::{Reflectors, fold, norm, zeros};
 use crate::problem::check_len;
 use crate::{LeastSquares, SolveError};
 use faer::MatMut;
 use nalgebra::{DMatrix, DMatrixView};
+use sets::{Ordered, Sets};
 
 const MAGIC: [u8; 4] = *b"TPTR";
 
@@ -30,9 +32,9 @@ pub struct Triangular {
     rhs: usize,
     rows: usize,
     /// p × (p + k), upper triangular.
-    pub(super) top: DMatrix<f64>,
+    top: DMatrix<f64>,
     /// ‖E_k‖.
-    pub(super) below: Vec<f64>,
+    below: Vec<f64>,
     /// Rows not folded yet, capacity × (p + k).
     buffer: DMatrix<f64>,
     filled: usize,
@@ -69,7 +71,7 @@ impl Triangular {
     }
 
     /// The same without memory for the triangle until rows are folded.
-    pub(super) fn waiting(columns: usize, rhs: usize) -> Self {
+    fn waiting(columns: usize, rhs: usize) -> Self {
         Self { top: DMatrix::zeros(0, 0), columns, ..Self::new(0, rhs) }
     }
 
@@ -153,7 +155,7 @@ impl Triangular {
     }
 
     /// Rows that wait, where none has been folded yet.
-    pub(super) fn raw(&self) -> Option<DMatrixView<'_, f64>> {
+    fn raw(&self) -> Option<DMatrixView<'_, f64>> {
         (self.filled == self.rows).then(|| self.buffer.view((0, 0), (self.filled, self.buffer.ncols())))
     }
 
@@ -270,7 +272,7 @@ impl Triangular {
     }
 
     /// Rows of all columns, column after column.
-    pub(super) fn take_columns(&mut self, rows: usize, stride: usize, numbers: &[f64]) {
+    fn take_columns(&mut self, rows: usize, stride: usize, numbers: &[f64]) {
         self.reserve(rows);
         let (height, mut from) = (self.buffer.nrows(), 0);
         while from < rows {
@@ -308,7 +310,7 @@ impl Triangular {
         self.rows += rows;
     }
 
-    pub(super) fn flush(&mut self) {
+    fn flush(&mut self) {
         if self.filled == 0 {
             return;
         }
@@ -334,6 +336,21 @@ impl Triangular {
             let from = (p + k) * stride;
             *below = below.hypot(norm(&block.as_slice()[from..from + rows]));
         }
+    }
+}
+
+impl Factor {
+    /// The factor of some of the columns.
+    pub fn select(&self, columns: &[usize]) -> Self {
+        let (p, k) = (columns.len(), self.z.ncols());
+        let mut block = DMatrix::zeros(self.columns(), p + k);
+        columns.iter().enumerate().for_each(|(to, from)| block.set_column(to, &self.r.column(*from)));
+        (0..k).for_each(|j| block.set_column(p + j, &self.z.column(j)));
+        let mut part = Triangular::new(p, k);
+        part.take_block(&mut block);
+        let mut factor = part.finish();
+        factor.rss.iter_mut().zip(&self.rss).for_each(|(new, old)| *new += old);
+        Self { rows: self.rows, resolution: self.resolution, ..factor }
     }
 }
 

@@ -14,12 +14,10 @@
 //! out of our hands (at 200 000 rows that is 7e-10), and because the triangle's zeros save work.
 //! The diagonal is normalised to ≥ 0, so that the triangle is a function of AᵀA alone.
 
-use super::leaf::leaf;
+use super::leaf::{PANEL, leaf};
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-
-pub(super) const PANEL: usize = 48;
 
 /// Columns that are reflected one by one, at most; fewer where they would not stay in the nearest cache.
 const LEAF: usize = 12;

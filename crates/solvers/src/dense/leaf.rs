@@ -8,6 +8,9 @@ use super::norm::norm;
 use faer::MatMut;
 use pulp::{Arch, Simd, WithSimd};
 
+/// Most columns of a panel.
+pub(super) const PANEL: usize = 48;
+
 /// Reflects the columns of `block` into the triangle `top`; V replaces the block, S comes out upper triangular.
 pub(super) fn leaf(top: MatMut<'_, f64>, block: MatMut<'_, f64>, s: MatMut<'_, f64>) {
     Arch::new().dispatch(Leaf { top, block, s });
@@ -50,7 +53,7 @@ impl WithSimd for Leaf<'_> {
                 }
             }
             // What the reflections in front make of this one.
-            let mut along = [0.0; super::householder::PANEL];
+            let mut along = [0.0; PANEL];
             for (along, some) in along.chunks_mut(FOUR).zip(before.chunks(FOUR)) {
                 along[..some.len()].copy_from_slice(&dots(simd, v, some)[..some.len()]);
             }

@@ -3,9 +3,9 @@
 //! A desired pose is where the nominal robot, base, tool and targets fitted, is at a fresh configuration: nominal inverse
 //! kinematics commands that configuration. Judged are poses that every model has a command for.
 
+use super::fits::{Fits, attempt};
 use super::record::{Figure, Record};
 use super::robots::Robot;
-use super::verbs::{Fits, attempt};
 use std::error::Error;
 use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
 use truepose_errormodel::FittedModel;

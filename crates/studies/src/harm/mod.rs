@@ -8,6 +8,7 @@
 
 mod draw;
 mod executed;
+mod fits;
 mod hidden;
 mod makes;
 mod record;

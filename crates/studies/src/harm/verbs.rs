@@ -9,11 +9,11 @@
 //! | export | geometry of the fit of `discover` as a controller takes it; base, tool and targets fitted to the rows before they were spoiled |
 //! | written | the same as it is in the file |
 
+use super::fits::{Fits, attempt};
 use super::record::{Figure, Record};
 use super::robots::Robot;
 use crate::discovery::trial::processor_seconds;
 use std::error::Error;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 use truepose_compensate::{ExportOptions, corrected_chain};
 use truepose_discover::{Diagnosis, DiscoverOptions, diagnose, nested};
@@ -34,13 +34,6 @@ pub struct Asked {
     pub discover: bool,
     pub export: bool,
     pub compensate: bool,
-}
-
-/// Fits of one robot, as far as there are any.
-pub struct Fits {
-    pub nominal: Option<FittedModel>,
-    pub constants: Option<FittedModel>,
-    pub discover: Option<FittedModel>,
 }
 
 /// The verbs' default model.
@@ -156,25 +149,6 @@ fn blank(robot: &Robot) -> Record {
         figures: [f64::NAN; super::record::FIGURES.len()],
         finds: String::new(),
         refused: Vec::new(),
-    }
-}
-
-/// What a verb answers; a refusal and a panic are noted.
-pub fn attempt<T>(
-    record: &mut Record,
-    verb: &str,
-    work: impl FnOnce() -> Result<T, Box<dyn Error>>,
-) -> Option<T> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(Ok(answer)) => Some(answer),
-        Ok(Err(error)) => {
-            record.refuse(verb, &error.to_string());
-            None
-        }
-        Err(_) => {
-            record.refuse(verb, "panic");
-            None
-        }
     }
 }
 

@@ -1,0 +1,40 @@
+//! What every run of `identify` does with its result, whether its file was read whole or block by block.
+
+use crate::args::Identify;
+use crate::failure::Failure;
+use truepose_errormodel::ModelError;
+use truepose_identify::IdentifyError;
+use truepose_report::millimetres;
+
+/// Where a fit comes from.
+pub(super) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
+    provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
+    provenance.insert("verb".into(), "identify".into());
+    provenance.insert("solver".into(), solver.into());
+    provenance.insert("rows".into(), rows.into());
+}
+
+/// An error with the file that it is about, where it is about the data.
+pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
+    match error {
+        IdentifyError::NothingMeasured { .. }
+        | IdentifyError::Placement { .. }
+        | IdentifyError::Model(ModelError::MissingSignal { .. }) => {
+            Failure::Input(format!("{}: {error}", args.measured.data.display()))
+        }
+        _ => error.into(),
+    }
+}
+
+/// Compares an RMS (m) with `--require`.
+pub(super) fn require(args: &Identify, rms: f64) -> Result<(), Failure> {
+    let Some(required) = args.require else { return Ok(()) };
+    if rms <= required {
+        return Ok(());
+    }
+    Err(Failure::Criterion(format!(
+        "RMS {} is above the required {}",
+        millimetres(rms),
+        millimetres(required)
+    )))
+}
