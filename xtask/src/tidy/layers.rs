@@ -75,7 +75,7 @@ pub fn check(Table(table): &Table, packages: &[Package]) -> Vec<Finding> {
     let mut findings = Vec::new();
     for package in packages {
         let Some(allowed) = table.get(&package.name) else {
-            findings.push(Finding::Fault(format!(
+            findings.push(Finding(format!(
                 "{} stands in no layer; list it in [workspace.metadata.layers]",
                 package.name
             )));
@@ -83,7 +83,7 @@ pub fn check(Table(table): &Table, packages: &[Package]) -> Vec<Finding> {
         };
         for (on, kind) in &package.dependencies {
             if members.contains(on.as_str()) && !allowed.contains(on) {
-                findings.push(Finding::Fault(format!(
+                findings.push(Finding(format!(
                     "{} has a {kind} dependency on {on}, which its layer does not allow",
                     package.name
                 )));
@@ -93,12 +93,12 @@ pub fn check(Table(table): &Table, packages: &[Package]) -> Vec<Finding> {
     for (name, allowed) in table {
         for listed in std::iter::once(name).chain(allowed) {
             if !members.contains(listed.as_str()) {
-                findings.push(Finding::Fault(format!("the layers name {listed}, which is no crate here")));
+                findings.push(Finding(format!("the layers name {listed}, which is no crate here")));
             }
         }
     }
     if let Some(name) = on_a_cycle(table) {
-        findings.push(Finding::Fault(format!("the layers go round in a circle through {name}")));
+        findings.push(Finding(format!("the layers go round in a circle through {name}")));
     }
     findings
 }
@@ -134,12 +134,7 @@ mod tests {
     fn check_says(layers: &str, packages: &[Package], expected: &[&str]) {
         let manifest = format!("[workspace.metadata.layers]\n{layers}");
         let table = Table::from_manifest(&manifest).expect("a table");
-        let said: Vec<String> = check(&table, packages)
-            .into_iter()
-            .map(|finding| match finding {
-                Finding::Fault(text) | Finding::Warning(text) => text,
-            })
-            .collect();
+        let said: Vec<String> = check(&table, packages).into_iter().map(|Finding(text)| text).collect();
         assert_eq!(said, expected);
     }
 

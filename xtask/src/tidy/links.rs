@@ -24,12 +24,12 @@ pub fn check(files: &[SourceFile]) -> Vec<Finding> {
             };
             let at = format!("{}:{line}", page.path);
             let Some(path) = path.filter(exists) else {
-                findings.push(Finding::Fault(format!("{at}: {target} leads to no file of the project")));
+                findings.push(Finding(format!("{at}: {target} leads to no file of the project")));
                 continue;
             };
             let headings = pages.get(path.as_str());
             if !anchor.is_empty() && headings.is_some_and(|all| !all.iter().any(|known| known == anchor)) {
-                findings.push(Finding::Fault(format!("{at}: {path} has no heading for #{anchor}")));
+                findings.push(Finding(format!("{at}: {path} has no heading for #{anchor}")));
             }
         }
     }
@@ -120,7 +120,7 @@ mod tests {
         let b = "# The `b`: one, two\n## [C](a.md)\n";
         let files = [("docs/a.md", text), ("docs/b.md", b), ("crates/x/src/lib.rs", "")]
             .map(|(path, text)| SourceFile { path: path.into(), text: text.into() });
-        let expected: Vec<Finding> = expected.iter().map(|text| Finding::Fault(text.to_string())).collect();
+        let expected: Vec<Finding> = expected.iter().map(|text| Finding(text.to_string())).collect();
         assert_eq!(check(&files), expected);
     }
 

@@ -12,12 +12,12 @@ pub fn check(metadata: &serde_json::Value, files: &[SourceFile]) -> Result<Vec<F
     let mut findings: Vec<Finding> = ["LICENSE-MIT", "LICENSE-APACHE"]
         .iter()
         .filter(|name| !files.iter().any(|file| file.path == **name))
-        .map(|name| Finding::Fault(format!("{name} is missing at the root")))
+        .map(|name| Finding(format!("{name} is missing at the root")))
         .collect();
     for package in metadata["packages"].as_array().context("cargo metadata lists no packages")? {
         let name = package["name"].as_str().context("a package without a name")?;
         if package["license"].as_str() != Some(LICENCE) {
-            findings.push(Finding::Fault(format!("{name}: its licence has to be `{LICENCE}`")));
+            findings.push(Finding(format!("{name}: its licence has to be `{LICENCE}`")));
         }
         let manifest = package["manifest_path"].as_str().context("a package without a manifest")?;
         let folder = manifest.strip_prefix(root).and_then(|p| p.strip_suffix("Cargo.toml"));
@@ -31,16 +31,15 @@ pub fn check(metadata: &serde_json::Value, files: &[SourceFile]) -> Result<Vec<F
 
 fn front_page(name: &str, folder: &str, files: &[SourceFile]) -> Option<Finding> {
     if !files.iter().any(|file| file.path == format!("{folder}README.md")) {
-        return Some(Finding::Fault(format!("{name}: {folder}README.md is missing")));
+        return Some(Finding(format!("{name}: {folder}README.md is missing")));
     }
     let includes = ["src/lib.rs", "src/main.rs"].iter().any(|page| {
         files.iter().any(|file| {
             file.path == format!("{folder}{page}") && file.text.contains(r#"include_str!("../README.md")"#)
         })
     });
-    (!includes).then(|| {
-        Finding::Fault(format!("{name}: begin its page with #![doc = include_str!(\"../README.md\")]"))
-    })
+    (!includes)
+        .then(|| Finding(format!("{name}: begin its page with #![doc = include_str!(\"../README.md\")]")))
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ pub fn check(manifest: &str, lock: &str) -> Result<Vec<Finding>> {
             .filter_map(|entry| Some(text(entry, "version")?.split('+').next()?.to_owned()))
             .collect();
         if !versions.iter().any(|locked| locked == version.trim_start_matches('=')) {
-            findings.push(Finding::Fault(format!(
+            findings.push(Finding(format!(
                 "{name} = \"{version}\" is not what the tests run with: ask for {}",
                 versions.join(" or ")
             )));
@@ -46,7 +46,7 @@ mod tests {
     fn check_says(shared: &str, expected: &[&str]) {
         let manifest = format!("[workspace.dependencies]\n{shared}");
         let lock = "[[package]]\nname = \"x\"\nversion = \"1.2.3+more\"\n[[package]]\nname = \"x\"\nversion = \"2.0.0\"\n";
-        let expected: Vec<Finding> = expected.iter().map(|text| Finding::Fault(text.to_string())).collect();
+        let expected: Vec<Finding> = expected.iter().map(|text| Finding(text.to_string())).collect();
         assert_eq!(check(&manifest, lock).expect("TOML"), expected);
     }
 

@@ -18,14 +18,9 @@ use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::Command;
 
-/// What a check has to say.
+/// A fault that a check has found: what is wrong, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Finding {
-    /// Fails the run.
-    Fault(String),
-    /// Is shown.
-    Warning(String),
-}
+pub struct Finding(pub String);
 
 /// A file under version control: its path from the root with `/`, and its text.
 #[derive(Debug, Clone)]
@@ -59,16 +54,10 @@ pub fn run(root: &Path) -> Result<()> {
     findings.extend(names::check(&files));
     findings.extend(words::check(&files));
 
-    let mut faults = 0;
-    for finding in &findings {
-        match finding {
-            Finding::Fault(text) => {
-                faults += 1;
-                eprintln!("fault: {text}");
-            }
-            Finding::Warning(text) => eprintln!("warning: {text}"),
-        }
+    for Finding(text) in &findings {
+        eprintln!("fault: {text}");
     }
+    let faults = findings.len();
     if faults > 0 {
         bail!("tidy found {faults} fault{}", if faults == 1 { "" } else { "s" });
     }

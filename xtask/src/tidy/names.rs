@@ -11,7 +11,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Finding> {
         .filter(|file| {
             file.path.split('/').any(|part| NAMELESS.contains(&part.split('.').next().unwrap_or(part)))
         })
-        .map(|file| Finding::Fault(format!("{}: name it after what it holds", file.path)))
+        .map(|file| Finding(format!("{}: name it after what it holds", file.path)))
         .collect()
 }
 

@@ -28,15 +28,14 @@ pub fn check(metadata: &serde_json::Value, deny: &str) -> Result<Vec<Finding>> {
         let name = package["name"].as_str().context("a package without a name")?;
         let Some(source) = package["source"].as_str() else { continue }; // a crate of the workspace
         if source != REGISTRY {
-            findings.push(Finding::Fault(format!("{name} comes from {source}, not from crates.io")));
+            findings.push(Finding(format!("{name} comes from {source}, not from crates.io")));
         }
         if banned.contains(name) {
-            findings.push(Finding::Fault(format!("{name} is banned by deny.toml")));
+            findings.push(Finding(format!("{name} is banned by deny.toml")));
         }
         let licence = package["license"].as_str().unwrap_or_default();
         if !permitted(licence, &allowed) {
-            findings
-                .push(Finding::Fault(format!("{name}: no licence of `{licence}` is allowed by deny.toml")));
+            findings.push(Finding(format!("{name}: no licence of `{licence}` is allowed by deny.toml")));
         }
     }
     Ok(findings)

@@ -23,8 +23,7 @@ pub fn check(metadata: &serde_json::Value, manifest: &str, files: &[SourceFile])
             declared.insert(on);
             let word = dependency["rename"].as_str().unwrap_or(on).replace('-', "_");
             if !named.contains(word.as_str()) && !NEEDED.contains(&(name, on)) {
-                findings
-                    .push(Finding::Fault(format!("{name} depends on {on}, which none of its files names")));
+                findings.push(Finding(format!("{name} depends on {on}, which none of its files names")));
             }
         }
     }
@@ -35,7 +34,7 @@ pub fn check(metadata: &serde_json::Value, manifest: &str, files: &[SourceFile])
         let package = value.get("package").and_then(toml::Value::as_str).unwrap_or(name);
         if !declared.contains(package) {
             let text = format!("[workspace.dependencies] lists {name}, which no member depends on");
-            findings.push(Finding::Fault(text));
+            findings.push(Finding(text));
         }
     }
     Ok(findings)
@@ -65,7 +64,7 @@ mod tests {
         let manifest = format!("[workspace.dependencies]\n{shared}");
         let files = [("crates/a/src/lib.rs", code), ("crates/b/src/lib.rs", "use toml;")]
             .map(|(path, text)| SourceFile { path: path.into(), text: text.into() });
-        let expected: Vec<Finding> = expected.iter().map(|text| Finding::Fault(text.to_string())).collect();
+        let expected: Vec<Finding> = expected.iter().map(|text| Finding(text.to_string())).collect();
         assert_eq!(check(&metadata, &manifest, &files).expect("metadata"), expected);
     }
 

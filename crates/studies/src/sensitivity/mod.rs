@@ -24,6 +24,13 @@ struct Asked {
     folder: Option<String>,
 }
 
+/// A policy with one belief changed; no belief for the default.
+struct Changed {
+    belief: String,
+    factor: f64,
+    policy: Policy,
+}
+
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let asked = Asked::of(arguments)?;
@@ -34,8 +41,8 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     print(&format!("commit {commit}; {}", folder.display()));
     let tasks = asked.tasks();
     let mut rows = Vec::new();
-    for (belief, factor, policy) in asked.policies()? {
-        let part = if factor == 1.0 { "default".into() } else { format!("{belief}_x{factor}") };
+    for Changed { belief, factor, policy } in asked.policies()? {
+        let part = if belief.is_empty() { "default".into() } else { format!("{belief}_x{factor}") };
         let mut journal: Journal<Record> = Journal::open(&folder, &part, &commit)?;
         for task in &tasks {
             let word = task.cause.map_or("none", HiddenEffect::word);
@@ -97,14 +104,14 @@ impl Asked {
     }
 
     /// The default policy, and each belief times each factor.
-    fn policies(&self) -> Result<Vec<(String, f64, Policy)>, Box<dyn Error>> {
+    fn policies(&self) -> Result<Vec<Changed>, Box<dyn Error>> {
         let default = Policy::default();
-        let mut all = vec![(String::new(), 1.0, default.clone())];
+        let mut all = vec![Changed { belief: String::new(), factor: 1.0, policy: default.clone() }];
         for belief in &self.beliefs {
-            for &factor in self.factors.iter().filter(|&&factor| factor != 1.0) {
+            for &factor in self.factors.iter().filter(|&&factor| (factor - 1.0).abs() > 1e-9) {
                 let policy = default.scaled(belief, factor);
                 let policy = policy.ok_or_else(|| format!("`{belief}` is no belief of the policy"))?;
-                all.push((belief.clone(), factor, policy));
+                all.push(Changed { belief: belief.clone(), factor, policy });
             }
         }
         Ok(all)

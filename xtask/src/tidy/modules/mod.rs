@@ -29,7 +29,7 @@ pub fn check(files: &[SourceFile]) -> Vec<Finding> {
         for (parent, siblings) in modules.dependencies() {
             for cycle in cycles(&siblings) {
                 let text = words(&format!("{folder}{parent}"), &cycle);
-                findings.push(Finding::Fault(text));
+                findings.push(Finding(text));
             }
         }
     }
@@ -97,12 +97,7 @@ mod tests {
             .iter()
             .map(|(path, text)| SourceFile { path: format!("crates/a/src/{path}"), text: text.to_string() })
             .collect();
-        let found: Vec<String> = check(&files)
-            .into_iter()
-            .map(|finding| match finding {
-                Finding::Fault(text) | Finding::Warning(text) => text,
-            })
-            .collect();
+        let found: Vec<String> = check(&files).into_iter().map(|Finding(text)| text).collect();
         let lines: Vec<&str> = found.iter().flat_map(|text| text.lines().map(str::trim)).collect();
         assert_eq!(lines, expected);
     }
