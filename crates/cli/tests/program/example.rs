@@ -106,6 +106,36 @@ fn the_measured_robot_is_explained_down_to_its_repeatability() {
     assert!(rms("after") < 0.2 * rms("before"), "{} {}", rms("before"), rms("after"));
 }
 
+/// Numbers with two significant digits: platforms differ in the last ones, and the text is what is compared.
+fn rounded(value: &serde_json::Value) -> serde_json::Value {
+    use serde_json::Value;
+    match value {
+        Value::Number(number) if number.as_i64().is_none() => {
+            let short: f64 = format!("{:.1e}", number.as_f64().unwrap()).parse().unwrap();
+            serde_json::json!(short)
+        }
+        Value::Array(list) => list.iter().map(rounded).collect(),
+        Value::Object(map) => map.iter().map(|(key, value)| (key.clone(), rounded(value))).collect(),
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn a_discovery_and_its_story() {
+    let folder = copied();
+    let at = |file: &str| format!("examples/02_measured_robot/{file}");
+    let (robot, data) = (at("robot.toml"), at("measurements.csv"));
+    let text =
+        folder.run(&["discover", "--robot", &robot, "--data", &data, "--report", "report"]).ended(0).out;
+    let mut settings = insta::Settings::clone_current();
+    // Numbers of the text, but for whole ones.
+    settings.add_filter(r"\d+\.\d+(e-?\d+)?", "[number]");
+    settings.add_filter("█+", "[bar]");
+    settings.bind(|| insta::assert_snapshot!("story", text));
+    let found: serde_json::Value = serde_json::from_str(&folder.read("report/discovery.json")).unwrap();
+    insta::assert_snapshot!("discovery_json", serde_json::to_string_pretty(&rounded(&found)).unwrap());
+}
+
 #[test]
 fn an_error_without_a_word_ends_in_an_unexplained_verdict() {
     let found = discovered("03_unexplained");
