@@ -5,9 +5,10 @@ use crate::plants::{elastic, heavy_observation};
 use nalgebra::{DMatrix, DVector, Vector3};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{Dataset, ErrorModel, Visits, configurations};
+use truepose_identify::engine::collect;
 use truepose_identify::{
-    CrossValidation, Fit, FitOptions, Folds, Method, NoiseSource, PriorStrength, Split, collect,
-    cross_validate, fit, hold_out,
+    CrossValidation, Fit, FitOptions, Folds, Method, NoiseSource, PriorStrength, Split, cross_validate, fit,
+    hold_out,
 };
 use truepose_kinematics::{Axis, Chain};
 use truepose_simulate::robots::heavy_plant;

@@ -31,3 +31,10 @@ pub use export::{
 };
 pub use exported_accuracy::Accuracy;
 pub use options::{Approach, CompensatorOptions};
+
+/// What most programs need: `use truepose_compensate::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Approach, Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
+    };
+}

@@ -54,3 +54,11 @@ pub use policy::Policy;
 pub use progress::Progress;
 pub use screen::untestable::Untestable;
 pub use termination::Termination;
+
+/// What most programs need: `use truepose_discover::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Diagnosis, DiscoverError, DiscoverOptions, Family, Finding, Library, Nested, Termination, Verdict,
+        diagnose, nested,
+    };
+}

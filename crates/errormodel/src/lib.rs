@@ -41,3 +41,11 @@ pub use real::RealPosture;
 pub use registry::EffectRegistry;
 pub use signal::Signal;
 pub use term::Term;
+
+/// What most programs need: `use truepose_errormodel::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        AnyEffect, Column, Dataset, DatasetBuilder, Effect, EffectRegistry, Emission, ErrorModel,
+        FittedModel, Measurement, ModelError, Predictor, Term,
+    };
+}

@@ -5,7 +5,8 @@ use divan::{Bencher, black_box};
 use nalgebra::Vector3;
 use truepose_errormodel::effects::{Geometric, JointCompliance, Polynomial, WrenchComponent};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Schema, Visits};
-use truepose_identify::{FitOptions, NoiseModel, PriorStrength, fit, gram, left_over, triangular};
+use truepose_identify::engine::{gram, left_over, triangular};
+use truepose_identify::{FitOptions, NoiseModel, PriorStrength, fit};
 use truepose_kinematics::{Load, TargetId, Wrench, samples};
 use truepose_solvers::PivotedQr;
 

@@ -16,9 +16,8 @@
 //!
 //! A fit of a single linear step is judged by single linear steps, from where it began.
 
-use crate::{
-    Fit, FitOptions, Folds, IdentifyError, Lineariser, NoiseSource, Residuals, fit_again, triangular_of,
-};
+use crate::linearise::{Lineariser, triangular_of};
+use crate::{Fit, FitOptions, Folds, IdentifyError, NoiseSource, Residuals, fit_again};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truepose_errormodel::{Dataset, Visits};

@@ -4,8 +4,9 @@
 //! over what the structure allows grows, or directions that the data leaves weak (posterior standard deviation above
 //! the prior one) become strong, moving this joint is what is missing.
 
+use crate::linearise::Lineariser;
 use crate::reduction::joint_ranges;
-use crate::{Fit, IdentifyError, Lineariser};
+use crate::{Fit, IdentifyError};
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::{Dataset, Interval, Visits};
 use truepose_kinematics::JointId;

@@ -40,10 +40,6 @@ pub use fit_model::fit;
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
 pub use identification::{Identification, IdentificationOptions, Stage, Step, TestSet, identify};
-pub use linearise::{
-    Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
-    left_over, triangular, triangular_of,
-};
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
@@ -60,3 +56,19 @@ pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};
 pub use truepose_errormodel::NoiseModel;
 pub use variance::estimate_noise;
+
+/// The steps of a fit one by one, for benchmarks and studies of their cost; no stable interface.
+pub mod engine {
+    pub use crate::linearise::{
+        Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, factorise, gram, left_out,
+        left_over, triangular, triangular_of,
+    };
+}
+
+/// What most programs need: `use truepose_identify::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Fit, FitOptions, Identification, IdentificationOptions, IdentifyError, PriorStrength, Residuals,
+        Split, cross_validate, fit, hold_out, identify, place,
+    };
+}

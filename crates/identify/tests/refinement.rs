@@ -3,7 +3,8 @@
 
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
-use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, Way, fit, left_over, plain};
+use truepose_identify::engine::left_over;
+use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, Way, fit, plain};
 use truepose_kinematics::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use truepose_kinematics::{Chain, Load, Placed, Pose, samples};
 use truepose_solvers::{NormalEquations, PivotedQr, RankRule, Solver, Svd};

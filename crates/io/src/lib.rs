@@ -39,3 +39,11 @@ pub use text::read_text;
 pub use unfinished::stop_writing;
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, check_writable, make_folder, write_whole};
+
+/// What most programs need: `use truepose_io::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        IoError, MeasurementsOptions, RobotOptions, Warning, read_fit, read_measurements, read_model,
+        read_robot, write_fit,
+    };
+}

@@ -33,3 +33,11 @@ pub use target::Target;
 
 pub use nalgebra;
 pub use pulp;
+
+/// What most programs need: `use truepose_kinematics::prelude::*`.
+pub mod prelude {
+    pub use crate::{
+        Axis, Chain, ChainError, Conditions, FrameId, Joint, JointId, JointKind, Load, Payload, Placement,
+        Pose, Posture, PostureBuffer, Site, Target, TargetId, Wrench,
+    };
+}

@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::workload::{Bound, Declared, Failure, Way, Workload};
 use std::path::Path;
 use truepose_errormodel::Visits;
-use truepose_identify::{gram, left_out};
+use truepose_identify::engine::{gram, left_out};
 
 fn way(folder: &Path) -> Result<Way, Failure> {
     let model = model(folder)?;

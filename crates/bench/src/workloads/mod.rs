@@ -11,7 +11,8 @@ use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
 use std::cell::RefCell;
 use std::rc::Rc;
 use truepose_errormodel::{Dataset, ErrorModel};
-use truepose_identify::{Residuals, left_over};
+use truepose_identify::Residuals;
+use truepose_identify::engine::left_over;
 
 /// In the order in which they run.
 pub const ALL: &[Workload] = &[

@@ -10,7 +10,8 @@
 
 use super::groups::Reduction;
 use super::reduce::reduce;
-use crate::{IdentifyError, NoiseModel, factorise};
+use crate::linearise::factorise;
+use crate::{IdentifyError, NoiseModel};
 use std::borrow::Cow;
 use truepose_errormodel::effects::{Geometric, GroupedError, Order, Polynomial, Where};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Term, UNBOUNDED, Visits};

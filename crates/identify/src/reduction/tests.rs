@@ -28,8 +28,15 @@ fn frames_only(chain: &Chain) -> ErrorModel {
 
 fn reduced(model: &ErrorModel, data: &Dataset) -> Reduction {
     let zero = vec![0.0; model.columns().len()];
-    let factor =
-        crate::factorise(model, data, &Visits::of(data), crate::NoiseModel::default(), &zero, None).unwrap();
+    let factor = crate::linearise::factorise(
+        model,
+        data,
+        &Visits::of(data),
+        crate::NoiseModel::default(),
+        &zero,
+        None,
+    )
+    .unwrap();
     reduce(model, data, &factor, RankRule::Default, &zero).unwrap()
 }
 
@@ -74,7 +81,7 @@ fn relations_hold_in_the_data() {
         let data = postures(&chain, 50, true, &[target]);
         let zero = vec![0.0; model.columns().len()];
         let noise = crate::NoiseModel { position_sd: 1.0, visit_sd: 0.0, orientation_sd: 1.0 };
-        let rows = crate::collect(&model, &data, &Visits::of(&data), noise, &zero).unwrap();
+        let rows = crate::linearise::collect(&model, &data, &Visits::of(&data), noise, &zero).unwrap();
         let reduction = reduced(&model, &data);
         assert_eq!(reduction.kept.len() + reduction.dropped.len(), zero.len());
         for d in &reduction.dropped {
