@@ -13,6 +13,7 @@ mod example;
 mod export;
 mod folder;
 mod harm;
+mod invariance;
 mod limits;
 mod output;
 mod page;
