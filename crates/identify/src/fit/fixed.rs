@@ -89,7 +89,7 @@ pub(crate) fn fit_fixed(
 /// parameters stay as they are in the model.
 ///
 /// # Errors
-/// As [`fit`].
+/// As [`crate::fit`].
 pub fn refit(
     model: &ErrorModel,
     data: &Dataset,
@@ -104,7 +104,7 @@ pub fn refit(
 /// Fits the model of a fit to other data of the same robot: with its reduction and its prior, from where it ended.
 ///
 /// # Errors
-/// As [`fit`].
+/// As [`crate::fit`].
 pub fn fit_again(
     known: &Fit,
     data: &Dataset,
