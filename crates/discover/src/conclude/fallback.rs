@@ -65,30 +65,16 @@ pub(crate) fn withdrawn(
     if model.findings.is_empty() {
         return Ok(None);
     }
-    let failed = match failed(context, model, partition, (train, unsearched), checks, again)? {
-        Some(failed) => failed,
-        None => return Ok(None),
-    };
-    let (check, declared, enlarged) = failed;
-    let findings = model.findings.iter().map(|a| (a.candidate.clone(), a.evidence.clone())).collect();
-    Ok(Some(Withdrawn { check, declared, enlarged, findings }))
-}
-
-/// (check, 3-D RMS of the declared model, 3-D RMS of the enlarged one), m.
-type Failed = (Check, f64, f64);
-
-fn failed(
-    context: &Context<'_>,
-    model: &Model,
-    partition: &Partition<'_>,
-    (train, unsearched): (&Dataset, Option<[Residuals; 2]>),
-    checks: Checks,
-    again: &Again<'_>,
-) -> Result<Option<Failed>, DiscoverError> {
     let noise = model.declared.fit.noise;
     let loss = |check: Check, pair: &[Residuals; 2], worse: &dyn Fn(Comparison) -> bool| {
         let compared = compared(&pair[0], &pair[1], noise)?;
-        worse(compared).then(|| (check, rms(pair, 0), rms(pair, 1)))
+        let findings = || model.findings.iter().map(|a| (a.candidate.clone(), a.evidence.clone())).collect();
+        worse(compared).then(|| Withdrawn {
+            check,
+            declared: rms(pair, 0),
+            enlarged: rms(pair, 1),
+            findings: findings(),
+        })
     };
     let out = &model.current.outliers.suspects;
     let any_loss = |compared: Comparison| compared.deviation > 1.0;

@@ -2,7 +2,7 @@
 
 use crate::hypotheses::nonlinear::concrete;
 use truepose_errormodel::AnyEffect;
-use truepose_errormodel::effects::{Expansion, Place};
+use truepose_errormodel::effects::{Expansion, Place, Spot};
 use truepose_kinematics::Axis;
 
 /// All sets with one component fewer (but for the empty one) or more; no set at all means all six.
@@ -12,6 +12,19 @@ pub(crate) fn others(components: Option<&[Axis]>) -> impl Iterator<Item = Vec<Ax
         let next: Vec<Axis> = Axis::ALL.into_iter().filter(|a| all.contains(a) != (*a == axis)).collect();
         (!next.is_empty()).then_some(next)
     })
+}
+
+/// An effect of a frame with one of its components fewer or more, each in turn: `with` makes it from a set of components. None of an effect of
+/// a joint, which has no components to choose.
+pub(crate) fn of_spot(
+    spot: Spot,
+    components: Option<&[Axis]>,
+    with: impl Fn(Vec<Axis>) -> Box<dyn AnyEffect>,
+) -> Vec<Box<dyn AnyEffect>> {
+    match spot {
+        Spot::Frame(_) => others(components).map(with).collect(),
+        Spot::Joint(_) => Vec::new(),
+    }
 }
 
 /// A series in several components of a frame with one component fewer or more, two at least: with one left it would be another cause, whose
@@ -35,7 +48,7 @@ mod tests {
     use crate::hypotheses::guideway::Rail;
     use crate::hypotheses::hypothesis::Hypothesis;
     use crate::hypotheses::time::Jump;
-    use truepose_errormodel::effects::{Guideway, Shift, Spot};
+    use truepose_errormodel::effects::{Guideway, Shift};
     use truepose_kinematics::{FrameId, JointId};
 
     #[test]

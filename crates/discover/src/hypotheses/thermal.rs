@@ -1,6 +1,6 @@
 //! What follows a temperature, at once or late.
 
-use crate::hypotheses::components::others;
+use crate::hypotheses::components::of_spot;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
@@ -99,11 +99,9 @@ impl Hypothesis for Growth {
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        match concrete::<Thermal>(effect) {
-            Some(growth) if matches!(growth.spot, Spot::Frame(_)) => others(growth.components.as_deref())
-                .map(|axes| Thermal { components: Some(axes), ..growth.clone() }.boxed())
-                .collect(),
-            _ => Vec::new(),
-        }
+        let Some(growth) = concrete::<Thermal>(effect) else { return Vec::new() };
+        of_spot(growth.spot, growth.components.as_deref(), |axes| {
+            Thermal { components: Some(axes), ..growth.clone() }.boxed()
+        })
     }
 }

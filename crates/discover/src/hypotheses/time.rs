@@ -1,6 +1,6 @@
 //! What moves with time: smoothly, or all at once.
 
-use crate::hypotheses::components::others;
+use crate::hypotheses::components::of_spot;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
@@ -87,12 +87,10 @@ impl Hypothesis for Slow {
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        match concrete::<Drift>(effect) {
-            Some(drift) if matches!(drift.spot, Spot::Frame(_)) => others(drift.components.as_deref())
-                .map(|axes| Drift { components: Some(axes), ..drift.clone() }.boxed())
-                .collect(),
-            _ => Vec::new(),
-        }
+        let Some(drift) = concrete::<Drift>(effect) else { return Vec::new() };
+        of_spot(drift.spot, drift.components.as_deref(), |axes| {
+            Drift { components: Some(axes), ..drift.clone() }.boxed()
+        })
     }
 }
 
@@ -152,12 +150,10 @@ impl Hypothesis for Jump {
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        match concrete::<Shift>(effect) {
-            Some(jump) if matches!(jump.spot, Spot::Frame(_)) => others(jump.components.as_deref())
-                .map(|axes| Shift { components: Some(axes), ..jump.clone() }.boxed())
-                .collect(),
-            _ => Vec::new(),
-        }
+        let Some(jump) = concrete::<Shift>(effect) else { return Vec::new() };
+        of_spot(jump.spot, jump.components.as_deref(), |axes| {
+            Shift { components: Some(axes), ..jump.clone() }.boxed()
+        })
     }
 }
 
