@@ -2,6 +2,7 @@
 
 use crate::identification::groups;
 use crate::layout::Alignment::{Left, Right};
+use crate::wording::heading;
 use crate::{
     GroupSummary, OrientationStatistics, PositionStatistics, count, significant, table, value_with_interval,
     warning_text,
@@ -96,13 +97,7 @@ impl StreamedSummary {
 
 impl fmt::Display for StreamedSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{}: {}, {}",
-            self.robot,
-            count(self.rows, "row"),
-            count(self.visits, "pose measurement")
-        )?;
+        writeln!(f, "{}", heading(&self.robot, self.rows, self.visits))?;
         writeln!(
             f,
             "read block by block; the structure of the model is from a sample of {}",

@@ -35,6 +35,11 @@ pub fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
+/// The first line of a text: `welder: 300 rows, 100 pose measurements`.
+pub(crate) fn heading(robot: &str, rows: usize, poses: usize) -> String {
+    format!("{robot}: {}, {}", count(rows, "row"), count(poses, "pose measurement"))
+}
+
 /// A coefficient with the half width of its interval, in the unit that people use for it: mm, mrad, µrad/(N*m) …
 pub fn value_with_interval(value: f64, half_width: f64, unit: &str) -> (String, String, String) {
     let (factor, shown) = match unit {

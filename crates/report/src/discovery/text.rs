@@ -1,6 +1,7 @@
 //! A discovery as text for a terminal: verdict, error budget, each finding.
 
 use super::{DiscoverySummary, FindingSummary};
+use crate::wording::heading;
 use crate::{count, significant};
 use std::fmt;
 use truepose_discover::Family;
@@ -13,13 +14,7 @@ const LISTED: usize = 6;
 
 impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{}: {}, {}",
-            self.robot,
-            count(self.rows, "row"),
-            count(self.visits, "pose measurement")
-        )?;
+        writeln!(f, "{}", heading(&self.robot, self.rows, self.visits))?;
         self.verdict(f)?;
         let used = self.before.holdout_used();
         writeln!(

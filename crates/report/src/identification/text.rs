@@ -2,6 +2,7 @@
 
 use super::{IdentificationSummary, StageSummary};
 use crate::layout::Alignment::{Left, Right};
+use crate::wording::heading;
 use crate::{count, significant, table, value_with_interval};
 use std::fmt;
 
@@ -10,14 +11,8 @@ const MOST_GROUPS: usize = 60;
 
 impl fmt::Display for IdentificationSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{}: {}, {}, {}",
-            self.robot,
-            count(self.rows, "row"),
-            count(self.visits, "pose measurement"),
-            count(self.configurations, "configuration")
-        )?;
+        let heading = heading(&self.robot, self.rows, self.visits);
+        writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
         writeln!(f, "\n{}", self.verdict())?;
         if !self.converged {
             writeln!(
