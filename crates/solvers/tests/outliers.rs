@@ -25,6 +25,7 @@ const VISITS: usize = 100;
 const ROWS: usize = 3;
 
 /// Every composition of a robust loss with a start, at efficiencies of 90 % and above; the inner solvers that are not penalised reach the same squares.
+/// Sharper tunings do not pass: `tukey(qr, c=3)` is at 1.32 of plain least squares in clean draw 38.
 const ROBUST: [&str; 7] = [
     "huber(qr)",
     "huber(svd, start=trimmed)",
