@@ -1,6 +1,6 @@
 //! Tests of the best candidate before it is accepted.
 //!
-//! 1. Significance: the family-wise p by sign flips ([`crate::significance`]) is at most α.
+//! 1. Significance: the family-wise p of the rotation test ([`crate::significance`]) is at most α.
 //! 2. Prediction of unseen configurations: paired, grouped cross-validation, t ≥ 2 with the variance of
 //!    Nadeau and Bengio (2003); and contiguous blocks in time, in which the effect does not predict worse, in
 //!    all blocks together or in the median block (one block may lie outside of the range of all others). An
@@ -17,6 +17,7 @@ use crate::problem::likelihood::{Likelihood, distances};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::Observation;
 use crate::screen::candidates::Screen;
+use crate::significance::sign_flips::sign_flips;
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -30,8 +31,14 @@ use truepose_identify::{Folds, Split};
 /// Evidence for an effect, from the linearised problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Family-wise p-value from B sign flips of whole poses; at least 1/(B + 1).
+    /// Family-wise p-value of the rotation test: exact for normal errors.
     pub p_value: f64,
+    /// p-value, as a single test, of 999 sign flips of whole poses: without the assumption of normal errors. Reported only; no
+    /// decision uses it.
+    pub p_sign_flips: f64,
+    /// Number of poses on which the effect rests, (Σ b²)²/Σ b⁴ of their scores: with K of them, the sign flips cannot give a p below
+    /// 2^(1−K).
+    pub effective_poses: f64,
     /// Parametric p-value: χ² tail of the score statistic, times the number of tests (Bonferroni). Reported
     /// only; no decision uses it.
     pub p_parametric: f64,
@@ -101,9 +108,9 @@ pub enum Doubt {
 /// Collects the evidence for a competitor, given its family-wise p.
 pub(crate) fn collect(
     linearisation: &Linearisation<'_>,
-    present: &Likelihood,
+    (screen, present): (&Screen, &Likelihood),
     competitor: &Competitor,
-    (p_value, p_parametric): (f64, f64),
+    p_value: f64,
     seed: u64,
 ) -> Result<Evidence, DiscoverError> {
     let random = Folds::new(
@@ -120,9 +127,13 @@ pub(crate) fn collect(
         Ok(paired(linearisation, folds, competitor, &before, &after))
     };
     let (stability, agreement) = halves(linearisation, competitor, seed)?;
+    let pose = linearisation.observations.iter().map(|o| o.visit);
+    let check = sign_flips(&screen.projection, &competitor.columns, pose, seed);
     Ok(Evidence {
         p_value,
-        p_parametric,
+        p_sign_flips: check.map_or(1.0, |check| check.p_value),
+        effective_poses: check.map_or(0.0, |check| check.effective_poses),
+        p_parametric: parametric(screen, competitor),
         unknowns: competitor.freedom,
         gain: present.deviance - competitor.likelihood.deviance,
         random: gain(&random)?,
@@ -325,7 +336,7 @@ fn halves(
 }
 
 /// The parametric p-value of a competitor: χ² tail times the number of tests, at most one.
-pub(crate) fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
+fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
     let tests = screen.tests();
     let distribution = ChiSquared::new(competitor.freedom as f64);
     let single = distribution.map_or(1.0, |distribution| distribution.sf(competitor.gain.max(0.0)));
