@@ -9,9 +9,11 @@
 //!    payload), or of a tenth of the noise standard deviation.
 //! 4. Stability: it is selected in 80 % of the half-samples (Meinshausen and Bühlmann 2010).
 
+use crate::accept::surrogates::among_surrogates;
 use crate::contest::competitor::Competitor;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
+use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::likelihood::{Likelihood, distances};
 use crate::problem::linearisation::Linearisation;
@@ -36,6 +38,10 @@ pub struct Evidence {
     /// p-value, as a single test, of 999 sign flips of whole poses: without the assumption of normal errors. Reported only; no
     /// decision uses it.
     pub p_sign_flips: f64,
+    /// For an effect that reads a channel: p among 19 surrogates, the same channel moved in time. Above 0.05 another record would do as
+    /// well, and the channel's name is doubtful.
+    #[serde(default)]
+    pub p_surrogates: Option<f64>,
     /// Number of poses on which the effect rests, (Σ b²)²/Σ b⁴ of their scores: with K of them, the sign flips cannot give a p below
     /// 2^(1−K).
     pub effective_poses: f64,
@@ -111,8 +117,9 @@ pub(crate) fn collect(
     (screen, present): (&Screen, &Likelihood),
     competitor: &Competitor,
     p_value: f64,
-    seed: u64,
+    options: &DiscoverOptions,
 ) -> Result<Evidence, DiscoverError> {
+    let seed = options.seed;
     let random = Folds::new(
         linearisation.data,
         &Split::Random { folds: folds(linearisation, linearisation.budget.folds), seed },
@@ -133,6 +140,7 @@ pub(crate) fn collect(
         p_value,
         p_sign_flips: check.map_or(1.0, |check| check.p_value),
         effective_poses: check.map_or(0.0, |check| check.effective_poses),
+        p_surrogates: among_surrogates(linearisation, screen, &competitor.candidate, options)?,
         p_parametric: parametric(screen, competitor),
         unknowns: competitor.freedom,
         gain: present.deviance - competitor.likelihood.deviance,

@@ -69,7 +69,9 @@ impl InterimReport {
         self.steps.push(after.rms());
         let mut fit = current.fit.clone();
         at_run_time(&mut fit, &current.found, partition.data);
-        let names = |a: &Accepted| name_probabilities(&a.candidate, &a.competitors, context.policy());
+        let names = |a: &Accepted| {
+            name_probabilities((&a.candidate, a.evidence.p_surrogates), &a.competitors, context.policy())
+        };
         let finding = |(k, accepted): (usize, &Accepted)| Finding {
             candidate: accepted.candidate.clone(),
             p_value: accepted.evidence.p_value,

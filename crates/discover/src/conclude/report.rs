@@ -82,7 +82,11 @@ pub(crate) fn conclude(
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
         let effects = context.effects_of(&found, k);
-        let names = name_probabilities(&found[k], &accepted.competitors, context.policy());
+        let names = name_probabilities(
+            (&found[k], accepted.evidence.p_surrogates),
+            &accepted.competitors,
+            context.policy(),
+        );
         findings.push(Finding {
             parameters: parameters(&fit, &found[k], effects.clone()),
             shape: shape(&fit, &effects),

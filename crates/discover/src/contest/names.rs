@@ -27,9 +27,10 @@ pub(crate) struct NameProbabilities {
     pub unnamed: f64,
 }
 
-/// The probabilities of a finding and of its competing hypotheses (candidate, Δ).
+/// The probabilities of a finding and of its competing hypotheses (candidate, Δ). `among_surrogates`: p of a finding that reads a channel
+/// among surrogates of that channel; as far as others do as well, another record that nobody kept is as likely.
 pub(crate) fn name_probabilities(
-    finding: &Candidate,
+    (finding, among_surrogates): (&Candidate, Option<f64>),
     competitors: &[(Candidate, f64)],
     policy: &Policy,
 ) -> NameProbabilities {
@@ -42,10 +43,12 @@ pub(crate) fn name_probabilities(
     let total: f64 = own + each.iter().sum::<f64>();
     let of_unnamed = competitors.iter().zip(&each).filter(|((c, _), _)| !c.family.is_named());
     let unnamed = of_unnamed.map(|(_, w)| w).sum::<f64>() + if finding.family.is_named() { 0.0 } else { own };
+    let doubtful = among_surrogates.map_or(0.0, |p| (2.0 * (p - policy.surrogates_level)).clamp(0.0, 1.0));
+    let doubt = if finding.family.is_named() { doubtful * own / total } else { 0.0 };
     NameProbabilities {
-        own: own / total,
+        own: own / total - doubt,
         each: each.into_iter().map(|w| w / total).collect(),
-        unnamed: unnamed / total,
+        unnamed: unnamed / total + doubt,
     }
 }
 
@@ -68,7 +71,7 @@ mod tests {
         let policy = Policy::default();
         let of = |behind: &[f64]| {
             let competitors: Vec<_> = behind.iter().map(|&behind| (at("b"), behind)).collect();
-            name_probabilities(&at("a"), &competitors, &policy)
+            name_probabilities((&at("a"), None), &competitors, &policy)
         };
         let tied = of(&[0.0, 200.0]);
         assert!((tied.own - 0.5).abs() < 1e-9 && tied.each[1] < 1e-6, "{tied:?}");
@@ -78,5 +81,8 @@ mod tests {
         let close = of(&[policy.name_temperature]);
         assert!((close.own / close.each[0] - 0.5f64.exp()).abs() < 1e-9, "{close:?}");
         assert!((close.own + close.each[0] - 1.0).abs() < 1e-12);
+        // Where half of the surrogates do as well, the name is nearly as doubtful as without a channel.
+        let doubtful = name_probabilities((&at("a"), Some(0.5)), &[], &policy);
+        assert!((doubtful.own + doubtful.unnamed - 1.0).abs() < 1e-12 && doubtful.own < 0.2, "{doubtful:?}");
     }
 }

@@ -199,6 +199,15 @@ impl Projection {
         Some(accumulated.iter().map(gain).collect())
     }
 
+    /// Fraction of RSS that raw columns (m × k) explain; zero when nothing of them is left.
+    pub fn explained(&self, columns: &DMatrix<f64>) -> f64 {
+        let x = self.whitener.of(columns);
+        let along = cross(&self.q, &x);
+        let score = x.tr_mul(&self.residual);
+        self.judged(&cross(&x, &x), &along, &score)
+            .map_or(0.0, |score| 1.0 - (-score.gain / self.len() as f64).exp())
+    }
+
     /// Scores along the orthonormal basis of raw columns (m × k), summed by pose: poses × freedom; none when nothing of them is left.
     pub fn scores_by(
         &self,

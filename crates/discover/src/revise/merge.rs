@@ -84,7 +84,7 @@ fn one_for_both(
         return Ok(None);
     }
     let p = multiplicity.null.p_value(best.surprisal);
-    let evidence = collect(&linearisation, (&screen, &contest.present), best, p, options.seed)?;
+    let evidence = collect(&linearisation, (&screen, &contest.present), best, p, options)?;
     let competitors = outcompeted(&contest.competitors, best, &options.policy);
     Ok(Some(Accepted { candidate: with_estimates(best), evidence, competitors, shortlist }))
 }

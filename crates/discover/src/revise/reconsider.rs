@@ -112,7 +112,7 @@ fn without(
         let tested = |best: &Competitor| {
             // The p-value of a replacement is its own, from a full screen.
             let p = multiplicity.null.p_value(best.surprisal);
-            collect(linearisation, (&screen, &contest.present), best, p, options.seed)
+            collect(linearisation, (&screen, &contest.present), best, p, options)
         };
         let evidence = another.map(tested).transpose()?;
         Ok(Reselection { contest, winner, evidence })

@@ -28,6 +28,9 @@ pub struct FindingSummary {
     pub p_value: f64,
     /// The same as a single test by sign flips of whole poses, without the assumption of normal errors.
     pub p_sign_flips: f64,
+    /// For an effect that reads a channel: p among surrogates of that channel (the same record moved in time).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_surrogates: Option<f64>,
     /// Number of poses on which the effect rests.
     pub effective_poses: f64,
     /// Probability of its name (family and place), given that it exists.
@@ -121,6 +124,7 @@ impl FindingSummary {
             rows: finding.rows.iter().map(|row| row + 1).collect(),
             p_value: finding.p_value,
             p_sign_flips: finding.evidence.as_ref().map_or(finding.p_value, |evidence| evidence.p_sign_flips),
+            p_surrogates: finding.evidence.as_ref().and_then(|evidence| evidence.p_surrogates),
             effective_poses: finding
                 .evidence
                 .as_ref()
