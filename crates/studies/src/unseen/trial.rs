@@ -89,7 +89,7 @@ fn summary(diagnosis: &Diagnosis) -> DiscoverySummary {
     let settings = DiscoverySettings {
         seed: options.seed,
         holdout: options.holdout,
-        flips: options.flips,
+        rotations: options.rotations,
         alpha: options.alpha,
     };
     DiscoverySummary::new(diagnosis, settings)
