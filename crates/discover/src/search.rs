@@ -33,9 +33,6 @@ pub(crate) fn search(
         let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         let screen = Screen::new(&linearisation, &options.library, &current.found);
         let test_counts = screen.test_counts();
-        if history.first() {
-            outcome.untestable = untestable(&linearisation, &screen);
-        }
         let null = screen.null(options.flips, options.seed);
         let p_value = null.p_value(screen.largest());
         outcome.last = LastScreen { p_value, detectable_gain: detectable_statistic(&null, options.alpha) };
@@ -68,6 +65,7 @@ pub(crate) fn search(
                 continue;
             }
         }
+        outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
         outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
         outcome.stopped = stop.unwrap_or(Termination::NothingConvincing);
         return Ok(outcome);

@@ -1,5 +1,6 @@
 //! Partition of the data into training rows and a held-out test set.
 
+use crate::conclude::stated::StatedScale;
 use truepose_errormodel::Dataset;
 use truepose_identify::Placement;
 
@@ -9,4 +10,6 @@ pub(crate) struct Partition<'a> {
     pub train_rows: Vec<usize>,
     pub holdout_rows: Vec<usize>,
     pub placement: Placement,
+    /// Factors with which the stated standard deviations of `data` were multiplied.
+    pub stated_scale: StatedScale,
 }
