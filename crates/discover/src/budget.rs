@@ -60,6 +60,8 @@ constants! {
         refit_folds: usize = 5;
         /// Folds of the nested validation.
         nested_folds: usize = 5;
+        /// Resamples of a bootstrap interval.
+        bootstrap: usize = 1999;
         /// Iterations of the fit that judges a finding's competitor on held-out rows.
         trial_iterations: usize = 6;
         /// Competing hypotheses that are listed with a finding.

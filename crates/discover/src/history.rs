@@ -22,11 +22,6 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Whether no iteration has been decided yet.
-    pub fn first(&self) -> bool {
-        self.iterations == 0
-    }
-
     /// Whether the search ends with this smallest family-wise p, and why.
     pub fn decide(&mut self, p_value: f64, model: &Model, options: &DiscoverOptions) -> Option<Termination> {
         self.iterations += 1;

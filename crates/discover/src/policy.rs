@@ -112,13 +112,26 @@ constants! {
         /// Fraction of the rows above which they are no outliers but an effect. Convention.
         outlier_most: f64 = 0.15;
 
-        /// Explained fraction left beside the declared model below which a cause is reported as untestable. Convention.
-        untestable_left: f64 = 0.05;
-        /// Fraction below which the cause is the declared model's own. Convention.
+        /// Information of a direction times the square of its prior standard deviation below which the data cannot test it: there the data
+        /// narrows the prior by less than a factor √2.
+        untestable_information: f64 = 1.0;
+        /// Explained fraction left beside the declared model below which a cause is the declared model's own. Convention.
         untestable_declared: f64 = 1e-4;
-        /// Noncentrality at which the screen selects one unknown four times in five. Convention: a significant gain of one
-        /// unknown among some 10⁴ tests is about 21, (√21 + 0.84)² = 29.4.
-        detectable_noncentrality: f64 = 30.0;
+        /// Standard deviations above the critical value at which an effect is detected with a probability of 80 %: Φ⁻¹(0.8).
+        power: f64 = 0.84;
+
+        /// ln f of a repeatability limit whose 95 % interval is a factor f to either side: f = 1.25. Convention.
+        floor_precision: f64 = 0.223;
+        /// Degrees of freedom below which repeats are no estimate of the limit: the interval would exceed a factor of two.
+        floor_freedom: f64 = 8.0;
+        /// Part of the shortest period over which joints of a neighbourhood may differ: an effect of that period changes by a third of its
+        /// amplitude (2π/20), and others by less. Convention.
+        near_share: f64 = 0.05;
+        /// Cycles per turn or travel of the effects that may not change in the neighbourhoods of difference estimates: twice a turn's
+        /// fourth harmonic. Convention.
+        difference_cycles: f64 = 8.0;
+        /// Unexplained RMS, in units of the noise, that an adequate model does not have. Convention.
+        adequate_margin: f64 = 2.0;
 
         /// Shortest period looked for: parts of a turn. Convention.
         cycles_per_turn: f64 = 256.0;

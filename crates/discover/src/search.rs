@@ -35,9 +35,6 @@ pub(crate) fn search(
         let current = outcome.model.current.clone();
         let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         let screen = Screen::new(&linearisation, &options.library, &current.found);
-        if history.first() {
-            outcome.untestable = untestable(&linearisation, &screen);
-        }
         let (multiplicity, p_value) = tested(&linearisation, &screen, known.take(), options)?;
         let detectable_gain = multiplicity.null.detectable(options.alpha, linearisation.len());
         outcome.last = LastScreen { p_value, detectable_gain };
@@ -79,6 +76,7 @@ pub(crate) fn search(
                 continue;
             }
         }
+        outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
         outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
         outcome.stopped = stop.unwrap_or(match p_value > options.alpha {
             true => Termination::NothingLeft,

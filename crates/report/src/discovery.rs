@@ -1,19 +1,24 @@
 //! What `discover` found, as values that JSON and text share.
 
 mod adequacy;
+mod advice;
 mod candidates;
 mod effects;
+mod gain;
 mod meaning;
 mod nested;
 mod parts;
 mod sentences;
 mod text;
+mod verdict;
 
 pub use adequacy::{
-    LackOfFitSummary, NoiseFloorSummary, NoiseReference, TooFewPoses, UnexplainedSummary, WithdrawnSummary,
+    LackOfFitSummary, NoiseFloorSummary, NoiseReference, StatedScaleSummary, TooFewPoses, UnexplainedSummary,
+    WithdrawnSummary,
 };
 pub use candidates::{RefusedSummary, UntestableSummary};
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
+pub use gain::{ExtrapolationSummary, GainSummary, PartName, UnseenData};
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
@@ -45,6 +50,12 @@ pub struct DiscoverySummary {
     pub before: TrainAndHoldout,
     /// With all findings.
     pub after: TrainAndHoldout,
+    /// By how much the findings reduce the error on the held-out test set; none without findings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<GainSummary>,
+    /// Errors on the last part in time and on a left-out region of joint space.
+    #[serde(default)]
+    pub extrapolation: Vec<ExtrapolationSummary>,
     /// Effects in the order in which they were added.
     pub effects: Vec<FindingSummary>,
     /// Candidates that were tested and not added.
@@ -55,6 +66,9 @@ pub struct DiscoverySummary {
     pub lack_of_fit: LackOfFitSummary,
     /// The residual that no effect of the model explains.
     pub unexplained: UnexplainedSummary,
+    /// Factors on stated standard deviations that exceed the scatter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stated_sd_scaled_by: Option<StatedScaleSummary>,
     /// Findings that were withdrawn, since the declared model predicts unseen data better.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub withdrawn: Option<WithdrawnSummary>,
@@ -94,6 +108,13 @@ pub struct DiscoverySettings {
 impl DiscoverySummary {
     /// Summary of a diagnosis.
     pub fn new(found: &Diagnosis, settings: DiscoverySettings) -> Self {
+        let intervals = found.intervals.as_ref();
+        let (mut before, mut after) =
+            (TrainAndHoldout::from(&found.before), TrainAndHoldout::from(&found.after));
+        if let Some(intervals) = intervals {
+            before = before.with_intervals(intervals.before, intervals.with_outliers[0]);
+            after = after.with_intervals(intervals.after, intervals.with_outliers[1]);
+        }
         DiscoverySummary {
             robot: found.fit.fitted.chain().name().into(),
             rows: found.data.len(),
@@ -106,13 +127,20 @@ impl DiscoverySummary {
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
             verdict: found.verdict,
-            before: (&found.before).into(),
-            after: (&found.after).into(),
+            before,
+            after,
+            gain: intervals.and_then(|i| GainSummary::new(i, UnseenData::TestSet)),
+            extrapolation: found
+                .extrapolations
+                .iter()
+                .map(|part| ExtrapolationSummary::new(found, part))
+                .collect(),
             effects: found.findings.iter().map(FindingSummary::new).collect(),
             refused: found.refused.iter().map(RefusedSummary::new).collect(),
-            not_testable: found.untestable.iter().map(UntestableSummary::new).collect(),
+            not_testable: found.untestable.iter().map(|u| UntestableSummary::new(u, found)).collect(),
             lack_of_fit: LackOfFitSummary::new(found),
             unexplained: UnexplainedSummary::new(found),
+            stated_sd_scaled_by: StatedScaleSummary::of(found),
             withdrawn: found.withdrawn.as_ref().map(WithdrawnSummary::new),
             too_few_poses: TooFewPoses::of(found),
             stopped: found.stopped,

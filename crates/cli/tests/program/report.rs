@@ -51,6 +51,11 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
     folder
 }
 
+/// As a page has a text.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
 #[test]
 fn page_json_and_terminal_have_the_same_numbers() {
     let folder = discovered("small", "j1");
@@ -69,11 +74,26 @@ fn page_json_and_terminal_have_the_same_numbers() {
     }
     // The terminal and the page form the same sentence of it.
     let limit = match result.pointer("/noise_floor/source").and_then(Value::as_str) {
-        Some("repeats") => format!("Repeatability limit: {} mm", number("/noise_floor/rms_mm")),
-        Some("stated") => format!("Repeatability limit: at least {} mm", number("/noise_floor/rms_mm")),
-        _ => "Repeatability limit: unknown".to_owned(),
+        Some("unknown") => "Repeatability limit: unknown".to_owned(),
+        _ => format!("Repeatability limit: {} mm", number("/noise_floor/rms_mm")),
     };
     assert!(page.contains(&limit) && terminal.contains(&limit), "{limit}\n{terminal}");
+    // The verdict comes first, and is the same sentence.
+    let verdict =
+        terminal.lines().find(|line| line.contains("ndecided: ") || line.contains("explained: ")).unwrap();
+    assert!(terminal.lines().nth(2) == Some(verdict) && page.contains(&escaped(verdict)), "{verdict}");
+    let ends = |pointer: &str| {
+        let end =
+            |k: usize| significant(result.pointer(&format!("{pointer}/{k}")).unwrap().as_f64().unwrap(), 2);
+        format!("({} to {})", end(0), end(1))
+    };
+    for pointer in ["/before/holdout/ci95_mm", "/after/holdout/ci95_mm", "/gain/ci95_mm"] {
+        assert!(page.contains(&ends(pointer)) && terminal.contains(&ends(pointer)), "{pointer}\n{terminal}");
+    }
+    for part in result["extrapolation"].as_array().unwrap() {
+        let figure = format!("): {} mm", significant(part["after"]["rms_mm"].as_f64().unwrap(), 3));
+        assert!(page.contains(&figure) && terminal.contains(&figure), "{figure}\n{terminal}");
+    }
     // The noise per component is that of the fit, in mm: within a factor of two of the training residual over √3.
     let noise = page.split_once("Dashed: noise of ").and_then(|(_, rest)| rest.split_once(" mm")).unwrap().0;
     let ratio = noise.parse::<f64>().unwrap() * 3f64.sqrt()

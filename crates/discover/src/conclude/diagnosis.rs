@@ -2,9 +2,13 @@
 
 use crate::accept::evidence::{Evidence, Refused};
 use crate::conclude::errors::Errors;
-use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::extrapolation::Extrapolation;
+use crate::conclude::floor::NoiseFloor;
+use crate::conclude::held_out::HeldOutIntervals;
 use crate::conclude::partition::HeldOut;
+use crate::conclude::stated::StatedScale;
 use crate::conclude::trace::point::Trace;
+use crate::conclude::verdict::{Unexplained, Verdict};
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
@@ -45,6 +49,12 @@ pub struct Diagnosis {
     pub repeats_after: Option<Repeats>,
     /// The residual beyond the repeatability limit.
     pub unexplained: Unexplained,
+    /// Intervals of the errors on the held-out test set; `None` of fewer than five configurations.
+    pub intervals: Option<HeldOutIntervals>,
+    /// Errors on the last part in time and at the ends of a joint's range, where the data is enough.
+    pub extrapolations: Vec<Extrapolation>,
+    /// Factors on stated standard deviations that exceed the scatter.
+    pub stated_scale: StatedScale,
     /// Why the search ended.
     pub stopped: Termination,
     /// The fit of the enlarged model on all rows, structure frozen.
@@ -132,22 +142,6 @@ pub struct CompetingFit {
     pub candidate: Candidate,
     /// Fitted to all rows, like the final model.
     pub fit: Fit,
-}
-
-/// The residual beyond the repeatability limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Unexplained {
-    /// Whether the verdict is [`Verdict::Unexplained`].
-    pub significant: bool,
-    /// 3-D RMS beyond the repeatability limit, √(RMS² − limit²), m; `None` without an estimate of the limit.
-    pub rms: Option<f64>,
-    /// (RMS² − limit²) over the mean square of the declared model, with its sign; `None` without an estimate
-    /// of the limit.
-    pub share_of_variance: Option<f64>,
-    /// Smallest family-wise p-value of the last screen.
-    pub p_value: f64,
-    /// Score statistic of a candidate with one degree of freedom that would have been significant at α.
-    pub detectable_gain: f64,
 }
 
 /// Data on which the enlarged model predicts worse than the declared one.

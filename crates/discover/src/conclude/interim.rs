@@ -7,11 +7,13 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
-use crate::conclude::diagnosis::{Diagnosis, Finding, Unexplained};
+use crate::conclude::diagnosis::{Diagnosis, Finding};
 use crate::conclude::errors::Errors;
-use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::floor::NoiseFloor;
 use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::report::{at_run_time, errors, parameters};
+use crate::conclude::stated::StatedScale;
+use crate::conclude::verdict::{Variances, verdict};
 use crate::contest::names::name_probabilities;
 use crate::data::payload;
 use crate::error::DiscoverError;
@@ -20,7 +22,7 @@ use crate::model::current::{Context, ModelFit};
 use crate::model::prepared::with_loads;
 use crate::termination::Termination;
 use truepose_errormodel::Dataset;
-use truepose_identify::{Fit, repeats};
+use truepose_identify::{Fit, ResidualVariance, repeats};
 
 /// The fit and errors of the declared model, and the errors after each finding.
 pub(crate) struct InterimReport {
@@ -28,14 +30,25 @@ pub(crate) struct InterimReport {
     before: Errors,
     held: Dataset,
     steps: Vec<(f64, f64)>,
+    stated_scale: StatedScale,
 }
 
 impl InterimReport {
     /// Before the first finding.
-    pub fn new(first: &ModelFit, partition: &Partition<'_>) -> Result<Self, DiscoverError> {
+    pub fn new(
+        first: &ModelFit,
+        partition: &Partition<'_>,
+        stated_scale: StatedScale,
+    ) -> Result<Self, DiscoverError> {
         let held = partition.data.select(&partition.holdout_rows);
         let before = errors(&first.fit, &first.data, &held)?;
-        Ok(InterimReport { declared: first.fit.clone(), steps: vec![before.rms()], before, held })
+        Ok(InterimReport {
+            declared: first.fit.clone(),
+            steps: vec![before.rms()],
+            before,
+            held,
+            stated_scale,
+        })
     }
 
     /// The interim result after a finding.
@@ -91,8 +104,17 @@ impl InterimReport {
         };
         let findings = findings.iter().enumerate().map(finding).collect();
         let repeats_after = repeats(&current.fit, &current.data);
-        let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
-        let beyond = noise_floor.beyond(self.before.rms().0, after.rms().0);
+        let trusted = self.stated_scale.is_one();
+        let variances = Variances {
+            before: ResidualVariance::of(&self.declared, context.data),
+            after: ResidualVariance::of(&current.fit, &current.data),
+        };
+        let left = variances.after.as_ref();
+        let noise_floor =
+            NoiseFloor::of(&current.fit.fitted, &current.data, left, trusted, context.policy())?;
+        let last = (p_value, detectable_gain);
+        let interrupted = Termination::Interrupted;
+        let (verdict, unexplained) = verdict(&noise_floor, interrupted, variances, last, context.policy());
         Ok(Diagnosis {
             placement: partition.placement.clone(),
             findings,
@@ -101,17 +123,14 @@ impl InterimReport {
             repeats_before: repeats(&self.declared, context.data),
             repeats_after,
             withdrawn: None,
-            verdict: Verdict::Undecided,
+            verdict,
             before: self.before.clone(),
             after,
             noise_floor,
-            unexplained: Unexplained {
-                significant: true,
-                rms: beyond.map(|(rms, _)| rms),
-                share_of_variance: beyond.map(|(_, share)| share),
-                p_value,
-                detectable_gain,
-            },
+            unexplained,
+            intervals: None,
+            extrapolations: Vec::new(),
+            stated_scale: self.stated_scale,
             stopped: Termination::Interrupted,
             fit,
             declared: self.declared.clone(),

@@ -1,5 +1,6 @@
 //! Partition of the data into rows that are searched and rows on which the model is judged.
 
+use crate::conclude::stated::StatedScale;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::{Folds, IdentifyError, Placement, Split};
@@ -27,6 +28,8 @@ pub(crate) struct Partition<'a> {
     pub holdout_rows: Vec<usize>,
     pub held_out: HeldOut,
     pub placement: Placement,
+    /// Factors with which the stated standard deviations of `data` were multiplied.
+    pub stated_scale: StatedScale,
 }
 
 impl Partition<'_> {

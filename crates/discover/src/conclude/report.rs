@@ -2,16 +2,17 @@
 //! rows.
 
 use crate::accept::accepted::Accepted;
-use crate::accept::outcome::{LastScreen, Outcome};
-use crate::conclude::diagnosis::{
-    Alternative, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
-};
+use crate::accept::outcome::Outcome;
+use crate::conclude::diagnosis::{Alternative, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
 use crate::conclude::errors::Errors;
+use crate::conclude::extrapolation::extrapolations;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
-use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::floor::NoiseFloor;
+use crate::conclude::held_out::HeldOutIntervals;
 use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
+use crate::conclude::verdict::{Variances, verdict};
 use crate::contest::names::{NameProbabilities, name_probabilities};
 use crate::data::{derived, payload};
 use crate::error::DiscoverError;
@@ -23,13 +24,15 @@ use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
 use crate::model::prepared::with_loads;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::observation::typical_sd;
 use crate::problem::outliers::Outliers;
+use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
-use truepose_identify::{Fit, FittedNonlinear, Residuals, repeats, student_quantile};
+use truepose_identify::{Fit, FittedNonlinear, ResidualVariance, Residuals, repeats, student_quantile};
 
 /// Forms the result.
 pub(crate) fn conclude(
@@ -41,12 +44,8 @@ pub(crate) fn conclude(
 ) -> Result<Diagnosis, DiscoverError> {
     let held = partition.data.select(&partition.holdout_rows);
     let wanted = context.options.competing_fits;
-    let Outcome { model, refused, mut untestable, last, stopped } = outcome;
-    let LastScreen { p_value, detectable_gain } = last;
+    let Outcome { model, refused, untestable, last, stopped } = outcome;
     let (accepted, current) = (model.findings.clone(), Arc::clone(&model.current));
-    // Findings were testable, in the directions that the model does not absorb.
-    untestable
-        .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = match found.is_empty() {
         true => current.fit.clone(),
@@ -131,31 +130,46 @@ pub(crate) fn conclude(
         findings.push(outlier_finding(&outside, rms, (held, held)));
     }
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
-    let repeats_after = repeats(&current.fit, &current.data);
-    let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
-    let verdict =
-        noise_floor.verdict(stopped, repeats_after.as_ref(), &after, context.policy().verdict_level);
-    let train = |errors: &Errors| errors.spreads_without_outliers().0.rms;
-    let beyond = noise_floor.beyond(train(&before), train(&after));
+    let trusted = partition.stated_scale.is_one();
+    let variances = Variances {
+        before: ResidualVariance::of(&declared, &context.prepared(&[], &current.outliers.suspects)),
+        after: ResidualVariance::of(&current.fit, &current.data),
+    };
+    // Repeats of the test set count as well: what poses of one configuration scatter by is no matter of the model.
+    let left = variances.after.as_ref();
+    let noise_floor = NoiseFloor::of(&fit.fitted, &data, left, trusted, context.policy())?;
+    let last = (last.p_value, last.detectable_gain);
+    let (verdict, unexplained) = self::verdict(&noise_floor, stopped, variances, last, context.policy());
+    // Findings were testable, in the directions that the model does not absorb.
+    let found_there = |u: &Untestable| {
+        accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place)
+    };
+    let assumed = current.fit.noise.floor(typical_sd(&current.data));
+    let ratio = noise_floor.rms.map_or(1.0, |rms| rms / assumed);
+    let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
+    let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
+    let intervals =
+        HeldOutIntervals::of(&before, &after, &held, context.budget().bootstrap, context.options.seed);
+    let extrapolations = match declared_fit.full_report {
+        true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
+        false => Vec::new(),
+    };
     Ok(Diagnosis {
         placement: partition.placement.clone(),
         findings,
         refused,
         competitors,
         repeats_before: repeats(&declared, context.data),
-        repeats_after,
+        repeats_after: repeats(&current.fit, &current.data),
         before,
         after,
         withdrawn,
         noise_floor,
         verdict,
-        unexplained: Unexplained {
-            significant: verdict == Verdict::Unexplained,
-            rms: beyond.map(|(rms, _)| rms),
-            share_of_variance: beyond.map(|(_, share)| share),
-            p_value,
-            detectable_gain,
-        },
+        unexplained,
+        intervals,
+        extrapolations,
+        stated_scale: partition.stated_scale,
         stopped,
         fit,
         declared,

@@ -31,6 +31,16 @@ impl TrainAndHoldout {
     }
 }
 
+impl TrainAndHoldout {
+    /// With the intervals of the held-out RMS without and with the rows that are reported as outliers, m.
+    pub(super) fn with_intervals(mut self, used: [f64; 2], all: [f64; 2]) -> Self {
+        self.holdout = self.holdout.with_interval(Some(all));
+        self.holdout_without_outliers =
+            self.holdout_without_outliers.map(|part| part.with_interval(Some(used)));
+        self
+    }
+}
+
 impl From<&Errors> for TrainAndHoldout {
     fn from(errors: &Errors) -> Self {
         let (train, holdout) = errors.spreads();

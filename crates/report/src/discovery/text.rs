@@ -34,7 +34,11 @@ impl fmt::Display for DiscoverySummary {
 
 impl DiscoverySummary {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\n{}\n{}\n{}", self.answer(), self.result(), self.noise_floor.sentence())?;
+        writeln!(f, "\n{}\n{}\n{}", self.adequacy(), self.answer(), self.result())?;
+        for sentence in self.beside() {
+            writeln!(f, "{sentence}")?;
+        }
+        writeln!(f, "{}", self.noise_floor.sentence())?;
         if let Some(specification) = &self.specification {
             writeln!(f, "{}", specification.sentence())?;
         }
@@ -42,7 +46,6 @@ impl DiscoverySummary {
         if !termination.is_empty() {
             writeln!(f, "{termination}")?;
         }
-        writeln!(f, "{}", self.adequacy())?;
         if let Some(nested) = &self.nested {
             writeln!(f, "{}", nested.sentence())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
@@ -70,6 +73,10 @@ impl DiscoverySummary {
             let more = self.not_testable.len() - names.len();
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
             writeln!(f, "not testable with this data: {}{rest}", names.join(", "))?;
+            let first = self.not_testable.iter().find(|u| !u.advice.is_empty());
+            if let Some(first) = first {
+                writeln!(f, "   {}: {}", first.name(), first.advice)?;
+            }
         }
         Ok(())
     }

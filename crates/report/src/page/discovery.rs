@@ -42,7 +42,7 @@ pub fn discovery_report(
     page.title("Residuals against inputs");
     page.against_inputs(&rows, TITLES);
     page.title("Comparison with the normal distribution");
-    page.quantiles(&rows, 1e3 * found.fit.noise.floor(f64::NAN) / 3f64.sqrt());
+    page.quantiles(&rows, 1e3 * component_sd(found));
     page.title("Pose measurements with the largest errors");
     page.largest_errors(&rows, 8);
     page.section("Identifiability");
@@ -53,6 +53,14 @@ pub fn discovery_report(
     settings(&mut page, summary);
     page.reproduction(run);
     Ok(page.finish())
+}
+
+/// Standard deviation of one component of a position as the fit takes it, what the instrument states included, m.
+fn component_sd(found: &Diagnosis) -> f64 {
+    let of = |sd: f64| found.fit.noise.floor(sd).powi(2);
+    let (sum, count) =
+        found.data.position_sd.iter().flatten().fold((0.0, 0.0), |(s, n), sd| (s + of(*sd), n + 1.0));
+    (sum / f64::max(count, 1.0) / 3.0).sqrt()
 }
 
 /// Rows in the order of the data, held-out rows included.
@@ -72,9 +80,10 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
 fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     let (before, after) = (summary.before.holdout_used(), summary.after.holdout_used());
     let mm = |v: f64| significant(v, 3);
-    let sentence = format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence());
-    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&sentence)));
-    page.text(format!("{} {}", summary.termination(), summary.adequacy()).trim());
+    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.adequacy())));
+    page.text(&format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence()));
+    page.text(summary.termination().trim());
+    summary.beside().iter().for_each(|sentence| page.text(sentence));
     page.raw("<div class=\"numbers4\">");
     let rows = summary.held_out_rows();
     let tail = [
@@ -83,7 +92,7 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     ];
     let limit = match summary.noise_floor_mm {
         Some(limit) => (mm(limit), "mm: repeatability limit".to_owned()),
-        None => ("unknown".into(), "repeatability limit: no repeated poses".to_owned()),
+        None => ("unknown".into(), "repeatability limit: too few repeats".to_owned()),
     };
     let head = if summary.effects.is_empty() {
         [(mm(after.rms_mm), format!("mm RMS, {rows}")), limit]
@@ -258,7 +267,7 @@ fn untestable(page: &mut Page, summary: &DiscoverySummary) {
         return;
     }
     page.title("Hypotheses that this data cannot test");
-    page.text("The declared model absorbs almost all of the effect of these hypotheses on this data. The data neither confirms nor excludes them.");
+    page.text("Beside the model, this data has too little information on the effect of these hypotheses: it neither confirms nor excludes them.");
     let rows: Vec<Vec<String>> = summary
         .not_testable
         .iter()
@@ -267,6 +276,7 @@ fn untestable(page: &mut Page, summary: &DiscoverySummary) {
                 u.name(),
                 format!("{} %", significant(100.0 * u.share, 2)),
                 u.detectable_rms_mm.map_or_else(|| "no effect on this data".into(), |d| significant(d, 2)),
+                u.advice.clone(),
             ]
         })
         .collect();
@@ -275,8 +285,8 @@ fn untestable(page: &mut Page, summary: &DiscoverySummary) {
         count(rows.len(), "hypothesis").replace("hypothesiss", "hypotheses")
     ));
     page.table(
-        "Fraction of the effect that the model does not absorb, and the smallest 3-D RMS that would be detected",
-        &["hypothesis", "not absorbed", "detectable, mm"],
+        "Fraction of the effect that the model does not absorb, the 3-D RMS that would be detected with 80 % probability, and what to measure",
+        &["hypothesis", "not absorbed", "detectable, mm", "to make it testable"],
         &rows,
         true,
     );
