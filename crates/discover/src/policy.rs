@@ -99,6 +99,13 @@ constants! {
         /// Fraction of the rows above which they are no outliers but an effect. Convention.
         outlier_most: f64 = 0.15;
 
+        /// p of the test of independent poses below which a wander is estimated: one campaign in a hundred has one for nothing, which costs it
+        /// little. Convention.
+        dependence_level: f64 = 0.01;
+        /// Independent tests that a screen is worth where a candidate is compared with a wander: between the 400 that the level of the
+        /// resampling test is worth for one unknown (a statistic of 21) and the 10⁴ that are made. Convention.
+        dependence_tests: f64 = 1000.0;
+
         /// Explained fraction left beside the declared model below which a cause is reported as untestable. Convention.
         untestable_left: f64 = 0.05;
         /// Fraction below which the cause is the declared model's own. Convention.

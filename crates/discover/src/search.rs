@@ -30,7 +30,10 @@ pub(crate) fn search(
     loop {
         progress(Progress::Screening(outcome.model.findings.len()))?;
         let current = outcome.model.current.clone();
-        let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
+        let mut linearisation = Linearisation::new(&current.fit, &current.data, options)?;
+        if history.wanders() {
+            linearisation = linearisation.beside_wander(options.seed);
+        }
         let screen = Screen::new(&linearisation, &options.library, &current.found);
         let test_counts = screen.test_counts();
         if history.first() {
@@ -67,6 +70,10 @@ pub(crate) fn search(
                 // The revised model may have further significant candidates.
                 continue;
             }
+        }
+        // No effect explains why poses depend on those before: it is noise, beside which the search goes on.
+        if history.may_wander(stop) && linearisation.is_dependent(options.seed) {
+            continue;
         }
         outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
         outcome.stopped = stop.unwrap_or(Termination::NothingConvincing);

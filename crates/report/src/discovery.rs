@@ -2,6 +2,7 @@
 
 mod adequacy;
 mod candidates;
+mod dependence;
 mod effects;
 mod meaning;
 mod nested;
@@ -13,6 +14,7 @@ pub use adequacy::{
     LackOfFitSummary, NoiseFloorSummary, NoiseReference, TooFewPoses, UnexplainedSummary, WithdrawnSummary,
 };
 pub use candidates::{RefusedSummary, UntestableSummary};
+pub use dependence::DependenceSummary;
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
@@ -39,6 +41,9 @@ pub struct DiscoverySummary {
     pub noise_floor: NoiseFloorSummary,
     /// Whether the model is adequate.
     pub verdict: Verdict,
+    /// Dependence of poses on those measured before; none with fewer than ten poses.
+    #[serde(default)]
+    pub dependence: Option<DependenceSummary>,
     /// With the declared model.
     pub before: TrainAndHoldout,
     /// With all findings.
@@ -99,6 +104,7 @@ impl DiscoverySummary {
             holdout_rows: found.holdout_rows.iter().map(|row| row + 1).collect(),
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
+            dependence: found.dependence.as_ref().map(DependenceSummary::new),
             verdict: found.verdict,
             before: (&found.before).into(),
             after: (&found.after).into(),

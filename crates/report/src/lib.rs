@@ -17,9 +17,9 @@ mod wording;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, DiscoverySettings, DiscoverySummary, FindingSummary, LackOfFitSummary,
-    NestedSummary, NoiseFloorSummary, NoiseReference, RefusedSummary, TooFewPoses, TrainAndHoldout,
-    UnexplainedSummary, UntestableSummary, WithdrawnSummary,
+    AlternativeSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary, FindingSummary,
+    LackOfFitSummary, NestedSummary, NoiseFloorSummary, NoiseReference, RefusedSummary, TooFewPoses,
+    TrainAndHoldout, UnexplainedSummary, UntestableSummary, WithdrawnSummary,
 };
 pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,

@@ -30,7 +30,8 @@ use truepose_identify::{Folds, Split};
 /// Evidence for an effect, from the linearised problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Family-wise p-value from B sign flips of whole poses; at least 1/(B + 1).
+    /// Family-wise p-value from B sign flips of whole poses; at least 1/(B + 1). Where poses depend on those before, the larger one of
+    /// this and of the likelihood ratio beside a wander.
     pub p_value: f64,
     /// Parametric p-value: χ² tail of the score statistic, times the number of tests (Bonferroni). Reported
     /// only; no decision uses it.
@@ -120,8 +121,9 @@ pub(crate) fn collect(
         Ok(paired(linearisation, folds, competitor, &before, &after))
     };
     let (stability, agreement) = halves(linearisation, competitor, seed)?;
+    let beside = linearisation.p_beside_wander(&competitor.columns, competitor.freedom, seed);
     Ok(Evidence {
-        p_value,
+        p_value: beside.map_or(p_value, |beside| beside.max(p_value)),
         p_parametric,
         unknowns: competitor.freedom,
         gain: present.deviance - competitor.likelihood.deviance,

@@ -23,6 +23,9 @@ pub struct FindingSummary {
     /// 1-based data rows of outliers or a wrong payload.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<usize>,
+    /// 1-based data rows of each pose measurement that is an outlier as a whole; they are among `rows`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<Vec<usize>>,
     /// Family-wise p-value of the resampling test.
     pub p_value: f64,
     /// Parametric p-value of the likelihood-ratio statistic.
@@ -108,6 +111,7 @@ impl FindingSummary {
             periods: if periods.len() > 1 { periods } else { Vec::new() },
             at,
             rows: finding.rows.iter().map(|row| row + 1).collect(),
+            poses: finding.poses.iter().map(|rows| rows.iter().map(|row| row + 1).collect()).collect(),
             p_value: finding.p_value,
             p_parametric: finding.evidence.as_ref().map_or(finding.p_value, |evidence| evidence.p_parametric),
             holdout_rms_mm: mm(finding.holdout),
