@@ -49,7 +49,7 @@ pub(crate) fn autocorrelation(
     let q = orthonormal(joined);
     let (top, bottom) = (q.rows(0, m).into_owned(), q.rows(m, below).into_owned());
     let y = white.column(r);
-    let residual = &y - &top * top.tr_mul(&y);
+    let residual = y - &top * top.tr_mul(&y);
     let mut times = vec![1.0];
     while times[times.len() - 1] * 3.0 < 0.3 * sequence.span {
         times.push(times[times.len() - 1] * 3.0);

@@ -175,9 +175,9 @@ impl<'s> Ordered<'s> {
         let (mut best, mut least) = (start, self.deviance(start));
         while steps.iter().any(|step| *step > FINE) {
             let before = least;
-            for which in 0..3 {
+            for (which, step) in steps.iter().enumerate() {
                 for sign in [1.0, -1.0] {
-                    let factor = (sign * steps[which]).exp();
+                    let factor = (sign * step).exp();
                     let mut trial = best;
                     match which {
                         0 => trial.white = (trial.white * factor).max(1e-3),
