@@ -35,6 +35,8 @@ constants! {
         partners: usize = 80;
         /// Unnamed causes that may replace a finding when it is reconsidered.
         shortlist: usize = 60;
+        /// Surrogates of a channel that a finding reads.
+        surrogates: usize = 19;
         /// Contests that may end without a winner.
         contests: usize = 4;
         /// Competitors of each contest that are tested.

@@ -4,13 +4,13 @@ use crate::accept::model::Model;
 use crate::accept::outcome::Outcome;
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::fallback;
-use crate::conclude::fallback::{Checks, withdrawn};
+use crate::conclude::fallback::{Checks, Unseen, withdrawn};
 use crate::conclude::final_fit::DeclaredFit;
 use crate::conclude::interim::InterimReport;
-use crate::conclude::partition::Partition;
+use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::report::conclude;
 use crate::data::derived;
-use crate::data::sample::sample;
+use crate::data::sample::{is_sampled, sample};
 use crate::error::DiscoverError;
 use crate::model::current::Context;
 use crate::model::{installation, wide};
@@ -26,8 +26,8 @@ use truepose_solvers::Solver;
 /// Runs the closed loop.
 ///
 /// `declared` are the effects of the declared model; `chain` is the nominal robot; `data` has joint values in
-/// rad or m, positions in m. A share `options.holdout` of the configurations is the test set, drawn before
-/// anything is fitted. All findings are withdrawn, and the result is the declared model, when the enlarged
+/// rad or m, positions in m. A fraction `options.holdout` of the configurations is the test set, drawn before
+/// anything is fitted; where poses are few, nested folds take its place ([`HeldOut`]). All findings are withdrawn, and the result is the declared model, when the enlarged
 /// model predicts unseen data worse. Same inputs and seed, same
 /// result, whatever the number of threads. Method: section 8 of docs/method.md.
 ///
@@ -45,7 +45,12 @@ pub fn diagnose<A: Answer>(
     options.validate()?;
     // Lagged channels need the whole record: they are derived before the test set is drawn.
     let data = &derived::with_derived(data, &options.policy);
-    let rows = hold_out(data, options.holdout, options.seed)?;
+    let left = ((1.0 - options.policy.test_set) * Visits::of(data).len() as f64) as usize;
+    let few = left < options.policy.few_poses && !is_sampled(data.len(), options.budget.sample_rows);
+    let rows = match options.holdout {
+        None if few => ((0..data.len()).collect(), (0..data.len()).collect()),
+        fraction => hold_out(data, fraction.unwrap_or(options.policy.test_set), options.seed)?,
+    };
     on_split(chain, declared, (data, rows), solver, options, Checks::ALL, &|step| {
         Ok(proceed(observer(step))?)
     })
@@ -86,7 +91,8 @@ pub(crate) fn on_split(
     }
     let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };
-    let partition = Partition { data, train_rows, holdout_rows, placement: placement.clone() };
+    let held_out = if train_rows.len() < data.len() { HeldOut::TestSet } else { HeldOut::NestedFolds };
+    let partition = Partition { data, train_rows, holdout_rows, held_out, placement: placement.clone() };
     let mut interim_report = InterimReport::new(&first, &partition)?;
     let mut interim = |outcome: &Outcome| {
         progress(Progress::Interim(Box::new(interim_report.after(&context, outcome, &partition)?)))
@@ -105,10 +111,12 @@ pub(crate) fn on_split(
     outcome.model = outcome.model.between_rows(context)?;
     let again =
         |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| Ok(()));
-    let withdrawn = withdrawn(context, &outcome.model, &partition, (&train, unsearched), checks, &again)?;
+    let nested = fallback::nested(context, &outcome.model, (&partition, &train), checks, &again)?;
+    let unseen = Unseen { unsearched, nested };
+    let withdrawn = withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
     if withdrawn.is_some() {
         outcome.model = outcome.model.without_findings();
     }
     progress(Progress::Judging)?;
-    conclude(context, outcome, partition, withdrawn, &declared_fit)
+    conclude(context, outcome, partition, (withdrawn, unseen.nested), &declared_fit)
 }

@@ -31,6 +31,7 @@ pub use conclude::diagnosis::{
 };
 pub use conclude::errors::Errors;
 pub use conclude::floor::{FloorSource, NoiseFloor, Verdict};
+pub use conclude::partition::HeldOut;
 pub use conclude::trace::point::{Trace, TracePoint};
 pub use diagnose::diagnose;
 pub use error::DiscoverError;

@@ -22,6 +22,13 @@ constants! {
         /// κ, prior standard deviation of a candidate's coefficients in expected sizes while it is compared: so wide that it holds only
         /// what the data leaves open. Convention.
         wide: f64 = 100.0;
+        /// T, temperature of the probabilities of names: the linearised likelihood is too certain by about as much. Convention, until a study
+        /// calibrates it.
+        name_temperature: f64 = 2.0;
+        /// Log prior odds (−2 ln), for the probability of a name, against causes that the library has no name for: 20 to 1. Convention.
+        unnamed_name: f64 = 6.0;
+        /// p among surrogates of a channel up to which its name is not doubted: the resolution of 19 of them.
+        surrogates_level: f64 = 0.05;
         /// Log prior odds against a structure without a name (−2 ln): a named cause is believed before it. Convention, 3e5 to 1.
         unnamed_penalty: f64 = 25.0;
         /// Score by which another set of components has to be better. Convention.
@@ -43,6 +50,8 @@ constants! {
         /// judge it. Convention; a direction of 2e-3 has a variance inflation factor of 500.
         absorbed: f64 = 2e-3;
 
+        /// Smallest p of a screen, in multiples of α, up to which the best candidates are tested under their own noise. Convention.
+        second_look: f64 = 50.0;
         /// Student's t of the held-out gain over folds that a candidate needs: one-sided 2.5 % of a normal distribution.
         held_out_t: f64 = 2.0;
         /// Fraction of the held-out error that a candidate has to take away where it acts. Convention.
@@ -76,9 +85,13 @@ constants! {
         /// Fraction by which a training error may grow where the noise is estimated anew. Convention; set while looking at
         /// measured robots (in-sample).
         training_growth: f64 = 0.01;
-        /// Training poses below which the whole loop is validated in nested folds. In-sample: set after a
-        /// campaign of 70 poses had become worse.
+        /// Searched poses below which the whole loop is validated in nested folds. In-sample: set after a campaign of 70 poses had
+        /// become worse.
         few_poses: usize = 100;
+        /// Fraction of the configurations in a test set that is drawn automatically. Convention.
+        test_set: f64 = 0.2;
+        /// Searched poses below which nested folds are twice as many, so that each search has 90 % of them. Convention.
+        small_campaign: usize = 60;
         /// Training poses below which nothing is searched. Convention; set while looking at measured robots
         /// (in-sample).
         fewest_poses: usize = 12;

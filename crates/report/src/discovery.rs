@@ -21,7 +21,7 @@ pub use parts::TrainAndHoldout;
 
 use crate::SpecificationSummary;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Diagnosis, Termination, Verdict};
+use truepose_discover::{Diagnosis, HeldOut, Termination, Verdict};
 use truepose_errormodel::{Dataset, Visits};
 
 /// The report of a discovery: `discovery.json`.
@@ -33,7 +33,9 @@ pub struct DiscoverySummary {
     pub rows: usize,
     /// Pose measurements.
     pub visits: usize,
-    /// Rows (1-based) of the held-out test set, which is drawn before anything is fitted.
+    /// Where the held-out errors come from: a test set that was drawn before anything was fitted, or nested folds.
+    pub held_out: HeldOut,
+    /// Rows (1-based) of the test set; empty where held-out errors are those of all rows.
     pub holdout_rows: Vec<usize>,
     /// Expected 3-D RMS of one new row if the model were perfect, mm; none when it is unknown.
     pub noise_floor_mm: Option<f64>,
@@ -86,10 +88,10 @@ pub struct DiscoverySummary {
 pub struct DiscoverySettings {
     /// Seed of every random choice.
     pub seed: u64,
-    /// Fraction of the configurations that is held out.
-    pub holdout: f64,
-    /// Sign flips of the resampling test.
-    pub flips: usize,
+    /// Fraction of the configurations in the test set, where it was given.
+    pub holdout: Option<f64>,
+    /// Random rotations behind each family-wise p-value.
+    pub rotations: usize,
     /// Family-wise significance level.
     pub alpha: f64,
 }
@@ -101,7 +103,11 @@ impl DiscoverySummary {
             robot: found.fit.fitted.chain().name().into(),
             rows: found.data.len(),
             visits: Visits::of(&found.data).len(),
-            holdout_rows: found.holdout_rows.iter().map(|row| row + 1).collect(),
+            held_out: found.held_out,
+            holdout_rows: match found.held_out {
+                HeldOut::TestSet => found.holdout_rows.iter().map(|row| row + 1).collect(),
+                _ => Vec::new(),
+            },
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
             dependence: found.dependence.as_ref().map(DependenceSummary::new),

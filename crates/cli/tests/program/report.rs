@@ -44,7 +44,7 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
             "page",
             "--spec",
             "0.2mm",
-            "--flips",
+            "--rotations",
             "499",
         ])
         .ended(0);
@@ -55,7 +55,7 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
 fn page_json_and_terminal_have_the_same_numbers() {
     let folder = discovered("small", "j1");
     let same =
-        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--flips", "499"];
+        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--rotations", "499"];
     let terminal = folder.run(&same).ended(0).out;
     let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
     let result: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
@@ -173,7 +173,7 @@ fn names_are_shown_and_not_run() {
     folder.write(FILE, &(rows.join("\n") + "\n"));
     let inputs = ["--robot", "robot.toml", "--data", FILE];
     let with = |verb: &'static str, more: &[&'static str]| [&[verb], &inputs[..], more].concat();
-    folder.run(&with("discover", &["--report", "d", "--flips", "499"])).ended(0);
+    folder.run(&with("discover", &["--report", "d", "--rotations", "499"])).ended(0);
     folder.run(&with("identify", &["--report", "i", "--out", "fit.json"])).ended(0);
     folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
     folder.run(&["predict", "--fit", "fit.json", "--data", FILE, "--out", POSES]).ended(0);

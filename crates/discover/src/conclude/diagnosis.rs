@@ -3,6 +3,7 @@
 use crate::accept::evidence::{Evidence, Refused};
 use crate::conclude::errors::Errors;
 use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::partition::HeldOut;
 use crate::conclude::trace::point::Trace;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
@@ -53,7 +54,9 @@ pub struct Diagnosis {
     pub fit: Fit,
     /// The fit of the declared model on the training part.
     pub declared: Fit,
-    /// Rows (0-based) of the held-out test set.
+    /// Where the held-out errors come from.
+    pub held_out: HeldOut,
+    /// Rows (0-based) with a held-out error: the test set, or all.
     pub holdout_rows: Vec<usize>,
     /// The data of the final fit: payloads corrected, outliers excluded.
     pub data: Dataset,
@@ -66,6 +69,10 @@ pub struct Finding {
     pub candidate: Candidate,
     /// Family-wise p of the test that found it.
     pub p_value: f64,
+    /// Probability of its family and place, given that the effect exists.
+    pub name_probability: f64,
+    /// Probability that the library has no name for it.
+    pub unnamed_probability: f64,
     /// Its evidence in the linearised problem at the time of its acceptance; `None` for excluded rows, which are
     /// not selected by the search.
     pub evidence: Option<Evidence>,
@@ -114,6 +121,8 @@ pub struct Alternative {
     pub holdout: f64,
     /// Difference from the finding in −2 ln L + coefficient penalty; positive: less likely.
     pub behind: f64,
+    /// Probability of this family and place, given that the effect exists.
+    pub probability: f64,
     /// Whether it is not distinguishable from the finding with this data.
     pub equivalent: bool,
 }

@@ -4,13 +4,15 @@
 //! are not evaluated on the test set, nonlinear parameters have no intervals. Errors before and after a
 //! finding are those of the model when it was added.
 
+use crate::accept::accepted::Accepted;
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{Diagnosis, Finding, Unexplained};
 use crate::conclude::errors::Errors;
 use crate::conclude::floor::{NoiseFloor, Verdict};
-use crate::conclude::partition::Partition;
+use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::report::{at_run_time, errors, parameters};
+use crate::contest::names::name_probabilities;
 use crate::data::payload;
 use crate::error::DiscoverError;
 use crate::hypotheses::change::Change;
@@ -45,11 +47,20 @@ impl InterimReport {
     ) -> Result<Diagnosis, DiscoverError> {
         let Model { findings, current, .. } = &outcome.model;
         let LastScreen { p_value, detectable_gain } = outcome.last;
-        let after = errors(
+        let mut after = errors(
             &current.fit,
             &with_loads(context.data, &current.found),
             &with_loads(&self.held, &current.found),
         )?;
+        let mut held_out = partition.held_out;
+        if held_out == HeldOut::NestedFolds {
+            // The folds come at the end of a run.
+            held_out = HeldOut::Refits;
+            let [declared, enlarged] = outcome.model.both_refitted(context)?;
+            self.before.holdout = declared;
+            self.steps[0] = self.before.rms();
+            after.holdout = enlarged;
+        }
         self.steps.truncate(findings.len());
         // A revision may have changed the number of findings by more than one.
         while self.steps.len() < findings.len() {
@@ -58,9 +69,14 @@ impl InterimReport {
         self.steps.push(after.rms());
         let mut fit = current.fit.clone();
         at_run_time(&mut fit, &current.found, partition.data);
-        let finding = |(k, accepted): (usize, &crate::accept::accepted::Accepted)| Finding {
+        let names = |a: &Accepted| {
+            name_probabilities((&a.candidate, a.evidence.p_surrogates), &a.competitors, context.policy())
+        };
+        let finding = |(k, accepted): (usize, &Accepted)| Finding {
             candidate: accepted.candidate.clone(),
             p_value: accepted.evidence.p_value,
+            name_probability: names(accepted).own,
+            unnamed_probability: names(accepted).unnamed,
             evidence: Some(accepted.evidence.clone()),
             train: (self.steps[k].0, self.steps[k + 1].0),
             holdout: (self.steps[k].1, self.steps[k + 1].1),
@@ -103,6 +119,7 @@ impl InterimReport {
             declared: self.declared.clone(),
             data: current.data.clone(),
             untestable: outcome.untestable.clone(),
+            held_out,
             holdout_rows: partition.holdout_rows.clone(),
         })
     }

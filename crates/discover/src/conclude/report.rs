@@ -2,7 +2,6 @@
 //! rows.
 
 use crate::accept::accepted::Accepted;
-use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
 use crate::conclude::diagnosis::{
     Alternative, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
@@ -10,9 +9,10 @@ use crate::conclude::diagnosis::{
 use crate::conclude::errors::Errors;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::{NoiseFloor, Verdict};
-use crate::conclude::partition::Partition;
+use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
+use crate::contest::names::{NameProbabilities, name_probabilities};
 use crate::data::{derived, payload};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -37,14 +37,14 @@ pub(crate) fn conclude(
     context: &Context<'_>,
     outcome: Outcome,
     partition: Partition<'_>,
-    withdrawn: Option<Withdrawn>,
+    (withdrawn, nested): (Option<Withdrawn>, Option<[Residuals; 2]>),
     declared_fit: &DeclaredFit<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = partition.data.select(&partition.holdout_rows);
     let wanted = context.options.competing_fits;
     let Outcome { model, refused, mut untestable, last, stopped } = outcome;
     let LastScreen { p_value, detectable_gain } = last;
-    let Model { findings: accepted, current, .. } = model;
+    let (accepted, current) = (model.findings.clone(), Arc::clone(&model.current));
     // Findings were testable, in the directions that the model does not absorb.
     untestable
         .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
@@ -55,10 +55,18 @@ pub(crate) fn conclude(
     };
     let mut before = errors(&declared, context.data, &held)?;
     let mut after = errors(&current.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
+    if partition.held_out == HeldOut::NestedFolds {
+        let [declared, enlarged] = match nested {
+            Some(pair) => pair,
+            None => model.both_refitted(context)?,
+        };
+        after.holdout = if found.is_empty() { declared.clone() } else { enlarged };
+        before.holdout = declared;
+    }
 
     let all = with_loads(partition.data, &found);
     let judged = Linearisation::new(&current.fit, &all, context.options)?;
-    let trial = Trial::new(context, &current, &found, &judged, &partition);
+    let trial = Trial::new(context, &current, &found, &judged, &partition)?;
     // Errors with the first findings only, on the same training rows.
     let between: Vec<_> =
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
@@ -75,6 +83,11 @@ pub(crate) fn conclude(
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
         let effects = context.effects_of(&found, k);
+        let names = name_probabilities(
+            (&found[k], accepted.evidence.p_surrogates),
+            &accepted.competitors,
+            context.policy(),
+        );
         findings.push(Finding {
             parameters: parameters(&fit, &found[k], effects.clone()),
             shape: shape(&fit, &effects),
@@ -85,11 +98,13 @@ pub(crate) fn conclude(
             poses: Vec::new(),
             candidate: found[k].clone(),
             p_value: accepted.evidence.p_value,
+            name_probability: names.own,
+            unnamed_probability: names.unnamed,
             evidence: Some(accepted.evidence.clone()),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: match declared_fit.full_report {
-                true => alternatives(context, &trial, k, &accepted.competitors)?,
+                true => alternatives(context, &trial, (k, &names), &accepted.competitors)?,
                 false => Vec::new(),
             },
             trace: match declared_fit.full_report {
@@ -152,6 +167,7 @@ pub(crate) fn conclude(
         declared,
         data,
         untestable,
+        held_out: partition.held_out,
         holdout_rows: partition.holdout_rows,
     })
 }
@@ -223,18 +239,20 @@ fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
 fn alternatives(
     context: &Context<'_>,
     trial: &Trial<'_>,
-    which: usize,
+    (which, names): (usize, &NameProbabilities),
     competitors: &[(Candidate, f64)],
 ) -> Result<Vec<Alternative>, DiscoverError> {
     let unnamed =
         competitors.iter().filter(|(r, _)| !r.family.is_named()).nth(context.budget().listed_unnamed);
     let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
-    let listed = competitors.iter().filter(|(r, behind)| r.family.is_named() || *behind < last);
+    let listed = competitors.iter().zip(&names.each);
+    let listed = listed.filter(|((r, behind), _)| r.family.is_named() || *behind < last);
     let listed: Vec<_> = listed.take(context.budget().listed).collect();
     listed
         .par_iter()
-        .map(|(candidate, behind)| {
+        .map(|((candidate, behind), probability)| {
             Ok(Alternative {
+                probability: **probability,
                 family: candidate.family,
                 place: candidate.place.clone(),
                 holdout: trial.instead(which, candidate)?.1,
@@ -277,6 +295,8 @@ fn outlier_finding(outside: &Outliers, visits: &Visits, rms: (f64, f64), holdout
     Finding {
         candidate: Candidate::new(Arc::new(Outlying), variant),
         p_value: outside.p_value,
+        name_probability: 1.0,
+        unnamed_probability: 0.0,
         evidence: None,
         holdout,
         train: rms,

@@ -36,16 +36,6 @@ pub(crate) fn surprisal(gain: f64, freedom: usize) -> f64 {
     x - a * x.ln() + ln_gamma(a) - fraction.ln()
 }
 
-/// The gain of a single unknown that is so surprising.
-pub(crate) fn gain_of_one(surprising: f64) -> f64 {
-    let (mut lower, mut upper) = (0.0, 2.0 * surprising.max(0.0) + 2.0);
-    for _ in 0..100 {
-        let middle = 0.5 * (lower + upper);
-        if surprisal(middle, 1) < surprising { lower = middle } else { upper = middle }
-    }
-    0.5 * (lower + upper)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,6 +65,5 @@ mod tests {
         let expected = 0.5 * x + 0.5 * (std::f64::consts::FRAC_PI_2 * x).ln();
         assert!((surprisal(x, 1) - expected).abs() < 1e-3);
         assert!(surprisal(590.0, 1) > surprisal(590.0, 36));
-        assert!((gain_of_one(surprisal(34.5, 1)) - 34.5).abs() < 1e-9);
     }
 }

@@ -5,4 +5,3 @@ pub(crate) mod chi_square;
 pub(crate) mod coefficients;
 pub(crate) mod gross;
 pub(crate) mod product;
-pub(crate) mod surprisal;

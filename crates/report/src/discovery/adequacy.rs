@@ -24,8 +24,8 @@ pub struct LackOfFitSummary {
 pub enum NoiseReference {
     /// Repeated pose measurements of the same configurations (pure error).
     Repeats,
-    /// The residual itself, by a resampling test (sign flips of whole pose measurements).
-    SignFlips,
+    /// The residual itself, by a rotation test.
+    Rotations,
 }
 
 /// The residual that no effect of the model explains.
@@ -49,7 +49,7 @@ impl LackOfFitSummary {
         };
         let repeats = found.repeats_before.as_ref();
         LackOfFitSummary {
-            against: if repeats.is_some() { NoiseReference::Repeats } else { NoiseReference::SignFlips },
+            against: if repeats.is_some() { NoiseReference::Repeats } else { NoiseReference::Rotations },
             pure_error_mm: repeats.map(|r| r.rms * 1e3),
             before: p(&found.repeats_before),
             after: p(&found.repeats_after),

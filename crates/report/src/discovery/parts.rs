@@ -1,10 +1,10 @@
-//! Position errors on the training part and on the held-out test set.
+//! Position errors on the training part and on held-out rows.
 
 use crate::PositionStatistics;
 use serde::{Deserialize, Serialize};
 use truepose_discover::Errors;
 
-/// Position errors on the training part and on the held-out test set.
+/// Position errors on the training part and on held-out rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TrainAndHoldout {
     /// Training rows.

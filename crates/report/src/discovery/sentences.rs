@@ -4,7 +4,7 @@ use super::{
     DiscoverySummary, FindingSummary, NestedSummary, NoiseFloorSummary, NoiseReference, WithdrawnSummary,
 };
 use crate::{PositionStatistics, count, significant};
-use truepose_discover::{Check, Family, FloorSource, Termination, Verdict};
+use truepose_discover::{Check, Family, FloorSource, HeldOut, Termination, Verdict};
 
 impl DiscoverySummary {
     /// The verdict: what the declared model lacks.
@@ -41,29 +41,39 @@ impl DiscoverySummary {
                 significant(p, 2)
             ),
             _ => format!(
-                "Residual of the declared model: {rms} mm RMS. No repeated poses: significance comes from a resampling test (sign \
-                 flips of whole poses)."
+                "Residual of the declared model: {rms} mm RMS. No repeated poses: significance comes from a rotation test of the \
+                 residual."
             ),
         }
     }
 
-    /// Position error before and after, on the held-out test set.
+    /// Position error before and after, on held-out rows.
     pub(crate) fn result(&self) -> String {
         let pair = |before: PositionStatistics, after: PositionStatistics| match self.effects.is_empty() {
             true => format!("{} mm", significant(after.rms_mm, 3)),
             false => format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3)),
         };
+        let rows = self.held_out_rows();
         let all = pair(self.before.holdout, self.after.holdout);
         let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
             (Some(before), Some(after)) => format!(
-                "{} on the held-out test set without {}, {all} with {}",
+                "{} {rows} without {}, {all} with {}",
                 pair(before, after),
                 count(self.after.holdout.count - after.count, "row that is reported as an outlier"),
                 if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
             ),
-            _ => format!("{all} on the held-out test set"),
+            _ => format!("{all} {rows}"),
         };
         format!("Position error (3-D RMS): {figures}.")
+    }
+
+    /// Where the held-out errors come from.
+    pub(crate) fn held_out_rows(&self) -> &'static str {
+        match self.held_out {
+            HeldOut::NestedFolds => "in nested cross-validation",
+            HeldOut::Refits => "in cross-validation of the findings",
+            _ => "on the held-out test set",
+        }
     }
 
     /// Why the search ended.

@@ -19,7 +19,8 @@ impl fmt::Display for DiscoverySummary {
         let used = self.before.holdout_used();
         writeln!(
             f,
-            "\nRMS of the 3-D position error on the held-out test set ({}), mm\n",
+            "\nRMS of the 3-D position error {} ({}), mm\n",
+            self.held_out_rows(),
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
@@ -130,12 +131,16 @@ impl FindingSummary {
         }
         writeln!(
             f,
-            "   p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
+            "   exists with p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
             significant(self.p_value, 2),
             significant(100.0 * self.stability, 3),
             significant(self.cross_validated_rms_mm.before, 3),
             significant(self.cross_validated_rms_mm.after, 3)
         )?;
+        writeln!(f, "   name (probability): {}", self.names())?;
+        if let Some(assumption) = self.assumption() {
+            writeln!(f, "   {assumption}")?;
+        }
         for other in self.alternatives.iter().take(2) {
             let relation =
                 if other.equivalent { "not distinguishable from" } else { "competing hypothesis:" };
