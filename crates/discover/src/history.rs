@@ -19,6 +19,8 @@ pub(crate) struct History {
     /// end.
     met: Vec<Structure>,
     circling: bool,
+    /// Whether the noise of the screens has a wander.
+    wanders: bool,
 }
 
 impl History {
@@ -35,6 +37,18 @@ impl History {
         } else {
             None
         }
+    }
+
+    /// Whether screens have a wander beside the model.
+    pub fn wanders(&self) -> bool {
+        self.wanders
+    }
+
+    /// Whether a wander may be tried now: once, when no effect is left to be found without it.
+    pub fn may_wander(&mut self, stop: Option<Termination>) -> bool {
+        let may = !self.wanders && matches!(stop, None | Some(Termination::NothingLeft));
+        self.wanders |= may;
+        may
     }
 
     /// Whether earlier findings are reconsidered after a new one: while there are at most `few`, and until a

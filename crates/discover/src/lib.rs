@@ -54,6 +54,7 @@ pub use hypotheses::view::TraceView;
 pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
 pub use policy::Policy;
+pub use problem::dependence::Dependence;
 pub use progress::Progress;
 pub use screen::untestable::Untestable;
 pub use termination::Termination;

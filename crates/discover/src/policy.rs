@@ -112,6 +112,13 @@ constants! {
         /// Fraction of the rows above which they are no outliers but an effect. Convention.
         outlier_most: f64 = 0.15;
 
+        /// p of the test of independent poses below which a wander is estimated: one campaign in a hundred has one for nothing, which costs it
+        /// little. Convention.
+        dependence_level: f64 = 0.01;
+        /// Independent tests that a screen is worth where a candidate is compared with a wander: between the 400 that the level of the
+        /// resampling test is worth for one unknown (a statistic of 21) and the 10⁴ that are made. Convention.
+        dependence_tests: f64 = 1000.0;
+
         /// Information of a direction times the square of its prior standard deviation below which the data cannot test it: there the data
         /// narrows the prior by less than a factor √2.
         untestable_information: f64 = 1.0;

@@ -33,7 +33,10 @@ pub(crate) fn search(
     loop {
         progress(Progress::Screening(outcome.model.findings.len()))?;
         let current = outcome.model.current.clone();
-        let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
+        let mut linearisation = Linearisation::new(&current.fit, &current.data, options)?;
+        if history.wanders() {
+            linearisation = linearisation.beside_wander(options.seed);
+        }
         let screen = Screen::new(&linearisation, &options.library, &current.found);
         let (multiplicity, p_value) = tested(&linearisation, &screen, known.take(), options)?;
         let detectable_gain = multiplicity.null.detectable(options.alpha, linearisation.len());
@@ -75,6 +78,10 @@ pub(crate) fn search(
                 known = Some(multiplicity.null);
                 continue;
             }
+        }
+        // No effect explains why poses depend on those before: it is noise, beside which the search goes on.
+        if history.may_wander(stop) && linearisation.is_dependent(options.seed) {
+            continue;
         }
         outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
         outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;

@@ -49,9 +49,11 @@ fn rows_of_one_dwell_are_one_visit_and_visits_of_one_pose_one_configuration() {
     assert_eq!(of_visit[poses..], of_visit[..poses]);
     assert_eq!((info.visits, info.configurations), (2 * poses, poses));
     let grouping = info.grouping.unwrap();
-    assert!(!grouping.numbered && grouping.parted == 0 && grouping.flickering > 200, "{grouping:?}");
+    assert!(!grouping.numbered && grouping.parted == 0 && grouping.flickering == 4 * poses, "{grouping:?}");
     let most = 2e-4f64.to_radians();
     assert!(grouping.flicker_angle > 0.5 * most && grouping.flicker_angle <= 1.01 * most, "{grouping:?}");
+    assert_eq!((grouping.repeated, grouping.repeats), (poses, poses));
+    assert!(grouping.repeat_angle > 0.0 && grouping.repeat_angle < grouping.repeat_tolerance_angle);
     // The slide moves nowhere; the flicker of the joints is no move, and the second round begins with one back.
     assert!(data.approach[2].iter().all(|&a| a == 0.0));
     assert!(data.approach[0][3..3 * poses].iter().all(|&a| a == 1.0));

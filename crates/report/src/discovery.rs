@@ -3,6 +3,7 @@
 mod adequacy;
 mod advice;
 mod candidates;
+mod dependence;
 mod effects;
 mod gain;
 mod meaning;
@@ -17,6 +18,7 @@ pub use adequacy::{
     WithdrawnSummary,
 };
 pub use candidates::{RefusedSummary, UntestableSummary};
+pub use dependence::DependenceSummary;
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
 pub use gain::{ExtrapolationSummary, GainSummary, PartName, UnseenData};
 pub use nested::NestedSummary;
@@ -46,6 +48,9 @@ pub struct DiscoverySummary {
     pub noise_floor: NoiseFloorSummary,
     /// Whether the model is adequate.
     pub verdict: Verdict,
+    /// Dependence of poses on those measured before; none with fewer than ten poses.
+    #[serde(default)]
+    pub dependence: Option<DependenceSummary>,
     /// With the declared model.
     pub before: TrainAndHoldout,
     /// With all findings.
@@ -126,6 +131,7 @@ impl DiscoverySummary {
             },
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
+            dependence: found.dependence.as_ref().map(DependenceSummary::new),
             verdict: found.verdict,
             before,
             after,

@@ -6,8 +6,9 @@ use truepose_io::{MeasurementsOptions, Quantity, Unit};
 /// How rows are grouped.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Grouped {
-    /// Tolerance within which joint values belong to one dwell and one configuration: an angle for revolute joints, a length for
-    /// prismatic joints, or both, e.g. 0.001deg or 0.001deg,20um; 0: exactly equal values [default: 1e-5rad,10um]
+    /// Tolerance within which joint values belong to one dwell, and, ten times as wide, to repeats of one configuration: an angle for
+    /// revolute joints, a length for prismatic joints, or both, e.g. 0.001deg or 0.001deg,20um; 0: exactly equal values
+    /// [default: 1e-5rad,10um]
     #[arg(long, value_name = "ANGLE,LENGTH", allow_hyphen_values = true, value_parser = parse_tolerance)]
     pub dwell_tolerance: Option<DwellTolerance>,
 }

@@ -149,27 +149,23 @@ fn data_text(info: &CsvInfo) -> String {
 fn grouping_text(of: &Grouping) -> String {
     let angle = |v: f64| format!("{}°", significant(v.to_degrees(), 2));
     let um = |v: f64| format!("{} µm", significant(v * 1e6, 2));
-    let tolerance = format!("{} or {}", angle(of.angle), um(of.length));
     let mut text = if of.numbered {
-        format!(
-            " pose measurements as numbered in the file (column `visit`); joints within {tolerance} are one configuration"
-        )
+        " pose measurements as numbered in the file (column `visit`)".to_owned()
     } else {
         format!(
-            " no column `visit`: consecutive rows with joints within {tolerance} are one pose measurement"
+            " no column `visit`: consecutive rows with joints within {} or {} are one pose measurement",
+            angle(of.angle),
+            um(of.length)
         )
     };
+    let most = |turned: f64, slid: f64| {
+        let parts = [(turned > 0.0).then(|| angle(turned)), (slid > 0.0).then(|| um(slid))];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(" and ")
+    };
     if of.flickering > 0 {
-        let mut most = Vec::new();
-        if of.flicker_angle > 0.0 {
-            most.push(angle(of.flicker_angle));
-        }
-        if of.flicker_length > 0.0 {
-            most.push(um(of.flicker_length));
-        }
         text += &format!(
             "; joint values vary within a dwell by up to {} in {}",
-            most.join(" and "),
+            most(of.flicker_angle, of.flicker_length),
             count(of.flickering, "row")
         );
     }
@@ -177,7 +173,21 @@ fn grouping_text(of: &Grouping) -> String {
         let parted = count(of.parted, "pose measurement");
         text += &format!("; {parted} separated from the one before by measured positions alone");
     }
-    text + " (--dwell-tolerance)\n"
+    text += &format!(
+        "\n pose measurements with joints within {} or {} (ten times --dwell-tolerance) are repeats of one configuration: ",
+        angle(of.repeat_tolerance_angle),
+        um(of.repeat_tolerance_length)
+    );
+    text += &match of.repeats {
+        0 => "none".to_owned(),
+        repeats => {
+            let apart = most(of.repeat_angle, of.repeat_length);
+            let apart =
+                if apart.is_empty() { "equal joint values".into() } else { format!("up to {apart} apart") };
+            format!("{} of {}, {apart}", count(repeats, "repeat"), count(of.repeated, "configuration"))
+        }
+    };
+    text + "\n"
 }
 
 fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> serde_json::Value {
@@ -201,6 +211,8 @@ fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> se
         "model": unknowns,
         "data": data.map(|i| serde_json::json!({"rows": i.rows, "visits": i.visits, "configurations": i.configurations,
             "grouping": i.grouping.map(|g| serde_json::json!({"numbered": g.numbered, "tolerance_rad": g.angle, "tolerance_m": g.length,
+                "repeat_tolerance_rad": g.repeat_tolerance_angle, "repeat_tolerance_m": g.repeat_tolerance_length,
+                "repeated_configurations": g.repeated, "repeats": g.repeats, "repeat_rad": g.repeat_angle, "repeat_m": g.repeat_length,
                 "flickering_rows": g.flickering, "flicker_rad": g.flicker_angle, "flicker_m": g.flicker_length, "parted": g.parted})),
             "columns": columns})),
     })

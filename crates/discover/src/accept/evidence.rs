@@ -33,7 +33,8 @@ use truepose_identify::{Folds, Split};
 /// Evidence for an effect, from the linearised problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Family-wise p-value of the rotation test: exact for normal errors.
+    /// Family-wise p-value of the rotation test: exact for normal errors. Where poses depend on those before, the larger one of this and
+    /// of the likelihood ratio beside a wander.
     pub p_value: f64,
     /// p-value, as a single test, of 999 sign flips of whole poses: without the assumption of normal errors. Reported only; no
     /// decision uses it.
@@ -136,8 +137,9 @@ pub(crate) fn collect(
     let (stability, agreement) = halves(linearisation, competitor, seed)?;
     let pose = linearisation.observations.iter().map(|o| o.visit);
     let check = sign_flips(&screen.projection, &competitor.columns, pose, seed);
+    let beside = linearisation.p_beside_wander(&competitor.columns, competitor.freedom, seed);
     Ok(Evidence {
-        p_value,
+        p_value: beside.map_or(p_value, |beside| beside.max(p_value)),
         p_sign_flips: check.map_or(1.0, |check| check.p_value),
         effective_poses: check.map_or(0.0, |check| check.effective_poses),
         p_surrogates: among_surrogates(linearisation, screen, &competitor.candidate, options)?,

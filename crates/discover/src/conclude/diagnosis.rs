@@ -12,6 +12,7 @@ use crate::conclude::verdict::{Unexplained, Verdict};
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
+use crate::problem::dependence::Dependence;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,8 @@ pub struct Diagnosis {
     pub withdrawn: Option<Withdrawn>,
     /// Repeatability limit: expected 3-D RMS of one new row under a perfect model, with its source.
     pub noise_floor: NoiseFloor,
+    /// Dependence of poses on those measured before, with the model of the search; `None` with fewer than ten poses.
+    pub dependence: Option<Dependence>,
     /// Whether the model is adequate.
     pub verdict: Verdict,
     /// Pure error of repeated poses and lack of fit of the declared model.
@@ -97,6 +100,8 @@ pub struct Finding {
     /// Rows (0-based, of all data) that it concerns: outliers, or rows with the corrected payload; empty for
     /// effects on all rows.
     pub rows: Vec<usize>,
+    /// Of outliers: the rows of each pose measurement that is displaced as a whole; they are among `rows`.
+    pub poses: Vec<Vec<usize>>,
     /// Partial residuals against the driver of the effect; `None` for outliers.
     pub trace: Option<Trace>,
 }

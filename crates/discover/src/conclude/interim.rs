@@ -96,6 +96,7 @@ impl InterimReport {
             parameters: parameters(&fit, &accepted.candidate, context.effects_of(&current.found, k)),
             shape: Vec::new(),
             alternatives: Vec::new(),
+            poses: Vec::new(),
             rows: match accepted.candidate.change {
                 Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
                 Change::Add(_) | Change::Exclude { .. } => Vec::new(),
@@ -126,6 +127,7 @@ impl InterimReport {
             verdict,
             before: self.before.clone(),
             after,
+            dependence: None,
             noise_floor,
             unexplained,
             intervals: None,

@@ -23,6 +23,7 @@ use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
 use crate::model::prepared::with_loads;
+use crate::problem::dependence::dependence;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
 use crate::problem::outliers::Outliers;
@@ -31,7 +32,7 @@ use crate::termination::Termination;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
-use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
+use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample, Visits};
 use truepose_identify::{Fit, FittedNonlinear, ResidualVariance, Residuals, repeats, student_quantile};
 
 /// Forms the result.
@@ -93,6 +94,7 @@ pub(crate) fn conclude(
                 Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
                 Change::Add(_) | Change::Exclude { .. } => Vec::new(),
             },
+            poses: Vec::new(),
             candidate: found[k].clone(),
             p_value: accepted.evidence.p_value,
             name_probability: names.own,
@@ -127,7 +129,7 @@ pub(crate) fn conclude(
         let all: Vec<usize> = (0..judged.position.len()).collect();
         let rms = (judged.positions_of(&all).rms, judged.positions_of(&good).rms);
         let held = after.holdout.positions().rms;
-        findings.push(outlier_finding(&outside, rms, (held, held)));
+        findings.push(outlier_finding(&outside, &Visits::of(partition.data), rms, (held, held)));
     }
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
     let trusted = partition.stated_scale.is_one();
@@ -165,6 +167,10 @@ pub(crate) fn conclude(
         after,
         withdrawn,
         noise_floor,
+        dependence: dependence(
+            &Linearisation::new(&current.fit, &current.data, context.options)?,
+            context.options.seed,
+        ),
         verdict,
         unexplained,
         intervals,
@@ -297,7 +303,7 @@ fn competing_fits(
 }
 
 /// Outliers as a finding: `rms` with and without them, m.
-fn outlier_finding(outside: &Outliers, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
+fn outlier_finding(outside: &Outliers, visits: &Visits, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
     let change = Change::Exclude { rows: outside.certain.clone() };
     let variant = Variant { place: Place::default(), change };
     Finding {
@@ -312,6 +318,7 @@ fn outlier_finding(outside: &Outliers, rms: (f64, f64), holdout: (f64, f64)) -> 
         shape: Vec::new(),
         alternatives: Vec::new(),
         rows: outside.certain.clone(),
+        poses: outside.poses.iter().map(|&visit| visits.rows[visit].clone()).collect(),
         trace: None,
     }
 }

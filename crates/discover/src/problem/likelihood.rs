@@ -78,8 +78,10 @@ impl Likelihood {
             }
         };
         // One share for all: rivals are held against each other, and what each takes of it differs by a trifle.
-        let share = (1.0 - n as f64 / linearisation.len().max(1) as f64).max(0.02);
-        let freedom = Freedom::all(linearisation.data, visits).share(share);
+        let left = |unknowns: f64| {
+            let share = (1.0 - unknowns / linearisation.len().max(1) as f64).max(0.02);
+            Freedom::all(linearisation.data, visits).share(share)
+        };
         let mut noise = linearisation.noise;
         let mut iterations = 0;
         loop {
@@ -87,6 +89,12 @@ impl Likelihood {
             let (solution, factor) = solved(&gram, &prior)?;
             let residual =
                 &linearisation.y - &linearisation.base * solution.rows(0, r) - extra * solution.rows(r, k);
+            let wander = linearisation.wander();
+            let freedom = match wander.is_empty() {
+                true => left(n as f64),
+                // Its prior holds a wander: it takes fewer degrees of freedom than it has columns.
+                false => left((n - wander.len()) as f64 + factor.determined(wander, &prior)),
+            };
             let again =
                 estimate_noise(linearisation.data, visits, &as_residuals(linearisation, &residual), &freedom);
             iterations += 1;
@@ -154,13 +162,16 @@ impl Likelihood {
             by_fold[folds.of_visit[o.visit]].push(at);
         }
         let whole = cross(white, white);
+        // What wandered while the others were measured is no prediction.
+        let wander = linearisation.wander();
         let mut residual = vec![f64::NAN; linearisation.len()];
         for members in &by_fold {
             let part = white.select_rows(members);
             let (solution, _) = solved(&(&whole - cross(&part, &part)), &prior)?;
             for &at in members {
                 let row = raw.row(at);
-                let predicted: f64 = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).sum();
+                let all = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).enumerate();
+                let predicted: f64 = all.filter(|(k, _)| !wander.contains(k)).map(|(_, part)| part).sum();
                 residual[at] = row[n] - predicted;
             }
         }
@@ -255,6 +266,16 @@ pub(crate) struct Scaled {
 }
 
 impl Scaled {
+    /// How many of these unknowns, whose prior is diagonal, the data determines: Σ 1 − prior · covariance.
+    fn determined(&self, which: Range<usize>, prior: &DMatrix<f64>) -> f64 {
+        let n = self.scale.len();
+        let mut unit = DMatrix::zeros(n, which.len());
+        which.clone().enumerate().for_each(|(k, at)| unit[(at, k)] = 1.0);
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut unit);
+        let held = which.zip(unit.column_iter());
+        held.map(|(at, half)| 1.0 - prior[(at, at)] * half.norm_squared() * self.scale[at].powi(2)).sum()
+    }
+
     /// The covariance of the unknowns from this one on.
     fn covariance(&self, first: usize) -> DMatrix<f64> {
         let n = self.scale.len();

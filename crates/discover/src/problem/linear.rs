@@ -56,8 +56,9 @@ impl<'s> Linear<'s> {
         let missing =
             |column: usize| without.iter().any(|effects| effects.contains(&model.effect_of(column)));
         let r = self.linearisation.base.ncols();
-        let stay: Vec<usize> =
-            (0..r).filter(|&k| !missing(self.linearisation.fit.reduction.kept[k])).collect();
+        let stay: Vec<usize> = (0..r)
+            .filter(|&k| self.linearisation.fit.reduction.kept.get(k).is_none_or(|&c| !missing(c)))
+            .collect();
         let extra = match with {
             Some(candidate) => self.linearisation.columns_of(candidate)?,
             None => DMatrix::zeros(self.linearisation.len(), 0),

@@ -45,6 +45,8 @@ pub(crate) struct Linearisation<'a> {
     pub noise: NoiseModel,
     /// Columns of the model that are not in `base`, though they are in the fit.
     muted: Range<usize>,
+    /// How many columns of `base`, its last ones, are those of a wander ([`crate::problem::dependence`]).
+    wander: usize,
     sites: Vec<f64>,
     site_count: usize,
     stations: Vec<Station>,
@@ -88,6 +90,7 @@ impl<'a> Linearisation<'a> {
             prior: fit.prior.rows(),
             noise: fit.noise,
             muted: 0..0,
+            wander: 0,
             sites: Vec::new(),
             site_count,
             stations: Vec::new(),
@@ -222,10 +225,26 @@ impl<'a> Linearisation<'a> {
         columns.filter(|(k, _)| !self.muted.contains(k)).any(|(_, column)| column.site == Some(site))
     }
 
-    /// The present model's coefficients, those of the columns of `base`.
+    /// The present model's coefficients, those of the columns of `base`; zero for a wander.
     pub fn coefficients(&self) -> DVector<f64> {
         let kept = self.fit.reduction.kept.iter().filter(|column| !self.muted.contains(column));
-        DVector::from_iterator(self.base.ncols(), kept.map(|&column| self.fit.fitted.coefficients()[column]))
+        let known = kept.map(|&column| self.fit.fitted.coefficients()[column]);
+        DVector::from_iterator(self.base.ncols(), known.chain(std::iter::repeat_n(0.0, self.wander)))
+    }
+
+    /// Appends the columns of a wander (m × k) to `base`; `prior` are the rows of all columns.
+    pub fn join_wander(&mut self, columns: &DMatrix<f64>, prior: DMatrix<f64>) {
+        let (r, k) = (self.base.ncols(), columns.ncols());
+        self.base = std::mem::replace(&mut self.base, DMatrix::zeros(0, 0)).resize_horizontally(r + k, 0.0);
+        self.base.columns_mut(r, k).copy_from(columns);
+        self.prior = Some(prior);
+        self.wander = k;
+        self.normal = OnceLock::new();
+    }
+
+    /// The columns of `base` that are those of a wander.
+    pub fn wander(&self) -> Range<usize> {
+        self.base.ncols() - self.wander..self.base.ncols()
     }
 
     /// Where the robot stood, visit by visit.

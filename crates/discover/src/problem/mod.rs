@@ -1,7 +1,11 @@
 //! The data linearised at a fit, and a candidate beside the model of that fit.
 
+pub(crate) mod autocorrelation;
 #[cfg(test)]
 pub(crate) mod dense;
+pub(crate) mod dependence;
+#[cfg(test)]
+mod dependence_tests;
 pub(crate) mod likelihood;
 pub(crate) mod linear;
 pub(crate) mod linearisation;
@@ -11,7 +15,9 @@ pub(crate) mod observation;
 mod oracle;
 pub(crate) mod outliers;
 pub(crate) mod projection;
+pub(crate) mod sequence;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod tables;
+pub(crate) mod wander;
 pub(crate) mod whitening;

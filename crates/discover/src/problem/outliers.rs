@@ -1,15 +1,22 @@
-//! Single rows that no repeatable effect explains.
+//! Rows and poses that no repeatable effect explains.
 //!
-//! Each row is standardised by what all others of its visit say; `t² = Σ e²` of its position has three degrees of freedom. The
+//! A row is standardised by what all others of its pose say, a pose by its marginal covariance: where the robot had not settled, or a reflector was
+//! re-seated, all rows of a pose are displaced together, and none of them by the others' account. `t² = Σ e²` of the three components has three
+//! degrees of freedom. The
 //! scale is the median's, the heaviness of the tail is that of the bulk: `t²/3 ~ F(3, ν)`, ν from the ratio of the
 //! 95 % quantile to the median. What is reported has to lie outside even if the tail is two standard errors of that ratio heavier than it
 //! looks: a handful of visits says little about a tail. So a robot with heavy-tailed noise has no outliers, and one whose noise is normal has them
 //! from five deviations on. Several of them hide each other that way, for they make the tail; so they are also reported where
 //! a law of their own beside the bulk is far more likely than any tail ([`crate::statistics::gross`]).
+//!
+//! Orientations are judged by themselves in the same way. A row of which one or two components were measured has fewer degrees of freedom: its
+//! t² counts as the one that is as improbable with three.
 
 use crate::problem::linearisation::Linearisation;
+use crate::statistics::chi_square::surprisal;
 use crate::statistics::gross::{SquareDistribution, split};
 use statrs::distribution::{ContinuousCDF, Exp};
+use truepose_errormodel::Visits;
 use truepose_identify::NoiseModel;
 
 /// Rows that lie outside.
@@ -19,32 +26,125 @@ pub(crate) struct Outliers {
     pub suspects: Vec<usize>,
     /// Rows that are reported.
     pub certain: Vec<usize>,
+    /// Poses of several rows that are reported with all of them.
+    pub poses: Vec<usize>,
     /// How many good rows would be expected beyond the least of those: the family-wise p; 1 without any.
     pub p_value: f64,
     /// Standardised distance of every row of the data, in robust deviations of one axis; NaN where nothing was measured.
     pub distance: Vec<f64>,
 }
 
-/// Judges the rows of a scene by these raw residuals.
+/// Judges the rows and poses of a linearised problem by these raw residuals.
 pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], noise: NoiseModel) -> Outliers {
-    let policy = linearisation.policy;
-    let standardised = linearisation.whitener(noise).deleted(residual);
-    let mut squares = vec![f64::NAN; linearisation.data.len()];
-    let mut counts = vec![0usize; linearisation.data.len()];
-    for (o, e) in linearisation.observations.iter().zip(&standardised) {
-        if o.component < 3 {
-            squares[o.row] = if counts[o.row] == 0 { e * e } else { squares[o.row] + e * e };
-            counts[o.row] += 1;
+    let data = linearisation.data;
+    let whitener = linearisation.whitener(noise);
+    let standardised = whitener.deleted(residual);
+    let rows = |first: usize| {
+        let mut sums = vec![(0.0, 0); data.len()];
+        for (o, e) in linearisation.observations.iter().zip(&standardised) {
+            if (first..first + 3).contains(&o.component) {
+                sums[o.row] = (sums[o.row].0 + e * e, sums[o.row].1 + 1);
+            }
+        }
+        units(sums)
+    };
+    let positions = judged(linearisation, &rows(0));
+    let mut found = Outliers { distance: vec![f64::NAN; data.len()], ..Outliers::default() };
+    positions.distances.iter().for_each(|&(row, distance)| found.distance[row] = distance);
+    found.join(&positions, |row| vec![row]);
+    found.join(&judged(linearisation, &rows(3)), |row| vec![row]);
+    // A pose of one row is that row.
+    let visits = Visits::of(data);
+    if visits.rows.iter().any(|rows| rows.len() > 1) {
+        let mut sums = vec![(0.0, 0); visits.len()];
+        let good = |row: usize| found.suspects.binary_search(&row).is_err();
+        for (members, weights, _) in whitener.means() {
+            let o = linearisation.observations[members[0]];
+            let (mut squares, mut along) = (0.0, 0.0);
+            for (&at, d) in members.iter().zip(weights) {
+                // A row that is displaced by itself says nothing about its pose.
+                if good(linearisation.observations[at].row) {
+                    squares += d * d;
+                    along += d * d * residual[at];
+                }
+            }
+            if o.component < 3 && squares > 0.0 {
+                let variance = noise.visit_sd.powi(2) + 1.0 / squares;
+                sums[o.visit].0 += (along / squares).powi(2) / variance;
+                sums[o.visit].1 += 1;
+            }
+        }
+        let several = |visit: usize| visits.rows[visit].iter().filter(|&&row| good(row)).count() > 1;
+        let mut poses = judged(linearisation, &units(sums));
+        poses.suspects.retain(|&visit| several(visit));
+        poses.certain.retain(|&(visit, _)| several(visit));
+        for &(visit, distance) in poses.distances.iter().filter(|(visit, _)| poses.suspects.contains(visit)) {
+            visits.rows[visit]
+                .iter()
+                .for_each(|&row| found.distance[row] = found.distance[row].max(distance));
+        }
+        found.join(&poses, |visit| visits.rows[visit].clone());
+        let out = |row: &usize| found.certain.binary_search(row).is_ok();
+        let displaced = |&visit: &usize| visits.rows[visit].len() > 1 && visits.rows[visit].iter().all(out);
+        found.poses = (0..visits.len()).filter(displaced).collect();
+    }
+    if found.certain.is_empty() {
+        found.p_value = 1.0;
+    }
+    found
+}
+
+impl Outliers {
+    /// Adds the rows of units that lie outside.
+    fn join(&mut self, judged: &Judged, rows: impl Fn(usize) -> Vec<usize>) {
+        self.suspects.extend(judged.suspects.iter().flat_map(|&unit| rows(unit)));
+        self.certain.extend(judged.certain.iter().flat_map(|&(unit, _)| rows(unit)));
+        self.p_value = judged.certain.iter().map(|c| c.1).fold(self.p_value, f64::max);
+        for list in [&mut self.suspects, &mut self.certain] {
+            list.sort_unstable();
+            list.dedup();
         }
     }
-    let of_rows: Vec<usize> =
-        (0..squares.len()).filter(|&row| counts[row] == 3 && squares[row].is_finite()).collect();
-    let mut whole: Vec<f64> = of_rows.iter().map(|&row| squares[row]).collect();
-    let mut found = Outliers { distance: vec![f64::NAN; linearisation.data.len()], ..Outliers::default() };
-    if whole.len() < 20 {
+}
+
+/// Rows or poses (unit, t²) of which anything was measured, t² as of three components.
+fn units(sums: Vec<(f64, usize)>) -> Vec<(usize, f64)> {
+    let of_three = |(square, count): (f64, usize)| match count {
+        3 => square,
+        _ => {
+            let wanted = surprisal(square, count);
+            let (mut low, mut high) = (square, square + 40.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if surprisal(middle, 3) < wanted { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
+        }
+    };
+    let measured =
+        sums.into_iter().enumerate().filter(|(_, (square, count))| *count > 0 && square.is_finite());
+    measured.map(|(unit, sum)| (unit, of_three(sum))).collect()
+}
+
+/// Units that lie outside.
+#[derive(Default)]
+struct Judged {
+    suspects: Vec<usize>,
+    /// With the number of good units that would be expected as far out.
+    certain: Vec<(usize, f64)>,
+    /// In robust deviations of one axis.
+    distances: Vec<(usize, f64)>,
+}
+
+/// Judges units by t².
+fn judged(linearisation: &Linearisation<'_>, units: &[(usize, f64)]) -> Judged {
+    let policy = linearisation.policy;
+    let mut found = Judged::default();
+    let by_unit: Vec<f64> = units.iter().map(|unit| unit.1).collect();
+    if by_unit.len() < 20 {
         return found;
     }
-    let by_row = whole.clone();
+    let mut whole = by_unit.clone();
     whole.sort_by(f64::total_cmp);
     let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
     let ratio = at(0.95) / at(0.5).max(f64::MIN_POSITIVE);
@@ -59,41 +159,32 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
     ));
     let scale_then = scale_under(&heavier);
     let expected_then = |square: f64| whole.len() as f64 * heavier.above(square / (3.0 * scale_then));
-    for (row, (&square, &count)) in squares.iter().zip(&counts).enumerate() {
-        if count != 3 {
-            continue;
-        }
-        found.distance[row] = (square / scale / 3.0).sqrt();
+    for &(unit, square) in units {
+        found.distances.push((unit, (square / scale / 3.0).sqrt()));
         if square > 3.0 * policy.outlier_least * policy.outlier_least * scale / 3.0 {
             if expected(square) < policy.outlier_suspect {
-                found.suspects.push(row);
+                found.suspects.push(unit);
             }
             let expected = expected_then(square);
             if expected < policy.outlier_certain {
-                found.certain.push(row);
-                found.p_value = found.p_value.max(expected);
+                found.certain.push((unit, expected));
             }
         }
     }
-    let gross = split(&by_row, scale_under, policy.outlier_least * policy.outlier_least, policy.outlier_most);
+    let gross =
+        split(&by_unit, scale_under, policy.outlier_least * policy.outlier_least, policy.outlier_most);
     // Rows of one visit may share what sets them apart: no more than as many are independent as there are visits.
     let independent = (linearisation.visits as f64 / whole.len() as f64).min(1.0);
     let p_value = chance(gross.gain * independent);
     if p_value < policy.outlier_certain {
-        for (&row, &odds) in of_rows.iter().zip(&gross.odds) {
-            if odds > 1.0 && !found.suspects.contains(&row) {
-                found.suspects.push(row);
+        for (&(unit, _), &odds) in units.iter().zip(&gross.odds) {
+            if odds > 1.0 && !found.suspects.contains(&unit) {
+                found.suspects.push(unit);
             }
-            if odds > policy.outlier_odds && !found.certain.contains(&row) {
-                found.certain.push(row);
-                found.p_value = found.p_value.max(p_value);
+            if odds > policy.outlier_odds && !found.certain.iter().any(|c| c.0 == unit) {
+                found.certain.push((unit, p_value));
             }
         }
-        found.suspects.sort_unstable();
-        found.certain.sort_unstable();
-    }
-    if found.certain.is_empty() {
-        found.p_value = 1.0;
     }
     if found.suspects.len() as f64 > policy.outlier_most * whole.len() as f64 {
         found.suspects.clear();
@@ -163,6 +254,55 @@ mod tests {
             assert!(found.p_value < DiscoverOptions::default().policy.outlier_certain);
             assert!(rows.iter().all(|&row| found.distance[row] > 8.0));
         }
+    }
+
+    #[test]
+    fn a_pose_whose_rows_are_displaced_together_is_reported() {
+        // Poses 0, 4, 8 … have three rows. What two of them share is ten times what poses scatter by, and nothing to their rows.
+        let noise = NoiseModel { visit_sd: 4e-5, ..NOISE };
+        let (chain, data) = data(120, 3, &|_, _, _| [0.0; 3]);
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let residual = |displaced: &[usize]| -> Vec<f64> {
+            let of = |(at, o): (usize, &crate::problem::observation::Observation)| {
+                if o.component >= 3 {
+                    return 2e-4 * normal(at);
+                }
+                let moved = if displaced.contains(&o.visit) { 4e-4 } else { 0.0 };
+                let shared = noise.visit_sd * normal(50_000 + 3 * o.visit + o.component);
+                noise.position(2e-5) * normal(at) + shared + moved
+            };
+            linearisation.observations.iter().enumerate().map(of).collect()
+        };
+        let none = outliers(&linearisation, &residual(&[]), noise);
+        assert!(none.certain.is_empty() && none.poses.is_empty(), "{none:?}");
+        let found = outliers(&linearisation, &residual(&[8, 44]), noise);
+        assert_eq!(found.poses, [8, 44]);
+        let rows: Vec<usize> = (0..data.len()).filter(|&row| [8, 44].contains(&data.visit[row])).collect();
+        assert_eq!((rows.len(), &found.certain), (6, &rows));
+        assert!(rows.iter().all(|&row| found.distance[row] > 5.0));
+    }
+
+    #[test]
+    fn orientations_and_single_components_are_judged() {
+        let (chain, mut data) = data(120, 3, &|_, _, _| [0.0; 3]);
+        // One row lost two components.
+        let partial = data.visit.iter().position(|&visit| visit == 7).unwrap();
+        data.position[partial][1] = f64::NAN;
+        data.position[partial][2] = f64::NAN;
+        let turned = data.visit.iter().position(|&visit| visit == 33).unwrap();
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let residual: Vec<f64> = (linearisation.observations.iter().enumerate())
+            .map(|(at, o)| {
+                let sd = if o.component < 3 { NOISE.position(2e-5) } else { 2e-4 };
+                let moved = (o.row, o.component) == (partial, 0) || (o.row, o.component) == (turned, 4);
+                sd * (normal(at) + if moved { 15.0 } else { 0.0 })
+            })
+            .collect();
+        assert_eq!(outliers(&linearisation, &residual, NOISE).certain, [partial, turned]);
     }
 
     #[test]

@@ -56,6 +56,17 @@ impl Whitener {
         Whitener { groups }
     }
 
+    /// The weighted mean of each pose and component of position or orientation: its observations, their weights d, and its variance
+    /// ρ² + 1/|d|², m² (rad²).
+    pub fn means(&self) -> impl Iterator<Item = (&[usize], &[f64], f64)> {
+        self.groups.iter().map(|group| {
+            let squares: f64 = group.weights.iter().map(|d| d * d).sum();
+            // 1 + ρ²|d|² = 1/(1 − shrink |d|²)².
+            let kept = 1.0 - group.shrink * squares;
+            (group.members.as_slice(), group.weights.as_slice(), 1.0 / (squares * kept * kept))
+        })
+    }
+
     /// Whitens every column in place.
     pub fn apply(&self, columns: &mut DMatrix<f64>) {
         let rows = columns.nrows();

@@ -2,6 +2,7 @@
 
 pub(crate) mod beta;
 pub(crate) mod bootstrap;
+pub(crate) mod chi_square;
 pub(crate) mod coefficients;
 pub(crate) mod gross;
 pub(crate) mod product;

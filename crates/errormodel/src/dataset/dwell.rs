@@ -6,29 +6,42 @@
 //!
 //! | symbol | here | unit |
 //! | --- | --- | --- |
-//! | δ | tolerance of a joint's value, [`DwellTolerance`] | rad, m |
+//! | δ | tolerance of a joint's value in one dwell, [`DwellTolerance`] | rad, m |
+//! | Δ | tolerance of a joint's value in one configuration, 10 δ | rad, m |
 //! | L | characteristic length of the robot | m |
 //! | ℓ | how far the position of one target may be from its first one in the dwell | m |
 //!
 //! ```text
-//! same configuration     |q_k − q_k,first| ≤ δ  of every joint, and the same load
-//! same dwell             besides      |p − p_first| ≤ ℓ     of the same target
+//! same configuration     |q_k − q_k,first| ≤ Δ  of every joint, and the same load
+//! same dwell             |q_k − q_k,first| ≤ δ  of every joint, the same load, and |p − p_first| ≤ ℓ of the same target
 //! ```
 //!
 //! δ = 1e-5 (2 seconds of arc) moves a point at a lever of one metre by 10 µm: below the repeatability of any arm of that reach (ISO 9283; 20 to
 //! 100 µm), and below the uncertainty of a laser tracker (15 µm + 6 µm/m), and yet several times the 1e-4° by which joints at rest flicker.
+//! Δ = 1e-4 (0.1 mm) is what a robot that was sent to the same place again reports. Within it no error that is looked for changes: the
+//! shortest period of a joint has 256 cycles a turn, and over Δ it turns by 2π · 256 Δ/2π = 0.026 rad of its phase. What the robot as
+//! described moves by within Δ is known and is in no residual, so that such pose measurements are repeats of each other; folds may not
+//! part them.
 //! ℓ is ten standard deviations as the instrument states them, but no less than 1e-4 L and no more than 1e-3 L, which is what the
 //! coarsest instrument that arms are calibrated with scatters by; on top of it comes what δ moves.
 
 use truepose_kinematics::{Chain, JointKind};
 
-/// How far the joint values of one configuration may differ.
+/// How far the joint values of one dwell may differ; those of one configuration may by ten times as much.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DwellTolerance {
     /// Of turning joints, rad.
     pub angle: f64,
     /// Of slides, m.
     pub length: f64,
+}
+
+impl DwellTolerance {
+    /// How far the joint values of two visits to one configuration may differ.
+    #[must_use]
+    pub fn of_repeats(self) -> Self {
+        DwellTolerance { angle: REPEATED * self.angle, length: REPEATED * self.length }
+    }
 }
 
 impl Default for DwellTolerance {
@@ -40,6 +53,8 @@ impl Default for DwellTolerance {
 
 /// Rad, and m.
 const DEFAULT: f64 = 1e-5;
+/// Tolerance of a configuration, in tolerances of a dwell.
+const REPEATED: f64 = 10.0;
 
 /// What tells the dwells and configurations of a data set apart.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,5 +88,10 @@ impl Dwell {
     /// δ of a movable joint, rad or m.
     pub fn tolerance(&self, joint: usize) -> f64 {
         self.joints.get(joint).copied().unwrap_or(DEFAULT)
+    }
+
+    /// Δ of a movable joint, rad or m.
+    pub fn repeat_tolerance(&self, joint: usize) -> f64 {
+        REPEATED * self.tolerance(joint)
     }
 }

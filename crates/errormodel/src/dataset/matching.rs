@@ -4,17 +4,24 @@ use super::table::Dataset;
 use truepose_kinematics::Load;
 
 impl Dataset {
-    /// True when both rows have the same joint values, to the tolerance of [`Dataset::dwell`], and the same load.
-    pub fn same_configuration(&self, a: usize, b: usize) -> bool {
-        self.same_joints(a, b) && self.load[a] == self.load[b]
+    /// True when both rows have the same joint values, to the tolerance of one dwell ([`Dataset::dwell`]), and the same load.
+    pub fn same_place(&self, a: usize, b: usize) -> bool {
+        let alike =
+            |(k, column): (usize, &Vec<f64>)| (column[a] - column[b]).abs() <= self.dwell.tolerance(k);
+        self.joints.iter().enumerate().all(alike) && self.load[a] == self.load[b]
     }
 
-    /// True when both rows have the same joint values, to the tolerance of [`Dataset::dwell`].
-    pub(super) fn same_joints(&self, a: usize, b: usize) -> bool {
-        self.joints
-            .iter()
-            .enumerate()
-            .all(|(k, column)| (column[a] - column[b]).abs() <= self.dwell.tolerance(k))
+    /// The largest distance of a joint of two rows, in tolerances of one configuration ([`Dataset::dwell`]); none above one.
+    pub(super) fn repeat_distance(&self, a: usize, b: usize) -> Option<f64> {
+        let mut most = 0.0;
+        for (k, column) in self.joints.iter().enumerate() {
+            let (apart, tolerance) = ((column[a] - column[b]).abs(), self.dwell.repeat_tolerance(k));
+            if apart > tolerance {
+                return None;
+            }
+            most = f64::max(most, if tolerance > 0.0 { apart / tolerance } else { 0.0 });
+        }
+        Some(most)
     }
 
     /// True when both rows have the same joint values and the same load to the last bit.
@@ -24,9 +31,9 @@ impl Dataset {
     }
 
     /// True when a row goes on with the dwell that began at row `first`, all rows from there on being of that dwell: the same
-    /// configuration, and no target far from where it was first measured in that dwell.
+    /// place, and no target far from where it was first measured in that dwell.
     pub fn continues_dwell(&self, first: usize, row: usize) -> bool {
-        self.same_configuration(first, row) && !self.moved(first, row)
+        self.same_place(first, row) && !self.moved(first, row)
     }
 
     /// True when the measured position of a row says that the robot has moved since row `first`.

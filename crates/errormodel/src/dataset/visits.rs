@@ -51,8 +51,9 @@ pub fn visits_from_rows(data: &Dataset) -> Vec<usize> {
     visit
 }
 
-/// The configuration of each visit: visits with the same joints, to the tolerance of [`Dataset::dwell`], and the same load share a number.
-/// Each is matched with the first visit of a configuration; numbers are 0… in order of first appearance.
+/// The configuration of each visit: visits with the same joints, to the tolerance of [`super::dwell`], and the same load share a number.
+/// Each is matched with the *first* visit of a configuration, the nearest where there are several, so that a slow sweep is cut into
+/// configurations no wider than the tolerance and never becomes one. Numbers are 0… in order of first appearance.
 pub fn configurations(data: &Dataset) -> Vec<usize> {
     let visits = Visits::of(data);
     // The joints as one number, in which what is within all tolerances differs by less than the width of a cell: of all others, hardly any
@@ -62,7 +63,8 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
     let width: f64 = weight.iter().sum::<f64>() * (1.0 + 1e-9) + 1e-3;
     let cell = |row: usize| {
         let joints = data.joints.iter().zip(&weight).enumerate();
-        let place: f64 = joints.map(|(k, (q, w))| w * q[row] / data.dwell.tolerance(k).max(1e-12)).sum();
+        let place: f64 =
+            joints.map(|(k, (q, w))| w * q[row] / data.dwell.repeat_tolerance(k).max(1e-12)).sum();
         (place / width).floor() as i64
     };
     let mut cells: HashMap<i64, Vec<usize>> = HashMap::new();
@@ -77,12 +79,10 @@ pub fn configurations(data: &Dataset) -> Vec<usize> {
             let known = (-1..=1)
                 .filter_map(|beside| cells.get(&own.saturating_add(beside)))
                 .flatten()
-                .copied()
-                .filter(|&c| {
-                    same_load(&data.load[first[c]], &data.load[row]) && data.same_joints(first[c], row)
-                })
-                .min();
-            known.unwrap_or_else(|| {
+                .filter(|&&c| same_load(&data.load[first[c]], &data.load[row]))
+                .filter_map(|&c| Some((data.repeat_distance(first[c], row)?, c)))
+                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            known.map(|(_, nearest)| nearest).unwrap_or_else(|| {
                 cells.entry(own).or_default().push(first.len());
                 first.push(row);
                 first.len() - 1
@@ -118,8 +118,27 @@ mod tests {
         let sweep: Vec<[f64; 2]> = (0..40).map(|k| [0.4 + 3.3e-6 * f64::from(k), 1.0]).collect();
         let data = rows(&sweep);
         assert_eq!(data.visit[..9], [0, 0, 0, 0, 1, 1, 1, 1, 2]);
+        // Configurations are cut from it by their own tolerance: none is wider, and a sweep of any length is never one of them.
+        let sweep: Vec<[f64; 2]> = (0..400).map(|k| [0.4 + 2.1e-5 * f64::from(k), 1.0]).collect();
+        let data = rows(&sweep);
         let configuration = configurations(&data);
-        assert_eq!(configuration, (0..10).collect::<Vec<_>>());
+        assert_eq!(configuration, (0..400).map(|k| k / 5).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_robot_that_was_sent_to_the_same_place_again_is_in_the_same_configuration() {
+        // What it reports differs by less than 1e-4 rad, far beyond flicker; a new visit by any measure.
+        let place = |k: usize| [0.013 * k as f64 - 2.0, 1.0 - 0.007 * k as f64];
+        let again = |k: usize| {
+            let p = place(k);
+            [p[0] + 6e-5 * (1.7 * k as f64).sin(), p[1] - 9e-5 * (2.3 * k as f64).cos()]
+        };
+        let all: Vec<[f64; 2]> = (0..200).map(place).chain((0..200).map(again)).collect();
+        let data = rows(&all);
+        assert_eq!(data.visit, (0..400).collect::<Vec<_>>());
+        let found = configurations(&data);
+        assert_eq!(found[200..], found[..200]);
+        assert_eq!(found.iter().max(), Some(&199));
     }
 
     #[test]

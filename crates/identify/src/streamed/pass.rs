@@ -104,9 +104,10 @@ fn add(position: &mut Tally, orientation: &mut Tally, residuals: &Residuals) {
     orientation.add(residuals.orientation.iter().flatten().map(|turn| turn.norm()));
 }
 
-/// Width of a cell of joint values, in tolerances of [`Dataset::dwell`]: where flicker lies across a border, two visits of a configuration may
-/// come into different folds; that is so for a share of them of about the flicker in widths, times the joints: one in some thousand.
-const CELL: f64 = 1000.0;
+/// Width of a cell of joint values, in tolerances of a configuration ([`Dataset::dwell`]): where repeats lie across a border, two visits of a
+/// configuration may come into different folds; that is so for a share of them of about their distance in widths, times the joints: one in some
+/// thousand where they flicker, some in a hundred where they are as far apart as the tolerance allows.
+const CELL: f64 = 100.0;
 /// Where cells begin, in widths: not at round numbers, which many configurations have.
 const BORDER: f64 = 0.381_966;
 
@@ -135,7 +136,7 @@ fn fold_of(block: &Dataset, row: usize, folds: usize) -> usize {
         mixed = (z ^ (z >> 31)).wrapping_add(0x9e37_79b9_7f4a_7c15);
     };
     for (joint, column) in block.joints.iter().enumerate() {
-        let width = CELL * block.dwell.tolerance(joint);
+        let width = CELL * block.dwell.repeat_tolerance(joint);
         add(if width > 0.0 { (column[row] / width + BORDER).floor() } else { column[row] });
     }
     // A measured wrench is never the same twice: the joints alone tell repeats.

@@ -28,9 +28,21 @@ pub struct Grouping {
     pub angle: f64,
     /// Tolerance of slides, m.
     pub length: f64,
+    /// Tolerances within which visits are repeats of one configuration: turning joints, rad, and slides, m.
+    pub repeat_tolerance_angle: f64,
+    /// See `repeat_tolerance_angle`.
+    pub repeat_tolerance_length: f64,
     /// Whether the file numbers its visits; otherwise consecutive rows of one dwell are one visit.
     pub numbered: bool,
-    /// Rows and visits whose joint values are not those of the first of their configuration to the last digit.
+    /// Configurations that were visited more than once, and visits beyond the first of each.
+    pub repeated: usize,
+    /// See `repeated`.
+    pub repeats: usize,
+    /// How far such a visit is from the first of its configuration at most: turning joints, rad.
+    pub repeat_angle: f64,
+    /// And slides, m.
+    pub repeat_length: f64,
+    /// Rows whose joint values are not those of the first of their visit to the last digit.
     pub flickering: usize,
     /// By how much they differ at most: turning joints, rad.
     pub flicker_angle: f64,

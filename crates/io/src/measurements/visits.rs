@@ -110,17 +110,35 @@ pub(crate) fn grouping(
     tolerance: DwellTolerance,
     numbered: bool,
 ) -> Grouping {
-    let mut found =
-        Grouping { angle: tolerance.angle, length: tolerance.length, numbered, ..Grouping::default() };
+    let repeats = tolerance.of_repeats();
+    let mut found = Grouping {
+        angle: tolerance.angle,
+        length: tolerance.length,
+        repeat_tolerance_angle: repeats.angle,
+        repeat_tolerance_length: repeats.length,
+        numbered,
+        ..Grouping::default()
+    };
     let slides: Vec<bool> =
         chain.movable().iter().map(|&joint| chain.joint(joint).kind == JointKind::Prismatic).collect();
-    let mut first = vec![usize::MAX; configuration.iter().max().map_or(0, |last| last + 1)];
     let mut begun = 0;
+    let mut first: Vec<usize> = vec![usize::MAX; configuration.len()];
+    let mut leader = vec![usize::MAX; configuration.iter().max().map_or(0, |last| last + 1)];
+    let mut repeated = vec![false; leader.len()];
+    // By how much a row differs from another one: of turning joints and of slides.
+    let apart = |row: usize, from: usize| {
+        let mut most = [0.0; 2];
+        for (q, &slide) in data.joints.iter().zip(&slides) {
+            let most = &mut most[usize::from(slide)];
+            *most = f64::max(*most, (q[row] - q[from]).abs());
+        }
+        most
+    };
     for row in 0..data.len() {
         let (visit, of) = (data.visit[row], configuration[data.visit[row]]);
         let beside = row.checked_sub(1).filter(|&before| data.visit[before] != visit);
         if let Some(before) = beside {
-            found.parted += usize::from(!numbered && data.same_configuration(begun, row));
+            found.parted += usize::from(!numbered && data.same_place(begun, row));
             begun = row;
             let apart = data.joints.iter().enumerate().map(|(k, q)| {
                 let by = (q[row] - q[before]).abs();
@@ -137,18 +155,23 @@ pub(crate) fn grouping(
                 found.near_most = found.near_most.max(most);
             }
         }
-        if first[of] == usize::MAX {
-            first[of] = row;
+        if first[visit] == usize::MAX {
+            first[visit] = row;
+            if leader[of] == usize::MAX {
+                leader[of] = row;
+            } else {
+                found.repeats += 1;
+                found.repeated += usize::from(!std::mem::replace(&mut repeated[of], true));
+                let [angle, length] = apart(row, leader[of]);
+                found.repeat_angle = found.repeat_angle.max(angle);
+                found.repeat_length = found.repeat_length.max(length);
+            }
             continue;
         }
-        let mut flickers = false;
-        for (q, &slide) in data.joints.iter().zip(&slides) {
-            let by = (q[row] - q[first[of]]).abs();
-            flickers |= by > 0.0;
-            let most = if slide { &mut found.flicker_length } else { &mut found.flicker_angle };
-            *most = most.max(by);
-        }
-        found.flickering += usize::from(flickers);
+        let [angle, length] = apart(row, first[visit]);
+        found.flickering += usize::from(angle.max(length) > 0.0);
+        found.flicker_angle = found.flicker_angle.max(angle);
+        found.flicker_length = found.flicker_length.max(length);
     }
     found
 }

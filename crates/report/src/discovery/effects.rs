@@ -24,6 +24,9 @@ pub struct FindingSummary {
     /// 1-based data rows of outliers or a wrong payload.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<usize>,
+    /// 1-based data rows of each pose measurement that is an outlier as a whole; they are among `rows`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub poses: Vec<Vec<usize>>,
     /// Family-wise p-value of the effect's existence: rotation test, exact for normal errors.
     pub p_value: f64,
     /// The same as a single test by sign flips of whole poses, without the assumption of normal errors.
@@ -122,6 +125,7 @@ impl FindingSummary {
             periods: if periods.len() > 1 { periods } else { Vec::new() },
             at,
             rows: finding.rows.iter().map(|row| row + 1).collect(),
+            poses: finding.poses.iter().map(|rows| rows.iter().map(|row| row + 1).collect()).collect(),
             p_value: finding.p_value,
             p_sign_flips: finding.evidence.as_ref().map_or(finding.p_value, |evidence| evidence.p_sign_flips),
             p_surrogates: finding.evidence.as_ref().and_then(|evidence| evidence.p_surrogates),

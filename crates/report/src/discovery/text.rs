@@ -46,6 +46,9 @@ impl DiscoverySummary {
         if !termination.is_empty() {
             writeln!(f, "{termination}")?;
         }
+        if let Some(wander) = self.dependence.as_ref().and_then(|d| d.sentence()) {
+            writeln!(f, "{wander}")?;
+        }
         if let Some(nested) = &self.nested {
             writeln!(f, "{}", nested.sentence())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
@@ -121,7 +124,17 @@ impl FindingSummary {
         }
         if self.family == Family::Outlier.word() {
             let rows: Vec<String> = self.rows.iter().take(12).map(ToString::to_string).collect();
-            return writeln!(f, "   rows {}", rows.join(", "));
+            writeln!(f, "   rows {}", rows.join(", "))?;
+            if !self.poses.is_empty() {
+                let poses: Vec<String> = self.poses.iter().take(6).filter_map(|rows| pose(rows)).collect();
+                writeln!(
+                    f,
+                    "   {} displaced as a whole (rows {}): the robot had not settled, its joint values were stale, or the reflector moved",
+                    count(self.poses.len(), "pose measurement"),
+                    poses.join("; ")
+                )?;
+            }
+            return Ok(());
         }
         writeln!(
             f,
@@ -147,4 +160,13 @@ impl FindingSummary {
         }
         Ok(())
     }
+}
+
+/// `13–15`, or `13, 20` where other rows are between.
+fn pose(rows: &[usize]) -> Option<String> {
+    let (first, last) = (rows.first()?, rows.last()?);
+    Some(match last - first + 1 == rows.len() && rows.len() > 1 {
+        true => format!("{first}–{last}"),
+        false => rows.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
+    })
 }

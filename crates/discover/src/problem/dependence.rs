@@ -1,0 +1,114 @@
+//! Whether residuals of poses depend on those measured shortly before, and the wander of instrument or robot that makes them.
+//!
+//! A cause that the model lacks makes residuals depend on each other, too, wherever the poses sweep a joint or the cause is a drift; and where
+//! something wanders, a sweep turns it into an effect of the joint. So the search runs without a wander first. Where
+//! [`crate::problem::autocorrelation`] is significant, a candidate has to raise the restricted likelihood *with a wander in both models*,
+//! each with the wander that fits it best: a cause leaves none, or a smaller one. When no candidate does, the wander joins the model as columns
+//! with a prior ([`crate::problem::wander`]), and the search goes on beside it.
+
+use crate::problem::autocorrelation::{Autocorrelation, autocorrelation};
+use crate::problem::linearisation::Linearisation;
+use crate::problem::sequence::{Ordered, Sequence};
+use crate::problem::wander::Wander;
+use crate::problem::whitening::Whitener;
+use crate::statistics::chi_square::surprisal;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+/// Dependence of the residuals of poses on those measured before.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Dependence {
+    /// Correlation of a pose's residual with that of the next pose, of one axis.
+    pub autocorrelation: f64,
+    /// p of no dependence, from the largest score over time constants.
+    pub p_value: f64,
+    /// Standard deviation of the wander in space, m; none where it is not significant.
+    pub wander: Option<f64>,
+    /// Its time constant, s (numbers of poses where the data has no time).
+    pub time_constant: Option<f64>,
+    /// Whether the data has a time.
+    pub timed: bool,
+}
+
+/// The residuals of a linearised problem in the order of their poses.
+struct Examined {
+    whitener: Whitener,
+    sequence: Sequence,
+    /// Whitened [A | y].
+    white: DMatrix<f64>,
+    test: Autocorrelation,
+}
+
+impl Examined {
+    /// None with too few poses.
+    fn of(linearisation: &Linearisation<'_>, seed: u64) -> Option<Self> {
+        let whitener = linearisation.whitener(linearisation.noise);
+        let sequence = Sequence::of(linearisation, &whitener)?;
+        let r = linearisation.base.ncols();
+        let mut white = linearisation.base.clone().resize_horizontally(r + 1, 0.0);
+        white.column_mut(r).copy_from(&linearisation.y);
+        whitener.apply(&mut white);
+        let test = autocorrelation(&sequence, &white, linearisation.prior.as_ref(), seed);
+        Some(Examined { whitener, sequence, white, test })
+    }
+
+    /// The same where poses depend on each other significantly.
+    fn significant(self, linearisation: &Linearisation<'_>) -> Option<Self> {
+        (self.test.p_value <= linearisation.policy.dependence_level).then_some(self)
+    }
+
+    fn wander(self, linearisation: &Linearisation<'_>) -> Wander {
+        let r = linearisation.base.ncols();
+        let ordered = Ordered::new(&self.sequence, &self.white, r, linearisation.prior.as_ref());
+        let (process, _) = ordered.fitted(self.test.time);
+        Wander { sequence: self.sequence, process }
+    }
+}
+
+impl Linearisation<'_> {
+    /// Whether poses depend on those before significantly.
+    pub fn is_dependent(&self, seed: u64) -> bool {
+        self.wander().is_empty()
+            && Examined::of(self, seed).and_then(|examined| examined.significant(self)).is_some()
+    }
+
+    /// The same with the wander of instrument or robot as further columns, where poses depend on each other significantly.
+    pub fn beside_wander(self, seed: u64) -> Self {
+        match Examined::of(&self, seed).and_then(|examined| examined.significant(&self)) {
+            Some(examined) => examined.wander(&self).joined(self),
+            None => self,
+        }
+    }
+
+    /// p of raw columns of a candidate (m × k, of so many directions) beside a wander, family-wise: the likelihood ratio of two models with a
+    /// wander each. None where poses do not depend on each other significantly, or the problem has the wander already.
+    pub fn p_beside_wander(&self, columns: &DMatrix<f64>, freedom: usize, seed: u64) -> Option<f64> {
+        if !self.wander().is_empty() || columns.ncols() == 0 {
+            return None;
+        }
+        let Examined { whitener, sequence, white, test } = Examined::of(self, seed)?.significant(self)?;
+        let r = self.base.ncols();
+        let least =
+            |white: &DMatrix<f64>| Ordered::new(&sequence, white, r, self.prior.as_ref()).fitted(test.time).1;
+        let mut more = white.clone().insert_columns(r, columns.ncols(), 0.0);
+        more.columns_mut(r, columns.ncols()).copy_from(&whitener.of(columns));
+        let single = (-surprisal(least(&white) - least(&more), freedom)).exp();
+        Some((single * self.policy.dependence_tests).min(1.0))
+    }
+}
+
+/// What the residuals of a linearised problem say; none with too few poses.
+pub(crate) fn dependence(linearisation: &Linearisation<'_>, seed: u64) -> Option<Dependence> {
+    let examined = Examined::of(linearisation, seed)?;
+    let test = examined.test;
+    let step = examined.sequence.step;
+    let wander = examined.significant(linearisation).map(|examined| examined.wander(linearisation));
+    let space = |w: &Wander| (3.0 * w.process.wander * w.sequence.typical).sqrt();
+    Some(Dependence {
+        autocorrelation: wander.as_ref().map_or(test.neighbours, |w| w.process.autocorrelation()),
+        p_value: test.p_value,
+        wander: wander.as_ref().map(space),
+        time_constant: wander.as_ref().map(|w| w.process.time * step),
+        timed: test.timed,
+    })
+}
