@@ -7,7 +7,7 @@ mod terminal;
 mod verbs;
 mod watch;
 
-use args::{Args, Verb};
+use args::Args;
 use failure::Failure;
 use std::process::ExitCode;
 use watch::{Limits, watched};
@@ -21,23 +21,7 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     }
     let limits = Limits { time: args.time_limit, memory: args.memory_limit };
-    let done = watched(limits, move |watch| {
-        verbs::files::apart(&args.verb)?;
-        match &args.verb {
-            Verb::Identify(verb) => verbs::identify::run(verb, watch),
-            Verb::Discover(verb) => verbs::discover::run(verb, watch),
-            Verb::Plan(verb) => verbs::plan::run(verb, watch),
-            Verb::Predict(verb) => verbs::predict::run(verb, watch),
-            Verb::Compensate(verb) => verbs::compensate::run(verb, watch),
-            Verb::Export(verb) => verbs::export::run(verb),
-            Verb::Map(verb) => verbs::map::run(verb, watch),
-            Verb::Compare(verb) => verbs::compare::run(verb, watch),
-            Verb::Check(verb) => verbs::check::run(verb),
-            Verb::Effects(verb) => verbs::effects::run(verb),
-            Verb::Simulate(verb) => verbs::simulate::run(verb),
-            Verb::Verify(verb) => verbs::verify::run(verb),
-        }
-    });
+    let done = watched(limits, move |watch| verbs::run(&args.verb, watch));
     match done {
         Ok(code) => code,
         Err(failure) => {

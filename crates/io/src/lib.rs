@@ -36,7 +36,7 @@ pub use predictions::{Prediction, PredictionsWriter, write_predictions};
 pub use robot::{RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_toml, robot_urdf};
 pub use same_file::same_file;
 pub use text::read_text;
-pub use unfinished::stop_writing;
+pub use unfinished::{ScratchFolder, stop_writing};
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, check_writable, make_folder, write_whole};
 

@@ -6,7 +6,7 @@
 
 use crate::IoError;
 use crate::error::reason;
-use crate::unfinished::{begun, ended};
+use crate::unfinished::{Remembered, begun};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -57,18 +57,8 @@ pub struct WholeFile {
 
 #[derive(Debug)]
 enum Sink {
-    Renamed { writer: BufWriter<NamedTempFile>, onto: PathBuf, named: Temporary },
+    Renamed { writer: BufWriter<NamedTempFile>, onto: PathBuf, named: Remembered },
     Direct(BufWriter<File>),
-}
-
-/// The name of a temporary file, remembered as long as there may be one.
-#[derive(Debug)]
-struct Temporary(PathBuf);
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        ended(&self.0);
-    }
 }
 
 impl WholeFile {
@@ -130,7 +120,7 @@ impl WholeFile {
                 },
                 _ => refused(path, &error),
             })?;
-        let named = Temporary(temporary.path().to_path_buf());
+        let named = Remembered(temporary.path().to_path_buf());
         let writer = BufWriter::with_capacity(1 << 16, temporary);
         Ok(WholeFile { path: path.into(), sink: Sink::Renamed { writer, onto, named } })
     }

@@ -109,7 +109,7 @@ fn refused(option: &str, words: String) -> Result<(), Failure> {
 }
 
 /// What a verb reads, and what it writes; the folder of a report first, so that the message names the other file.
-fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
+pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
     fn list<'a>(all: &[(&'static str, Option<&'a PathBuf>)]) -> Vec<Named<'a>> {
         all.iter().filter_map(|(option, file)| Some((*option, file.as_ref()?.as_path()))).collect()
     }

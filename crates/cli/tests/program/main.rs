@@ -12,6 +12,7 @@ mod dwell;
 mod example;
 mod export;
 mod folder;
+mod hardened;
 mod harm;
 mod invariance;
 mod limits;
