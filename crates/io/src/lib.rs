@@ -33,7 +33,9 @@ pub use model::read_model;
 pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
 pub use predictions::{Prediction, PredictionsWriter, write_predictions};
-pub use robot::{RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_toml, robot_urdf};
+pub use robot::{
+    RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_files, robot_toml, robot_urdf,
+};
 pub use same_file::same_file;
 pub use text::read_text;
 pub use unfinished::{ScratchFolder, stop_writing};

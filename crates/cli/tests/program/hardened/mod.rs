@@ -1,3 +1,5 @@
 //! What a red team found, each in a test of its own that failed before it was mended.
 
+mod inputs;
+mod pipes;
 mod verify;
