@@ -2,6 +2,7 @@
 //! the findings so far, without a half-written file.
 
 use crate::failure::Failure;
+use crate::space::in_use;
 use crate::terminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -90,6 +91,8 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Memory in use, bytes.
     pub memory: Option<u64>,
+    /// Address space, bytes: what the system grants.
+    pub space: Option<u64>,
 }
 
 /// Events that the main thread receives.
@@ -106,7 +109,7 @@ pub fn watched(
     limits: Limits,
     work: impl FnOnce(&Watch) -> Result<(), Failure> + Send + 'static,
 ) -> Result<ExitCode, Failure> {
-    if limits.memory.is_some() && resident().is_none() {
+    if limits.memory.is_some() && in_use("VmRSS").is_none() {
         return Err(Failure::Input(
             "--memory-limit: this system does not report the memory that a program uses".into(),
         ));
@@ -141,11 +144,15 @@ pub fn watched(
         if limits.time.is_some_and(|limit| began.elapsed() > limit) {
             return Ok(ended(&watch, "the time limit was reached", began, LIMIT));
         }
-        if let (Some(limit), Some(used)) = (limits.memory, limits.memory.and_then(|_| resident()))
+        if let (Some(limit), Some(used)) = (limits.memory, limits.memory.and_then(|_| in_use("VmRSS")))
             && used > limit
         {
             let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
             return Ok(ended(&watch, &words, began, LIMIT));
+        }
+        if limits.space.is_some_and(|limit| in_use("VmSize").is_some_and(|used| used > limit)) {
+            let words = "the address space that the system grants was used up (ulimit -v)";
+            return Ok(ended(&watch, words, began, LIMIT));
         }
     }
 }
@@ -183,11 +190,4 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
     };
     terminal::log(&format!("error: {why}; {files}"));
     ExitCode::from(code)
-}
-
-/// Memory in use, bytes.
-fn resident() -> Option<u64> {
-    let status = std::fs::read_to_string(PathBuf::from("/proc/self/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| 1024 * kilobytes)
 }

@@ -88,6 +88,12 @@ mod tests {
     }
 
     #[test]
+    fn brackets_without_end_are_refused() {
+        refused(&"bounded(".repeat(100_000), "expected fewer brackets within brackets");
+        refused(&"a=(".repeat(100_000), "expected");
+    }
+
+    #[test]
     fn a_robust_solver_has_no_robust_one_inside() {
         refused("huber(huber(qr))", "`huber` has `huber(qr)` inside, which is robust as well");
         refused("huber(huber(huber(huber(huber(qr)))))", "name one robust solver, such as `huber(qr)`");

@@ -2,4 +2,5 @@
 
 mod inputs;
 mod pipes;
+mod sizes;
 mod verify;
