@@ -1,6 +1,6 @@
 //! Robot descriptions: TOML and URDF in, TOML out.
 
-mod names;
+pub(crate) mod names;
 mod toml_form;
 mod urdf;
 mod urdf_corrected;
