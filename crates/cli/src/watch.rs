@@ -163,7 +163,7 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
     let mut status = watch.locked();
     let kept = status.keep.take().map_or_else(Kept::default, |write| write(why));
-    stop_writing();
+    let written = stop_writing();
     status.ended = true;
     let seconds = began.elapsed().as_secs_f64();
     let doing = if status.doing.is_empty() { "reading" } else { &status.doing };
@@ -184,9 +184,12 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
             kept.text
         ));
     }
-    let files = match files.is_empty() {
-        true => "no file was written".to_owned(),
-        false => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
+    // What was finished before, if the end came between the last file and the end of the run.
+    let written: Vec<String> = written.iter().map(|file| file.display().to_string()).collect();
+    let files = match (files.is_empty(), written.is_empty()) {
+        (true, true) => "no file was written".to_owned(),
+        (true, false) => format!("complete, and written before: {}", written.join(", ")),
+        (false, _) => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::log(&format!("error: {why}; {files}"));
     ExitCode::from(code)
