@@ -14,6 +14,7 @@ mod export;
 mod folder;
 mod hardened;
 mod harm;
+mod hostile;
 mod invariance;
 mod limits;
 mod output;
