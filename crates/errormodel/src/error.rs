@@ -95,6 +95,14 @@ pub enum ModelError {
     },
 }
 
+/// Refuses more unknowns than [`MOST_UNKNOWNS`].
+///
+/// # Errors
+/// [`ModelError::TooLarge`] with this name.
+pub(crate) fn bounded(what: impl FnOnce() -> String, unknowns: usize) -> Result<(), ModelError> {
+    if unknowns <= MOST_UNKNOWNS { Ok(()) } else { Err(ModelError::TooLarge { what: what(), unknowns }) }
+}
+
 fn hint(signal: &str, have: &[String]) -> String {
     let known = if have.is_empty() { String::new() } else { format!(" (its channels: {})", have.join(", ")) };
     // A channel that follows late is made from the one that it follows.

@@ -1,6 +1,6 @@
 //! The effects that a robot is declared to have: Φ of `ε(s) = Φ(s) c`.
 
-use crate::size::bounded;
+use crate::error::bounded;
 use crate::{AnyEffect, Column, Dataset, Emission, MOST_UNKNOWNS, ModelError, Schema, Signal};
 use std::ops::Range;
 use truepose_kinematics::{Chain, Posture, Slot};

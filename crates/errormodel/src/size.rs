@@ -1,7 +1,5 @@
 //! How large a model may be: worked out from the parameters of its effects, before anything is allocated for them.
 
-use crate::ModelError;
-
 /// Largest number of unknowns of a model.
 ///
 /// A fit holds about nine matrices of n × n numbers at once (measured: 267 MB at n = 2003), and takes a time that grows with n³ (15 s
@@ -10,14 +8,6 @@ pub const MOST_UNKNOWNS: usize = 4096;
 
 /// n × n matrices of a fit.
 const MATRICES: f64 = 9.0;
-
-/// Refuses more unknowns than [`MOST_UNKNOWNS`].
-///
-/// # Errors
-/// [`ModelError::TooLarge`] with this name.
-pub(crate) fn bounded(what: impl FnOnce() -> String, unknowns: usize) -> Result<(), ModelError> {
-    if unknowns <= MOST_UNKNOWNS { Ok(()) } else { Err(ModelError::TooLarge { what: what(), unknowns }) }
-}
 
 /// Memory that a fit of so many unknowns takes.
 pub(crate) fn memory(unknowns: usize) -> String {

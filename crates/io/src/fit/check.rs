@@ -1,6 +1,5 @@
 //! What a fit file says is checked before it is believed: people edit such files, and a number that no fit writes would pass into commands.
 
-use super::schema_v1::DomainV1;
 use crate::measurements::columns::Role;
 use crate::measurements::header::MOST_COLUMNS;
 use crate::robot::names::{cell_problem, joint_name_problem};
@@ -85,9 +84,18 @@ pub(super) fn covariance(model: &ErrorModel, covariance: &DMatrix<f64>) -> Resul
     }
 }
 
+/// Ranges of a domain, lower and upper.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ranges<'f> {
+    pub joints: &'f [[f64; 2]],
+    pub channels: &'f [[f64; 2]],
+    pub payload: Option<[f64; 2]>,
+    pub time: Option<[f64; 2]>,
+}
+
 /// Ranges that ascend, one for each joint and channel, or none at all.
-pub(super) fn domain(domain: &DomainV1, chain: &Chain, channels: usize) -> Result<(), String> {
-    let lists = [("joints", &domain.joints, chain.movable().len()), ("channels", &domain.channels, channels)];
+pub(super) fn domain(domain: Ranges<'_>, chain: &Chain, channels: usize) -> Result<(), String> {
+    let lists = [("joints", domain.joints, chain.movable().len()), ("channels", domain.channels, channels)];
     for (key, list, need) in lists {
         if !list.is_empty() && list.len() != need {
             return Err(format!("`domain.{key}` has {} ranges, not {need}", list.len()));
@@ -96,7 +104,7 @@ pub(super) fn domain(domain: &DomainV1, chain: &Chain, channels: usize) -> Resul
             ascending(&format!("domain.{key}[{k}]"), range)?;
         }
     }
-    for (key, range) in [("payload", &domain.payload), ("time", &domain.time)] {
+    for (key, range) in [("payload", domain.payload), ("time", domain.time)] {
         range.as_ref().map_or(Ok(()), |range| ascending(&format!("domain.{key}"), range))?;
     }
     match domain.payload {

@@ -52,19 +52,19 @@ pub(super) struct CoefficientV1 {
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct ChannelV1 {
-    pub(super) name: String,
+    name: String,
     unit: String,
     temperature: bool,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct DomainV1 {
-    pub(super) joints: Vec<[f64; 2]>,
+    joints: Vec<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) payload: Option<[f64; 2]>,
+    payload: Option<[f64; 2]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(super) time: Option<[f64; 2]>,
-    pub(super) channels: Vec<[f64; 2]>,
+    time: Option<[f64; 2]>,
+    channels: Vec<[f64; 2]>,
     /// Targets that were measured; `null` is the tool's origin.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     targets: Vec<Option<usize>>,
@@ -140,7 +140,7 @@ impl FitV1 {
             let names = of.channels.iter().map(|channel| channel.name.as_str());
             check::channels("sample_of.channels", names, &chain).map_err(damaged)?;
         }
-        check::domain(&self.domain, &chain, self.channels.len()).map_err(damaged)?;
+        check::domain(self.domain.ranges(), &chain, self.channels.len()).map_err(damaged)?;
         check::loads(&self.loads).map_err(damaged)?;
         let effects = self
             .effects
@@ -206,6 +206,13 @@ impl FitV1 {
             .with_noise(noise)
             .with_loads(self.loads)
             .with_provenance(self.provenance))
+    }
+}
+
+impl DomainV1 {
+    fn ranges(&self) -> check::Ranges<'_> {
+        let DomainV1 { joints, channels, payload, time, .. } = self;
+        check::Ranges { joints, channels, payload: *payload, time: *time }
     }
 }
 
