@@ -26,3 +26,4 @@ mod shared_data;
 mod solvers_agree;
 mod suspicions;
 mod unseen;
+mod verdict;

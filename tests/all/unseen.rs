@@ -38,7 +38,7 @@ fn a_search_that_believes_too_much_leaves_the_robot_no_worse() {
     let mut withdrawn = 0;
     for seed in 0..4 {
         let data = measured(&chain, constants(), 20, seed);
-        let options = DiscoverOptions { alpha: 0.5, flips: 99, seed, ..DiscoverOptions::default() };
+        let options = DiscoverOptions { alpha: 0.5, rotations: 99, seed, ..DiscoverOptions::default() };
         let told = found(&chain, &data, &options);
         let (before, after) = (told.before.holdout.positions().rms, told.after.holdout.positions().rms);
         assert!(after <= before * (1.0 + 1e-9), "{seed}: {before} {after}");

@@ -35,6 +35,8 @@ constants! {
         partners: usize = 80;
         /// Unnamed causes that may replace a finding when it is reconsidered.
         shortlist: usize = 60;
+        /// Surrogates of a channel that a finding reads.
+        surrogates: usize = 19;
         /// Contests that may end without a winner.
         contests: usize = 4;
         /// Competitors of each contest that are tested.
@@ -58,6 +60,8 @@ constants! {
         refit_folds: usize = 5;
         /// Folds of the nested validation.
         nested_folds: usize = 5;
+        /// Resamples of a bootstrap interval.
+        bootstrap: usize = 1999;
         /// Iterations of the fit that judges a finding's competitor on held-out rows.
         trial_iterations: usize = 6;
         /// Competing hypotheses that are listed with a finding.

@@ -4,20 +4,22 @@ use crate::accept::model::Model;
 use crate::accept::outcome::Outcome;
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::fallback;
-use crate::conclude::fallback::{Checks, withdrawn};
+use crate::conclude::fallback::{Checks, Unseen, withdrawn};
 use crate::conclude::final_fit::DeclaredFit;
 use crate::conclude::interim::InterimReport;
-use crate::conclude::partition::Partition;
+use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::report::conclude;
+use crate::conclude::stated::StatedScale;
 use crate::data::derived;
-use crate::data::sample::sample;
+use crate::data::sample::{is_sampled, sample};
 use crate::error::DiscoverError;
-use crate::model::current::Context;
+use crate::model::current::{Context, ModelFit};
 use crate::model::{installation, wide};
 use crate::observer::Begin;
 use crate::options::DiscoverOptions;
 use crate::progress::Progress;
 use crate::search::search;
+use std::borrow::Cow;
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_identify::{Answer, FitOptions, PriorStrength, hold_out, place, proceed};
 use truepose_kinematics::Chain;
@@ -26,8 +28,8 @@ use truepose_solvers::Solver;
 /// Runs the closed loop.
 ///
 /// `declared` are the effects of the declared model; `chain` is the nominal robot; `data` has joint values in
-/// rad or m, positions in m. A share `options.holdout` of the configurations is the test set, drawn before
-/// anything is fitted. All findings are withdrawn, and the result is the declared model, when the enlarged
+/// rad or m, positions in m. A fraction `options.holdout` of the configurations is the test set, drawn before
+/// anything is fitted; where poses are few, nested folds take its place ([`HeldOut`]). All findings are withdrawn, and the result is the declared model, when the enlarged
 /// model predicts unseen data worse. Same inputs and seed, same
 /// result, whatever the number of threads. Method: section 8 of docs/method.md.
 ///
@@ -45,22 +47,67 @@ pub fn diagnose<A: Answer>(
     options.validate()?;
     // Lagged channels need the whole record: they are derived before the test set is drawn.
     let data = &derived::with_derived(data, &options.policy);
-    let rows = hold_out(data, options.holdout, options.seed)?;
+    let left = ((1.0 - options.policy.test_set) * Visits::of(data).len() as f64) as usize;
+    let few = left < options.policy.few_poses && !is_sampled(data.len(), options.budget.sample_rows);
+    let rows = match options.holdout {
+        None if few => ((0..data.len()).collect(), (0..data.len()).collect()),
+        fraction => hold_out(data, fraction.unwrap_or(options.policy.test_set), options.seed)?,
+    };
     on_split(chain, declared, (data, rows), solver, options, Checks::ALL, &|step| {
         Ok(proceed(observer(step))?)
     })
 }
 
-/// Runs the search on given (training, test) rows.
+/// How often stated standard deviations are scaled: with the residuals of the declared model, of the enlarged one, and of the one found then.
+const SCALINGS: usize = 3;
+
+/// Runs the search on given (training, test) rows. Where the stated standard deviations turn out to exceed the scatter it begins again with
+/// smaller ones.
 pub(crate) fn on_split(
     chain: &Chain,
     declared: &[Box<dyn AnyEffect>],
-    (data, (train_rows, holdout_rows)): (&Dataset, (Vec<usize>, Vec<usize>)),
+    (data, rows): (&Dataset, (Vec<usize>, Vec<usize>)),
     solver: &dyn Solver,
     options: &DiscoverOptions,
     checks: Checks,
     progress: &Begin<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
+    let mut scale = StatedScale::default();
+    let mut scalings = 0;
+    loop {
+        let scaled = if scale.is_one() { Cow::Borrowed(data) } else { Cow::Owned(scale.applied(data)) };
+        let may_scale = scalings < SCALINGS;
+        let run = Run { chain, declared, solver, options, checks, scale, may_scale };
+        match attempt(&run, (&scaled, rows.clone()), progress)? {
+            Attempt::Done(found) => return Ok(*found),
+            Attempt::Overstated(factor) => scale = scale.times(factor),
+        }
+        scalings += 1;
+    }
+}
+
+/// Inputs of a run.
+struct Run<'a> {
+    chain: &'a Chain,
+    declared: &'a [Box<dyn AnyEffect>],
+    solver: &'a dyn Solver,
+    options: &'a DiscoverOptions,
+    checks: Checks,
+    scale: StatedScale,
+    may_scale: bool,
+}
+
+enum Attempt {
+    Done(Box<Diagnosis>),
+    Overstated(StatedScale),
+}
+
+fn attempt(
+    run: &Run<'_>,
+    (data, (train_rows, holdout_rows)): (&Dataset, (Vec<usize>, Vec<usize>)),
+    progress: &Begin<'_>,
+) -> Result<Attempt, DiscoverError> {
+    let Run { chain, declared, solver, options, checks, scale, may_scale } = *run;
     let train = data.select(&train_rows);
     progress(Progress::Fitting)?;
     let placement = place(chain, &train)?;
@@ -79,6 +126,10 @@ pub(crate) fn on_split(
         context.fit.prior = PriorStrength::Fixed(first.fit.prior.kappa);
         first = context.fit_model(Vec::new(), &first.outliers.suspects)?;
     }
+    let overstated = |fit: &ModelFit| StatedScale::of(&fit.fit, &fit.data).filter(|_| may_scale);
+    if let Some(factor) = overstated(&first) {
+        return Ok(Attempt::Overstated(factor));
+    }
     let have = Visits::of(&train).len();
     if have < options.policy.fewest_poses {
         let rank = first.fit.reduction.rank();
@@ -86,12 +137,17 @@ pub(crate) fn on_split(
     }
     let final_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let declared_fit = DeclaredFit { declared: &open, fit: final_options, full_report: checks.test_set };
-    let partition = Partition { data, train_rows, holdout_rows, placement: placement.clone() };
-    let mut interim_report = InterimReport::new(&first, &partition)?;
+    let held_out = if train_rows.len() < data.len() { HeldOut::TestSet } else { HeldOut::NestedFolds };
+    let placement = placement.clone();
+    let partition = Partition { data, train_rows, holdout_rows, held_out, placement, stated_scale: scale };
+    let mut interim_report = InterimReport::new(&first, &partition, scale)?;
     let mut interim = |outcome: &Outcome| {
         progress(Progress::Interim(Box::new(interim_report.after(&context, outcome, &partition)?)))
     };
     let mut outcome = search(&context, Model::declared(first), progress, &mut interim)?;
+    if let Some(factor) = overstated(&outcome.model.current) {
+        return Ok(Attempt::Overstated(factor));
+    }
     progress(Progress::Checking)?;
     let mut unsearched = None;
     let all_rows = Context { data: &train, ..context.clone() };
@@ -105,10 +161,13 @@ pub(crate) fn on_split(
     outcome.model = outcome.model.between_rows(context)?;
     let again =
         |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| Ok(()));
-    let withdrawn = withdrawn(context, &outcome.model, &partition, (&train, unsearched), checks, &again)?;
+    let nested = fallback::nested(context, &outcome.model, (&partition, &train), checks, &again)?;
+    let unseen = Unseen { unsearched, nested };
+    let withdrawn = withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
     if withdrawn.is_some() {
         outcome.model = outcome.model.without_findings();
     }
     progress(Progress::Judging)?;
-    conclude(context, outcome, partition, withdrawn, &declared_fit)
+    let withdrawn = (withdrawn, unseen.nested);
+    Ok(Attempt::Done(Box::new(conclude(context, outcome, partition, withdrawn, &declared_fit)?)))
 }

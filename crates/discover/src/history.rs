@@ -22,15 +22,11 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Whether no iteration has been decided yet.
-    pub fn first(&self) -> bool {
-        self.iterations == 0
-    }
-
     /// Whether the search ends with this smallest family-wise p, and why.
     pub fn decide(&mut self, p_value: f64, model: &Model, options: &DiscoverOptions) -> Option<Termination> {
         self.iterations += 1;
-        if p_value > options.alpha {
+        // A candidate may be significant under the noise of the model that has it: those near α are looked at.
+        if p_value > options.policy.second_look * options.alpha {
             Some(Termination::NothingLeft)
         } else if model.findings.len() >= options.most {
             Some(Termination::Limit)

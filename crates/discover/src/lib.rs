@@ -26,12 +26,15 @@ mod termination;
 
 pub use accept::evidence::{Doubt, Evidence, Gain, Refused};
 pub use budget::Budget;
-pub use conclude::diagnosis::{
-    Alternative, Check, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
-};
+pub use conclude::diagnosis::{Alternative, Check, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
 pub use conclude::errors::Errors;
-pub use conclude::floor::{FloorSource, NoiseFloor, Verdict};
+pub use conclude::extrapolation::{Extrapolation, Part};
+pub use conclude::floor::{FloorSource, NoiseFloor};
+pub use conclude::held_out::HeldOutIntervals;
+pub use conclude::partition::HeldOut;
+pub use conclude::stated::StatedScale;
 pub use conclude::trace::point::{Trace, TracePoint};
+pub use conclude::verdict::{Estimate, Unexplained, Verdict};
 pub use diagnose::diagnose;
 pub use error::DiscoverError;
 pub use hypotheses::candidate::Candidate;

@@ -5,12 +5,15 @@
 //! search finds on the other folds (Stone 1974; Varma and Simon 2006).
 
 use crate::conclude::diagnosis::Diagnosis;
+use crate::conclude::errors::Errors;
 use crate::conclude::fallback::Checks;
+use crate::conclude::held_out::HeldOutIntervals;
 use crate::data::derived;
 use crate::diagnose::on_split;
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
 use crate::progress::Progress;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use truepose_errormodel::{AnyEffect, Dataset};
 use truepose_identify::{Answer, Folds, Residuals, Split, Spread, proceed};
@@ -24,6 +27,8 @@ pub struct Nested {
     pub before: Spread,
     /// 3-D position error of the model of each run, m.
     pub after: Spread,
+    /// Their intervals and that of the gain, on rows that no decision has seen; `None` of too few configurations.
+    pub intervals: Option<HeldOutIntervals>,
     /// The run of each fold.
     pub runs: Vec<Diagnosis>,
 }
@@ -54,8 +59,18 @@ pub fn nested<A: Answer>(
             on_split(chain, declared, (data, rows), solver, options, Checks::UNSEEN, &step)
         })
         .collect::<Result<_, _>>()?;
-    let distances = |r: &Residuals| (0..r.position.len()).filter_map(|k| r.distance(k)).collect::<Vec<_>>();
-    let before: Vec<f64> = runs.iter().flat_map(|run| distances(&run.before.holdout)).collect();
-    let after: Vec<f64> = runs.iter().flat_map(|run| distances(&run.after.holdout)).collect();
-    Ok(Nested { before: Spread::of(before.into_iter()), after: Spread::of(after.into_iter()), runs })
+    let merged = |which: fn(&Diagnosis) -> &Errors| {
+        let mut all = Residuals {
+            position: vec![Vector3::repeat(f64::NAN); data.len()],
+            orientation: vec![None; data.len()],
+        };
+        for run in &runs {
+            let rows = run.holdout_rows.iter().zip(&which(run).holdout.position);
+            rows.for_each(|(&row, residual)| all.position[row] = *residual);
+        }
+        Errors { holdout: all, ..Errors::default() }
+    };
+    let (before, after) = (merged(|run| &run.before), merged(|run| &run.after));
+    let intervals = HeldOutIntervals::of(&before, &after, data, options.budget.bootstrap, options.seed);
+    Ok(Nested { before: before.holdout.positions(), after: after.holdout.positions(), intervals, runs })
 }

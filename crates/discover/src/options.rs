@@ -6,18 +6,22 @@ use crate::hypotheses::library::Library;
 use crate::policy::Policy;
 use truepose_identify::{FitOptions, PriorStrength};
 
-/// Largest number of sign flips: they are kept in memory, and a resolution of p finer than 1e-6 has no use.
-const MOST_FLIPS: usize = 1_000_000;
+/// Fewest random rotations: their largest fifth gives the tail of the distribution.
+const FEWEST_ROTATIONS: usize = 99;
+
+/// Most random rotations: they are kept in memory.
+const MOST_ROTATIONS: usize = 100_000;
 
 /// Options of a discovery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscoverOptions {
-    /// Fraction of the configurations in the held-out test set; above 0, at most 0.5.
-    pub holdout: f64,
-    /// Seed of all random draws: test set, sample, folds, half-samples, sign flips.
+    /// Fraction of the configurations in the held-out test set, above 0 and at most 0.5. `None`: a fifth, or no test set but nested folds
+    /// where that would leave fewer than [`Policy::few_poses`] poses.
+    pub holdout: Option<f64>,
+    /// Seed of all random draws: test set, sample, folds, half-samples, rotations.
     pub seed: u64,
-    /// Number of sign flips B; 1/(B + 1) has to be at most `alpha`.
-    pub flips: usize,
+    /// Number of random rotations behind each family-wise p-value, 99 to 100 000.
+    pub rotations: usize,
     /// Level α of the family-wise test of each screen.
     pub alpha: f64,
     /// Largest number of findings.
@@ -42,9 +46,9 @@ const FLAT: f64 = 1e-2;
 impl Default for DiscoverOptions {
     fn default() -> Self {
         DiscoverOptions {
-            holdout: 0.2,
+            holdout: None,
             seed: 0,
-            flips: 999,
+            rotations: 999,
             alpha: 0.002,
             most: 24,
             library: Library::standard(),
@@ -63,20 +67,16 @@ impl DiscoverOptions {
     /// Names the option that is out of its range.
     pub fn validate(&self) -> Result<(), DiscoverError> {
         let refuse = |option, value, expected| Err(DiscoverError::Option { option, value, expected });
-        if !(self.holdout > 0.0 && self.holdout <= 0.5) {
-            return refuse("holdout", self.holdout, "above 0 and at most 0.5");
+        if let Some(holdout) = self.holdout
+            && !(holdout > 0.0 && holdout <= 0.5)
+        {
+            return refuse("holdout", holdout, "above 0 and at most 0.5");
         }
         if !(self.alpha > 0.0 && self.alpha < 1.0) {
             return refuse("alpha", self.alpha, "between 0 and 1");
         }
-        if self.flips < 19 {
-            return refuse("flips", self.flips as f64, "at least 19");
-        }
-        if self.flips > MOST_FLIPS {
-            return refuse("flips", self.flips as f64, "at most 1 000 000");
-        }
-        if ((self.flips + 1) as f64).recip() > self.alpha {
-            return refuse("flips", self.flips as f64, "so many that 1/(flips + 1) is below alpha");
+        if !(FEWEST_ROTATIONS..=MOST_ROTATIONS).contains(&self.rotations) {
+            return refuse("rotations", self.rotations as f64, "99 to 100 000");
         }
         Ok(self.fit.validate()?)
     }

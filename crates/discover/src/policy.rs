@@ -22,6 +22,13 @@ constants! {
         /// κ, prior standard deviation of a candidate's coefficients in expected sizes while it is compared: so wide that it holds only
         /// what the data leaves open. Convention.
         wide: f64 = 100.0;
+        /// T, temperature of the probabilities of names: the linearised likelihood is too certain by about as much. Convention, until a study
+        /// calibrates it.
+        name_temperature: f64 = 2.0;
+        /// Log prior odds (−2 ln), for the probability of a name, against causes that the library has no name for: 20 to 1. Convention.
+        unnamed_name: f64 = 6.0;
+        /// p among surrogates of a channel up to which its name is not doubted: the resolution of 19 of them.
+        surrogates_level: f64 = 0.05;
         /// Log prior odds against a structure without a name (−2 ln): a named cause is believed before it. Convention, 3e5 to 1.
         unnamed_penalty: f64 = 25.0;
         /// Score by which another set of components has to be better. Convention.
@@ -43,6 +50,8 @@ constants! {
         /// judge it. Convention; a direction of 2e-3 has a variance inflation factor of 500.
         absorbed: f64 = 2e-3;
 
+        /// Smallest p of a screen, in multiples of α, up to which the best candidates are tested under their own noise. Convention.
+        second_look: f64 = 50.0;
         /// Student's t of the held-out gain over folds that a candidate needs: one-sided 2.5 % of a normal distribution.
         held_out_t: f64 = 2.0;
         /// Fraction of the held-out error that a candidate has to take away where it acts. Convention.
@@ -76,9 +85,13 @@ constants! {
         /// Fraction by which a training error may grow where the noise is estimated anew. Convention; set while looking at
         /// measured robots (in-sample).
         training_growth: f64 = 0.01;
-        /// Training poses below which the whole loop is validated in nested folds. In-sample: set after a
-        /// campaign of 70 poses had become worse.
+        /// Searched poses below which the whole loop is validated in nested folds. In-sample: set after a campaign of 70 poses had
+        /// become worse.
         few_poses: usize = 100;
+        /// Fraction of the configurations in a test set that is drawn automatically. Convention.
+        test_set: f64 = 0.2;
+        /// Searched poses below which nested folds are twice as many, so that each search has 90 % of them. Convention.
+        small_campaign: usize = 60;
         /// Training poses below which nothing is searched. Convention; set while looking at measured robots
         /// (in-sample).
         fewest_poses: usize = 12;
@@ -99,13 +112,26 @@ constants! {
         /// Fraction of the rows above which they are no outliers but an effect. Convention.
         outlier_most: f64 = 0.15;
 
-        /// Explained fraction left beside the declared model below which a cause is reported as untestable. Convention.
-        untestable_left: f64 = 0.05;
-        /// Fraction below which the cause is the declared model's own. Convention.
+        /// Information of a direction times the square of its prior standard deviation below which the data cannot test it: there the data
+        /// narrows the prior by less than a factor √2.
+        untestable_information: f64 = 1.0;
+        /// Explained fraction left beside the declared model below which a cause is the declared model's own. Convention.
         untestable_declared: f64 = 1e-4;
-        /// Noncentrality at which the screen selects one unknown four times in five. Convention: a significant gain of one
-        /// unknown among some 10⁴ tests is about 21, (√21 + 0.84)² = 29.4.
-        detectable_noncentrality: f64 = 30.0;
+        /// Standard deviations above the critical value at which an effect is detected with a probability of 80 %: Φ⁻¹(0.8).
+        power: f64 = 0.84;
+
+        /// ln f of a repeatability limit whose 95 % interval is a factor f to either side: f = 1.25. Convention.
+        floor_precision: f64 = 0.223;
+        /// Degrees of freedom below which repeats are no estimate of the limit: the interval would exceed a factor of two.
+        floor_freedom: f64 = 8.0;
+        /// Part of the shortest period over which joints of a neighbourhood may differ: an effect of that period changes by a third of its
+        /// amplitude (2π/20), and others by less. Convention.
+        near_share: f64 = 0.05;
+        /// Cycles per turn or travel of the effects that may not change in the neighbourhoods of difference estimates: twice a turn's
+        /// fourth harmonic. Convention.
+        difference_cycles: f64 = 8.0;
+        /// Unexplained RMS, in units of the noise, that an adequate model does not have. Convention.
+        adequate_margin: f64 = 2.0;
 
         /// Shortest period looked for: parts of a turn. Convention.
         cycles_per_turn: f64 = 256.0;

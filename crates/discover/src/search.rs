@@ -4,17 +4,19 @@ use crate::accept::admit::{admitted, without_insignificant};
 use crate::accept::evidence::Refused;
 use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
-use crate::accept::winner::{detectable_statistic, winner};
+use crate::accept::winner::winner;
 use crate::error::DiscoverError;
 use crate::history::History;
 use crate::model::current::Context;
 use crate::observer::Begin;
+use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::revise::revision::{after_finding, descended, reconsidered_once};
 use crate::screen::candidates::Screen;
+use crate::screen::multiplicity::Multiplicity;
 use crate::screen::untestable::untestable;
-use crate::significance::sign_flips::NullDistribution;
+use crate::significance::rotation::NullDistribution;
 use crate::termination::Termination;
 
 /// Adds effects until no candidate passes all tests. `interim` is called with the outcome after each finding.
@@ -27,51 +29,80 @@ pub(crate) fn search(
     let options = context.options;
     let mut history = History::default();
     let mut outcome = Outcome::of(declared);
+    let mut known: Option<NullDistribution> = None;
     loop {
         progress(Progress::Screening(outcome.model.findings.len()))?;
         let current = outcome.model.current.clone();
         let linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         let screen = Screen::new(&linearisation, &options.library, &current.found);
-        let test_counts = screen.test_counts();
-        if history.first() {
-            outcome.untestable = untestable(&linearisation, &screen);
-        }
-        let null = screen.null(options.flips, options.seed);
-        let p_value = null.p_value(screen.largest());
-        outcome.last = LastScreen { p_value, detectable_gain: detectable_statistic(&null, options.alpha) };
+        let (multiplicity, p_value) = tested(&linearisation, &screen, known.take(), options)?;
+        let detectable_gain = multiplicity.null.detectable(options.alpha, linearisation.len());
+        outcome.last = LastScreen { p_value, detectable_gain };
         let stop = history.decide(p_value, &outcome.model, options);
         let found = match stop {
             Some(_) => false,
-            None => add(context, &mut outcome, &mut history, (&linearisation, &screen, &null), progress)?,
+            None => add(
+                context,
+                &mut outcome,
+                &mut history,
+                (&linearisation, &screen, &multiplicity.null),
+                progress,
+            )?,
         };
         if found {
             if history.may_revise(&outcome.model, context.budget().reconsidered) {
                 progress(Progress::Reconsidering)?;
-                outcome.model = after_finding(context, outcome.model, test_counts)?;
+                outcome.model = after_finding(context, outcome.model, &multiplicity)?;
             }
             interim(&outcome)?;
+            known = Some(multiplicity.null);
             continue;
         }
         if history.may_descend(&outcome.model) {
             let changed;
             (outcome.model, changed) = descended(context, outcome.model)?;
             if changed {
+                known = Some(multiplicity.null);
                 continue;
             }
         }
         if history.may_reconsider(&outcome.model, context.budget().reconsidered) {
             progress(Progress::Reconsidering)?;
             let changed;
-            (outcome.model, changed) = reconsidered_once(context, outcome.model, test_counts)?;
+            (outcome.model, changed) = reconsidered_once(context, outcome.model, &multiplicity)?;
             if changed {
                 // The revised model may have further significant candidates.
+                known = Some(multiplicity.null);
                 continue;
             }
         }
+        outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);
         outcome.model = without_insignificant(context, outcome.model, &mut outcome.refused)?;
-        outcome.stopped = stop.unwrap_or(Termination::NothingConvincing);
+        outcome.stopped = stop.unwrap_or(match p_value > options.alpha {
+            true => Termination::NothingLeft,
+            false => Termination::NothingConvincing,
+        });
         return Ok(outcome);
     }
+}
+
+/// The smallest family-wise p of a screen, with what it was corrected for. The distribution of the smallest p depends on the columns of the
+/// candidates and of the model, hardly on a few more effects in the model: that of an earlier screen serves until p comes near α.
+fn tested(
+    linearisation: &Linearisation<'_>,
+    screen: &Screen,
+    known: Option<NullDistribution>,
+    options: &DiscoverOptions,
+) -> Result<(Multiplicity, f64), DiscoverError> {
+    const NEAR: f64 = 10.0;
+    let p_value = |null: &NullDistribution| null.p_value(screen.largest());
+    let far = |null: &NullDistribution| !(1.0 / NEAR..NEAR).contains(&(p_value(null) / options.alpha));
+    let null = match known.filter(far) {
+        Some(null) => null,
+        None => screen.null(linearisation, options.rotations, options.seed)?,
+    };
+    let p_value = p_value(&null);
+    Ok((Multiplicity { counts: screen.test_counts().clone(), null }, p_value))
 }
 
 /// Adds the best candidate that passes the tests of the linearised problem and those of the refitted model;

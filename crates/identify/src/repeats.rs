@@ -1,37 +1,40 @@
-//! Pure error from repeated visits, and lack of fit against it.
+//! Lack of fit against the pure error of repeated pose measurements.
 //!
 //! | symbol | here | unit |
 //! | --- | --- | --- |
-//! | n_i | visits of configuration i in which a target's position was measured | 1 |
-//! | SS_PE = Σ_ij ‖V^{−1/2} (p_ij − p̄_i)‖² | around the mean of each configuration and target | 1 |
-//! | df_PE = 3 Σ (n_i − 1) | | 1 |
-//! | SS_LOF = RSS − SS_PE, df_LOF = f − df_PE | what the model misses beyond it, whitened | 1 |
-//! | f | [`Freedom`] of positions, less the shape parameters | 1 |
-//! | F = (SS_LOF / df_LOF) / (SS_PE / df_PE) | ~ F(df_LOF, df_PE) when nothing is missing | 1 |
+//! | b_v = Σ_i r_vi / √n_v | what the n_v rows of a pose measurement share, an axis at a time | m |
+//! | SS_b = Σ_v b_v², SS_w = Σ_vi (r_vi − r̄_v)² | residual squares between and within pose measurements | m² |
+//! | f_b, f_w | [`Freedom`]: what the unknowns leave of either, less the shape parameters | 1 |
+//! | σ²_b, σ²_w | the same variances from repeats ([`PureError`]) | m² |
 //!
-//! V is the covariance of the rows of one visit ([`crate::NoiseModel`]): they share its repeatability, and without the whitening three
-//! targets of one visit would pass for three looks at it.
+//! ```text
+//! F_b = (SS_b/f_b)/σ²_b,   F_w = (SS_w/f_w)/σ²_w,   p = 1 − (1 − min(p_b, p_w))²
+//! ```
 //!
-//! Source: Fisher's lack-of-fit test, as in Draper and Smith, *Applied Regression Analysis*, 3rd ed., §2.1. Visits that came
-//! from different sides of approach are repeats of each other: so backlash counts as lack of fit when both
+//! The two strata are tested apart: a missing effect moves all rows of a pose measurement together, and beside the noise of single rows it would be
+//! lost. Degrees of freedom are effective ones: neither axes nor targets are independent.
+//!
+//! Source: Fisher's lack-of-fit test, as in Draper and Smith, *Applied Regression Analysis*, 3rd ed., §2.1; strata: Searle, Casella and McCulloch
+//! 1992, ch. 4. Pose measurements that came from different sides of approach are repeats of each other: so backlash counts as lack of fit when both
 //! sides stand in the model's data, and as pure error when it is ignored; `one_sided` says which repeats there are.
 
-use crate::noise::whiten;
-use crate::{Fit, Freedom, NoiseModel};
-use nalgebra::Vector3;
+use crate::pure_error::{PureError, Stratum, exact_repeats};
+use crate::{Fit, Freedom};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use std::collections::BTreeMap;
-use truepose_errormodel::{Dataset, Visits, configurations};
+use truepose_errormodel::{Dataset, Visits};
 
-/// What repeated visits say.
+/// Degrees of freedom within pose measurements below which nothing is tested there: two differences in space.
+const LEAST_WITHIN: f64 = 6.0;
+
+/// What repeated pose measurements say.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Repeats {
-    /// Configurations (with their target) that were visited more than once.
+    /// Configurations that were measured more than once.
     pub groups: usize,
-    /// Degrees of freedom of the pure error.
+    /// Effective degrees of freedom of the pure error.
     pub freedom: usize,
-    /// 3-D RMS of one row around its configuration's mean, m.
+    /// 3-D RMS of one row around its expectation, m.
     pub rms: f64,
     /// Whether all repeats of a configuration came with the same directions of approach.
     pub one_sided: bool,
@@ -42,72 +45,93 @@ pub struct Repeats {
 /// Lack of fit against the pure error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LackOfFit {
-    /// F statistic.
+    /// F statistic of the stratum with the smaller p.
     pub f: f64,
     /// Degrees of freedom of its numerator.
     pub freedom: usize,
-    /// Probability of a larger F when nothing is missing.
+    /// Probability of so large an F when nothing is missing.
     pub p_value: f64,
 }
 
-/// Pure error of repeated visits; none when no configuration was visited twice.
-pub fn repeats(fit: &Fit, data: &Dataset) -> Option<Repeats> {
-    let configuration = configurations(data);
-    let mut members: BTreeMap<(usize, Option<usize>), Vec<usize>> = BTreeMap::new();
-    for row in 0..data.len() {
-        if data.position[row].iter().all(|v| !v.is_nan()) {
-            let target = data.target[row].map(|t| t.0);
-            members.entry((configuration[data.visit[row]], target)).or_default().push(row);
-        }
-    }
-    let several = |rows: &&Vec<usize>| rows.iter().any(|&r| data.visit[r] != data.visit[rows[0]]);
-    let groups: Vec<Vec<usize>> = members.values().filter(several).cloned().collect();
-    if groups.is_empty() {
-        return None;
-    }
-    let (mut squares, mut freedom, mut one_sided) = (0.0, 0, true);
-    let mut around = fit.residuals.position.clone();
-    for rows in &groups {
-        // Residuals, not positions: channels and time may differ between repeats, and the model knows them.
-        let sum: Vector3<f64> = rows.iter().map(|&r| fit.residuals.position[r]).sum();
-        rows.iter().for_each(|&r| around[r] -= sum / rows.len() as f64);
-        squares += rows.iter().map(|&r| around[r].norm_squared()).sum::<f64>();
-        freedom += 3 * (rows.len() - 1);
-        one_sided &=
-            rows.iter().all(|&r| data.approach.iter().all(|side| (side[r] - side[rows[0]]).abs() < 0.5));
-    }
-    let variance = squares / freedom as f64;
-    let repeated: Vec<usize> = groups.iter().flat_map(|rows| rows.iter().copied()).collect();
-    let measured: Vec<usize> = members.into_values().flatten().collect();
-    let pure = whitened_squares(fit.noise, data, &around, &repeated);
-    let total = whitened_squares(fit.noise, data, &fit.residuals.position, &measured);
-    // What the unknowns took of positions: orientations are no part of this.
-    let taken = match Freedom::of(fit, data) {
-        Ok(left) => Freedom::all(data, &Visits::of(data)).positions() - left.positions(),
-        Err(_) => fit.reduction.rank() as f64,
-    };
-    let left = 3.0 * measured.len() as f64 - taken - (fit.shapes.len() + freedom) as f64;
-    let lack_of_fit = (left >= 1.0 && pure > 0.0).then(|| {
-        let f = ((total - pure).max(0.0) / left) / (pure / freedom as f64);
-        let p_value = FisherSnedecor::new(left, freedom as f64).map_or(1.0, |d| d.sf(f));
-        LackOfFit { f, freedom: left.round() as usize, p_value }
-    });
-    Some(Repeats { groups: groups.len(), freedom, rms: (3.0 * variance).sqrt(), one_sided, lack_of_fit })
+/// Residual variance of a model, with what its unknowns took from it given back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResidualVariance {
+    /// 3-D RMS of one row, m: √3 times the root of the variance of an axis.
+    pub rms: f64,
+    /// Effective degrees of freedom of its square.
+    pub freedom: f64,
+    /// (variance of an axis, degrees of freedom) between pose measurements, m².
+    between: (f64, f64),
+    /// The same within them; none where each has one row.
+    within: Option<(f64, f64)>,
 }
 
-/// Sum of the squares of these rows' residuals, whitened visit by visit.
-fn whitened_squares(noise: NoiseModel, data: &Dataset, residuals: &[Vector3<f64>], rows: &[usize]) -> f64 {
-    let mut visits: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    rows.iter().for_each(|&row| visits.entry(data.visit[row]).or_default().push(row));
-    let one = |rows: &Vec<usize>| -> f64 {
-        let places: Vec<usize> = (0..rows.len()).collect();
-        let axis = |axis: usize| -> f64 {
-            let mut block: Vec<f64> = rows.iter().map(|&row| residuals[row][axis]).collect();
-            let sd: Vec<f64> = rows.iter().map(|&row| noise.position(data.position_sd[row][axis])).collect();
-            whiten(&mut block, 1, &places, &sd, noise.visit_sd, &mut [0.0]);
-            block.iter().map(|v| v * v).sum()
+impl ResidualVariance {
+    /// Of a fit on its data; `None` where no position was measured or nothing is left to scatter.
+    pub fn of(fit: &Fit, data: &Dataset) -> Option<Self> {
+        let visits = Visits::of(data);
+        let all = Freedom::all(data, &visits);
+        let left = Freedom::of(fit, data).unwrap_or_else(|_| {
+            all.share((1.0 - fit.reduction.rank() as f64 / all.positions().max(1.0)).max(0.02))
+        });
+        let (mut between, mut within) = (0.0, 0.0);
+        for rows in &visits.rows {
+            for axis in 0..3 {
+                let values = rows.iter().map(|&row| fit.residuals.position[row][axis]);
+                let (mut sum, mut squares, mut n) = (0.0, 0.0, 0.0);
+                values.filter(|v| v.is_finite()).for_each(|v| {
+                    (sum, squares, n) = (sum + v, squares + v * v, n + 1.0);
+                });
+                if n > 0.0 {
+                    between += sum * sum / n;
+                    within += (squares - sum * sum / n).max(0.0);
+                }
+            }
+        }
+        let freedom = left.between - fit.shapes.len() as f64;
+        if freedom < 1.0 || between + within <= 0.0 {
+            return None;
+        }
+        let between = (between / freedom, freedom);
+        let within = (all.within >= 1.0 && left.within > 0.0).then(|| (within / left.within, left.within));
+        let (variance, numbers) = within.map_or((0.0, 0.0), |(v, _)| (v * all.within, all.within));
+        let square = 3.0 * (between.0 * all.between + variance) / (all.between + numbers);
+        // Satterthwaite, of the sum of the strata.
+        let part = |(variance, freedom): (f64, f64), numbers: f64| (variance * numbers).powi(2) / freedom;
+        let spread = part(between, all.between) + within.map_or(0.0, |w| part(w, all.within));
+        let freedom = (square / 3.0 * (all.between + numbers)).powi(2) / spread.max(f64::MIN_POSITIVE);
+        Some(ResidualVariance { rms: square.sqrt(), freedom, between, within })
+    }
+
+    /// Lack of fit against pure error.
+    pub fn lack_of_fit(&self, pure: &PureError) -> LackOfFit {
+        let test = |(variance, freedom): (f64, f64), noise: &Stratum| {
+            let f = variance / noise.variance.max(f64::MIN_POSITIVE);
+            let freedom = (freedom * noise.axes / 3.0).max(1.0);
+            let p_value = FisherSnedecor::new(freedom, noise.freedom).map_or(1.0, |d| d.sf(f));
+            LackOfFit { f, freedom: freedom.round() as usize, p_value }
         };
-        (0..3).map(axis).sum()
-    };
-    visits.values().map(one).sum()
+        let between = test(self.between, &pure.between);
+        let enough =
+            |(noise, own): &(&Stratum, (f64, f64))| noise.freedom >= LEAST_WITHIN && own.1 >= LEAST_WITHIN;
+        let Some((noise, own)) = pure.within.as_ref().zip(self.within).filter(enough) else {
+            return between;
+        };
+        let within = test(own, noise);
+        let first = if within.p_value < between.p_value { within } else { between };
+        // The strata are independent. Written so that small p keep their digits.
+        LackOfFit { p_value: first.p_value * (2.0 - first.p_value), ..first }
+    }
+}
+
+/// Pure error of repeated configurations and lack of fit of the model; none when no configuration was measured twice.
+pub fn repeats(fit: &Fit, data: &Dataset) -> Option<Repeats> {
+    let pure = PureError::of(&fit.residuals, data, &exact_repeats(data))?;
+    Some(Repeats {
+        groups: pure.groups,
+        freedom: pure.freedom.round() as usize,
+        rms: pure.rms,
+        one_sided: pure.one_sided,
+        lack_of_fit: ResidualVariance::of(fit, data).map(|residual| residual.lack_of_fit(&pure)),
+    })
 }

@@ -1,25 +1,30 @@
 //! What `discover` found, as values that JSON and text share.
 
 mod adequacy;
+mod advice;
 mod candidates;
 mod effects;
+mod gain;
 mod meaning;
 mod nested;
 mod parts;
 mod sentences;
 mod text;
+mod verdict;
 
 pub use adequacy::{
-    LackOfFitSummary, NoiseFloorSummary, NoiseReference, TooFewPoses, UnexplainedSummary, WithdrawnSummary,
+    LackOfFitSummary, NoiseFloorSummary, NoiseReference, StatedScaleSummary, TooFewPoses, UnexplainedSummary,
+    WithdrawnSummary,
 };
 pub use candidates::{RefusedSummary, UntestableSummary};
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
+pub use gain::{ExtrapolationSummary, GainSummary, PartName, UnseenData};
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
 use crate::SpecificationSummary;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Diagnosis, Termination, Verdict};
+use truepose_discover::{Diagnosis, HeldOut, Termination, Verdict};
 use truepose_errormodel::{Dataset, Visits};
 
 /// The report of a discovery: `discovery.json`.
@@ -31,7 +36,9 @@ pub struct DiscoverySummary {
     pub rows: usize,
     /// Pose measurements.
     pub visits: usize,
-    /// Rows (1-based) of the held-out test set, which is drawn before anything is fitted.
+    /// Where the held-out errors come from: a test set that was drawn before anything was fitted, or nested folds.
+    pub held_out: HeldOut,
+    /// Rows (1-based) of the test set; empty where held-out errors are those of all rows.
     pub holdout_rows: Vec<usize>,
     /// Expected 3-D RMS of one new row if the model were perfect, mm; none when it is unknown.
     pub noise_floor_mm: Option<f64>,
@@ -43,6 +50,12 @@ pub struct DiscoverySummary {
     pub before: TrainAndHoldout,
     /// With all findings.
     pub after: TrainAndHoldout,
+    /// By how much the findings reduce the error on the held-out test set; none without findings.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<GainSummary>,
+    /// Errors on the last part in time and on a left-out region of joint space.
+    #[serde(default)]
+    pub extrapolation: Vec<ExtrapolationSummary>,
     /// Effects in the order in which they were added.
     pub effects: Vec<FindingSummary>,
     /// Candidates that were tested and not added.
@@ -53,6 +66,9 @@ pub struct DiscoverySummary {
     pub lack_of_fit: LackOfFitSummary,
     /// The residual that no effect of the model explains.
     pub unexplained: UnexplainedSummary,
+    /// Factors on stated standard deviations that exceed the scatter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stated_sd_scaled_by: Option<StatedScaleSummary>,
     /// Findings that were withdrawn, since the declared model predicts unseen data better.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub withdrawn: Option<WithdrawnSummary>,
@@ -81,10 +97,10 @@ pub struct DiscoverySummary {
 pub struct DiscoverySettings {
     /// Seed of every random choice.
     pub seed: u64,
-    /// Fraction of the configurations that is held out.
-    pub holdout: f64,
-    /// Sign flips of the resampling test.
-    pub flips: usize,
+    /// Fraction of the configurations in the test set, where it was given.
+    pub holdout: Option<f64>,
+    /// Random rotations behind each family-wise p-value.
+    pub rotations: usize,
     /// Family-wise significance level.
     pub alpha: f64,
 }
@@ -92,21 +108,39 @@ pub struct DiscoverySettings {
 impl DiscoverySummary {
     /// Summary of a diagnosis.
     pub fn new(found: &Diagnosis, settings: DiscoverySettings) -> Self {
+        let intervals = found.intervals.as_ref();
+        let (mut before, mut after) =
+            (TrainAndHoldout::from(&found.before), TrainAndHoldout::from(&found.after));
+        if let Some(intervals) = intervals {
+            before = before.with_intervals(intervals.before, intervals.with_outliers[0]);
+            after = after.with_intervals(intervals.after, intervals.with_outliers[1]);
+        }
         DiscoverySummary {
             robot: found.fit.fitted.chain().name().into(),
             rows: found.data.len(),
             visits: Visits::of(&found.data).len(),
-            holdout_rows: found.holdout_rows.iter().map(|row| row + 1).collect(),
+            held_out: found.held_out,
+            holdout_rows: match found.held_out {
+                HeldOut::TestSet => found.holdout_rows.iter().map(|row| row + 1).collect(),
+                _ => Vec::new(),
+            },
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
             verdict: found.verdict,
-            before: (&found.before).into(),
-            after: (&found.after).into(),
+            before,
+            after,
+            gain: intervals.and_then(|i| GainSummary::new(i, UnseenData::TestSet)),
+            extrapolation: found
+                .extrapolations
+                .iter()
+                .map(|part| ExtrapolationSummary::new(found, part))
+                .collect(),
             effects: found.findings.iter().map(FindingSummary::new).collect(),
             refused: found.refused.iter().map(RefusedSummary::new).collect(),
-            not_testable: found.untestable.iter().map(UntestableSummary::new).collect(),
+            not_testable: found.untestable.iter().map(|u| UntestableSummary::new(u, found)).collect(),
             lack_of_fit: LackOfFitSummary::new(found),
             unexplained: UnexplainedSummary::new(found),
+            stated_sd_scaled_by: StatedScaleSummary::of(found),
             withdrawn: found.withdrawn.as_ref().map(WithdrawnSummary::new),
             too_few_poses: TooFewPoses::of(found),
             stopped: found.stopped,

@@ -17,9 +17,10 @@ mod wording;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, DiscoverySettings, DiscoverySummary, FindingSummary, LackOfFitSummary,
-    NestedSummary, NoiseFloorSummary, NoiseReference, RefusedSummary, TooFewPoses, TrainAndHoldout,
-    UnexplainedSummary, UntestableSummary, WithdrawnSummary,
+    AlternativeSummary, BeforeAfter, DiscoverySettings, DiscoverySummary, ExtrapolationSummary,
+    FindingSummary, GainSummary, LackOfFitSummary, NestedSummary, NoiseFloorSummary, NoiseReference,
+    PartName, RefusedSummary, StatedScaleSummary, TooFewPoses, TrainAndHoldout, UnexplainedSummary,
+    UnseenData, UntestableSummary, WithdrawnSummary,
 };
 pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,

@@ -42,6 +42,7 @@ pub(crate) struct Equilibrium {
 struct Deflections {
     base: [f64; 6],
     joints: Vec<[f64; 6]>,
+    /// Of each joint's own motion: backlash, and waves of its transmission.
     backlash: Vec<f64>,
     beams: Vec<[f64; 6]>,
 }
@@ -192,6 +193,12 @@ impl Assembly {
             }
             let at_axis = carried.seen_from(&shape.axes[i]);
             next.joints[i] = errors.stiffness.deflection(joint.kind, &joint.axis, &at_axis);
+            if let Some(bearing) = &errors.bearing {
+                turn(&mut next.joints[i], &bearing.tilt(&joint.axis, &at_axis.moment));
+            }
+            if let Some(flange) = &errors.flange {
+                turn(&mut next.joints[i], &flange.tilt(&at_axis.moment));
+            }
             loads[i] = match joint.kind {
                 JointKind::Revolute => joint.axis.dot(&at_axis.moment),
                 JointKind::Prismatic => joint.axis.dot(&at_axis.force),
@@ -201,8 +208,15 @@ impl Assembly {
                 let approach = conditions.approach.get(k).copied().unwrap_or(0.0);
                 next.backlash[i] = backlash.error(approach, loads[i]);
             }
+            if let Some(waves) = &errors.waves {
+                next.backlash[i] += waves.error(joint.kind, self.value(conditions, i), loads[i]);
+            }
         }
-        next.base = truth.foundation.settling(&carried.seen_from(&shape.base));
+        let at_base = carried.seen_from(&shape.base);
+        next.base = truth.foundation.settling(&at_base);
+        if let Some(plate) = &truth.base_plate {
+            turn(&mut next.base, &plate.tilt(&at_base.moment));
+        }
         (next, loads)
     }
 }
@@ -217,6 +231,13 @@ impl Deflections {
         [sixes(&self.base, &other.base), lists(&self.joints, &other.joints), lists(&self.beams, &other.beams)]
             .into_iter()
             .fold(backlash, worse)
+    }
+}
+
+/// Adds a rotation to a displacement.
+fn turn(displacement: &mut [f64; 6], by: &Vector3<f64>) {
+    for (sum, part) in displacement[3..].iter_mut().zip(by.iter()) {
+        *sum += part;
     }
 }
 

@@ -2,11 +2,13 @@
 
 mod campaign;
 pub mod description;
+mod disturbance;
 mod equilibrium;
 mod error;
 pub mod flaws;
 mod instrument;
 mod measure;
+mod path;
 pub mod physics;
 mod plant;
 mod rigid;
@@ -15,6 +17,7 @@ mod truth;
 
 pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
 pub use description::{PlantDescription, PlantOptions};
+pub use disturbance::{Disturbances, StationMotion, Wander};
 pub use error::SimulateError;
 pub use flaws::Flaws;
 pub use instrument::{Blunders, Instrument, Repeatability, Tail};

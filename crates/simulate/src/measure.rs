@@ -22,6 +22,8 @@ pub struct Observation {
     pub outliers: Vec<usize>,
     /// Rows whose declared payload is wrong.
     pub wrong_payloads: Vec<usize>,
+    /// Pose measurements that are displaced as a whole.
+    pub bad_poses: Vec<usize>,
 }
 
 /// Streams of random numbers: a kind of noise that is switched on leaves the others as they were.
@@ -32,6 +34,11 @@ enum Stream {
     Outliers,
     Payloads,
     Channels,
+    Joints,
+    Wander,
+    Station,
+    BadPoses,
+    Flicker,
 }
 
 impl Plant {
@@ -59,23 +66,36 @@ impl Plant {
         let (mut of_visit, mut of_row) = (stream(Stream::Visit), stream(Stream::Instrument));
         let (mut of_orientation, mut of_outlier) = (stream(Stream::Orientation), stream(Stream::Outliers));
         let mut of_payload = stream(Stream::Payloads);
+        let (mut of_joint, mut of_flicker) = (stream(Stream::Joints), stream(Stream::Flicker));
+        let (disturbed, poses) = (&self.disturbances, campaign.visits.len());
+        disturbed.fits(self.chain().movable().len(), poses)?;
+        let wander = disturbed.wander.map(|wander| wander.path(poses, &mut stream(Stream::Wander)));
+        let station = disturbed
+            .station
+            .map(|motion| motion.path(self.instrument.station, poses, &mut stream(Stream::Station)));
+        let displaced = disturbed.displaced_poses(poses, &mut stream(Stream::BadPoses));
+        let wound_up = self.path_errors(campaign);
         let mut seen = Observation {
             data: self.empty_data(campaign),
             true_poses: Vec::new(),
             true_positions: Vec::new(),
             outliers: Vec::new(),
             wrong_payloads: Vec::new(),
+            bad_poses: (0..poses).filter(|&pose| displaced[pose].is_some()).collect(),
         };
         let targets = self.measured_targets(campaign);
         for (index, (visit, approach)) in campaign.visits.iter().zip(campaign.approaches()).enumerate() {
             let carried = self.really_carried(visit.load, &mut of_payload);
             let shared = three(&mut of_visit) * self.repeatability.sd;
             let turned = three(&mut of_visit) * self.repeatability.rotation_sd;
+            let off_joints = disturbed.joints(&mut of_joint);
+            let away = wander.as_ref().map_or(Vector3::zeros(), |path| path[index])
+                + displaced[index].unwrap_or_default();
             for (k, &target) in targets.iter().enumerate() {
                 let row = seen.data.len();
                 let time = campaign.start_s + campaign.visit_s * index as f64 + campaign.row_s * k as f64;
                 let conditions = Conditions {
-                    joints: visit.joints.clone(),
+                    joints: visit.joints.iter().zip(&wound_up[index]).map(|(q, off)| q + off).collect(),
                     load: carried,
                     time,
                     approach: approach.clone(),
@@ -83,8 +103,11 @@ impl Plant {
                 };
                 let tool = self.equilibrium(&conditions)?.tool;
                 let point = (tool * Point3::from(self.true_target(target)?)).coords;
-                let off = shared + turned.cross(&(point - tool.translation.vector));
-                let mut measured = point + off + self.instrument.error(&point, &mut of_row);
+                let reached = self.reached(&conditions, &off_joints, &tool)?;
+                let at = (reached * Point3::from(self.true_target(target)?)).coords;
+                let off = shared + away + turned.cross(&(at - reached.translation.vector));
+                let seen_at = station.as_ref().map_or(at + off, |path| path.seen(index, &(at + off)));
+                let mut measured = seen_at + self.instrument.error(&point, &mut of_row);
                 if of_outlier.random::<f64>() < self.blunders.outlier_share {
                     let size = self.blunders.outlier_size * (0.5 + of_outlier.random::<f64>());
                     measured += three(&mut of_outlier).normalize() * size;
@@ -94,10 +117,11 @@ impl Plant {
                     seen.wrong_payloads.push(row);
                 }
                 self.write_position(&mut seen.data, &measured);
-                self.write_orientation(&mut seen.data, &tool, &turned, &mut of_orientation);
+                let stand = station.as_ref().map(|path| path.rotation(index));
+                self.write_orientation(&mut seen.data, &reached, (&turned, stand), &mut of_orientation);
                 let data = &mut seen.data;
                 for (column, q) in data.joints.iter_mut().zip(&visit.joints) {
-                    column.push(*q);
+                    column.push(disturbed.recorded(*q, &mut of_flicker));
                 }
                 for (column, side) in data.approach.iter_mut().zip(&approach) {
                     column.push(*side);
@@ -116,6 +140,15 @@ impl Plant {
             seen.data.channels.push(values);
         }
         Ok(seen)
+    }
+
+    /// The tool where the joints end with these deviations: `there` without any.
+    fn reached(&self, conditions: &Conditions, off: &[f64], there: &Rigid) -> Result<Rigid, SimulateError> {
+        if off.is_empty() {
+            return Ok(*there);
+        }
+        let joints = conditions.joints.iter().zip(off).map(|(q, off)| q + off).collect();
+        Ok(self.equilibrium(&Conditions { joints, ..conditions.clone() })?.tool)
     }
 
     fn empty_data(&self, campaign: &Campaign) -> Dataset {
@@ -161,9 +194,9 @@ impl Plant {
         let seen = |k: usize, value: f64| if self.instrument.axes[k] { value } else { f64::NAN };
         data.position.push(std::array::from_fn(|k| seen(k, measured[k])));
         let covariance = self.instrument.covariance(measured);
-        let stated = self.instrument.states_sd;
+        let (stated, factor) = (self.instrument.states_sd, self.disturbances.stated_factor);
         data.position_sd.push(std::array::from_fn(|k| {
-            if stated { seen(k, covariance[(k, k)].sqrt()) } else { f64::NAN }
+            if stated { seen(k, factor * covariance[(k, k)].sqrt()) } else { f64::NAN }
         }));
     }
 
@@ -171,7 +204,7 @@ impl Plant {
         &self,
         data: &mut Dataset,
         tool: &Rigid,
-        turned: &Vector3<f64>,
+        (turned, stand): (&Vector3<f64>, Option<UnitQuaternion<f64>>),
         rng: &mut ChaCha8Rng,
     ) {
         let Some(sd) = self.instrument.orientation_sd else {
@@ -180,11 +213,13 @@ impl Plant {
             return;
         };
         let noise = Vector3::from_fn(|_, _| self.instrument.unit(rng)) * sd;
-        let measured = UnitQuaternion::from_scaled_axis(noise + turned) * tool.rotation;
+        let turned = UnitQuaternion::from_scaled_axis(noise + turned) * tool.rotation;
+        let measured = stand.map_or(turned, |stand| stand * turned);
         let [x, y, z, w]: [f64; 4] = measured.into_inner().coords.into();
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         data.orientation.push(Some([w, x, y, z].map(|v| v * sign)));
-        data.orientation_sd.push([if self.instrument.states_sd { sd } else { f64::NAN }; 3]);
+        let stated = self.disturbances.stated_factor * sd;
+        data.orientation_sd.push([if self.instrument.states_sd { stated } else { f64::NAN }; 3]);
     }
 }
 

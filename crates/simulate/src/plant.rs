@@ -3,7 +3,7 @@
 use crate::equilibrium::{Assembly, Equilibrium};
 use crate::physics::temperature::Shop;
 use crate::rigid::to_pose;
-use crate::{Blunders, Instrument, Repeatability, SimulateError, Truth};
+use crate::{Blunders, Disturbances, Instrument, Repeatability, SimulateError, Truth};
 use nalgebra::{Point3, Vector3};
 use truepose_kinematics::{Chain, Conditions, Pose, TargetId};
 
@@ -21,6 +21,8 @@ pub struct Plant {
     pub repeatability: Repeatability,
     /// What people get wrong.
     pub blunders: Blunders,
+    /// What disturbs a campaign.
+    pub disturbances: Disturbances,
 }
 
 impl Plant {
@@ -46,6 +48,7 @@ impl Plant {
             instrument: Instrument::default(),
             repeatability: Repeatability::default(),
             blunders: Blunders::default(),
+            disturbances: Disturbances::default(),
         })
     }
 

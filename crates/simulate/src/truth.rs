@@ -8,7 +8,10 @@ use crate::physics::coupling::Coupling;
 use crate::physics::foundation::Foundation;
 use crate::physics::guideway::GuidewayProfile;
 use crate::physics::joint_stiffness::JointStiffness;
+use crate::physics::mounting::{LiftingFlange, TiltingBearing};
+use crate::physics::presliding::Presliding;
 use crate::physics::transmission::TransmissionError;
+use crate::physics::wave::LoadedWaves;
 use crate::rigid::{Rigid, TakenApart};
 use nalgebra::{Point3, Vector3};
 use truepose_kinematics::{Chain, Joint, JointId, JointKind, Link, Placement};
@@ -23,6 +26,8 @@ pub struct Truth {
     pub targets: Vec<Vector3<f64>>,
     /// The elastic foundation.
     pub foundation: Foundation,
+    /// A base plate that lifts off under large moments.
+    pub base_plate: Option<LiftingFlange>,
     /// Each joint and the link that it moves, fixed ones included.
     pub joints: Vec<JointTruth>,
     /// Changes with time.
@@ -38,6 +43,14 @@ pub struct JointTruth {
     pub guideway: Option<GuidewayProfile>,
     /// Transmission errors.
     pub transmission: Vec<TransmissionError>,
+    /// Transmission errors whose amplitude follows the load.
+    pub waves: Option<LoadedWaves>,
+    /// Friction with memory; it acts in a campaign, whose order of poses is its path.
+    pub presliding: Option<Presliding>,
+    /// A bearing that tilts out of proportion.
+    pub bearing: Option<TiltingBearing>,
+    /// The link's flange behind the joint, which lifts off under large moments.
+    pub flange: Option<LiftingFlange>,
     /// Backlash.
     pub backlash: Option<DeadBand>,
     /// Coupling to other joints.
@@ -55,6 +68,7 @@ impl Truth {
             frames: vec![[0.0; 6]; chain.joints().len() + 2],
             targets: vec![Vector3::zeros(); chain.targets().len()],
             foundation: Foundation::default(),
+            base_plate: None,
             joints: chain
                 .joints()
                 .iter()

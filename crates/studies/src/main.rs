@@ -3,6 +3,7 @@
 mod clock;
 mod closed_loop;
 mod discovery;
+mod document;
 mod harm;
 mod journal;
 mod orders;
@@ -10,6 +11,7 @@ mod pps;
 mod reliability;
 mod sensitivity;
 mod solvers;
+mod unseen;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
         "harm" => harm::run(&rest),
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
+        "reliability" if rest.iter().any(|word| word == "--half") => unseen::run(&rest),
         "reliability" => reliability::run(&rest),
         "sensitivity" => sensitivity::run(&rest),
         "solvers" => solvers::run(),

@@ -129,18 +129,19 @@ pub struct Discover {
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
-    /// Fraction of the configurations in the held-out test set, drawn before anything is fitted
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.2)]
-    pub holdout: f64,
+    /// Fraction of the configurations in the held-out test set, drawn before anything is fitted [default: 0.2;
+    /// none where poses are few: then nested cross-validation takes its place]
+    #[arg(long, value_name = "FRACTION")]
+    pub holdout: Option<f64>,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
     /// Family-wise significance level: a candidate with a larger p-value is not added
     #[arg(long, default_value_t = 0.002)]
     pub alpha: f64,
-    /// Sign flips of the resampling test for each p-value
-    #[arg(long, default_value_t = 999, value_parser = parse_whole::<usize>)]
-    pub flips: usize,
+    /// Random rotations behind each family-wise p-value
+    #[arg(long, alias = "flips", default_value_t = 999, value_parser = parse_whole::<usize>)]
+    pub rotations: usize,
     /// Nested cross-validation: repeat the whole search with each of this many folds left out
     #[arg(long, value_name = "FOLDS", value_parser = clap::value_parser!(u16).range(2..=100))]
     pub nested: Option<u16>,

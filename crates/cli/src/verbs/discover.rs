@@ -42,15 +42,19 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let options = DiscoverOptions {
         holdout: args.holdout,
         seed: args.seed,
-        flips: args.flips,
+        rotations: args.rotations,
         alpha: args.alpha,
         most: args.most,
         competing_fits: args.rivals.is_some(),
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
-    let settings =
-        DiscoverySettings { seed: args.seed, holdout: args.holdout, flips: args.flips, alpha: args.alpha };
+    let settings = DiscoverySettings {
+        seed: args.seed,
+        holdout: args.holdout,
+        rotations: args.rotations,
+        alpha: args.alpha,
+    };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner(watch);
     let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {

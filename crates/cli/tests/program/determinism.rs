@@ -51,7 +51,7 @@ const RUNS: &[(&[&str], &[&str])] = &[
             "out.json",
             "--report",
             "page",
-            "--flips",
+            "--rotations",
             "499",
             "--nested",
             "2",

@@ -14,7 +14,7 @@ const DISCOVER: &[&str] = &[
     "fit.json",
     "--report",
     "page",
-    "--flips",
+    "--rotations",
     "99999",
 ];
 

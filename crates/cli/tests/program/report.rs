@@ -44,18 +44,23 @@ pub fn discovered(robot: &str, joint: &str) -> Folder {
             "page",
             "--spec",
             "0.2mm",
-            "--flips",
+            "--rotations",
             "499",
         ])
         .ended(0);
     folder
 }
 
+/// As a page has a text.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
 #[test]
 fn page_json_and_terminal_have_the_same_numbers() {
     let folder = discovered("small", "j1");
     let same =
-        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--flips", "499"];
+        ["discover", "--robot", "robot.toml", "--data", "data.csv", "--spec", "0.2mm", "--rotations", "499"];
     let terminal = folder.run(&same).ended(0).out;
     let json = folder.run(&[&same[..], &["--json"]].concat()).ended(0).out;
     let result: Value = serde_json::from_str(&folder.read("page/discovery.json")).unwrap();
@@ -69,11 +74,26 @@ fn page_json_and_terminal_have_the_same_numbers() {
     }
     // The terminal and the page form the same sentence of it.
     let limit = match result.pointer("/noise_floor/source").and_then(Value::as_str) {
-        Some("repeats") => format!("Repeatability limit: {} mm", number("/noise_floor/rms_mm")),
-        Some("stated") => format!("Repeatability limit: at least {} mm", number("/noise_floor/rms_mm")),
-        _ => "Repeatability limit: unknown".to_owned(),
+        Some("unknown") => "Repeatability limit: unknown".to_owned(),
+        _ => format!("Repeatability limit: {} mm", number("/noise_floor/rms_mm")),
     };
     assert!(page.contains(&limit) && terminal.contains(&limit), "{limit}\n{terminal}");
+    // The verdict comes first, and is the same sentence.
+    let verdict =
+        terminal.lines().find(|line| line.contains("ndecided: ") || line.contains("explained: ")).unwrap();
+    assert!(terminal.lines().nth(2) == Some(verdict) && page.contains(&escaped(verdict)), "{verdict}");
+    let ends = |pointer: &str| {
+        let end =
+            |k: usize| significant(result.pointer(&format!("{pointer}/{k}")).unwrap().as_f64().unwrap(), 2);
+        format!("({} to {})", end(0), end(1))
+    };
+    for pointer in ["/before/holdout/ci95_mm", "/after/holdout/ci95_mm", "/gain/ci95_mm"] {
+        assert!(page.contains(&ends(pointer)) && terminal.contains(&ends(pointer)), "{pointer}\n{terminal}");
+    }
+    for part in result["extrapolation"].as_array().unwrap() {
+        let figure = format!("): {} mm", significant(part["after"]["rms_mm"].as_f64().unwrap(), 3));
+        assert!(page.contains(&figure) && terminal.contains(&figure), "{figure}\n{terminal}");
+    }
     // The noise per component is that of the fit, in mm: within a factor of two of the training residual over √3.
     let noise = page.split_once("Dashed: noise of ").and_then(|(_, rest)| rest.split_once(" mm")).unwrap().0;
     let ratio = noise.parse::<f64>().unwrap() * 3f64.sqrt()
@@ -173,7 +193,7 @@ fn names_are_shown_and_not_run() {
     folder.write(FILE, &(rows.join("\n") + "\n"));
     let inputs = ["--robot", "robot.toml", "--data", FILE];
     let with = |verb: &'static str, more: &[&'static str]| [&[verb], &inputs[..], more].concat();
-    folder.run(&with("discover", &["--report", "d", "--flips", "499"])).ended(0);
+    folder.run(&with("discover", &["--report", "d", "--rotations", "499"])).ended(0);
     folder.run(&with("identify", &["--report", "i", "--out", "fit.json"])).ended(0);
     folder.run(&with("compare", &["--solver", "qr", "--solver", "svd", "--report", "c"])).ended(0);
     folder.run(&["predict", "--fit", "fit.json", "--data", FILE, "--out", POSES]).ended(0);

@@ -1,6 +1,6 @@
 //! Tests of the best candidate before it is accepted.
 //!
-//! 1. Significance: the family-wise p by sign flips ([`crate::significance`]) is at most α.
+//! 1. Significance: the family-wise p of the rotation test ([`crate::significance`]) is at most α.
 //! 2. Prediction of unseen configurations: paired, grouped cross-validation, t ≥ 2 with the variance of
 //!    Nadeau and Bengio (2003); and contiguous blocks in time, in which the effect does not predict worse, in
 //!    all blocks together or in the median block (one block may lie outside of the range of all others). An
@@ -9,14 +9,17 @@
 //!    payload), or of a tenth of the noise standard deviation.
 //! 4. Stability: it is selected in 80 % of the half-samples (Meinshausen and Bühlmann 2010).
 
+use crate::accept::surrogates::among_surrogates;
 use crate::contest::competitor::Competitor;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
+use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::likelihood::{Likelihood, distances};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::Observation;
 use crate::screen::candidates::Screen;
+use crate::significance::sign_flips::sign_flips;
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -30,8 +33,18 @@ use truepose_identify::{Folds, Split};
 /// Evidence for an effect, from the linearised problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Family-wise p-value from B sign flips of whole poses; at least 1/(B + 1).
+    /// Family-wise p-value of the rotation test: exact for normal errors.
     pub p_value: f64,
+    /// p-value, as a single test, of 999 sign flips of whole poses: without the assumption of normal errors. Reported only; no
+    /// decision uses it.
+    pub p_sign_flips: f64,
+    /// For an effect that reads a channel: p among 19 surrogates, the same channel moved in time. Above 0.05 another record would do as
+    /// well, and the channel's name is doubtful.
+    #[serde(default)]
+    pub p_surrogates: Option<f64>,
+    /// Number of poses on which the effect rests, (Σ b²)²/Σ b⁴ of their scores: with K of them, the sign flips cannot give a p below
+    /// 2^(1−K).
+    pub effective_poses: f64,
     /// Parametric p-value: χ² tail of the score statistic, times the number of tests (Bonferroni). Reported
     /// only; no decision uses it.
     pub p_parametric: f64,
@@ -101,11 +114,12 @@ pub enum Doubt {
 /// Collects the evidence for a competitor, given its family-wise p.
 pub(crate) fn collect(
     linearisation: &Linearisation<'_>,
-    present: &Likelihood,
+    (screen, present): (&Screen, &Likelihood),
     competitor: &Competitor,
-    (p_value, p_parametric): (f64, f64),
-    seed: u64,
+    p_value: f64,
+    options: &DiscoverOptions,
 ) -> Result<Evidence, DiscoverError> {
+    let seed = options.seed;
     let random = Folds::new(
         linearisation.data,
         &Split::Random { folds: folds(linearisation, linearisation.budget.folds), seed },
@@ -120,9 +134,14 @@ pub(crate) fn collect(
         Ok(paired(linearisation, folds, competitor, &before, &after))
     };
     let (stability, agreement) = halves(linearisation, competitor, seed)?;
+    let pose = linearisation.observations.iter().map(|o| o.visit);
+    let check = sign_flips(&screen.projection, &competitor.columns, pose, seed);
     Ok(Evidence {
         p_value,
-        p_parametric,
+        p_sign_flips: check.map_or(1.0, |check| check.p_value),
+        effective_poses: check.map_or(0.0, |check| check.effective_poses),
+        p_surrogates: among_surrogates(linearisation, screen, &competitor.candidate, options)?,
+        p_parametric: parametric(screen, competitor),
         unknowns: competitor.freedom,
         gain: present.deviance - competitor.likelihood.deviance,
         random: gain(&random)?,
@@ -325,7 +344,7 @@ fn halves(
 }
 
 /// The parametric p-value of a competitor: χ² tail times the number of tests, at most one.
-pub(crate) fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
+fn parametric(screen: &Screen, competitor: &Competitor) -> f64 {
     let tests = screen.tests();
     let distribution = ChiSquared::new(competitor.freedom as f64);
     let single = distribution.map_or(1.0, |distribution| distribution.sf(competitor.gain.max(0.0)));

@@ -6,6 +6,7 @@ pub(crate) mod evidence;
 pub(crate) mod model;
 pub(crate) mod outcome;
 pub(crate) mod refine;
+pub(crate) mod surrogates;
 #[cfg(test)]
 mod tests;
 pub(crate) mod winner;

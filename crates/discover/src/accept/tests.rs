@@ -7,6 +7,9 @@ use crate::policy::Policy;
 fn convincing() -> Evidence {
     let gain = Gain { before: 1e-4, after: 5e-5, t: 8.0, won: 0.5, middle: 0.5 };
     Evidence {
+        p_sign_flips: 0.001,
+        p_surrogates: None,
+        effective_poses: 30.0,
         p_value: 0.001,
         p_parametric: 1e-9,
         unknowns: 2,

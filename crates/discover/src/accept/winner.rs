@@ -1,7 +1,7 @@
 //! Selection: the best candidate of a screen that passes all tests of the linearised problem.
 
 use crate::accept::accepted::Accepted;
-use crate::accept::evidence::{Doubt, Refused, collect, parametric};
+use crate::accept::evidence::{Doubt, Refused, collect};
 use crate::contest::competition::{Contest, contest};
 use crate::contest::competitor::{Competitor, outcompeted, with_estimates};
 use crate::contest::payload::order_payloads;
@@ -9,9 +9,9 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Context, ModelFit};
 use crate::problem::linearisation::Linearisation;
+use crate::problem::projection::Projection;
 use crate::screen::candidates::Screen;
-use crate::significance::sign_flips::NullDistribution;
-use crate::statistics::chi_square::gain_of_one;
+use crate::significance::rotation::NullDistribution;
 
 /// The best competitor that passes all tests; those that fail are added to `refused`, and the next one is
 /// tested. `current` is the present model.
@@ -31,8 +31,8 @@ pub(crate) fn winner(
             return Ok(None);
         }
         for (k, best) in competitors.iter().enumerate().take(context.budget().tested) {
-            let p = (null.p_value(best.surprisal), parametric(screen, best));
-            let evidence = collect(linearisation, &present, best, p, options.seed)?;
+            let p = own_p_value(linearisation, null, best, options.alpha);
+            let evidence = collect(linearisation, (screen, &present), best, p, options)?;
             let floor = best.likelihood.noise.floor(linearisation.typical_sd());
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
@@ -54,20 +54,19 @@ pub(crate) fn winner(
     Ok(None)
 }
 
-/// Score statistic with one degree of freedom that is significant at `alpha`.
-pub(crate) fn detectable_statistic(null: &NullDistribution, alpha: f64) -> f64 {
-    gain_of_one(null.critical(alpha))
-}
-
-/// Family-wise p-value of a candidate in place of a finding: `linearisation` is the model without that
-/// finding, `others` are the other findings. The null distribution is that of a full screen of this model.
-pub(crate) fn family_wise_p(
-    context: &Context<'_>,
+/// Family-wise p of a competitor. Where it is above α under the noise of the present model, which has the effect in its residual, the noise
+/// is that of the model with the competitor: a second test, so that its p counts twice (Bonferroni).
+fn own_p_value(
     linearisation: &Linearisation<'_>,
-    others: &[Candidate],
+    null: &NullDistribution,
     competitor: &Competitor,
+    alpha: f64,
 ) -> f64 {
-    let options = context.options;
-    let screen = Screen::new(linearisation, &options.library, others);
-    screen.null(options.flips, options.seed).p_value(competitor.surprisal)
+    let p = null.p_value(competitor.surprisal);
+    if p <= alpha {
+        return p;
+    }
+    let again = Projection::under(linearisation, competitor.likelihood.noise);
+    let surprisal = again.judge(linearisation, &competitor.candidate).map_or(0.0, |score| score.surprisal);
+    p.min(2.0 * null.p_value(surprisal))
 }

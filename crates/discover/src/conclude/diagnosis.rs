@@ -2,8 +2,13 @@
 
 use crate::accept::evidence::{Evidence, Refused};
 use crate::conclude::errors::Errors;
-use crate::conclude::floor::{NoiseFloor, Verdict};
+use crate::conclude::extrapolation::Extrapolation;
+use crate::conclude::floor::NoiseFloor;
+use crate::conclude::held_out::HeldOutIntervals;
+use crate::conclude::partition::HeldOut;
+use crate::conclude::stated::StatedScale;
 use crate::conclude::trace::point::Trace;
+use crate::conclude::verdict::{Unexplained, Verdict};
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
@@ -44,13 +49,21 @@ pub struct Diagnosis {
     pub repeats_after: Option<Repeats>,
     /// The residual beyond the repeatability limit.
     pub unexplained: Unexplained,
+    /// Intervals of the errors on the held-out test set; `None` of fewer than five configurations.
+    pub intervals: Option<HeldOutIntervals>,
+    /// Errors on the last part in time and at the ends of a joint's range, where the data is enough.
+    pub extrapolations: Vec<Extrapolation>,
+    /// Factors on stated standard deviations that exceed the scatter.
+    pub stated_scale: StatedScale,
     /// Why the search ended.
     pub stopped: Termination,
     /// The fit of the enlarged model on all rows, structure frozen.
     pub fit: Fit,
     /// The fit of the declared model on the training part.
     pub declared: Fit,
-    /// Rows (0-based) of the held-out test set.
+    /// Where the held-out errors come from.
+    pub held_out: HeldOut,
+    /// Rows (0-based) with a held-out error: the test set, or all.
     pub holdout_rows: Vec<usize>,
     /// The data of the final fit: payloads corrected, outliers excluded.
     pub data: Dataset,
@@ -63,6 +76,10 @@ pub struct Finding {
     pub candidate: Candidate,
     /// Family-wise p of the test that found it.
     pub p_value: f64,
+    /// Probability of its family and place, given that the effect exists.
+    pub name_probability: f64,
+    /// Probability that the library has no name for it.
+    pub unnamed_probability: f64,
     /// Its evidence in the linearised problem at the time of its acceptance; `None` for excluded rows, which are
     /// not selected by the search.
     pub evidence: Option<Evidence>,
@@ -109,6 +126,8 @@ pub struct Alternative {
     pub holdout: f64,
     /// Difference from the finding in −2 ln L + coefficient penalty; positive: less likely.
     pub behind: f64,
+    /// Probability of this family and place, given that the effect exists.
+    pub probability: f64,
     /// Whether it is not distinguishable from the finding with this data.
     pub equivalent: bool,
 }
@@ -123,22 +142,6 @@ pub struct CompetingFit {
     pub candidate: Candidate,
     /// Fitted to all rows, like the final model.
     pub fit: Fit,
-}
-
-/// The residual beyond the repeatability limit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Unexplained {
-    /// Whether the verdict is [`Verdict::Unexplained`].
-    pub significant: bool,
-    /// 3-D RMS beyond the repeatability limit, √(RMS² − limit²), m; `None` without an estimate of the limit.
-    pub rms: Option<f64>,
-    /// (RMS² − limit²) over the mean square of the declared model, with its sign; `None` without an estimate
-    /// of the limit.
-    pub share_of_variance: Option<f64>,
-    /// Smallest family-wise p-value of the last screen.
-    pub p_value: f64,
-    /// Score statistic of a candidate with one degree of freedom that would have been significant at α.
-    pub detectable_gain: f64,
 }
 
 /// Data on which the enlarged model predicts worse than the declared one.

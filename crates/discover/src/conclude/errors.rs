@@ -1,13 +1,13 @@
-//! Residuals of a model on the training rows and on the held-out test set.
+//! Residuals of a model on the training rows and on held-out rows.
 
 use truepose_identify::{Residuals, Spread};
 
-/// Residuals of a model on the training rows and on the held-out test set, m and rad.
+/// Residuals of a model on the training rows and on held-out rows, m and rad.
 #[derive(Debug, Clone, Default)]
 pub struct Errors {
     /// Training rows.
     pub train: Residuals,
-    /// Rows of the held-out test set.
+    /// Held-out rows: the test set, or all rows by nested folds ([`HeldOut`](crate::HeldOut)).
     pub holdout: Residuals,
     /// Rows that are reported as outliers, as indices into `train` and into `holdout`.
     pub outliers: [Vec<usize>; 2],

@@ -8,7 +8,7 @@
 //! | [`Check::Refits`] | training rows, each predicted by a refit without its fold | the search had all training rows |
 //! | [`Check::UnsearchedRows`] | training rows outside of the sample that was searched | the search had a sample |
 //! | [`Check::NestedFolds`] | training rows, each predicted by a whole run of the loop without its fold | fewer than [`crate::Policy::few_poses`] |
-//! | [`Check::TestSet`] | the held-out test set | the run drew it itself |
+//! | [`Check::TestSet`] | the held-out test set | the run drew one itself |
 //!
 //! A check fails when Σ ‖e/σ‖² of the enlarged model is larger. Then all findings are withdrawn and the
 //! declared model is the result. Single effects were tested when they were added ([`crate::model::refits`]).
@@ -17,7 +17,7 @@
 
 use crate::accept::model::Model;
 use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
-use crate::conclude::partition::Partition;
+use crate::conclude::partition::{HeldOut, Partition, by_folds};
 use crate::error::DiscoverError;
 use crate::model::current::Context;
 use crate::model::prepared::with_loads;
@@ -25,8 +25,9 @@ use crate::model::refits::{Comparison, compared};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::outliers;
 use nalgebra::Vector3;
-use truepose_errormodel::{Dataset, Visits, configurations};
-use truepose_identify::{Fit, Folds, Residuals, Split};
+use rayon::prelude::*;
+use truepose_errormodel::{Dataset, Visits};
+use truepose_identify::{Fit, Residuals};
 
 /// Which checks a run makes.
 #[derive(Debug, Clone, Copy)]
@@ -47,20 +48,26 @@ impl Checks {
     const INNERMOST: Checks = Checks { test_set: false, nested: false };
 }
 
+/// Residuals of the declared and of the enlarged model on rows that the fitted coefficients, or the whole search, have not seen.
+pub(crate) struct Unseen {
+    /// Those of [`unsearched`], where only a sample of the rows was searched.
+    pub unsearched: Option<[Residuals; 2]>,
+    /// Those of [`nested`], where poses are few.
+    pub nested: Option<[Residuals; 2]>,
+}
+
 /// Runs the search on another partition (training, test) of the training rows.
 pub(crate) type Again<'a> =
     dyn Fn((Vec<usize>, Vec<usize>), Checks) -> Result<Diagnosis, DiscoverError> + Sync + 'a;
 
 /// Compares the model with the declared one; returns the findings with the failed check when they have to be
-/// withdrawn. `train` are the training rows, `unsearched` the residuals of [`unsearched`] where only a sample
-/// of them was searched.
+/// withdrawn.
 pub(crate) fn withdrawn(
     context: &Context<'_>,
     model: &Model,
     partition: &Partition<'_>,
-    (train, unsearched): (&Dataset, Option<[Residuals; 2]>),
+    unseen: &Unseen,
     checks: Checks,
-    again: &Again<'_>,
 ) -> Result<Option<Withdrawn>, DiscoverError> {
     if model.findings.is_empty() {
         return Ok(None);
@@ -78,21 +85,19 @@ pub(crate) fn withdrawn(
     };
     let out = &model.current.outliers.suspects;
     let any_loss = |compared: Comparison| compared.deviation > 1.0;
-    let (check, pair) = match unsearched {
-        Some(pair) => (Check::UnsearchedRows, pair),
+    let (check, pair) = match &unseen.unsearched {
+        Some(pair) => (Check::UnsearchedRows, pair.clone()),
         None => (Check::Refits, model.both_refitted(context)?),
     };
     if let Some(failed) = loss(check, &blank(pair, out), &any_loss) {
         return Ok(Some(failed));
     }
-    if checks.nested && Visits::of(train).len() < context.policy().few_poses {
-        // In a fold without findings both models are equal.
-        let pair = nested(context, train, again)?;
-        if let Some(failed) = loss(Check::NestedFolds, &blank(pair, out), &any_loss) {
-            return Ok(Some(failed));
-        }
+    if let Some(pair) = &unseen.nested
+        && let Some(failed) = loss(Check::NestedFolds, &blank(pair.clone(), out), &any_loss)
+    {
+        return Ok(Some(failed));
     }
-    if checks.test_set {
+    if checks.test_set && partition.held_out == HeldOut::TestSet {
         let held = partition.data.select(&partition.holdout_rows);
         let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
         let out = gross(context, model, partition)?;
@@ -121,28 +126,41 @@ pub(crate) fn unsearched(
 }
 
 /// Residuals of the declared and of the enlarged model on the training rows, each row by a run of the search
-/// without its fold.
-fn nested(
+/// without its fold; `None` where neither the checks nor the held-out errors need them. Without findings both are those of the declared
+/// model, by refits.
+pub(crate) fn nested(
     context: &Context<'_>,
-    train: &Dataset,
+    model: &Model,
+    (partition, train): (&Partition<'_>, &Dataset),
+    checks: Checks,
     again: &Again<'_>,
-) -> Result<[Residuals; 2], DiscoverError> {
-    let count = configurations(train).iter().max().map_or(0, |last| last + 1);
-    let folds = Folds::new(
-        train,
-        &Split::Random { folds: context.budget().nested_folds.min(count), seed: context.options.seed },
-    )?;
+) -> Result<Option<[Residuals; 2]>, DiscoverError> {
+    let (policy, poses) = (context.policy(), Visits::of(train).len());
+    let wanted = partition.held_out == HeldOut::NestedFolds || (checks.nested && poses < policy.few_poses);
+    if !wanted {
+        return Ok(None);
+    }
+    if model.findings.is_empty() {
+        return Ok((partition.held_out == HeldOut::NestedFolds).then_some(model.both_refitted(context)?));
+    }
     let nothing = Residuals {
         position: vec![Vector3::repeat(f64::NAN); train.len()],
         orientation: vec![None; train.len()],
     };
     let mut pair = [nothing.clone(), nothing];
-    for fold in 0..folds.count {
-        let rows: (Vec<usize>, Vec<usize>) =
-            (0..train.len()).partition(|&row| folds.of_visit[train.visit[row]] != fold);
-        let held = rows.1.clone();
-        // Without a fold there may be too few poses for a search: then its rows are not compared.
-        let Ok(run) = again(rows, Checks::INNERMOST) else { continue };
+    let folds = context.budget().nested_folds * if poses < policy.small_campaign { 2 } else { 1 };
+    let runs: Vec<(Vec<usize>, Option<Diagnosis>)> = by_folds(train, folds, context.options.seed)?
+        .into_par_iter()
+        .map(|(kept, held)| match again((kept, held.clone()), Checks::INNERMOST) {
+            Ok(run) => Ok((held, Some(run))),
+            // Without a fold there may be too few poses for a search: then its rows are not compared.
+            Err(DiscoverError::TooFewPoses { .. }) => Ok((held, None)),
+            Err(error) => Err(error),
+        })
+        .collect::<Result<_, _>>()?;
+    for (held, run) in runs {
+        // In a fold without findings both models are equal.
+        let Some(run) = run else { continue };
         for (all, part) in pair.iter_mut().zip([&run.before.holdout, &run.after.holdout]) {
             for (k, &row) in held.iter().enumerate() {
                 all.position[row] = part.position[k];
@@ -150,7 +168,7 @@ fn nested(
             }
         }
     }
-    Ok(pair)
+    Ok(Some(pair))
 }
 
 /// Outliers of the test set, as indices into it: gross errors decide for neither model.

@@ -1,150 +1,220 @@
 //! The repeatability limit: expected 3-D RMS of one new row under a perfect model, with its source.
 //!
+//! It contains what repeats of a pose contain: the repeatability of the robot and the noise of the instrument, in the unit of the
+//! held-out RMS beside which it stands. The first source that the data has is taken:
+//!
 //! | source | figure | what it is |
 //! | --- | --- | --- |
-//! | [`FloorSource::Repeats`] | 3-D RMS of repeated poses about their mean, with its χ² interval | an estimate |
-//! | [`FloorSource::Stated`] | √3 times the standard deviation that the instrument states | a lower bound: without the repeatability of the robot |
-//! | [`FloorSource::Unknown`] | none | neither is known |
+//! | [`FloorSource::Repeats`] | pure error of repeated configurations | an estimate |
+//! | [`FloorSource::NearRepeats`] | the same of neighbourhoods too small for any effect that is looked for to change in them, residuals of the model in place of positions (Christensen 1989) | an estimate |
+//! | [`FloorSource::Differences`] | the same of wider neighbourhoods (Hall, Kay and Titterington 1990) | an upper bound: effects of short period are in it |
+//! | [`FloorSource::Stated`] | what the instrument states, where the residual is no larger | a lower bound that the residual confirms |
+//! | [`FloorSource::Unknown`] | none | |
 //!
-//! The residual of a model is never used as the limit: it contains effects that are not in the model. Source
-//! of the interval: ISO 3534-1; Draper and Smith, *Applied Regression Analysis*, 3rd ed., §2.1 (pure error).
+//! ```text
+//! interval    RMS √(ν/χ²_{ν,0.975}) … RMS √(ν/χ²_{ν,0.025})              ν effective degrees of freedom
+//! ```
+//!
+//! Where the instrument states less than the residual, the repeatability of the robot is missing, and the stated value is told as a lower bound
+//! only ([`NoiseFloor::at_least`]); so is the scatter of several rows of one dwell. The residual of a model is never used as the limit: it
+//! contains effects that are not in the model.
 
-use crate::conclude::errors::Errors;
-use crate::problem::observation::typical_sd;
-use crate::termination::Termination;
+use crate::error::DiscoverError;
+use crate::policy::Policy;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use truepose_errormodel::Dataset;
-use truepose_identify::Repeats;
+use truepose_errormodel::{Dataset, FittedModel};
+use truepose_identify::{
+    PureError, ResidualVariance, Residuals, exact_repeats, near_repeats, repeats_for, within_dwell,
+};
+use truepose_kinematics::{Chain, JointKind};
 
 /// Where the repeatability limit comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum FloorSource {
-    /// Pure error of repeated poses.
+    /// Pure error of repeated configurations.
     Repeats,
-    /// The instrument's stated accuracy: a lower bound.
+    /// Pure error of nearly repeated configurations, corrected by the model.
+    NearRepeats,
+    /// Differences between neighbouring poses: an upper bound.
+    Differences,
+    /// The instrument's stated accuracy, which the residual does not exceed.
     Stated,
-    /// Unknown: no repeated poses, no stated accuracy.
+    /// Unknown.
     Unknown,
 }
 
 /// The repeatability limit: expected 3-D RMS of one new row under a perfect model.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NoiseFloor {
     /// m; `None` when it is unknown.
     pub rms: Option<f64>,
     /// Where it comes from.
     pub source: FloorSource,
-    /// Its 95 % confidence interval, m; `None` for a lower bound.
+    /// Its 95 % confidence interval, m.
     pub ci95: Option<[f64; 2]>,
+    /// Lower bound, m: the stated accuracy of the instrument, or the scatter of rows of one dwell. Neither contains the repeatability of the
+    /// robot.
+    pub at_least: Option<f64>,
+    /// Upper bound, m: from differences between neighbouring poses.
+    pub at_most: Option<f64>,
+    /// Independent differences between pose measurements behind it.
+    pub repeats: usize,
+    /// Poses that have to be measured a second time for an interval of ± 25 %, beside those that were.
+    pub missing_repeats: usize,
+    /// The pure error behind it; `None` where it does not come from poses.
+    pub(crate) pure: Option<PureError>,
 }
 
-/// Whether the model is adequate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Verdict {
-    /// The residual is not significant against the repeatability limit.
-    Adequate,
-    /// Significant structure remains that no effect of the model explains.
-    Unexplained,
-    /// The limit is unknown, so that it cannot be decided.
-    Undecided,
+/// The 95 % interval of an RMS with so many degrees of freedom, as factors.
+pub(crate) fn interval(freedom: f64) -> Option<[f64; 2]> {
+    let distribution = ChiSquared::new(freedom).ok()?;
+    let ends = [0.975, 0.025].map(|share| (freedom / distribution.inverse_cdf(share)).sqrt());
+    ends.iter().all(|v| v.is_finite()).then_some(ends)
 }
 
 impl NoiseFloor {
-    /// From repeated poses where there are any, else from the stated accuracy of the instrument.
-    pub(crate) fn of(repeats: Option<&Repeats>, data: &Dataset) -> Self {
-        if let Some(repeats) = repeats.filter(|repeats| repeats.rms > 0.0) {
-            let freedom = repeats.freedom as f64;
-            let end = |share: f64| {
-                let quantile =
-                    ChiSquared::new(freedom).map_or(f64::NAN, |distribution| distribution.inverse_cdf(share));
-                repeats.rms * (freedom / quantile).sqrt()
-            };
-            let ci95 = [end(0.975), end(0.025)];
-            let ci95 = ci95.iter().all(|v| v.is_finite()).then_some(ci95);
-            return NoiseFloor { rms: Some(repeats.rms), source: FloorSource::Repeats, ci95 };
+    /// The limit that nothing is known of.
+    pub(crate) fn unknown(policy: &Policy) -> Self {
+        NoiseFloor {
+            rms: None,
+            source: FloorSource::Unknown,
+            ci95: None,
+            at_least: None,
+            at_most: None,
+            repeats: 0,
+            missing_repeats: repeats_for(wanted(policy)),
+            pure: None,
         }
-        let stated = typical_sd(data);
-        if stated > 0.0 {
-            return NoiseFloor { rms: Some(3f64.sqrt() * stated), source: FloorSource::Stated, ci95: None };
-        }
-        NoiseFloor { rms: None, source: FloorSource::Unknown, ci95: None }
     }
 
-    /// The verdict on a model with residuals `after`, given why the search ended and the lack of fit against
-    /// repeats.
-    pub(crate) fn verdict(
-        &self,
-        stopped: Termination,
-        repeats: Option<&Repeats>,
-        after: &Errors,
-        level: f64,
-    ) -> Verdict {
-        let lack = repeats.and_then(|repeats| repeats.lack_of_fit.as_ref()).map(|lack| lack.p_value);
-        if stopped != Termination::NothingLeft || lack.is_some_and(|p| p < level) {
-            return Verdict::Unexplained;
-        }
-        let enough = match self.source {
-            FloorSource::Repeats => lack.is_some(),
-            // The residual is within the stated accuracy of the instrument.
-            FloorSource::Stated => self.rms.is_some_and(|rms| after.rms().0 <= rms),
-            FloorSource::Unknown => false,
+    /// From the residuals of a model on data, and its residual variance. `trusted`: the stated standard deviations were not found too large.
+    pub(crate) fn of(
+        fitted: &FittedModel,
+        data: &Dataset,
+        left: Option<&ResidualVariance>,
+        trusted: bool,
+        policy: &Policy,
+    ) -> Result<Self, DiscoverError> {
+        let residuals = Residuals::of(fitted, data)?;
+        let pure = |groups: Vec<Vec<usize>>| PureError::of(&residuals, data, &groups);
+        let mut floor = NoiseFloor::unknown(policy);
+        let stated = stated_rms(data).filter(|_| trusted);
+        let dwell = within_dwell(&residuals, data).map(|(rms, _)| rms);
+        floor.at_least = stated.into_iter().chain(dwell).reduce(f64::max);
+
+        let wanted = wanted(policy);
+        let better = |a: &PureError, b: &PureError| a.freedom > 1.5 * b.freedom;
+        let exact = pure(exact_repeats(data));
+        let near = |cycles: [f64; 2], share: f64| {
+            let shares = [0, 1].map(|k| share * policy.near_share / cycles[k]);
+            pure(near_repeats(data, &neighbourhood(fitted.chain(), data, shares)))
         };
-        if enough { Verdict::Adequate } else { Verdict::Undecided }
+        let enough = |pure: &PureError| pure.freedom >= policy.floor_freedom;
+        let precise = |pure: &PureError| pure.freedom >= wanted;
+        let exact_is_precise = exact.as_ref().is_some_and(precise);
+        if !exact_is_precise {
+            let beats = |close: &PureError| exact.as_ref().is_none_or(|exact| better(close, exact));
+            // The narrowest neighbourhood with enough poses, else the widest: the narrower, the less of an effect is in it.
+            let mut close = None;
+            for share in [0.1, 0.3, 1.0] {
+                close = near([policy.cycles_per_turn, policy.cycles_per_travel], share).or(close);
+                if close.as_ref().is_some_and(precise) {
+                    break;
+                }
+            }
+            if let Some(close) = close.filter(|close| enough(close) && beats(close)) {
+                return Ok(floor.from(FloorSource::NearRepeats, close, wanted));
+            }
+        }
+        if let Some(exact) = exact.filter(enough) {
+            return Ok(floor.from(FloorSource::Repeats, exact, wanted));
+        }
+        let wide = near([policy.difference_cycles; 2], 1.0);
+        if let Some(wide) = wide.filter(precise) {
+            let upper = interval(wide.freedom).map(|[_, upper]| upper * wide.rms);
+            let floor = NoiseFloor { at_most: upper, ..floor };
+            return Ok(floor.from(FloorSource::Differences, wide, wanted));
+        }
+        let confirmed = |stated: f64| {
+            let left = left?;
+            let [lower, upper] = interval(left.freedom)?.map(|factor| factor * left.rms);
+            // Neither significantly more, nor so much that a fifth of it may be something else.
+            (lower <= stated && stated <= upper && upper <= stated * policy.floor_precision.exp())
+                .then_some([lower.min(stated), upper])
+        };
+        Ok(match stated.and_then(|stated| Some((stated, confirmed(stated)?))) {
+            Some((rms, ci95)) => {
+                NoiseFloor { rms: Some(rms), source: FloorSource::Stated, ci95: Some(ci95), ..floor }
+            }
+            None => floor,
+        })
     }
 
-    /// (√(after² − limit²), m; (after² − limit²)/before², with its sign) from the 3-D RMS before and after,
-    /// m; `None` without an estimate of the limit.
-    pub(crate) fn beyond(&self, before: f64, after: f64) -> Option<(f64, f64)> {
-        let floor = self.rms.filter(|_| self.source != FloorSource::Stated)?;
-        let left = after * after - floor * floor;
-        Some((left.max(0.0).sqrt(), left / (before * before).max(f64::MIN_POSITIVE)))
+    fn from(self, source: FloorSource, pure: PureError, wanted: f64) -> Self {
+        let ci95 = interval(pure.freedom).map(|ends| ends.map(|factor| factor * pure.rms));
+        let more = (repeats_for(wanted) as f64 * (1.0 - pure.freedom / wanted)).ceil().max(0.0);
+        let missing_repeats =
+            if source == FloorSource::Differences { self.missing_repeats } else { more as usize };
+        let repeats = pure.contrasts;
+        NoiseFloor { rms: Some(pure.rms), source, ci95, repeats, missing_repeats, pure: Some(pure), ..self }
     }
+
+    /// Whether it is an estimate, or confirmed: so that a residual that it explains is noise.
+    pub(crate) fn is_estimate(&self) -> bool {
+        matches!(self.source, FloorSource::Repeats | FloorSource::NearRepeats | FloorSource::Stated)
+    }
+}
+
+/// Degrees of freedom for the precision that is wanted: ν = (1.96/ln f)²/2, as the logarithm of an RMS has the variance 1/(2ν).
+fn wanted(policy: &Policy) -> f64 {
+    0.5 * (1.96 / policy.floor_precision).powi(2)
+}
+
+/// Largest differences of the joints of one neighbourhood, rad and m: these shares of a turn, and of the visited travel of a slide.
+fn neighbourhood(chain: &Chain, data: &Dataset, [turn, travel]: [f64; 2]) -> Vec<f64> {
+    let of = |(k, joint): (usize, &truepose_kinematics::JointId)| {
+        let width = if chain.joint(*joint).kind == JointKind::Prismatic {
+            let q = data.joints[k].iter();
+            let ends = q.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &q| [a.min(q), b.max(q)]);
+            (ends[1] - ends[0]).max(0.0) * travel
+        } else {
+            std::f64::consts::TAU * turn
+        };
+        width.max(data.dwell.tolerance(k))
+    };
+    chain.movable().iter().enumerate().map(of).collect()
+}
+
+/// 3-D RMS of the position's standard deviations as the instrument states them, m; `None` where it states nothing.
+pub(crate) fn stated_rms(data: &Dataset) -> Option<f64> {
+    let rows = data.position_sd.iter().filter(|sd| sd.iter().all(|v| v.is_finite() && *v > 0.0));
+    let (sum, count) =
+        rows.fold((0.0, 0.0), |(sum, count), sd| (sum + sd.iter().map(|v| v * v).sum::<f64>(), count + 1.0));
+    (count > 0.0).then(|| f64::sqrt(sum / count))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truepose_identify::LackOfFit;
-
-    fn repeats(rms: f64, p_value: f64) -> Repeats {
-        let lack_of_fit = Some(LackOfFit { f: 1.0, freedom: 100, p_value });
-        Repeats { groups: 10, freedom: 30, rms, one_sided: true, lack_of_fit }
-    }
 
     #[test]
-    fn the_limit_of_repeats_has_the_interval_of_its_degrees_of_freedom() {
-        let floor = NoiseFloor::of(Some(&repeats(1e-4, 0.5)), &Dataset::default());
-        let [lower, upper] = floor.ci95.expect("thirty degrees of freedom");
+    fn the_interval_is_that_of_chi_square() {
+        let [lower, upper] = interval(30.0).expect("thirty degrees of freedom");
         // χ²_30: 16.791 and 46.979.
-        assert!((lower - 1e-4 * (30f64 / 46.979).sqrt()).abs() < 1e-9);
-        assert!((upper - 1e-4 * (30f64 / 16.791).sqrt()).abs() < 1e-9);
+        assert!((lower - (30f64 / 46.979).sqrt()).abs() < 1e-5);
+        assert!((upper - (30f64 / 16.791).sqrt()).abs() < 1e-5);
     }
 
     #[test]
-    fn without_repeats_and_stated_accuracy_the_verdict_is_undecided() {
-        let floor = NoiseFloor::of(None, &Dataset::default());
-        assert_eq!((floor.rms, floor.source), (None, FloorSource::Unknown));
-        let nothing = Errors::default();
-        assert_eq!(floor.verdict(Termination::NothingLeft, None, &nothing, 0.01), Verdict::Undecided);
-        assert_eq!(floor.beyond(1.0, 0.5), None);
-    }
-
-    #[test]
-    fn a_significant_lack_of_fit_is_never_adequate() {
-        let nothing = Errors::default();
-        for (p, verdict) in [(0.5, Verdict::Adequate), (1e-6, Verdict::Unexplained)] {
-            let repeats = repeats(1e-4, p);
-            let floor = NoiseFloor::of(Some(&repeats), &Dataset::default());
-            assert_eq!(floor.verdict(Termination::NothingLeft, Some(&repeats), &nothing, 0.01), verdict);
-            assert_eq!(
-                floor.verdict(Termination::Limit, Some(&repeats), &nothing, 0.01),
-                Verdict::Unexplained
-            );
-        }
+    fn as_many_repeats_are_asked_for_as_the_precision_takes() {
+        let policy = Policy::default();
+        let freedom = wanted(&policy);
+        let [lower, upper] = interval(freedom).expect("degrees of freedom");
+        assert!(lower > 0.78 && upper < 1.32, "{lower} {upper}");
+        assert_eq!(repeats_for(freedom), 15);
+        assert_eq!(NoiseFloor::unknown(&policy).missing_repeats, 15);
     }
 }

@@ -2,11 +2,15 @@
 
 pub(crate) mod diagnosis;
 pub(crate) mod errors;
+pub(crate) mod extrapolation;
 pub(crate) mod fallback;
 pub(crate) mod final_fit;
 pub(crate) mod floor;
+pub(crate) mod held_out;
 pub(crate) mod interim;
 pub(crate) mod partition;
 pub(crate) mod report;
+pub(crate) mod stated;
 pub(crate) mod trace;
 pub(crate) mod trial;
+pub(crate) mod verdict;

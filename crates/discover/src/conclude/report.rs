@@ -2,17 +2,18 @@
 //! rows.
 
 use crate::accept::accepted::Accepted;
-use crate::accept::model::Model;
-use crate::accept::outcome::{LastScreen, Outcome};
-use crate::conclude::diagnosis::{
-    Alternative, CompetingFit, Diagnosis, Finding, Parameter, Unexplained, Withdrawn,
-};
+use crate::accept::outcome::Outcome;
+use crate::conclude::diagnosis::{Alternative, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
 use crate::conclude::errors::Errors;
+use crate::conclude::extrapolation::extrapolations;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
-use crate::conclude::floor::{NoiseFloor, Verdict};
-use crate::conclude::partition::Partition;
+use crate::conclude::floor::NoiseFloor;
+use crate::conclude::held_out::HeldOutIntervals;
+use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
+use crate::conclude::verdict::{Variances, verdict};
+use crate::contest::names::{NameProbabilities, name_probabilities};
 use crate::data::{derived, payload};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -23,30 +24,28 @@ use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
 use crate::model::prepared::with_loads;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::observation::typical_sd;
 use crate::problem::outliers::Outliers;
+use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample};
-use truepose_identify::{Fit, FittedNonlinear, Residuals, repeats, student_quantile};
+use truepose_identify::{Fit, FittedNonlinear, ResidualVariance, Residuals, repeats, student_quantile};
 
 /// Forms the result.
 pub(crate) fn conclude(
     context: &Context<'_>,
     outcome: Outcome,
     partition: Partition<'_>,
-    withdrawn: Option<Withdrawn>,
+    (withdrawn, nested): (Option<Withdrawn>, Option<[Residuals; 2]>),
     declared_fit: &DeclaredFit<'_>,
 ) -> Result<Diagnosis, DiscoverError> {
     let held = partition.data.select(&partition.holdout_rows);
     let wanted = context.options.competing_fits;
-    let Outcome { model, refused, mut untestable, last, stopped } = outcome;
-    let LastScreen { p_value, detectable_gain } = last;
-    let Model { findings: accepted, current, .. } = model;
-    // Findings were testable, in the directions that the model does not absorb.
-    untestable
-        .retain(|u| !accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place));
+    let Outcome { model, refused, untestable, last, stopped } = outcome;
+    let (accepted, current) = (model.findings.clone(), Arc::clone(&model.current));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = match found.is_empty() {
         true => current.fit.clone(),
@@ -54,10 +53,18 @@ pub(crate) fn conclude(
     };
     let mut before = errors(&declared, context.data, &held)?;
     let mut after = errors(&current.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
+    if partition.held_out == HeldOut::NestedFolds {
+        let [declared, enlarged] = match nested {
+            Some(pair) => pair,
+            None => model.both_refitted(context)?,
+        };
+        after.holdout = if found.is_empty() { declared.clone() } else { enlarged };
+        before.holdout = declared;
+    }
 
     let all = with_loads(partition.data, &found);
     let judged = Linearisation::new(&current.fit, &all, context.options)?;
-    let trial = Trial::new(context, &current, &found, &judged, &partition);
+    let trial = Trial::new(context, &current, &found, &judged, &partition)?;
     // Errors with the first findings only, on the same training rows.
     let between: Vec<_> =
         (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
@@ -74,6 +81,11 @@ pub(crate) fn conclude(
     let mut findings = Vec::new();
     for (k, accepted) in accepted.iter().enumerate() {
         let effects = context.effects_of(&found, k);
+        let names = name_probabilities(
+            (&found[k], accepted.evidence.p_surrogates),
+            &accepted.competitors,
+            context.policy(),
+        );
         findings.push(Finding {
             parameters: parameters(&fit, &found[k], effects.clone()),
             shape: shape(&fit, &effects),
@@ -83,11 +95,13 @@ pub(crate) fn conclude(
             },
             candidate: found[k].clone(),
             p_value: accepted.evidence.p_value,
+            name_probability: names.own,
+            unnamed_probability: names.unnamed,
             evidence: Some(accepted.evidence.clone()),
             train: (steps[k].0, steps[k + 1].0),
             holdout: (steps[k].1, steps[k + 1].1),
             alternatives: match declared_fit.full_report {
-                true => alternatives(context, &trial, k, &accepted.competitors)?,
+                true => alternatives(context, &trial, (k, &names), &accepted.competitors)?,
                 false => Vec::new(),
             },
             trace: match declared_fit.full_report {
@@ -116,36 +130,52 @@ pub(crate) fn conclude(
         findings.push(outlier_finding(&outside, rms, (held, held)));
     }
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
-    let repeats_after = repeats(&current.fit, &current.data);
-    let noise_floor = NoiseFloor::of(repeats_after.as_ref(), partition.data);
-    let verdict =
-        noise_floor.verdict(stopped, repeats_after.as_ref(), &after, context.policy().verdict_level);
-    let train = |errors: &Errors| errors.spreads_without_outliers().0.rms;
-    let beyond = noise_floor.beyond(train(&before), train(&after));
+    let trusted = partition.stated_scale.is_one();
+    let variances = Variances {
+        before: ResidualVariance::of(&declared, &context.prepared(&[], &current.outliers.suspects)),
+        after: ResidualVariance::of(&current.fit, &current.data),
+    };
+    // Repeats of the test set count as well: what poses of one configuration scatter by is no matter of the model.
+    let left = variances.after.as_ref();
+    let noise_floor = NoiseFloor::of(&fit.fitted, &data, left, trusted, context.policy())?;
+    let last = (last.p_value, last.detectable_gain);
+    let (verdict, unexplained) = self::verdict(&noise_floor, stopped, variances, last, context.policy());
+    // Findings were testable, in the directions that the model does not absorb.
+    let found_there = |u: &Untestable| {
+        accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place)
+    };
+    let assumed = current.fit.noise.floor(typical_sd(&current.data));
+    let ratio = noise_floor.rms.map_or(1.0, |rms| rms / assumed);
+    let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
+    let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
+    let intervals =
+        HeldOutIntervals::of(&before, &after, &held, context.budget().bootstrap, context.options.seed);
+    let extrapolations = match declared_fit.full_report {
+        true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
+        false => Vec::new(),
+    };
     Ok(Diagnosis {
         placement: partition.placement.clone(),
         findings,
         refused,
         competitors,
         repeats_before: repeats(&declared, context.data),
-        repeats_after,
+        repeats_after: repeats(&current.fit, &current.data),
         before,
         after,
         withdrawn,
         noise_floor,
         verdict,
-        unexplained: Unexplained {
-            significant: verdict == Verdict::Unexplained,
-            rms: beyond.map(|(rms, _)| rms),
-            share_of_variance: beyond.map(|(_, share)| share),
-            p_value,
-            detectable_gain,
-        },
+        unexplained,
+        intervals,
+        extrapolations,
+        stated_scale: partition.stated_scale,
         stopped,
         fit,
         declared,
         data,
         untestable,
+        held_out: partition.held_out,
         holdout_rows: partition.holdout_rows,
     })
 }
@@ -217,18 +247,20 @@ fn shape(fit: &Fit, effects: &Range<usize>) -> Vec<Parameter> {
 fn alternatives(
     context: &Context<'_>,
     trial: &Trial<'_>,
-    which: usize,
+    (which, names): (usize, &NameProbabilities),
     competitors: &[(Candidate, f64)],
 ) -> Result<Vec<Alternative>, DiscoverError> {
     let unnamed =
         competitors.iter().filter(|(r, _)| !r.family.is_named()).nth(context.budget().listed_unnamed);
     let last = unnamed.map_or(f64::INFINITY, |(_, behind)| *behind);
-    let listed = competitors.iter().filter(|(r, behind)| r.family.is_named() || *behind < last);
+    let listed = competitors.iter().zip(&names.each);
+    let listed = listed.filter(|((r, behind), _)| r.family.is_named() || *behind < last);
     let listed: Vec<_> = listed.take(context.budget().listed).collect();
     listed
         .par_iter()
-        .map(|(candidate, behind)| {
+        .map(|((candidate, behind), probability)| {
             Ok(Alternative {
+                probability: **probability,
                 family: candidate.family,
                 place: candidate.place.clone(),
                 holdout: trial.instead(which, candidate)?.1,
@@ -271,6 +303,8 @@ fn outlier_finding(outside: &Outliers, rms: (f64, f64), holdout: (f64, f64)) -> 
     Finding {
         candidate: Candidate::new(Arc::new(Outlying), variant),
         p_value: outside.p_value,
+        name_probability: 1.0,
+        unnamed_probability: 0.0,
         evidence: None,
         holdout,
         train: rms,

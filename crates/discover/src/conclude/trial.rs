@@ -21,6 +21,13 @@ pub(crate) struct Trial<'a> {
     found: &'a [Candidate],
     linearisation: &'a Linearisation<'a>,
     partition: &'a Partition<'a>,
+    splits: Vec<TrialSplit<'a>>,
+}
+
+/// One partition of the rows, with the linearised fit of its first part.
+struct TrialSplit<'a> {
+    fitted: Vec<usize>,
+    judged: Vec<usize>,
     linear: Linear<'a>,
 }
 
@@ -32,18 +39,18 @@ impl<'a> Trial<'a> {
         found: &'a [Candidate],
         linearisation: &'a Linearisation<'a>,
         partition: &'a Partition<'a>,
-    ) -> Self {
-        let mut usable = vec![false; partition.data.len()];
-        partition.train_rows.iter().for_each(|&row| usable[row] = true);
-        current.outliers.suspects.iter().for_each(|&row| usable[partition.train_rows[row]] = false);
-        Trial {
-            context,
-            current,
-            found,
-            linearisation,
-            partition,
-            linear: Linear::new(linearisation, &usable),
-        }
+    ) -> Result<Self, DiscoverError> {
+        let suspects = current.outliers.suspects.iter().map(|&row| partition.train_rows[row]);
+        let mut good = vec![true; partition.data.len()];
+        suspects.for_each(|row| good[row] = false);
+        let split = |(fitted, judged): (Vec<usize>, Vec<usize>)| {
+            let mut usable = vec![false; partition.data.len()];
+            fitted.iter().filter(|&&row| good[row]).for_each(|&row| usable[row] = true);
+            TrialSplit { linear: Linear::new(linearisation, &usable), fitted, judged }
+        };
+        let splits = partition.splits(context.budget().refit_folds, context.options.seed)?;
+        let splits = splits.into_iter().map(split).collect();
+        Ok(Trial { context, current, found, linearisation, partition, splits })
     }
 
     /// With the first `count` findings only.
@@ -91,13 +98,14 @@ impl<'a> Trial<'a> {
             return self.fitted(without, with);
         }
         let effects: Vec<_> = without.map(|k| self.context.effects_of(self.found, k)).collect();
-        let left = self.linear.left(&effects, with)?;
-        let rms = |rows: &[usize]| {
-            let seen = rows.iter().map(|&row| left[row]).filter(|v| v.is_finite());
-            let (sum, count) = seen.fold((0.0, 0usize), |(sum, count), v| (sum + v, count + 1));
-            (sum / count.max(1) as f64).sqrt()
-        };
-        Ok((rms(&self.partition.train_rows), rms(&self.partition.holdout_rows)))
+        let mut sums = [Sum::default(); 2];
+        for split in &self.splits {
+            let left = split.linear.left(&effects, with)?;
+            for (sum, rows) in sums.iter_mut().zip([&split.fitted, &split.judged]) {
+                rows.iter().for_each(|&row| sum.add(left[row]));
+            }
+        }
+        Ok((sums[0].rms(), sums[1].rms()))
     }
 
     fn fitted(
@@ -113,12 +121,39 @@ impl<'a> Trial<'a> {
         };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
-        let data = self.context.prepared(&found, &self.current.outliers.suspects);
-        let fit = self.context.fitted_by(&found, &data, &options)?;
-        let rms = |rows: &[usize]| -> Result<f64, DiscoverError> {
-            let part = with_loads(&self.partition.data.select(rows), &found);
-            Ok(Residuals::of(&fit.fitted, &part)?.positions().rms)
-        };
-        Ok((rms(&self.partition.train_rows)?, rms(&self.partition.holdout_rows)?))
+        let all = with_loads(self.partition.data, &found);
+        let prepared = self.context.prepared(&found, &self.current.outliers.suspects);
+        let mut sums = [Sum::default(); 2];
+        for TrialSplit { fitted, judged, .. } in &self.splits {
+            // Rows of the fit, as numbers in the searched rows.
+            let searched: Vec<usize> =
+                fitted.iter().filter_map(|row| self.partition.train_rows.binary_search(row).ok()).collect();
+            let fit = self.context.fitted_by(&found, &prepared.select(&searched), &options)?;
+            for (sum, rows) in sums.iter_mut().zip([fitted, judged]) {
+                let residuals = Residuals::of(&fit.fitted, &all.select(rows))?;
+                (0..rows.len()).filter_map(|k| residuals.distance(k)).for_each(|d| sum.add(d * d));
+            }
+        }
+        Ok((sums[0].rms(), sums[1].rms()))
+    }
+}
+
+/// Mean of squares that are known.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    squares: f64,
+    count: usize,
+}
+
+impl Sum {
+    fn add(&mut self, square: f64) {
+        if square.is_finite() {
+            self.squares += square;
+            self.count += 1;
+        }
+    }
+
+    fn rms(self) -> f64 {
+        (self.squares / self.count.max(1) as f64).sqrt()
     }
 }

@@ -9,6 +9,8 @@ use crate::contest::look_ahead;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
+use crate::hypotheses::family::Family;
+use crate::hypotheses::place::Place;
 use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
@@ -39,7 +41,7 @@ pub(crate) fn contest(
     let present = Likelihood::new(linearisation, &DMatrix::zeros(linearisation.len(), 0), &visits)?;
     let mut causes = screen.causes(linearisation);
     causes.retain(|cause| !barred.iter().any(|b| b.family == cause.family && b.place == cause.place));
-    let mut found: Vec<Vec<Competitor>> = selected(linearisation, &causes)
+    let mut found: Vec<Vec<Competitor>> = selected(linearisation, &causes, screen.opener())
         .par_iter()
         .map(|cause| refined_variants(linearisation, screen, &visits, cause))
         .collect::<Result<_, _>>()?;
@@ -65,14 +67,22 @@ pub(crate) fn contest(
     Ok(Contest { present, competitors })
 }
 
-/// The best groups of candidates, and the best group of every named family that has none among them.
-fn selected<'a>(linearisation: &Linearisation<'_>, causes: &'a [Cause]) -> Vec<&'a Cause> {
+/// The best groups of candidates, the one with the smallest p, and the best group of every named family that has none among them.
+fn selected<'a>(
+    linearisation: &Linearisation<'_>,
+    causes: &'a [Cause],
+    opener: Option<(Family, Place)>,
+) -> Vec<&'a Cause> {
     let penalty = penalty_per_coefficient(linearisation.len());
     let mut selected: Vec<&Cause> = causes.iter().take(linearisation.budget.causes).collect();
     for cause in causes.iter().skip(linearisation.budget.causes) {
         let (_, gain, freedom) = &cause.variants[0];
         let known = selected.iter().any(|other| other.family == cause.family);
-        if cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0 {
+        let opens =
+            opener.as_ref().is_some_and(|(family, place)| (*family, place) == (cause.family, &cause.place));
+        if opens {
+            selected.push(cause);
+        } else if cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0 {
             selected.push(cause);
         }
     }

@@ -21,7 +21,6 @@ use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use crate::statistics::coefficients::CoefficientDistribution;
-use crate::statistics::surprisal::Surprisal;
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
 
@@ -34,7 +33,7 @@ pub(crate) struct Competitor {
     pub freedom: usize,
     /// Score statistic of the screen with these nonlinear parameters, and its surprisal.
     pub gain: f64,
-    pub surprisal: Surprisal,
+    pub surprisal: f64,
     pub score: f64,
     /// π: the part of the score that is neither likelihood nor coefficient penalty.
     pub log_prior_odds: f64,

@@ -23,7 +23,7 @@ fn held(chain: &Chain, data: &Dataset, options: &DiscoverOptions, see: impl FnOn
     let fit = fitted(chain, data);
     let linearisation = Linearisation::new(&fit, data, options).unwrap();
     let screen = Screen::new(&linearisation, &options.library, &[]);
-    let p = screen.null(options.flips, options.seed).p_value(screen.largest());
+    let p = screen.null(&linearisation, options.rotations, options.seed).unwrap().p_value(screen.largest());
     see(&contest(&linearisation, &screen, &[], true).unwrap(), p);
 }
 
@@ -48,7 +48,7 @@ fn a_transmission_error_wins_at_its_joint_with_its_period() {
 #[test]
 fn the_order_of_rows_and_where_the_base_stands_change_nothing() {
     let (chain, data) = measured(0.7);
-    let options = DiscoverOptions { flips: 499, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { rotations: 499, ..DiscoverOptions::default() };
     let mut first = None;
     held(&chain, &data, &options, |contest, p| {
         first = Some((contest.competitors[0].candidate.words(), contest.competitors[0].score, p));

@@ -9,9 +9,14 @@ use rand_chacha::ChaCha8Rng;
 use std::borrow::Cow;
 use truepose_errormodel::{Dataset, Visits};
 
+/// Whether so many rows are searched on a sample.
+pub(crate) fn is_sampled(rows: usize, most: usize) -> bool {
+    rows > most + most / 4
+}
+
 /// The data, or a random sample of its poses, in their order. All rows of a pose are in the sample or none.
 pub(crate) fn sample(data: &Dataset, seed: u64, most: usize) -> Cow<'_, Dataset> {
-    if data.len() <= most + most / 4 {
+    if !is_sampled(data.len(), most) {
         return Cow::Borrowed(data);
     }
     let taken = sampled(data, seed, most);
@@ -21,7 +26,7 @@ pub(crate) fn sample(data: &Dataset, seed: u64, most: usize) -> Cow<'_, Dataset>
 
 /// Which rows are in the sample.
 pub(crate) fn sampled(data: &Dataset, seed: u64, most: usize) -> Vec<bool> {
-    if data.len() <= most + most / 4 {
+    if !is_sampled(data.len(), most) {
         return vec![true; data.len()];
     }
     let visits = Visits::of(data);

@@ -8,6 +8,7 @@
 
 use crate::problem::linearisation::Linearisation;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use statrs::distribution::{Beta, ContinuousCDF};
 use truepose_identify::NoiseModel;
 
 /// The linearised data under one noise model.
@@ -16,6 +17,8 @@ pub(crate) struct Dense {
     design: DMatrix<f64>,
     /// L⁻¹ y, with zeros below.
     target: DVector<f64>,
+    /// The same with its directions along the prior's axes: those that the data estimates have no prior.
+    nuisance: DMatrix<f64>,
     lower: DMatrix<f64>,
     observations: usize,
     /// Raw A and y.
@@ -29,8 +32,8 @@ pub(crate) struct DenseScore {
     pub statistic: f64,
     /// ‖X̃‖²/‖X‖².
     pub left: f64,
-    /// Products of the scores of units along the basis, units × units: free of the basis that was chosen.
-    pub by_unit: DMatrix<f64>,
+    /// −ln P(Beta(k/2, (ν − k)/2) ≥ SS/RSS).
+    pub surprisal: f64,
 }
 
 impl Dense {
@@ -50,12 +53,36 @@ impl Dense {
         let r = linearisation.base.ncols();
         let prior = linearisation.prior.clone().unwrap_or_else(|| DMatrix::zeros(0, r));
         let raw = (linearisation.base.clone(), linearisation.y.clone());
-        let mut dense = Dense { design: prior, target: DVector::zeros(0), lower, observations: m, raw };
+        let nothing = DMatrix::zeros(0, 0);
+        let mut dense = Dense {
+            design: prior,
+            target: DVector::zeros(0),
+            nuisance: nothing,
+            lower,
+            observations: m,
+            raw,
+        };
+        dense.nuisance = dense.nuisance(&dense.design);
         dense.design = dense.over(&dense.raw.0, &dense.design);
         let below = DMatrix::zeros(dense.design.nrows() - m, 1);
         let target = DMatrix::from_column_slice(m, 1, dense.raw.1.as_slice());
         dense.target = dense.over(&target, &below).column(0).into_owned();
         dense
+    }
+
+    /// The singular directions of L⁻¹ A W⁻¹: those of at least three standard deviations of the prior without its rows.
+    fn nuisance(&self, prior: &DMatrix<f64>) -> DMatrix<f64> {
+        let r = prior.ncols();
+        let Some(inverse) = prior.clone().try_inverse() else {
+            return self.over(&self.raw.0, &DMatrix::zeros(prior.nrows(), r));
+        };
+        let scaled = self.over(&(&self.raw.0 * inverse), &DMatrix::zeros(r, r));
+        let svd = scaled.clone().svd(false, true);
+        let turned = &scaled * svd.v_t.expect("asked for").transpose();
+        let held = DMatrix::from_diagonal(&svd.singular_values.map(|s| if s >= 3.0 { 0.0 } else { 1.0 }));
+        let mut all = turned;
+        all.rows_mut(self.observations, r).copy_from(&held);
+        all
     }
 
     /// Whitened rows over others.
@@ -70,8 +97,10 @@ impl Dense {
     pub fn with(mut self, more: &DMatrix<f64>) -> Self {
         let below = DMatrix::zeros(self.design.nrows() - self.observations, more.ncols());
         let (more, r) = (self.over(more, &below), self.design.ncols());
-        self.design = self.design.resize_horizontally(r + more.ncols(), 0.0);
-        self.design.columns_mut(r, more.ncols()).copy_from(&more);
+        for columns in [&mut self.design, &mut self.nuisance] {
+            *columns = std::mem::take(columns).resize_horizontally(r + more.ncols(), 0.0);
+            columns.columns_mut(r, more.ncols()).copy_from(&more);
+        }
         self
     }
 
@@ -81,10 +110,10 @@ impl Dense {
     }
 
     /// The score of raw columns, of which directions with less than `absorbed` left are dropped; none when nothing is left.
-    pub fn score(&self, x: &DMatrix<f64>, unit: &[usize], absorbed: f64) -> Option<DenseScore> {
-        let size = self.design.row_iter().len();
+    pub fn score(&self, x: &DMatrix<f64>, absorbed: f64) -> Option<DenseScore> {
+        let size = self.nuisance.nrows();
         let x = self.over(x, &DMatrix::zeros(size - self.observations, x.ncols()));
-        let basis = self.design.clone().qr().q();
+        let basis = self.nuisance.clone().qr().q();
         let project = |z: &DMatrix<f64>| z - &basis * (basis.transpose() * z);
         let target = DMatrix::from_column_slice(size, 1, self.target.as_slice());
         let (residual, left) = (project(&target), project(&x));
@@ -102,20 +131,16 @@ impl Dense {
                 .map(|&k| &scaled * eigen.eigenvectors.column(k) / eigen.eigenvalues[k].sqrt())
                 .collect::<Vec<_>>(),
         );
-        let units = unit.iter().max().map_or(0, |last| last + 1);
-        let mut sums: DMatrix<f64> = DMatrix::zeros(units, kept.len());
-        for at in 0..self.observations {
-            for k in 0..kept.len() {
-                sums[(unit[at], k)] += directions[(at, k)] * residual[(at, 0)];
-            }
-        }
-        // Scores are sums over observations: a prior's rows belong to no unit.
-        let squares = sums.row_sum().norm_squared();
+        let squares = directions.tr_mul(&residual).norm_squared();
+        let fraction = squares / residual.norm_squared();
+        let rows = self.nuisance.row_iter().filter(|row| row.amax() > 0.0).count();
+        let (k, freedom) = (kept.len() as f64, (rows - self.nuisance.ncols()) as f64);
+        let beta = Beta::new(0.5 * k, 0.5 * (freedom - k)).expect("positive");
         Some(DenseScore {
             freedom: kept.len(),
-            statistic: -(self.observations as f64) * (1.0 - squares / residual.norm_squared()).ln(),
+            statistic: -(self.observations as f64) * (1.0 - fraction).ln(),
             left: left.norm_squared() / x.norm_squared(),
-            by_unit: &sums * sums.transpose(),
+            surprisal: -beta.sf(fraction).ln(),
         })
     }
 

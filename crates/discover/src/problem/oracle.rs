@@ -42,22 +42,15 @@ fn close(a: f64, b: f64, tolerance: f64, what: &str) {
 }
 
 #[track_caller]
-fn same_score(
-    fast: Option<&Score>,
-    dense: &Dense,
-    x: &DMatrix<f64>,
-    (unit, absorbed): (&[usize], f64),
-    what: &str,
-) {
-    let expected = dense.score(x, unit, absorbed);
+fn same_score(fast: Option<&Score>, dense: &Dense, x: &DMatrix<f64>, absorbed: f64, what: &str) {
+    let expected = dense.score(x, absorbed);
     assert_eq!(fast.map(|s| s.freedom), expected.as_ref().map(|s| s.freedom), "{what}");
     if let (Some(fast), Some(expected)) = (fast, expected) {
         close(fast.gain, expected.statistic, 1e-6, what);
         close(fast.share, expected.left, 1e-6, what);
-        // Scores of units are kept in single precision.
-        let by_unit = fast.by_unit.map(f64::from);
-        let difference = (&by_unit * by_unit.transpose() - &expected.by_unit).amax();
-        assert!(difference <= 1e-4 * expected.by_unit.amax(), "{what}: {difference}");
+        if expected.surprisal < 300.0 {
+            close(fast.surprisal, expected.surprisal, 1e-5, what);
+        }
     }
 }
 
@@ -69,7 +62,7 @@ fn scores_through_tables_are_those_of_whole_matrices() {
     linearisation.noise = NOISE;
     let projection = Projection::new(&linearisation);
     let dense = Dense::new(&linearisation, NOISE);
-    let how = (&projection.unit[..], options.policy.absorbed);
+    let how = options.policy.absorbed;
     let (mut absorbed, mut judged) = (0, 0);
     for candidate in candidates(&chain, &data) {
         let x = linearisation.columns_of(&candidate).unwrap();
@@ -91,7 +84,7 @@ fn scores_beside_further_columns_are_those_of_the_larger_model() {
     let more = DMatrix::from_fn(linearisation.len(), 3, |i, j| 1e-4 * wave(31 * i + j));
     let larger = projection.with(&more).expect("three directions");
     let dense = Dense::new(&linearisation, NOISE).with(&more);
-    let how = (&projection.unit[..], options.policy.absorbed);
+    let how = options.policy.absorbed;
     for candidate in candidates(&chain, &data).into_iter().step_by(2) {
         let x = linearisation.columns_of(&candidate).unwrap();
         let score = larger.judge(&linearisation, &candidate);

@@ -1,24 +1,15 @@
 //! What the present model leaves, and candidates with everything that it explains projected out.
 //!
 //! ```text
-//! [A; W] = [Q_1; Q_2] R,   r̃ = y − Q_1 Q_1ᵀ y,   X̃ = X − Q_1 Q_1ᵀ X,   X̃ᵀX̃ (with the prior's rows) = XᵀX − (Q_1ᵀX)ᵀ Q_1ᵀX
+//! A W⁻¹ = U Σ Vᵀ,   Q = [Q_1; Q_2] orthonormal basis of [U_s Σ_s, U_w Σ_w; 0, 1],   s: σ ≥ 3,   w: σ < 3
+//! r̃ = y − Q_1 Q_1ᵀ y,   X̃ = X − Q_1 Q_1ᵀ X,   X̃ᵀX̃ (with the prior's rows) = XᵀX − (Q_1ᵀX)ᵀ Q_1ᵀX
 //! ```
 //!
-//! all whitened. With an orthonormal basis T of the projected candidate, `SS = ‖Tᵀ Xᵀ r̃‖²` is what it would take from
-//! the sum of squares RSS (score test, no refit), and `LR = −m ln(1 − SS/RSS)`. Statistics of different numbers of
-//! unknowns are compared by how surprising they are. A direction of which the present model already
-//! explains nearly all is left out: there the data cannot speak for the candidate.
-//!
-//! What causes that have not been found yet do to a visit they do to all of its numbers, so that m numbers are worth less, and a candidate
-//! may shine in a few visits alone. If each visit had a sign by chance, its share would have, with b_u its scores of one visit and
-//! B those of all (units × k),
-//!
-//! ```text
-//! E SS = Σ_u ‖b_u‖²,   Var SS = 2 (‖BᵀB‖² − Σ_u ‖b_u‖⁴)
-//! ```
-//!
-//! (of k directions in white noise k and 2k deviations squared). How surprising the share is *among visits* is told from the beta law with
-//! these moments; how surprising it is among numbers, from LR.
+//! all whitened. Directions s are estimated by the data; directions w are held by the prior W and count as random effects of its width. With an
+//! orthonormal basis T of the projected candidate, `SS = ‖Tᵀ Xᵀ r̃‖²` is its part of the sum of squares RSS (score test, no
+//! refit), and `LR = −m ln(1 − SS/RSS)`. Candidates of different numbers of coefficients are compared by the p of SS/RSS as a single test,
+//! `Beta(k/2, (ν − k)/2)` ([`crate::statistics::beta`]). A direction of which the present model explains nearly all is left out: the data
+//! cannot judge it.
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -26,10 +17,10 @@ use crate::hypotheses::change::Change;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
-use crate::statistics::beta::FractionDistribution;
+use crate::statistics::beta::surprisal;
 use crate::statistics::product::{cross, orthonormal};
-use crate::statistics::surprisal::Surprisal;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
+use truepose_identify::NoiseModel;
 
 /// The present model, projected out.
 pub(crate) struct Projection {
@@ -44,13 +35,10 @@ pub(crate) struct Projection {
     pub residual: DVector<f64>,
     /// ‖r̃‖² with the prior's rows.
     pub rss: f64,
-    /// The exchangeable unit of each number, and how many there are.
-    pub unit: Vec<usize>,
-    pub units: usize,
-    /// Q_1 ∘ r̃ summed over each unit, units × r.
-    pub q_by_unit: DMatrix<f64>,
-    /// ‖P S r̃‖² as it is to be expected with random signs S of the units.
-    flipped: f64,
+    /// ν: dimension of the space in which the direction of the residual is uniform when nothing is missing.
+    pub freedom: usize,
+    /// For each of the last columns of Q_1, of directions that the prior holds as much as the data: its length in the prior's rows.
+    pub held: Vec<f64>,
     pub tables: Tables,
 }
 
@@ -71,51 +59,47 @@ pub(crate) struct Score {
     pub freedom: usize,
     /// −m ln(1 − SS/RSS).
     pub gain: f64,
-    /// Of the share that it takes by chance.
-    pub distribution: FractionDistribution,
-    /// How surprising that is.
-    pub surprisal: Surprisal,
+    /// −ln p of the fraction that it explains, as a single test.
+    pub surprisal: f64,
     /// Share of the candidate that the present model does not absorb, ‖X̃‖²/‖X‖².
     pub share: f64,
-    /// Scores of the units along the orthonormal basis, units × freedom.
-    pub by_unit: DMatrix<f32>,
+    /// T: makes the projected columns orthonormal, k × freedom.
+    pub basis: DMatrix<f32>,
 }
 
+/// Directions whose singular value, of the whitened columns in standard deviations of the prior, is at least this are estimated by the data;
+/// weaker ones are shrunk by the prior to less than nine tenths, and count as random effects of its width.
+const ESTIMATED: f64 = 3.0;
+
 impl Projection {
+    /// Under the noise of the present model.
     pub fn new(linearisation: &Linearisation<'_>) -> Self {
-        let whitener = linearisation.whitener(linearisation.noise);
-        let mut joined = linearisation.base.clone();
-        whitener.apply(&mut joined);
+        Projection::under(linearisation, linearisation.noise)
+    }
+
+    /// Under another noise model.
+    pub fn under(linearisation: &Linearisation<'_>, noise: NoiseModel) -> Self {
+        let whitener = linearisation.whitener(noise);
+        let columns = whitener.of(&linearisation.base);
         let y = whitener.of(&DMatrix::from_column_slice(linearisation.len(), 1, linearisation.y.as_slice()));
-        let m = linearisation.len();
-        let extra = linearisation.prior.as_ref().map_or(0, DMatrix::nrows);
-        joined = joined.resize_vertically(m + extra, 0.0);
-        if let Some(prior) = &linearisation.prior {
-            joined.rows_mut(m, extra).copy_from(prior);
-        }
-        let q = orthonormal(joined);
-        let (top, bottom) = (q.rows(0, m).into_owned(), q.rows(m, extra).into_owned());
         let y = y.column(0).into_owned();
-        let along = top.tr_mul(&y);
-        let residual = &y - &top * &along;
-        let rss = residual.norm_squared() + (&bottom * &along).norm_squared();
-        let merge = linearisation.visits.div_ceil(linearisation.budget.units).max(1);
-        let unit: Vec<usize> = linearisation.observations.iter().map(|o| o.visit / merge).collect();
-        let units = linearisation.visits.div_ceil(merge);
-        let q_by_unit = by_unit(&top, &residual, &unit, units);
-        let tables = Tables::new(linearisation, &whitener, (&top, &residual), &unit);
-        let flipped = flipped(&residual, &q_by_unit);
+        let (q, held) = directions(columns, linearisation.prior.as_ref());
+        let along = q.tr_mul(&y);
+        let residual = &y - &q * &along;
+        let first = q.ncols() - held.len();
+        let in_prior: f64 = held.iter().enumerate().map(|(k, h)| (h * along[first + k]).powi(2)).sum();
+        let rss = residual.norm_squared() + in_prior;
+        let tables = Tables::new(linearisation, &whitener, (&q, &residual));
+        let freedom = linearisation.len().saturating_sub(first);
         Projection {
             absorbed: linearisation.policy.absorbed,
             whitener,
-            q: top,
+            q,
             y,
             residual,
             rss,
-            unit,
-            units,
-            q_by_unit,
-            flipped,
+            freedom,
+            held,
             tables,
         }
     }
@@ -124,18 +108,15 @@ impl Projection {
     pub fn with(&self, more: &DMatrix<f64>) -> Option<Self> {
         let (new, explained) = self.directions(more)?;
         let residual = &self.residual - &new * &explained;
-        let r = self.q.ncols();
-        let mut q = self.q.clone().resize_horizontally(r + new.ncols(), 0.0);
-        q.columns_mut(r, new.ncols()).copy_from(&new);
-        let q_by_unit = by_unit(&q, &residual, &self.unit, self.units);
+        let (r, k) = (self.q.ncols(), new.ncols());
+        let mut q = self.q.clone().resize_horizontally(r + k, 0.0);
+        q.columns_mut(r, k).copy_from(&new);
         Some(Projection {
             whitener: self.whitener.clone(),
             absorbed: self.absorbed,
             rss: self.rss - explained.norm_squared(),
-            unit: self.unit.clone(),
-            units: self.units,
-            flipped: flipped(&residual, &q_by_unit),
-            q_by_unit,
+            freedom: self.freedom.saturating_sub(k),
+            held: self.held.clone(),
             tables: self.tables.with(&new, &residual),
             q,
             y: self.y.clone(),
@@ -180,6 +161,19 @@ impl Projection {
         Ok(accumulated)
     }
 
+    /// Whitened columns of a candidate, m × k.
+    pub fn columns(
+        &self,
+        linearisation: &Linearisation<'_>,
+        candidate: &Candidate,
+    ) -> Result<DMatrix<f32>, DiscoverError> {
+        let accumulated = self.accumulate(linearisation, candidate)?;
+        Ok(match accumulated.dense {
+            Some(columns) => columns.map(|v| v as f32),
+            None => self.tables.whitened(&accumulated.emitted, accumulated.sums.raw.ncols()),
+        })
+    }
+
     /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
     pub fn beside(
         &self,
@@ -188,27 +182,52 @@ impl Projection {
     ) -> Option<Vec<Option<(f64, usize)>>> {
         let (new, explained) = self.directions(more)?;
         let projected = self.tables.projected_sites(&new);
-        let residual = &self.residual - &new * &explained;
         let rss = self.rss - explained.norm_squared();
-        // Columns of Q_1 are orthogonal to r̃ only together with the prior's rows.
-        let (known, added) = (self.q.tr_mul(&residual), new.tr_mul(&residual));
         let gain = |accumulated: &&Accumulated| {
             let along = match &accumulated.dense {
                 Some(columns) => cross(&new, columns),
                 None => projected.along(&accumulated.emitted, accumulated.sums.raw.ncols()),
             };
-            let Sums { along: before, raw, by_unit } = &accumulated.sums;
+            let Sums { along: before, raw, score } = &accumulated.sums;
             let left = raw - cross(before, before) - cross(&along, &along);
             let basis = basis(raw, &left, self.absorbed)?;
             // X̃ᵀ r̃ with the new r̃.
-            let score = by_unit.row_sum().transpose()
-                - along.tr_mul(&explained)
-                - before.tr_mul(&known)
-                - along.tr_mul(&added);
+            let score = score - along.tr_mul(&explained);
             let squares = basis.tr_mul(&score).norm_squared();
             Some((self.gain(squares, rss), basis.ncols()))
         };
         Some(accumulated.iter().map(gain).collect())
+    }
+
+    /// Fraction of RSS that raw columns (m × k) explain; zero when nothing of them is left.
+    pub fn explained(&self, columns: &DMatrix<f64>) -> f64 {
+        let x = self.whitener.of(columns);
+        let along = cross(&self.q, &x);
+        let score = x.tr_mul(&self.residual);
+        self.judged(&cross(&x, &x), &along, &score)
+            .map_or(0.0, |score| 1.0 - (-score.gain / self.len() as f64).exp())
+    }
+
+    /// Scores along the orthonormal basis of raw columns (m × k), summed by pose: poses × freedom; none when nothing of them is left.
+    pub fn scores_by(
+        &self,
+        columns: &DMatrix<f64>,
+        pose: impl Iterator<Item = usize>,
+    ) -> Option<DMatrix<f64>> {
+        let x = self.whitener.of(columns);
+        let along = cross(&self.q, &x);
+        let raw = cross(&x, &x);
+        let basis = basis(&raw, &(&raw - cross(&along, &along)), self.absorbed)?;
+        let left = (x - &self.q * along) * basis;
+        let pose: Vec<usize> = pose.collect();
+        let count = pose.iter().max().map_or(0, |last| last + 1);
+        let mut scores = DMatrix::zeros(count, left.ncols());
+        for (at, &pose) in pose.iter().enumerate() {
+            for k in 0..left.ncols() {
+                scores[(pose, k)] += left[(at, k)] * self.residual[at];
+            }
+        }
+        Some(scores)
     }
 
     /// How many numbers were measured.
@@ -219,20 +238,6 @@ impl Projection {
     /// −m ln(1 − SS/RSS).
     pub fn gain(&self, squares: f64, rss: f64) -> f64 {
         -(self.len() as f64) * (1.0 - (squares / rss).min(1.0 - 1e-12)).ln()
-    }
-
-    /// The law of the share that a candidate with these scores by unit (units × freedom) takes by chance.
-    pub fn fraction_distribution<S: Storage<f64, Dyn, Dyn>>(
-        &self,
-        by_unit: &Matrix<f64, Dyn, Dyn, S>,
-    ) -> FractionDistribution {
-        let of_units = by_unit
-            .row_iter()
-            .map(|b| b.norm_squared())
-            .fold((0.0, 0.0), |(sum, squares), b| (sum + b, squares + b * b));
-        let (mean, fourth) = of_units;
-        let variance = 2.0 * (cross(by_unit, by_unit).norm_squared() - fourth);
-        FractionDistribution::new(mean / self.flipped, variance / self.flipped.powi(2), self.len())
     }
 
     /// How a candidate does; none when nothing of it is left, or the data lacks what it reads.
@@ -248,15 +253,15 @@ impl Projection {
     ) -> Result<Sums, DiscoverError> {
         let Change::Add(effects) = &candidate.change else {
             let x = self.whitener.of(&linearisation.columns_of(candidate)?);
-            let by_unit = by_unit(&x, &self.residual, &self.unit, self.units);
-            return Ok(Sums { along: cross(&self.q, &x), raw: cross(&x, &x), by_unit });
+            let score = x.tr_mul(&self.residual);
+            return Ok(Sums { along: cross(&self.q, &x), raw: cross(&x, &x), score });
         };
         let evaluated = linearisation.evaluate(effects)?;
         let width = evaluated.width();
         let mut sums = Sums {
             along: DMatrix::zeros(self.q.ncols(), width),
             raw: DMatrix::zeros(width, width),
-            by_unit: DMatrix::zeros(self.units, width),
+            score: DVector::zeros(width),
         };
         let stations = self.tables.stations.iter().copied();
         evaluated.each(stations, &mut |visit, entries| self.tables.add(visit, entries, &mut sums))?;
@@ -265,19 +270,18 @@ impl Projection {
 
     /// The score of a candidate; none when nothing of it is left.
     pub fn score(&self, sums: &Sums) -> Option<Score> {
-        self.judged(&sums.raw, &sums.along, &(&sums.by_unit - &self.q_by_unit * &sums.along))
+        self.judged(&sums.raw, &sums.along, &sums.score)
     }
 
-    /// The score from XᵀX, Q_1ᵀX and X̃ ∘ r̃ summed over each unit.
-    pub fn judged<A, B>(
+    /// The score from XᵀX, Q_1ᵀX and Xᵀr̃.
+    pub fn judged<A>(
         &self,
         raw: &DMatrix<f64>,
         along: &Matrix<f64, Dyn, Dyn, A>,
-        by_unit: &Matrix<f64, Dyn, Dyn, B>,
+        score: &DVector<f64>,
     ) -> Option<Score>
     where
         A: Storage<f64, Dyn, Dyn>,
-        B: Storage<f64, Dyn, Dyn>,
     {
         let left = raw - cross(along, along);
         let total = raw.trace();
@@ -285,41 +289,40 @@ impl Projection {
             return None;
         }
         let basis = basis(raw, &left, self.absorbed)?;
-        let by_unit = by_unit * &basis;
         let freedom = basis.ncols();
-        let squares: f64 = by_unit.column_iter().map(|column| column.sum().powi(2)).sum();
-        let distribution = self.fraction_distribution(&by_unit);
+        let squares = basis.tr_mul(score).norm_squared();
         Some(Score {
             freedom,
             gain: self.gain(squares, self.rss),
-            distribution,
-            surprisal: Surprisal::of(
-                self.gain(squares, self.rss),
-                freedom,
-                distribution.surprisal(squares / self.rss),
-            ),
+            surprisal: surprisal(squares / self.rss, freedom, self.freedom),
             share: left.trace() / total,
-            by_unit: by_unit.map(|v| v as f32),
+            basis: basis.map(|v| v as f32),
         })
     }
 }
 
-/// ‖r̃‖² less what is to be expected of ‖Q_1ᵀ S r̃‖².
-fn flipped(residual: &DVector<f64>, q_by_unit: &DMatrix<f64>) -> f64 {
-    let whole = residual.norm_squared();
-    (whole - q_by_unit.norm_squared()).max(1e-3 * whole)
-}
-
-/// Σ over each unit's numbers of column × r̃.
-fn by_unit(columns: &DMatrix<f64>, residual: &DVector<f64>, unit: &[usize], units: usize) -> DMatrix<f64> {
-    let mut sums = DMatrix::zeros(units, columns.ncols());
-    for (k, column) in columns.column_iter().enumerate() {
-        let mut sum = sums.column_mut(k);
-        for ((&unit, value), residual) in unit.iter().zip(column.iter()).zip(residual.iter()) {
-            sum[unit] += value * residual;
-        }
+/// Orthonormal directions of `[A; W]`: those that the data estimates, free of the prior, then those that the prior holds, with the length
+/// of each in the prior's rows.
+fn directions(columns: DMatrix<f64>, prior: Option<&DMatrix<f64>>) -> (DMatrix<f64>, Vec<f64>) {
+    let inverse = prior.and_then(|prior| prior.clone().try_inverse());
+    let Some(inverse) = inverse else { return (orthonormal(columns), Vec::new()) };
+    let scaled = columns * inverse;
+    let eigen = SymmetricEigen::new(cross(&scaled, &scaled));
+    let strong = |&k: &usize| eigen.eigenvalues[k] >= ESTIMATED * ESTIMATED;
+    let (estimated, weak): (Vec<usize>, Vec<usize>) = (0..eigen.eigenvalues.len()).partition(strong);
+    let turned = |which: &[usize]| &scaled * eigen.eigenvectors.select_columns(which);
+    let free = orthonormal(turned(&estimated));
+    let mut q = free.clone().resize_horizontally(estimated.len() + weak.len(), 0.0);
+    let mut rest = turned(&weak);
+    rest -= &free * cross(&free, &rest);
+    let mut held = Vec::new();
+    for (k, mut column) in rest.column_iter_mut().enumerate() {
+        let length = (1.0 + column.norm_squared()).sqrt();
+        column /= length;
+        held.push(1.0 / length);
+        q.set_column(estimated.len() + k, &column);
     }
-    sums
+    (q, held)
 }
 
 /// T with `Tᵀ (left) T = 1`, over directions of which enough is left.

@@ -26,8 +26,6 @@ pub(crate) struct Tables {
     rank: usize,
     /// The first station of each visit.
     pub stations: Vec<usize>,
-    /// The exchangeable unit of each visit.
-    unit: Vec<usize>,
     /// J̃ of all visits.
     jacobian: Arc<DMatrix<f64>>,
     /// The numbers of each visit.
@@ -43,7 +41,6 @@ impl Tables {
         linearisation: &Linearisation<'_>,
         whitener: &Whitener,
         (q, residual): (&DMatrix<f64>, &DVector<f64>),
-        unit: &[usize],
     ) -> Self {
         let (sites, rank) = (linearisation.site_count(), q.ncols());
         let mut jacobian =
@@ -61,13 +58,11 @@ impl Tables {
             observations.push(own);
             station += visit.len();
         }
-        let unit = observations.iter().map(|own| unit[own.start]).collect();
         let scores = scores(&jacobian, residual, &observations);
         Tables {
             sites,
             rank,
             stations,
-            unit,
             jacobian: Arc::new(jacobian),
             observations,
             along: vec![Arc::new(ProjectedSites { sites, rank, along })],
@@ -84,7 +79,6 @@ impl Tables {
             sites: self.sites,
             rank: self.rank + new.ncols(),
             stations: self.stations.clone(),
-            unit: self.unit.clone(),
             jacobian: Arc::clone(&self.jacobian),
             observations: self.observations.clone(),
             along,
@@ -118,7 +112,7 @@ impl Tables {
                 own.iter_mut().zip(projected.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
                 along = rest;
             }
-            sums.by_unit[(self.unit[visit], column)] += value * scores[site];
+            sums.score[column] += value * scores[site];
             sums.raw[(column, column)] += value * value * self.square(visit, site, site);
             for &(other, there, further) in &entries[k + 1..] {
                 let both = value * further * self.square(visit, site, there);
@@ -146,15 +140,11 @@ impl Tables {
     }
 
     /// What one function of the visit does that acts at these sites (site, share).
-    pub fn unit_response(&self, shares: &[(usize, f64)]) -> UnitResponse<'_> {
+    pub fn unit_response(&self, shares: &[(usize, f64)]) -> UnitResponse {
         let visits = self.stations.len();
         let mut along = vec![0.0; visits * self.rank];
-        let mut response = UnitResponse {
-            unit: &self.unit,
-            along: DMatrix::zeros(0, 0),
-            score: vec![0.0; visits],
-            square: vec![0.0; visits],
-        };
+        let mut response =
+            UnitResponse { along: DMatrix::zeros(0, 0), score: vec![0.0; visits], square: vec![0.0; visits] };
         for visit in 0..visits {
             for &(site, share) in shares {
                 let h = self.along.iter().flat_map(|projected| projected.at(visit, site));
@@ -199,6 +189,32 @@ impl ProjectedSites {
     }
 }
 
+impl Tables {
+    /// J̃ᵀz of every visit for each of several z (m × n), site by site: visits × n.
+    pub fn at_sites(&self, z: &DMatrix<f32>) -> Vec<DMatrix<f32>> {
+        let jacobian = self.jacobian.map(|v| v as f32);
+        let mut sites = vec![DMatrix::zeros(self.observations.len(), z.ncols()); self.sites];
+        for (visit, own) in self.observations.iter().enumerate() {
+            let seen = jacobian.rows(own.start, own.len()).tr_mul(&z.rows(own.start, own.len()));
+            for (site, row) in seen.row_iter().enumerate() {
+                sites[site].set_row(visit, &row);
+            }
+        }
+        sites
+    }
+
+    /// Whitened columns of a candidate's entries (visit, column, site, value), m × width.
+    pub fn whitened(&self, entries: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f32> {
+        let mut columns = DMatrix::<f64>::zeros(self.jacobian.nrows(), width);
+        for &(visit, column, site, value) in entries {
+            for at in self.observations[visit].clone() {
+                columns[(at, column)] += value * self.jacobian[(at, site)];
+            }
+        }
+        columns.map(|v| v as f32)
+    }
+}
+
 /// c of every visit.
 fn scores(jacobian: &DMatrix<f64>, residual: &DVector<f64>, observations: &[Range<usize>]) -> Vec<f64> {
     let sites = jacobian.ncols();
@@ -214,9 +230,7 @@ fn scores(jacobian: &DMatrix<f64>, residual: &DVector<f64>, observations: &[Rang
 
 /// What a function of the visit that acts at fixed sites does, per unit of it.
 #[derive(Debug)]
-pub(crate) struct UnitResponse<'t> {
-    /// The exchangeable unit of each visit.
-    unit: &'t [usize],
+pub(crate) struct UnitResponse {
     /// Q_1ᵀ of each visit's pulse, r × visits.
     along: DMatrix<f64>,
     /// Its product with r̃.
@@ -225,7 +239,7 @@ pub(crate) struct UnitResponse<'t> {
     pub square: Vec<f64>,
 }
 
-impl UnitResponse<'_> {
+impl UnitResponse {
     /// XᵀX of functions of the visit, visits × k.
     pub fn products<S: Storage<f64, Dyn, Dyn>>(&self, columns: &Matrix<f64, Dyn, Dyn, S>) -> DMatrix<f64> {
         let k = columns.ncols();
@@ -244,17 +258,10 @@ impl UnitResponse<'_> {
         products
     }
 
-    /// Q_1ᵀX and X̃ ∘ r̃ summed over each unit, of functions of the visit, visits × k.
-    pub fn through(&self, columns: &DMatrix<f64>, q_by_unit: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
-        let along = &self.along * columns;
-        let mut by_unit = q_by_unit * &along;
-        by_unit.neg_mut();
-        for (mut sums, column) in by_unit.column_iter_mut().zip(columns.column_iter()) {
-            for ((&unit, value), score) in self.unit.iter().zip(column.iter()).zip(&self.score) {
-                sums[unit] += value * score;
-            }
-        }
-        (along, by_unit)
+    /// Q_1ᵀX and Xᵀr̃ of functions of the visit, visits × k.
+    pub fn through(&self, columns: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+        let score = DVector::from_column_slice(&self.score);
+        (&self.along * columns, columns.tr_mul(&score))
     }
 }
 
@@ -265,6 +272,6 @@ pub(crate) struct Sums {
     pub along: DMatrix<f64>,
     /// XᵀX, k × k.
     pub raw: DMatrix<f64>,
-    /// X ∘ r̃ summed over each unit, units × k.
-    pub by_unit: DMatrix<f64>,
+    /// Xᵀr̃, k.
+    pub score: DVector<f64>,
 }

@@ -10,9 +10,8 @@
 //! to two. Symbols: [`crate::contest::competitor`].
 
 use crate::accept::accepted::Accepted;
-use crate::accept::evidence::{collect, parametric};
+use crate::accept::evidence::collect;
 use crate::accept::model::Model;
-use crate::accept::winner::family_wise_p;
 use crate::contest::competition::contest;
 use crate::contest::competitor::{cost, log_prior_odds, outcompeted, with_estimates};
 use crate::error::DiscoverError;
@@ -20,7 +19,8 @@ use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
-use crate::screen::candidates::{Screen, TestCounts};
+use crate::screen::candidates::Screen;
+use crate::screen::multiplicity::Multiplicity;
 use nalgebra::DMatrix;
 use std::ops::Range;
 use truepose_errormodel::Visits;
@@ -31,7 +31,7 @@ pub(crate) fn merged(
     context: &Context<'_>,
     model: &Model,
     which: usize,
-    test_counts: &TestCounts,
+    multiplicity: &Multiplicity,
 ) -> Result<Option<Model>, DiscoverError> {
     let findings = &model.findings;
     for other in (0..findings.len()).rev().filter(|&k| k != which) {
@@ -39,7 +39,7 @@ pub(crate) fn merged(
             continue;
         }
         let pair = [which.min(other), which.max(other)];
-        if let Some(one) = one_for_both(context, model, pair, test_counts)? {
+        if let Some(one) = one_for_both(context, model, pair, multiplicity)? {
             let mut findings = findings.clone();
             findings[pair[0]] = one;
             findings.remove(pair[1]);
@@ -54,7 +54,7 @@ fn one_for_both(
     context: &Context<'_>,
     model: &Model,
     pair: [usize; 2],
-    test_counts: &TestCounts,
+    multiplicity: &Multiplicity,
 ) -> Result<Option<Accepted>, DiscoverError> {
     let options = context.options;
     let others = model.others(&pair);
@@ -62,7 +62,7 @@ fn one_for_both(
     let both = pair.map(|k| &model.findings[k]);
     let linearisation = Linearisation::new(&fewer.fit, &fewer.data, options)?;
     let shortlist: Vec<Candidate> = both.iter().flat_map(|a| a.shortlist.iter().cloned()).collect();
-    let screen = Screen::again(&linearisation, &options.library, (&shortlist, &others), test_counts);
+    let screen = Screen::again(&linearisation, &options.library, (&shortlist, &others), &multiplicity.counts);
     let contest = contest(&linearisation, &screen, &others, false)?;
     let Some(best) = contest.competitors.iter().min_by(|a, b| a.score.total_cmp(&b.score)) else {
         return Ok(None);
@@ -83,8 +83,8 @@ fn one_for_both(
     if best.score > score + options.policy.tie {
         return Ok(None);
     }
-    let p = (family_wise_p(context, &linearisation, &others, best), parametric(&screen, best));
-    let evidence = collect(&linearisation, &contest.present, best, p, options.seed)?;
+    let p = multiplicity.null.p_value(best.surprisal);
+    let evidence = collect(&linearisation, (&screen, &contest.present), best, p, options)?;
     let competitors = outcompeted(&contest.competitors, best, &options.policy);
     Ok(Some(Accepted { candidate: with_estimates(best), evidence, competitors, shortlist }))
 }

@@ -6,9 +6,8 @@
 //! smaller score is replaced.
 
 use crate::accept::accepted::Accepted;
-use crate::accept::evidence::{Evidence, collect, parametric};
+use crate::accept::evidence::{Evidence, collect};
 use crate::accept::model::Model;
-use crate::accept::winner::family_wise_p;
 use crate::contest::competition::{Contest, contest};
 use crate::contest::competitor::{Competitor, competitor, outcompeted, with_estimates};
 use crate::error::DiscoverError;
@@ -18,7 +17,8 @@ use crate::policy::Policy;
 use crate::problem::likelihood::without as lacking;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
-use crate::screen::candidates::{Screen, TestCounts};
+use crate::screen::candidates::Screen;
+use crate::screen::multiplicity::Multiplicity;
 use truepose_errormodel::Visits;
 
 /// Tests each of the first `count` findings again with all others in the model; true when the model changed.
@@ -26,14 +26,15 @@ pub(crate) fn reconsidered(
     context: &Context<'_>,
     mut model: Model,
     count: usize,
-    test_counts: &TestCounts,
+    multiplicity: &Multiplicity,
 ) -> Result<(Model, bool), DiscoverError> {
     let (mut at, mut iterations) = (0, 0);
     let mut moved = false;
     while at < count.min(model.findings.len()) && iterations < 2 * count {
         iterations += 1;
         let others = model.others(&[at]);
-        let Reselection { contest, winner, evidence } = without(context, &model, at, (&others, test_counts))?;
+        let Reselection { contest, winner, evidence } =
+            without(context, &model, at, (&others, multiplicity))?;
         let mut findings = model.findings.clone();
         let Some(winner) = winner.map(|k| &contest.competitors[k]) else {
             // The other findings explain it.
@@ -85,12 +86,13 @@ fn without(
     context: &Context<'_>,
     model: &Model,
     at: usize,
-    (others, test_counts): (&[Candidate], &TestCounts),
+    (others, multiplicity): (&[Candidate], &Multiplicity),
 ) -> Result<Reselection, DiscoverError> {
     let Accepted { candidate, shortlist, .. } = &model.findings[at];
     let options = context.options;
     let held = |linearisation: &Linearisation<'_>| {
-        let screen = Screen::again(linearisation, &options.library, (shortlist, others), test_counts);
+        let screen =
+            Screen::again(linearisation, &options.library, (shortlist, others), &multiplicity.counts);
         // The periods of a transmission were found with fewer effects in the model: they are searched again.
         let mut contest =
             contest(linearisation, &screen, others, candidate.periodic_in(linearisation.chain()).is_some())?;
@@ -109,8 +111,8 @@ fn without(
         let another = winner.map(|k| &contest.competitors[k]).filter(|r| !r.candidate.same_cause(candidate));
         let tested = |best: &Competitor| {
             // The p-value of a replacement is its own, from a full screen.
-            let p = (family_wise_p(context, linearisation, others, best), parametric(&screen, best));
-            collect(linearisation, &contest.present, best, p, options.seed)
+            let p = multiplicity.null.p_value(best.surprisal);
+            collect(linearisation, (&screen, &contest.present), best, p, options)
         };
         let evidence = another.map(tested).transpose()?;
         Ok(Reselection { contest, winner, evidence })

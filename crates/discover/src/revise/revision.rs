@@ -6,29 +6,29 @@ use crate::error::DiscoverError;
 use crate::model::current::Context;
 use crate::revise::merge::merged;
 use crate::revise::reconsider::reconsidered;
-use crate::screen::candidates::TestCounts;
+use crate::screen::multiplicity::Multiplicity;
 
 /// After a new finding: every other one is reconsidered, and the new one is merged with another one where a
 /// single candidate explains both.
 pub(crate) fn after_finding(
     context: &Context<'_>,
     model: Model,
-    test_counts: &TestCounts,
+    multiplicity: &Multiplicity,
 ) -> Result<Model, DiscoverError> {
     let revised = guarded(context, model, |model| {
         let newest = model.findings.len() - 1;
-        let (mut model, mut changed) = reconsidered(context, model, newest, test_counts)?;
+        let (mut model, mut changed) = reconsidered(context, model, newest, multiplicity)?;
         if changed {
             // The newest finding was selected with other findings in the model.
             let count = model.findings.len();
-            model = reconsidered(context, model, count, test_counts)?.0;
+            model = reconsidered(context, model, count, multiplicity)?.0;
         }
         let last = model.findings.len().checked_sub(1);
         if let Some(last) = last
-            && let Some(merged) = merged(context, &model, last, test_counts)?
+            && let Some(merged) = merged(context, &model, last, multiplicity)?
         {
             let count = merged.findings.len();
-            model = reconsidered(context, merged, count, test_counts)?.0;
+            model = reconsidered(context, merged, count, multiplicity)?.0;
             changed = true;
         }
         Ok((model, changed))
@@ -40,10 +40,10 @@ pub(crate) fn after_finding(
 pub(crate) fn reconsidered_once(
     context: &Context<'_>,
     model: Model,
-    test_counts: &TestCounts,
+    multiplicity: &Multiplicity,
 ) -> Result<(Model, bool), DiscoverError> {
     let count = model.findings.len();
-    guarded(context, model, |model| reconsidered(context, model, count, test_counts))
+    guarded(context, model, |model| reconsidered(context, model, count, multiplicity))
 }
 
 /// Optimises the nonlinear parameters of all findings jointly. Returns the model and whether it changed.

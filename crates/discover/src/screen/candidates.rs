@@ -1,5 +1,6 @@
 //! One pass over all candidates: no refit, everything that the present model explains projected out.
 
+use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::hypotheses::family::Family;
@@ -12,21 +13,12 @@ use crate::problem::projection::{Projection, Score};
 use crate::screen::functions::Functions;
 use crate::screen::periodogram;
 use crate::screen::periodogram::Periodogram;
-use crate::significance::sign_flips::{Block, NullDistribution};
-use crate::statistics::surprisal::Surprisal;
-use nalgebra::DMatrix;
+use crate::screen::screened::Screened;
+use crate::significance::rotation::{Largest, NullDistribution, Rotations};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use truepose_errormodel::AnyEffect;
-
-/// A candidate and its score; none where the data cannot judge it.
-pub(crate) struct Screened {
-    pub candidate: Candidate,
-    pub score: Option<Score>,
-    /// Whether it does anything at all to the measured numbers.
-    pub acts: bool,
-}
 
 /// How many separate questions were asked of each family.
 pub(crate) type TestCounts = BTreeMap<Family, usize>;
@@ -36,6 +28,7 @@ pub(crate) struct Screen {
     pub projection: Projection,
     pub candidates: Vec<Screened>,
     pub periods: Vec<Periodogram>,
+    functions: Option<Functions>,
     /// How many separate questions were asked of each family.
     test_counts: TestCounts,
     library: Library,
@@ -127,51 +120,62 @@ impl Screen {
                 periodogram::scan(linearisation, &projection, joint, &periodogram::grid(linearisation, joint))
             })
             .collect();
-        Screen { projection, candidates, periods, test_counts: BTreeMap::new(), library: library.clone() }
+        Screen {
+            projection,
+            candidates,
+            periods,
+            functions,
+            test_counts: BTreeMap::new(),
+            library: library.clone(),
+        }
     }
 
-    /// The largest statistics over everything that was looked at.
-    pub fn largest(&self) -> Surprisal {
+    /// The largest surprisal over everything that was looked at.
+    pub fn largest(&self) -> f64 {
         let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprisal);
         let waves = self.periods.iter().flat_map(|p| p.surprisals.iter().copied());
-        single.chain(waves).fold(Surprisal::NONE, Surprisal::max)
+        single.chain(waves).fold(0.0, f64::max)
     }
 
-    /// What the largest statistic would be if nothing were missing.
-    pub fn null(&self, flips: usize, seed: u64) -> NullDistribution {
-        /// Columns in one product.
-        const WIDTH: usize = 1024;
-        let mut joined: Vec<Block> = Vec::new();
-        let scores: Vec<&Score> = self.candidates.iter().filter_map(|s| s.score.as_ref()).collect();
-        let mut next = 0;
-        while next < scores.len() {
-            let (mut width, first) = (0, next);
-            while next < scores.len() && (width == 0 || width + scores[next].freedom <= WIDTH) {
-                width += scores[next].freedom;
-                next += 1;
-            }
-            let mut block = DMatrix::zeros(self.projection.units, width);
-            let mut column = 0;
-            for score in &scores[first..next] {
-                block.columns_mut(column, score.freedom).copy_from(&score.by_unit);
-                column += score.freedom;
-            }
-            let each = scores[first..next].iter().map(|score| (score.freedom, score.distribution)).collect();
-            joined.push(Block { by_unit: block, each });
+    /// The distribution of the largest surprisal if nothing were missing.
+    pub fn null(
+        &self,
+        linearisation: &Linearisation<'_>,
+        rotations: usize,
+        seed: u64,
+    ) -> Result<NullDistribution, DiscoverError> {
+        let rotations = Rotations::new(&self.projection, rotations, seed);
+        let tables = &self.projection.tables;
+        let at = tables.at_sites(&rotations.directions);
+        let functions = self.functions.as_ref();
+        let mut largest = functions.map_or_else(
+            || rotations.nothing(),
+            |f| f.largest(linearisation, &self.candidates, &rotations, &at),
+        );
+        let others: Vec<(&Candidate, &Score)> = self
+            .candidates
+            .iter()
+            .filter_map(|s| Some((&s.candidate, s.score.as_ref()?)))
+            .filter(|(candidate, _)| functions.and_then(|f| f.place(linearisation, candidate)).is_none())
+            .collect();
+        let parts: Vec<Largest> = others
+            .par_chunks(64)
+            .map(|chunk| -> Result<Largest, DiscoverError> {
+                let mut largest = rotations.nothing();
+                for (candidate, score) in chunk {
+                    let columns = self.projection.columns(linearisation, candidate)?;
+                    rotations.add(&mut largest, &columns.tr_mul(&rotations.directions), &score.basis);
+                }
+                Ok(largest)
+            })
+            .collect::<Result<_, _>>()?;
+        for part in parts {
+            largest = largest.with(part);
         }
         for wave in &self.periods {
-            let mut first = 0;
-            while first < wave.periods.len() {
-                let count = (WIDTH / 2).min(wave.periods.len() - first);
-                let each = wave.distributions[first..first + count]
-                    .iter()
-                    .map(|&distribution| (2, distribution))
-                    .collect();
-                joined.push(Block { by_unit: wave.by_unit.columns(2 * first, 2 * count).into_owned(), each });
-                first += count;
-            }
+            largest = largest.with(wave.largest(&rotations, &at));
         }
-        NullDistribution::new(&self.projection, &joined, flips, seed)
+        Ok(largest.distribution(self.projection.freedom))
     }
 
     /// Causes, best first: each by the variant whose gain best pays for its unknowns.
@@ -213,6 +217,15 @@ impl Screen {
         }
         causes.sort_by(|a, b| worth(&b.variants[0]).total_cmp(&worth(&a.variants[0])));
         causes
+    }
+
+    /// Family and place of the smallest p of the screen.
+    pub fn opener(&self) -> Option<(Family, Place)> {
+        let single = self.candidates.iter().filter_map(|s| Some((s.score.as_ref()?.surprisal, &s.candidate)));
+        let (largest, candidate) = single.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let waves = self.periods.iter().any(|p| p.surprisals.iter().any(|&s| s > largest));
+        // The best periods of every joint are among the causes in any case.
+        (!waves).then(|| (candidate.family, candidate.place.clone()))
     }
 
     /// How many tests were made: candidates that the data can judge, and periods.

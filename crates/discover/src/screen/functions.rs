@@ -6,6 +6,8 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::series::{Series, functions, series};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
+use crate::screen::screened::Screened;
+use crate::significance::rotation::{Largest, Rotations};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -18,6 +20,10 @@ pub(crate) struct Functions {
     sets: Vec<(Vec<Factor>, Range<usize>)>,
     /// By frame, then by set.
     scores: Vec<Vec<AtFrame>>,
+    /// The sites of each frame's components.
+    sites: Vec<[usize; 6]>,
+    /// Of every visit, visits × functions.
+    values: DMatrix<f32>,
 }
 
 /// Scores of one set of functions at one frame.
@@ -67,9 +73,8 @@ impl Functions {
             .into_par_iter()
             .map(|frame| {
                 let sites = Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis)));
-                let response = sites.map(|site| projection.tables.unit_response(&[(site, 1.0)]));
-                let through =
-                    response.each_ref().map(|response| response.through(&values, &projection.q_by_unit));
+                let unit_response = sites.map(|site| projection.tables.unit_response(&[(site, 1.0)]));
+                let through = unit_response.each_ref().map(|unit_response| unit_response.through(&values));
                 let part =
                     |m: &DMatrix<f64>, own: &Range<usize>| m.columns(own.start, own.len()).into_owned();
                 sets.iter()
@@ -77,8 +82,9 @@ impl Functions {
                     .map(|((_, own), together)| {
                         let functions = part(&values, own);
                         let single = std::array::from_fn(|k| {
-                            let raw = response[k].products(&functions);
-                            projection.judged(&raw, &part(&through[k].0, own), &part(&through[k].1, own))
+                            let raw = unit_response[k].products(&functions);
+                            let score = through[k].1.rows(own.start, own.len()).into_owned();
+                            projection.judged(&raw, &part(&through[k].0, own), &score)
                         });
                         let all = together.contains(&frame).then(|| {
                             let raw = projection.tables.products(&sites, &functions);
@@ -95,15 +101,84 @@ impl Functions {
                                 DMatrix::from_columns(&columns)
                             };
                             let along = side_by_side(through.each_ref().map(|t| &t.0));
-                            let by_unit = side_by_side(through.each_ref().map(|t| &t.1));
-                            projection.judged(&raw, &along, &by_unit)
+                            let score = through.iter().flat_map(|t| {
+                                t.1.rows(own.start, own.len()).iter().copied().collect::<Vec<_>>()
+                            });
+                            let score = nalgebra::DVector::from_iterator(6 * own.len(), score);
+                            projection.judged(&raw, &along, &score)
                         });
                         AtFrame { single, all }
                     })
                     .collect()
             })
             .collect();
-        Ok(Functions { sets, scores })
+        let sites = linearisation
+            .chain()
+            .frames()
+            .map(|frame| Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis))))
+            .collect();
+        Ok(Functions { sets, scores, sites, values: values.map(|v| v as f32) })
+    }
+
+    /// The largest explained fractions of these candidates, of which those of this form are taken in, under random rotations: `at` are the
+    /// rotations at every site.
+    pub fn largest(
+        &self,
+        linearisation: &Linearisation<'_>,
+        candidates: &[Screened],
+        rotations: &Rotations,
+        at: &[DMatrix<f32>],
+    ) -> Largest {
+        let mut by_frame: Vec<Vec<(usize, Option<usize>, &Score)>> = vec![Vec::new(); self.sites.len()];
+        for screened in candidates {
+            let (Some(score), Some((frame, set, component))) =
+                (&screened.score, self.place(linearisation, &screened.candidate))
+            else {
+                continue;
+            };
+            by_frame[frame].push((set, component, score));
+        }
+        self.sites
+            .par_iter()
+            .zip(by_frame)
+            .map(|(sites, candidates)| {
+                let mut largest = rotations.nothing();
+                let products: Vec<DMatrix<f32>> =
+                    sites.iter().map(|&site| self.values.tr_mul(&at[site])).collect();
+                for (set, component, score) in candidates {
+                    let own = &self.sets[set].1;
+                    match component {
+                        Some(k) => {
+                            rotations.add(&mut largest, &products[k].rows(own.start, own.len()), &score.basis)
+                        }
+                        None => {
+                            let mut all = DMatrix::zeros(6 * own.len(), products[0].ncols());
+                            for (k, product) in products.iter().enumerate() {
+                                all.rows_mut(k * own.len(), own.len())
+                                    .copy_from(&product.rows(own.start, own.len()));
+                            }
+                            rotations.add(&mut largest, &all, &score.basis);
+                        }
+                    }
+                }
+                largest
+            })
+            .reduce(|| rotations.nothing(), Largest::with)
+    }
+
+    /// (Frame, set of functions, component or all) of a candidate; none when it has another form.
+    pub fn place(
+        &self,
+        linearisation: &Linearisation<'_>,
+        candidate: &Candidate,
+    ) -> Option<(usize, usize, Option<usize>)> {
+        let Series { factors, frame, components } = series(candidate)?;
+        let set = position(&self.sets, factors)?;
+        let at = linearisation.chain().frames().position(|known| known == frame)?;
+        match components {
+            [axis] => Some((at, set, Some(Axis::ALL.iter().position(|known| known == axis)?))),
+            _ => self.scores[at][set].all.as_ref().map(|_| (at, set, None)),
+        }
     }
 
     /// The score of a candidate; none when it has another form.

@@ -32,7 +32,7 @@ fn functions_and_periods_score_as_whole_matrices_do() {
     for candidate in candidates.iter().step_by(37) {
         let Some(fast) = functions.score(&linearisation, candidate) else { continue };
         let x = linearisation.columns_of(candidate).unwrap();
-        let expected = dense.score(&x, &projection.unit, absorbed);
+        let expected = dense.score(&x, absorbed);
         assert_eq!(
             fast.as_ref().map(|s| s.freedom),
             expected.as_ref().map(|s| s.freedom),
@@ -58,7 +58,7 @@ fn functions_and_periods_score_as_whole_matrices_do() {
     assert!(periods.len() > 10);
     for (&period, &fast) in periods.iter().zip(&periodogram.gains) {
         let x = linearisation.columns(&[Box::new(Transmission::of(joint, period))]).unwrap();
-        let expected = dense.score(&x, &projection.unit, absorbed).expect("two directions");
+        let expected = dense.score(&x, absorbed).expect("two directions");
         assert!(close(fast, expected.statistic), "{period}: {fast} {}", expected.statistic);
     }
 }

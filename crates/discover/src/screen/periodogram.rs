@@ -4,9 +4,8 @@
 //! dense as the visited range can tell apart, four to a cycle over it.
 
 use crate::problem::linearisation::Linearisation;
-use crate::problem::projection::{Projection, basis};
-use crate::statistics::beta::FractionDistribution;
-use crate::statistics::surprisal::Surprisal;
+use crate::problem::projection::Projection;
+use crate::significance::rotation::{Largest, Rotations};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -17,11 +16,13 @@ pub(crate) struct Periodogram {
     pub joint: JointId,
     pub periods: Vec<f64>,
     pub gains: Vec<f64>,
-    pub surprisals: Vec<Surprisal>,
-    /// Of the share that each takes by chance.
-    pub distributions: Vec<FractionDistribution>,
-    /// Units × 2 columns a period.
-    pub by_unit: DMatrix<f32>,
+    /// −ln p of each, as a single test.
+    pub surprisals: Vec<f64>,
+    /// Bases of the projected columns.
+    bases: Vec<Option<DMatrix<f32>>>,
+    /// The sites of the joint's motion with their shares, and its values.
+    shares: Vec<(usize, f64)>,
+    values: Vec<f64>,
 }
 
 /// Frequencies handled at once.
@@ -62,39 +63,21 @@ pub(crate) fn scan(
     if periods.is_empty() || response.square.iter().sum::<f64>() <= 0.0 {
         return None;
     }
-    let parts: Vec<(Vec<PeriodScore>, DMatrix<f32>)> = periods
+    let parts: Vec<Vec<(f64, f64, Option<DMatrix<f32>>)>> = periods
         .par_chunks(BATCH)
         .map(|batch| {
-            let mut waves = DMatrix::zeros(values.len(), 2 * batch.len());
-            for (k, period) in batch.iter().enumerate() {
-                for (at, &value) in values.iter().enumerate() {
-                    let (sine, cosine) = (TAU * value / period).sin_cos();
-                    waves[(at, 2 * k)] = sine;
-                    waves[(at, 2 * k + 1)] = cosine;
-                }
-            }
-            let (along, sums) = response.through(&waves, &projection.q_by_unit);
-            let mut told = Vec::with_capacity(batch.len());
-            let mut by_unit = DMatrix::<f32>::zeros(projection.units, 2 * batch.len());
-            for k in 0..batch.len() {
-                let raw = response.products(&waves.columns(2 * k, 2));
-                let pair = along.columns(2 * k, 2);
-                let left = &raw - pair.tr_mul(&pair);
-                let Some(turn) = basis(&raw, &left, projection.absorbed) else {
-                    told.push(PeriodScore::absorbed());
-                    continue;
-                };
-                let scores = sums.columns(2 * k, 2) * &turn;
-                let squares: f64 = scores.column_iter().map(|c| c.sum().powi(2)).sum();
-                let distribution = projection.fraction_distribution(&scores);
-                let gain = projection.gain(squares, projection.rss);
-                let surprisal = Surprisal::of(gain, 2, distribution.surprisal(squares / projection.rss));
-                told.push(PeriodScore { gain, surprisal, distribution });
-                for (j, column) in scores.column_iter().enumerate() {
-                    by_unit.column_mut(2 * k + j).copy_from(&column.map(|v| v as f32));
-                }
-            }
-            (told, by_unit)
+            let waves = waves(&values, batch);
+            let (along, scores) = response.through(&waves);
+            (0..batch.len())
+                .map(|k| {
+                    let raw = response.products(&waves.columns(2 * k, 2));
+                    let score = scores.rows(2 * k, 2).into_owned();
+                    match projection.judged(&raw, &along.columns(2 * k, 2), &score) {
+                        Some(score) => (score.gain, score.surprisal, Some(score.basis)),
+                        None => (0.0, 0.0, None),
+                    }
+                })
+                .collect()
         })
         .collect();
     let mut whole = Periodogram {
@@ -102,40 +85,59 @@ pub(crate) fn scan(
         periods: periods.to_vec(),
         gains: Vec::new(),
         surprisals: Vec::new(),
-        distributions: Vec::new(),
-        by_unit: DMatrix::zeros(projection.units, 2 * periods.len()),
+        bases: Vec::new(),
+        shares,
+        values,
     };
-    for (told, by_unit) in parts {
-        whole.by_unit.columns_mut(2 * whole.gains.len(), by_unit.ncols()).copy_from(&by_unit);
-        for wave in told {
-            whole.gains.push(wave.gain);
-            whole.surprisals.push(wave.surprisal);
-            whole.distributions.push(wave.distribution);
-        }
+    for (gain, surprisal, basis) in parts.into_iter().flatten() {
+        whole.gains.push(gain);
+        whole.surprisals.push(surprisal);
+        whole.bases.push(basis);
     }
     Some(whole)
 }
 
-/// What one period does.
-struct PeriodScore {
-    gain: f64,
-    surprisal: Surprisal,
-    distribution: FractionDistribution,
-}
-
-impl PeriodScore {
-    /// Nothing of it is left beside the present model.
-    fn absorbed() -> Self {
-        PeriodScore { gain: 0.0, surprisal: Surprisal::NONE, distribution: FractionDistribution::none() }
+/// Sine and cosine of each period, visits × 2 periods.
+fn waves(values: &[f64], periods: &[f64]) -> DMatrix<f64> {
+    let mut waves = DMatrix::zeros(values.len(), 2 * periods.len());
+    for (k, period) in periods.iter().enumerate() {
+        for (at, &value) in values.iter().enumerate() {
+            let (sine, cosine) = (TAU * value / period).sin_cos();
+            waves[(at, 2 * k)] = sine;
+            waves[(at, 2 * k + 1)] = cosine;
+        }
     }
+    waves
 }
 
 impl Periodogram {
     /// The period that is most surprising among visits: (period, gain, surprise).
     pub fn strongest(&self) -> Option<(f64, f64, f64)> {
-        let surprisal = |k: &usize| self.surprisals[*k].among_poses;
+        let surprisal = |k: &usize| self.surprisals[*k];
         let best = (0..self.periods.len()).max_by(|a, b| surprisal(a).total_cmp(&surprisal(b)))?;
         Some((self.periods[best], self.gains[best], surprisal(&best)))
+    }
+
+    /// The largest explained fractions under random rotations.
+    pub fn largest(&self, rotations: &Rotations, at: &[DMatrix<f32>]) -> Largest {
+        let mut motion = DMatrix::<f32>::zeros(self.values.len(), rotations.directions.ncols());
+        self.shares.iter().for_each(|&(site, share)| motion += &at[site] * share as f32);
+        let chunks: Vec<usize> = (0..self.periods.len()).step_by(BATCH).collect();
+        chunks
+            .into_par_iter()
+            .map(|first| {
+                let last = (first + BATCH).min(self.periods.len());
+                let scores =
+                    waves(&self.values, &self.periods[first..last]).map(|v| v as f32).tr_mul(&motion);
+                let mut largest = rotations.nothing();
+                for k in first..last {
+                    if let Some(basis) = &self.bases[k] {
+                        rotations.add(&mut largest, &scores.rows(2 * (k - first), 2), basis);
+                    }
+                }
+                largest
+            })
+            .reduce(|| rotations.nothing(), Largest::with)
     }
 
     /// Local maxima, best first: (period, gain).

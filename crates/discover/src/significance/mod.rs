@@ -1,5 +1,6 @@
-//! Family-wise p-values by resampling.
+//! Family-wise p-values by random rotations, and their check by sign flips.
 
 #[cfg(test)]
 mod calibration;
+pub(crate) mod rotation;
 pub(crate) mod sign_flips;

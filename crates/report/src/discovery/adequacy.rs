@@ -24,8 +24,8 @@ pub struct LackOfFitSummary {
 pub enum NoiseReference {
     /// Repeated pose measurements of the same configurations (pure error).
     Repeats,
-    /// The residual itself, by a resampling test (sign flips of whole pose measurements).
-    SignFlips,
+    /// The residual itself, by a rotation test.
+    Rotations,
 }
 
 /// The residual that no effect of the model explains.
@@ -36,8 +36,20 @@ pub struct UnexplainedSummary {
     /// 3-D RMS beyond the repeatability limit, mm; none where no estimate of that is known.
     #[serde(default)]
     pub rms_mm: Option<f64>,
+    /// Its 95 % interval, mm.
+    #[serde(default)]
+    pub ci95_mm: Option<[f64; 2]>,
     /// Its fraction of the residual variance of the declared model, signed; none where no estimate of the limit is known.
     pub share_of_variance: Option<f64>,
+    /// Its 95 % interval.
+    #[serde(default)]
+    pub share_ci95: Option<[f64; 2]>,
+    /// 3-D RMS of the residual with what the parameters of the model took from it given back, mm.
+    #[serde(default)]
+    pub residual_rms_mm: Option<f64>,
+    /// p-value of the lack of fit against the repeatability limit; none where that does not come from poses.
+    #[serde(default)]
+    pub lack_of_fit_p: Option<f64>,
     /// Smallest family-wise p-value of the last screening.
     pub p_value: f64,
 }
@@ -49,7 +61,7 @@ impl LackOfFitSummary {
         };
         let repeats = found.repeats_before.as_ref();
         LackOfFitSummary {
-            against: if repeats.is_some() { NoiseReference::Repeats } else { NoiseReference::SignFlips },
+            against: if repeats.is_some() { NoiseReference::Repeats } else { NoiseReference::Rotations },
             pure_error_mm: repeats.map(|r| r.rms * 1e3),
             before: p(&found.repeats_before),
             after: p(&found.repeats_after),
@@ -62,8 +74,12 @@ impl UnexplainedSummary {
         let unexplained = &found.unexplained;
         UnexplainedSummary {
             significant: unexplained.significant,
-            rms_mm: unexplained.rms.map(|rms| 1e3 * rms),
-            share_of_variance: unexplained.share_of_variance,
+            rms_mm: unexplained.rms.map(|rms| 1e3 * rms.value),
+            ci95_mm: unexplained.rms.map(|rms| rms.ci95.map(|end| 1e3 * end)),
+            share_of_variance: unexplained.share_of_variance.map(|share| share.value),
+            share_ci95: unexplained.share_of_variance.map(|share| share.ci95),
+            residual_rms_mm: unexplained.residual.map(|rms| 1e3 * rms),
+            lack_of_fit_p: unexplained.lack_of_fit.map(|lack| lack.p_value),
             p_value: unexplained.p_value,
         }
     }
@@ -76,8 +92,37 @@ pub struct NoiseFloorSummary {
     pub rms_mm: Option<f64>,
     /// Source of the estimate.
     pub source: FloorSource,
-    /// Its 95 % interval, mm; none where the value is a bound.
+    /// Its 95 % interval, mm; none where the limit is unknown.
     pub ci95_mm: Option<[f64; 2]>,
+    /// Lower bound, mm: stated accuracy of the instrument or scatter within a dwell, without the repeatability of the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_least_mm: Option<f64>,
+    /// Upper bound, mm: from differences between neighbouring poses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_most_mm: Option<f64>,
+    /// Independent differences between pose measurements behind it.
+    #[serde(default)]
+    pub repeats: usize,
+    /// Poses to measure a second time for an interval of ± 25 %.
+    #[serde(default)]
+    pub missing_repeats: usize,
+}
+
+/// Factors with which stated standard deviations that exceed the scatter were multiplied.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StatedScaleSummary {
+    /// Of positions.
+    pub position: f64,
+    /// Of orientations.
+    pub orientation: f64,
+}
+
+impl StatedScaleSummary {
+    pub(super) fn of(found: &Diagnosis) -> Option<Self> {
+        let scale = found.stated_scale;
+        let summary = StatedScaleSummary { position: scale.position, orientation: scale.orientation };
+        (!scale.is_one()).then_some(summary)
+    }
 }
 
 /// Findings that were withdrawn.
@@ -129,6 +174,10 @@ impl NoiseFloorSummary {
             rms_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             source: found.noise_floor.source,
             ci95_mm: found.noise_floor.ci95.map(|ends| ends.map(|end| 1e3 * end)),
+            at_least_mm: found.noise_floor.at_least.map(|rms| 1e3 * rms),
+            at_most_mm: found.noise_floor.at_most.map(|rms| 1e3 * rms),
+            repeats: found.noise_floor.repeats,
+            missing_repeats: found.noise_floor.missing_repeats,
         }
     }
 }

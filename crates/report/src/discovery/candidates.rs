@@ -2,7 +2,7 @@
 
 use super::effects::BeforeAfter;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Place, Refused, Untestable};
+use truepose_discover::{Diagnosis, Place, Refused, Untestable};
 
 /// A candidate that was tested and not added.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,8 +32,14 @@ pub struct UntestableSummary {
     pub place: Place,
     /// Fraction of its effect that the declared model does not absorb.
     pub share: f64,
-    /// Smallest 3-D RMS that would be detected, mm; none when it has no effect on this data.
+    /// Information on its best direction, in inverse squares of its prior standard deviation; below one it is not testable.
+    #[serde(default)]
+    pub information: f64,
+    /// 3-D RMS that would be detected with 80 % probability, mm; none when it has no effect on this data.
     pub detectable_rms_mm: Option<f64>,
+    /// What to measure to make it testable.
+    #[serde(default)]
+    pub advice: String,
 }
 
 impl RefusedSummary {
@@ -55,12 +61,14 @@ impl RefusedSummary {
 }
 
 impl UntestableSummary {
-    pub(super) fn new(untestable: &Untestable) -> Self {
+    pub(super) fn new(untestable: &Untestable, found: &Diagnosis) -> Self {
         UntestableSummary {
             family: untestable.family.word().into(),
             place: untestable.place.clone(),
             share: untestable.share,
+            information: untestable.information,
             detectable_rms_mm: untestable.detectable.map(|d| d * 1e3),
+            advice: super::advice::advice(untestable, found),
         }
     }
 

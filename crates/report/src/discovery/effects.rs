@@ -1,5 +1,6 @@
 //! The findings of a discovery with their competing hypotheses.
 
+use crate::significant;
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Alternative, Evidence, Finding, Parameter, Place};
 
@@ -23,11 +24,22 @@ pub struct FindingSummary {
     /// 1-based data rows of outliers or a wrong payload.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<usize>,
-    /// Family-wise p-value of the resampling test.
+    /// Family-wise p-value of the effect's existence: rotation test, exact for normal errors.
     pub p_value: f64,
+    /// The same as a single test by sign flips of whole poses, without the assumption of normal errors.
+    pub p_sign_flips: f64,
+    /// For an effect that reads a channel: p among surrogates of that channel (the same record moved in time).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_surrogates: Option<f64>,
+    /// Number of poses on which the effect rests.
+    pub effective_poses: f64,
+    /// Probability of its name (family and place), given that it exists.
+    pub name_probability: f64,
+    /// Probability that the library has no name for it.
+    pub unnamed_probability: f64,
     /// Parametric p-value of the likelihood-ratio statistic.
     pub p_parametric: f64,
-    /// RMS on the held-out test set, mm.
+    /// RMS on held-out rows, mm.
     pub holdout_rms_mm: BeforeAfter,
     /// RMS on the training part, mm.
     pub train_rms_mm: BeforeAfter,
@@ -60,8 +72,10 @@ pub struct AlternativeSummary {
     /// Where the effect acts.
     #[serde(flatten)]
     pub place: Place,
-    /// RMS on the held-out test set with this hypothesis in place of the finding, mm.
+    /// RMS on held-out rows with this hypothesis in place of the finding, mm.
     pub holdout_rms_mm: f64,
+    /// Probability of its name, given that the effect exists.
+    pub probability: f64,
     /// Penalised −2 ln L minus that of the finding: above 0, the data is less likely under this hypothesis.
     pub behind: f64,
     /// True when the hypothesis and the finding are not distinguishable with this data.
@@ -109,6 +123,14 @@ impl FindingSummary {
             at,
             rows: finding.rows.iter().map(|row| row + 1).collect(),
             p_value: finding.p_value,
+            p_sign_flips: finding.evidence.as_ref().map_or(finding.p_value, |evidence| evidence.p_sign_flips),
+            p_surrogates: finding.evidence.as_ref().and_then(|evidence| evidence.p_surrogates),
+            effective_poses: finding
+                .evidence
+                .as_ref()
+                .map_or(finding.rows.len() as f64, |evidence| evidence.effective_poses),
+            name_probability: finding.name_probability,
+            unnamed_probability: finding.unnamed_probability,
             p_parametric: finding.evidence.as_ref().map_or(finding.p_value, |evidence| evidence.p_parametric),
             holdout_rms_mm: mm(finding.holdout),
             train_rms_mm: mm(finding.train),
@@ -125,6 +147,37 @@ impl FindingSummary {
     pub fn name(&self) -> String {
         format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
     }
+
+    /// The probabilities of the names: `joint_compliance j2 (0.93), link_compliance j3 (0.05), none of the library (0.01)`.
+    pub(crate) fn names(&self) -> String {
+        /// Smaller probabilities are left out.
+        const LISTED: f64 = 0.01;
+        let one = |name: &str, p: f64| {
+            format!("{name} ({})", if p > 0.995 { "> 0.99".into() } else { format!("{p:.2}") })
+        };
+        let mut names = vec![one(&self.name(), self.name_probability)];
+        let named = |other: &&AlternativeSummary| other.probability >= LISTED && other.family != "unmodelled";
+        names.extend(
+            self.alternatives.iter().filter(named).map(|other| one(&other.name(), other.probability)),
+        );
+        if self.unnamed_probability >= LISTED && self.family != "unmodelled" {
+            names.push(one("a cause without a name in the library", self.unnamed_probability));
+        }
+        names.join(", ")
+    }
+
+    /// What decides where the two tests of existence disagree; none where they agree.
+    pub(crate) fn assumption(&self) -> Option<String> {
+        /// A single test that is not significant at this level disagrees.
+        const LEVEL: f64 = 0.05;
+        (self.p_sign_flips > LEVEL).then(|| {
+            format!(
+                "It rests on about {} poses: sign flips of whole poses give p = {}, so that the normal distribution of the errors decides.",
+                significant(self.effective_poses.max(1.0).round(), 2),
+                significant(self.p_sign_flips, 2)
+            )
+        })
+    }
 }
 
 impl From<&Alternative> for AlternativeSummary {
@@ -133,6 +186,7 @@ impl From<&Alternative> for AlternativeSummary {
             family: a.family.word().into(),
             place: a.place.clone(),
             holdout_rms_mm: a.holdout * 1e3,
+            probability: a.probability,
             behind: a.behind,
             equivalent: a.equivalent,
         }

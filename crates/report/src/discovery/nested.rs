@@ -1,5 +1,6 @@
 //! Nested cross-validation of the whole search.
 
+use super::gain::{GainSummary, UnseenData};
 use crate::PositionStatistics;
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Diagnosis, Nested};
@@ -13,6 +14,9 @@ pub struct NestedSummary {
     pub before: PositionStatistics,
     /// With the findings of each run.
     pub after: PositionStatistics,
+    /// By how much the findings reduce the error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<GainSummary>,
     /// Names of the findings of each run.
     pub found: Vec<Vec<String>>,
     /// Position errors of each run on the fold that it left out.
@@ -24,10 +28,12 @@ impl NestedSummary {
     /// Summary of nested cross-validation; `folds` names how the folds were made.
     pub fn new(nested: &Nested, folds: String) -> Self {
         let names = |run: &Diagnosis| run.findings.iter().map(|f| f.candidate.words()).collect();
+        let intervals = nested.intervals.as_ref();
         NestedSummary {
             folds,
-            before: nested.before.into(),
-            after: nested.after.into(),
+            before: PositionStatistics::from(nested.before).with_interval(intervals.map(|i| i.before)),
+            after: PositionStatistics::from(nested.after).with_interval(intervals.map(|i| i.after)),
+            gain: intervals.and_then(|i| GainSummary::new(i, UnseenData::NestedFolds)),
             found: nested.runs.iter().map(names).collect(),
             after_by_fold: nested.runs.iter().map(|run| run.after.holdout.positions().into()).collect(),
         }

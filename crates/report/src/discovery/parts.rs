@@ -1,10 +1,10 @@
-//! Position errors on the training part and on the held-out test set.
+//! Position errors on the training part and on held-out rows.
 
 use crate::PositionStatistics;
 use serde::{Deserialize, Serialize};
 use truepose_discover::Errors;
 
-/// Position errors on the training part and on the held-out test set.
+/// Position errors on the training part and on held-out rows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TrainAndHoldout {
     /// Training rows.
@@ -28,6 +28,16 @@ impl TrainAndHoldout {
     /// Training rows without those that are reported as outliers.
     pub fn train_used(&self) -> PositionStatistics {
         self.train_without_outliers.unwrap_or(self.train)
+    }
+}
+
+impl TrainAndHoldout {
+    /// With the intervals of the held-out RMS without and with the rows that are reported as outliers, m.
+    pub(super) fn with_intervals(mut self, used: [f64; 2], all: [f64; 2]) -> Self {
+        self.holdout = self.holdout.with_interval(Some(all));
+        self.holdout_without_outliers =
+            self.holdout_without_outliers.map(|part| part.with_interval(Some(used)));
+        self
     }
 }
 

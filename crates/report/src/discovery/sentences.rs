@@ -1,10 +1,9 @@
 //! The sentences of a discovery, which terminal and page share.
 
-use super::{
-    DiscoverySummary, FindingSummary, NestedSummary, NoiseFloorSummary, NoiseReference, WithdrawnSummary,
-};
+use super::{DiscoverySummary, FindingSummary, NestedSummary, NoiseReference, WithdrawnSummary};
+use crate::statistics::interval_text;
 use crate::{PositionStatistics, count, significant};
-use truepose_discover::{Check, Family, FloorSource, Termination, Verdict};
+use truepose_discover::{Check, Family, HeldOut, Termination};
 
 impl DiscoverySummary {
     /// The verdict: what the declared model lacks.
@@ -35,35 +34,48 @@ impl DiscoverySummary {
     pub(crate) fn residual(&self) -> String {
         let rms = significant(self.before.train_used().rms_mm, 3);
         match (self.lack_of_fit.against, self.lack_of_fit.before, self.lack_of_fit.pure_error_mm) {
-            (NoiseReference::Repeats, Some(p), Some(pure)) => format!(
-                "Residual of the declared model: {rms} mm RMS. Repeatability (pure error): {} mm (lack of fit p = {}).",
-                significant(pure, 3),
+            (NoiseReference::Repeats, Some(p), Some(_)) => format!(
+                "Residual of the declared model: {rms} mm RMS. Lack of fit against repeats: p = {}.",
                 significant(p, 2)
             ),
             _ => format!(
-                "Residual of the declared model: {rms} mm RMS. No repeated poses: significance comes from a resampling test (sign \
-                 flips of whole poses)."
+                "Residual of the declared model: {rms} mm RMS. No repeated poses: significance comes from a rotation test of the \
+                 residual."
             ),
         }
     }
 
-    /// Position error before and after, on the held-out test set.
+    /// Position error before and after, on held-out rows.
     pub(crate) fn result(&self) -> String {
         let pair = |before: PositionStatistics, after: PositionStatistics| match self.effects.is_empty() {
-            true => format!("{} mm", significant(after.rms_mm, 3)),
-            false => format!("{} → {} mm", significant(before.rms_mm, 3), significant(after.rms_mm, 3)),
+            true => after.rms_text(),
+            false => {
+                let ends = |s: PositionStatistics| interval_text(s.ci95_mm);
+                let (from, to) = (significant(before.rms_mm, 3), significant(after.rms_mm, 3));
+                format!("{from}{} → {to}{} mm", ends(before), ends(after))
+            }
         };
+        let rows = self.held_out_rows();
         let all = pair(self.before.holdout, self.after.holdout);
         let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
             (Some(before), Some(after)) => format!(
-                "{} on the held-out test set without {}, {all} with {}",
+                "{} {rows} without {}, {all} with {}",
                 pair(before, after),
                 count(self.after.holdout.count - after.count, "row that is reported as an outlier"),
                 if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
             ),
-            _ => format!("{all} on the held-out test set"),
+            _ => format!("{all} {rows}"),
         };
         format!("Position error (3-D RMS): {figures}.")
+    }
+
+    /// Where the held-out errors come from.
+    pub(crate) fn held_out_rows(&self) -> &'static str {
+        match self.held_out {
+            HeldOut::NestedFolds => "in nested cross-validation",
+            HeldOut::Refits => "in cross-validation of the findings",
+            _ => "on the held-out test set",
+        }
     }
 
     /// Why the search ended.
@@ -95,32 +107,6 @@ impl DiscoverySummary {
             _ => String::new(),
         }
     }
-
-    /// Whether the model is adequate.
-    pub(crate) fn adequacy(&self) -> String {
-        match (self.verdict, self.unexplained.rms_mm) {
-            (Verdict::Adequate, _) => {
-                "The model is adequate: the remaining residual is not significant against repeatability.".into()
-            }
-            (Verdict::Unexplained, Some(rms)) if rms > 0.0 => format!(
-                "No effect of the model explains {} mm of the {} mm RMS that remain.",
-                significant(rms, 2),
-                significant(self.after.train_used().rms_mm, 3)
-            ),
-            (Verdict::Unexplained, _) => match self.lack_of_fit.after {
-                Some(p) if self.stopped == Termination::NothingLeft => format!(
-                    "The lack of fit against repeated poses is significant (p = {}): the model lacks an effect.",
-                    significant(p, 2)
-                ),
-                _ => "The remaining residual is significant.".into(),
-            },
-            (Verdict::Undecided, _) if self.noise_floor.source == FloorSource::Unknown => {
-                "Whether the model is adequate cannot be decided without repeated poses: measure ten or more of them twice."
-                    .into()
-            }
-            _ => "Whether the model is adequate is not decided.".to_owned(),
-        }
-    }
 }
 
 impl NestedSummary {
@@ -132,43 +118,15 @@ impl NestedSummary {
         } else {
             ""
         };
+        let gain = self.gain.map_or_else(String::new, |gain| format!(" {}", gain.sentence()));
         format!(
-            "Nested cross-validation of the whole search ({}): {} → {} mm RMS on the folds left out.{worse}",
+            "Nested cross-validation of the whole search ({}): {}{} → {}{} mm RMS on the folds left out.{worse}{gain}",
             self.folds,
             significant(before, 3),
-            significant(after, 3)
+            interval_text(self.before.ci95_mm),
+            significant(after, 3),
+            interval_text(self.after.ci95_mm)
         )
-    }
-}
-
-impl NoiseFloorSummary {
-    /// Name of the limit in a chart.
-    pub(super) fn name(&self) -> &'static str {
-        match self.source {
-            FloorSource::Stated => "instrument",
-            _ => "repeatability",
-        }
-    }
-
-    /// The limit with its source.
-    pub(crate) fn sentence(&self) -> String {
-        let Some(rms) = self.rms_mm else {
-            return "Repeatability limit: unknown (no repeated poses, no stated accuracy).".into();
-        };
-        let rms = significant(rms, 3);
-        match (self.source, self.ci95_mm) {
-            (FloorSource::Repeats, Some([lower, upper])) => format!(
-                "Repeatability limit: {rms} mm ({} to {} mm; from repeats).",
-                significant(lower, 2),
-                significant(upper, 2)
-            ),
-            (FloorSource::Stated, _) => {
-                format!(
-                    "Repeatability limit: at least {rms} mm (stated accuracy of the instrument; no repeated poses)."
-                )
-            }
-            _ => format!("Repeatability limit: {rms} mm (from repeats)."),
-        }
     }
 }
 
@@ -189,5 +147,16 @@ impl WithdrawnSummary {
             significant(self.declared_rms_mm, 3),
             significant(self.enlarged_rms_mm, 3),
         )
+    }
+}
+
+impl DiscoverySummary {
+    /// Gain, errors beside that of random poses, and stated deviations that were scaled: one sentence each.
+    pub(crate) fn beside(&self) -> Vec<String> {
+        let random = self.after.holdout_used();
+        let gain = self.gain.iter().map(|gain| gain.sentence());
+        let parts = self.extrapolation.iter().map(|part| part.sentence(&random));
+        let scaled = self.stated_sd_scaled_by.iter().map(|scaled| scaled.sentence());
+        gain.chain(parts).chain(scaled).collect()
     }
 }

@@ -19,7 +19,8 @@ impl fmt::Display for DiscoverySummary {
         let used = self.before.holdout_used();
         writeln!(
             f,
-            "\nRMS of the 3-D position error on the held-out test set ({}), mm\n",
+            "\nRMS of the 3-D position error {} ({}), mm\n",
+            self.held_out_rows(),
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
@@ -33,7 +34,11 @@ impl fmt::Display for DiscoverySummary {
 
 impl DiscoverySummary {
     fn verdict(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\n{}\n{}\n{}", self.answer(), self.result(), self.noise_floor.sentence())?;
+        writeln!(f, "\n{}\n{}\n{}", self.adequacy(), self.answer(), self.result())?;
+        for sentence in self.beside() {
+            writeln!(f, "{sentence}")?;
+        }
+        writeln!(f, "{}", self.noise_floor.sentence())?;
         if let Some(specification) = &self.specification {
             writeln!(f, "{}", specification.sentence())?;
         }
@@ -41,7 +46,6 @@ impl DiscoverySummary {
         if !termination.is_empty() {
             writeln!(f, "{termination}")?;
         }
-        writeln!(f, "{}", self.adequacy())?;
         if let Some(nested) = &self.nested {
             writeln!(f, "{}", nested.sentence())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {
@@ -69,6 +73,10 @@ impl DiscoverySummary {
             let more = self.not_testable.len() - names.len();
             let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
             writeln!(f, "not testable with this data: {}{rest}", names.join(", "))?;
+            let first = self.not_testable.iter().find(|u| !u.advice.is_empty());
+            if let Some(first) = first {
+                writeln!(f, "   {}: {}", first.name(), first.advice)?;
+            }
         }
         Ok(())
     }
@@ -117,12 +125,16 @@ impl FindingSummary {
         }
         writeln!(
             f,
-            "   p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
+            "   exists with p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
             significant(self.p_value, 2),
             significant(100.0 * self.stability, 3),
             significant(self.cross_validated_rms_mm.before, 3),
             significant(self.cross_validated_rms_mm.after, 3)
         )?;
+        writeln!(f, "   name (probability): {}", self.names())?;
+        if let Some(assumption) = self.assumption() {
+            writeln!(f, "   {assumption}")?;
+        }
         for other in self.alternatives.iter().take(2) {
             let relation =
                 if other.equivalent { "not distinguishable from" } else { "competing hypothesis:" };

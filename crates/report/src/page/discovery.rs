@@ -5,7 +5,7 @@ use super::{Page, Report};
 use crate::discovery::{DiscoverySummary, FindingSummary};
 use crate::figure::{Bar, escape, trace_figure, unit_text, waterfall};
 use crate::{RunRecord, SpecificationSummary, count, parameter_text, significant};
-use truepose_discover::{Diagnosis, Family};
+use truepose_discover::{Diagnosis, Family, HeldOut};
 use truepose_errormodel::Dataset;
 use truepose_identify::IdentifyError;
 
@@ -42,7 +42,7 @@ pub fn discovery_report(
     page.title("Residuals against inputs");
     page.against_inputs(&rows, TITLES);
     page.title("Comparison with the normal distribution");
-    page.quantiles(&rows, 1e3 * found.fit.noise.floor(f64::NAN) / 3f64.sqrt());
+    page.quantiles(&rows, 1e3 * component_sd(found));
     page.title("Pose measurements with the largest errors");
     page.largest_errors(&rows, 8);
     page.section("Identifiability");
@@ -53,6 +53,14 @@ pub fn discovery_report(
     settings(&mut page, summary);
     page.reproduction(run);
     Ok(page.finish())
+}
+
+/// Standard deviation of one component of a position as the fit takes it, what the instrument states included, m.
+fn component_sd(found: &Diagnosis) -> f64 {
+    let of = |sd: f64| found.fit.noise.floor(sd).powi(2);
+    let (sum, count) =
+        found.data.position_sd.iter().flatten().fold((0.0, 0.0), |(s, n), sd| (s + of(*sd), n + 1.0));
+    (sum / f64::max(count, 1.0) / 3.0).sqrt()
 }
 
 /// Rows in the order of the data, held-out rows included.
@@ -72,34 +80,42 @@ fn rows(found: &Diagnosis, data: &Dataset, labels: &[i64]) -> Rows {
 fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     let (before, after) = (summary.before.holdout_used(), summary.after.holdout_used());
     let mm = |v: f64| significant(v, 3);
-    let sentence = format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence());
-    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&sentence)));
-    page.text(format!("{} {}", summary.termination(), summary.adequacy()).trim());
+    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.adequacy())));
+    page.text(&format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence()));
+    page.text(summary.termination().trim());
+    summary.beside().iter().for_each(|sentence| page.text(sentence));
     page.raw("<div class=\"numbers4\">");
+    let rows = summary.held_out_rows();
     let tail = [
-        (mm(after.p95_mm), "mm: 95th percentile, held-out test set"),
-        (mm(after.max_mm), "mm: largest, held-out test set"),
+        (mm(after.p95_mm), format!("mm: 95th percentile, {rows}")),
+        (mm(after.max_mm), format!("mm: largest, {rows}")),
     ];
     let limit = match summary.noise_floor_mm {
-        Some(limit) => (mm(limit), "mm: repeatability limit"),
-        None => ("unknown".into(), "repeatability limit: no repeated poses"),
+        Some(limit) => (mm(limit), "mm: repeatability limit".to_owned()),
+        None => ("unknown".into(), "repeatability limit: too few repeats".to_owned()),
     };
     let head = if summary.effects.is_empty() {
-        [(mm(after.rms_mm), "mm RMS, held-out test set"), limit]
+        [(mm(after.rms_mm), format!("mm RMS, {rows}")), limit]
     } else {
         [
-            (mm(before.rms_mm), "mm RMS before, held-out test set"),
-            (mm(after.rms_mm), "mm RMS after, held-out test set"),
+            (mm(before.rms_mm), format!("mm RMS before, {rows}")),
+            (mm(after.rms_mm), format!("mm RMS after, {rows}")),
         ]
     };
     for (value, words) in head.into_iter().chain(tail) {
         page.raw(&format!("<div><b>{}</b><span>{words}</span></div>", escape(&value)));
     }
     page.raw("</div>");
-    page.note(
-        "The held-out test set is drawn before anything is fitted. No fit uses it, and one decision does: findings are withdrawn if the \
-         enlarged model predicts the test set worse than the declared model.",
-    );
+    page.note(match summary.held_out {
+        HeldOut::NestedFolds => {
+            "The poses are too few for a test set of their own. Each pose is predicted by a run of the whole search without its fold; one \
+             decision uses these errors: findings are withdrawn if they predict unseen poses worse than the declared model."
+        }
+        _ => {
+            "The held-out test set is drawn before anything is fitted. No fit uses it, and one decision does: findings are withdrawn if \
+             the enlarged model predicts the test set worse than the declared model."
+        }
+    });
     specification(page, summary.specification.as_ref());
     page.text(&summary.residual());
     if let Some(few) = &summary.too_few_poses {
@@ -147,12 +163,15 @@ fn error_budget(page: &mut Page, summary: &DiscoverySummary) {
         mm(summary.after.holdout.rms_mm),
     ));
     let limit = summary.noise_floor_mm.map(|limit| (limit, format!("repeatability limit {}", mm(limit))));
-    let svg = waterfall("Error budget of the held-out test set", &list, limit);
+    let title = format!("Error budget {}", summary.held_out_rows());
+    let svg = waterfall(&title, &list, limit);
     page.figure(
         "waterfall",
         &svg,
-        "RMS of the 3-D position error on the held-out test set, in the order in which effects were added. Dashed: repeatability limit, \
-         where it is known.",
+        &format!(
+            "RMS of the 3-D position error {}, in the order in which effects were added. Dashed: repeatability limit, where it is known.",
+            summary.held_out_rows()
+        ),
     );
 }
 
@@ -209,14 +228,16 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         page.raw("</details>");
     }
     page.text(&format!(
-        "p = {} (family-wise, sign-flip test); selected in {} % of half-samples; cross-validated RMS {} → {} mm; RMS on the held-out test \
-         set {} → {} mm.",
+        "Existence: p = {} (family-wise, rotation test); selected in {} % of half-samples; cross-validated RMS {} → {} mm; RMS on held-out \
+         rows {} → {} mm. Name (probability): {}.{}",
         significant(effect.p_value, 2),
         significant(100.0 * effect.stability, 3),
         significant(effect.cross_validated_rms_mm.before, 3),
         significant(effect.cross_validated_rms_mm.after, 3),
         significant(effect.holdout_rms_mm.before, 3),
-        significant(effect.holdout_rms_mm.after, 3)
+        significant(effect.holdout_rms_mm.after, 3),
+        effect.names(),
+        effect.assumption().map_or_else(String::new, |words| format!(" {words}"))
     ));
     alternatives(page, effect, after);
 }
@@ -233,7 +254,7 @@ fn alternatives(page: &mut Page, effect: &FindingSummary, after: f64) {
         vec![a.name(), significant(a.holdout_rms_mm, 3), significant(a.behind, 3), relation.into()]
     }));
     page.table(
-        "Competing hypotheses: RMS on the held-out test set with each in place of the finding (all other findings kept), and penalised −2 ln L \
+        "Competing hypotheses: RMS on held-out rows with each in place of the finding (all other findings kept), and penalised −2 ln L \
          relative to the finding",
         &["hypothesis", "RMS, mm", "Δ(−2 ln L)", "distinguishable"],
         &rows,
@@ -246,7 +267,7 @@ fn untestable(page: &mut Page, summary: &DiscoverySummary) {
         return;
     }
     page.title("Hypotheses that this data cannot test");
-    page.text("The declared model absorbs almost all of the effect of these hypotheses on this data. The data neither confirms nor excludes them.");
+    page.text("Beside the model, this data has too little information on the effect of these hypotheses: it neither confirms nor excludes them.");
     let rows: Vec<Vec<String>> = summary
         .not_testable
         .iter()
@@ -255,6 +276,7 @@ fn untestable(page: &mut Page, summary: &DiscoverySummary) {
                 u.name(),
                 format!("{} %", significant(100.0 * u.share, 2)),
                 u.detectable_rms_mm.map_or_else(|| "no effect on this data".into(), |d| significant(d, 2)),
+                u.advice.clone(),
             ]
         })
         .collect();
@@ -263,8 +285,8 @@ fn untestable(page: &mut Page, summary: &DiscoverySummary) {
         count(rows.len(), "hypothesis").replace("hypothesiss", "hypotheses")
     ));
     page.table(
-        "Fraction of the effect that the model does not absorb, and the smallest 3-D RMS that would be detected",
-        &["hypothesis", "not absorbed", "detectable, mm"],
+        "Fraction of the effect that the model does not absorb, the 3-D RMS that would be detected with 80 % probability, and what to measure",
+        &["hypothesis", "not absorbed", "detectable, mm", "to make it testable"],
         &rows,
         true,
     );
@@ -306,11 +328,14 @@ fn settings(page: &mut Page, summary: &DiscoverySummary) {
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let rows = [
         row("seed of every random choice", s.seed.to_string()),
-        row("held-out fraction of the configurations", s.holdout.to_string()),
-        row("sign flips per p-value", s.flips.to_string()),
+        row(
+            "held-out fraction of the configurations",
+            s.holdout.map_or_else(|| "automatic".into(), |h| h.to_string()),
+        ),
+        row("rotations per p-value", s.rotations.to_string()),
         row("family-wise significance level", s.alpha.to_string()),
         row("rows, pose measurements", format!("{}, {}", summary.rows, summary.visits)),
-        row("rows of the held-out test set", summary.holdout_rows.len().to_string()),
+        row("rows with a held-out error", summary.after.holdout.count.to_string()),
     ];
     page.table("Settings", &["setting", "value"], &rows, true);
 }

@@ -15,7 +15,7 @@ pub(crate) struct Rows {
     pub after: Vec<[f64; 3]>,
     /// Measured position, mm.
     pub place: Vec<[f64; 3]>,
-    /// Rows of the held-out test set.
+    /// Rows with a held-out error.
     pub held_out: Vec<bool>,
     /// Number of the row in the data (0-based).
     pub row: Vec<usize>,

@@ -19,6 +19,7 @@ mod channels;
 mod order;
 mod paper;
 mod postures;
+mod swept;
 
 pub use channels::ChannelPlan;
 pub use paper::{POUND, TREATMENT_POINT, payload_at_treatment_point};

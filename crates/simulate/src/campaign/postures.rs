@@ -109,7 +109,7 @@ impl Campaign {
 }
 
 /// Lower and upper limit of each movable joint; a turn without limits has ±π.
-fn limits(chain: &Chain) -> Result<Vec<(f64, f64)>, SimulateError> {
+pub(super) fn limits(chain: &Chain) -> Result<Vec<(f64, f64)>, SimulateError> {
     let range = |&id: &JointId| {
         let joint = chain.joint(id);
         match (joint.limits, joint.kind) {

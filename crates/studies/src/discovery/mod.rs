@@ -131,8 +131,12 @@ fn one(task: &Task) -> Result<(), Box<dyn Error>> {
     let (made, diagnosis) = task.diagnosed()?;
     let truth = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| hidden.place.words());
     print(&format!("{}: {} with {}, λ = {:.3}", task.words(), made.robot, truth, made.lambda));
-    let settings =
-        DiscoverySettings { seed: plants::HOLDOUT.1, holdout: plants::HOLDOUT.0, flips: 999, alpha: 0.005 };
+    let settings = DiscoverySettings {
+        seed: plants::HOLDOUT.1,
+        holdout: Some(plants::HOLDOUT.0),
+        rotations: 999,
+        alpha: 0.005,
+    };
     let summary = DiscoverySummary::new(&diagnosis, settings);
     print(&summary.to_string());
     print(&serde_json::to_string_pretty(&summary)?);

@@ -40,7 +40,7 @@ fn run(seed: u64) -> Record {
 
 fn judged(seed: u64, mut record: Record) -> Result<Record, Box<dyn Error>> {
     let Several { made, causes: hidden } = several(MULTIPLE, seed)?;
-    let options = DiscoverOptions { holdout: HOLDOUT.0, seed: HOLDOUT.1, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { holdout: Some(HOLDOUT.0), seed: HOLDOUT.1, ..DiscoverOptions::default() };
     let begun = Instant::now();
     let data = &made.seen.data;
     let told = diagnose(&made.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?;

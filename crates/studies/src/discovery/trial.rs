@@ -38,7 +38,7 @@ impl Task {
 
     fn look(&self, made: &Made, policy: &Policy) -> Result<Diagnosis, Box<dyn Error>> {
         let options = DiscoverOptions {
-            holdout: HOLDOUT.0,
+            holdout: Some(HOLDOUT.0),
             seed: HOLDOUT.1,
             library: match self.cause.filter(|_| self.without) {
                 Some(cause) => Library::standard().without(cause.family()),

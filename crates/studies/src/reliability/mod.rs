@@ -9,8 +9,8 @@
 //!
 //! `study reliability [--short] [--robots N] [--nulls N] [--finds N] [--folder NAME]` runs what is not yet in its tables, one line a robot,
 //! and writes the generated part of `docs/reliability.md` (not with `--short`); `study reliability --one SEED` shows one robot.
+//! With `--half tuning` or `--half locked` it is the study of unseen robots (module `unseen`).
 
-mod document;
 mod plants;
 mod precision;
 mod record;
@@ -21,6 +21,7 @@ use crate::discovery::hidden_effects::HiddenEffect;
 use crate::discovery::record::Record as Discovered;
 use crate::discovery::trial::Task;
 use crate::discovery::work;
+use crate::document;
 use crate::journal::{Journal, Line, commit};
 use crate::{folder, print};
 use record::Record;
@@ -114,7 +115,7 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     print(&text);
     std::fs::write(folder.join("table.md"), &text)?;
     if !asked.short {
-        document::write(&text)?;
+        document::write("reliability", &text)?;
     }
     print(&format!("tables in {}", folder.display()));
     Ok(())

@@ -1,0 +1,170 @@
+//! The first sentence of a discovery: whether the model is adequate, with the figures that decide it.
+
+use super::{DiscoverySummary, NoiseFloorSummary, StatedScaleSummary};
+use crate::statistics::interval_text;
+use crate::{count, significant};
+use truepose_discover::{FloorSource, Termination, Verdict};
+
+impl DiscoverySummary {
+    /// The verdict.
+    pub(crate) fn adequacy(&self) -> String {
+        let left = self.unexplained.residual_rms_mm.unwrap_or(self.after.train_used().rms_mm);
+        let left = format!("{} mm", significant(left, 3));
+        match self.verdict {
+            Verdict::Adequate => self.adequate(&left),
+            Verdict::Unexplained => self.not_explained(&left),
+            _ if self.stopped == Termination::Interrupted => {
+                "Undecided: the run was ended before the search was complete.".into()
+            }
+            _ => self.undecided(&left),
+        }
+    }
+
+    fn adequate(&self, left: &str) -> String {
+        let floor = &self.noise_floor;
+        let scatter = match floor.source {
+            FloorSource::Stated => {
+                let stated = significant(floor.rms_mm.unwrap_or_default(), 3);
+                return format!(
+                    "Adequate, if the stated accuracy of the instrument is right: the residual ({left}) is consistent with it ({stated} mm)."
+                );
+            }
+            FloorSource::NearRepeats => "repeats of nearly the same pose",
+            _ => "repeats of the same pose",
+        };
+        format!(
+            "Adequate: the residual ({left}) is consistent with the scatter of {scatter} ({}).",
+            floor.figure()
+        )
+    }
+
+    fn not_explained(&self, left: &str) -> String {
+        let unexplained = &self.unexplained;
+        let p = significant(unexplained.p_value, 2);
+        let what = match unexplained.rms_mm {
+            Some(rms) if rms > 0.0 => {
+                format!(
+                    "Not explained: {} mm{} of the residual of {left}",
+                    significant(rms, 2),
+                    interval_text(unexplained.ci95_mm)
+                )
+            }
+            _ => format!("Not explained: a residual of {left}"),
+        };
+        let why = match (self.stopped, unexplained.lack_of_fit_p) {
+            (Termination::NothingLeft, Some(lack)) => {
+                format!(
+                    "no effect that this program knows explains it (lack of fit p = {})",
+                    significant(lack, 2)
+                )
+            }
+            (Termination::NothingConvincing, _) => {
+                format!(
+                    "the residual is significant (p = {p}), and no effect that this program knows explains it"
+                )
+            }
+            (Termination::Circling, _) => {
+                format!(
+                    "the residual is significant (p = {p}), and it cannot be decided which effect explains it"
+                )
+            }
+            (Termination::Limit, _) => {
+                format!(
+                    "the largest permitted number of effects was added, and the residual is significant (p = {p})"
+                )
+            }
+            (Termination::Withdrawn, _) => "the effects that were found did not hold on unseen data".into(),
+            _ => format!("no effect that this program knows explains it (p = {p})"),
+        };
+        format!("{what}; {why}.")
+    }
+
+    fn undecided(&self, left: &str) -> String {
+        let floor = &self.noise_floor;
+        let measure = format!("measure {} a second time", count(floor.missing_repeats.max(1), "pose"));
+        match floor.source {
+            FloorSource::Repeats | FloorSource::NearRepeats => format!(
+                "Undecided: {} ({}) are too few to decide whether the residual ({left}) is noise: {measure}.",
+                count(floor.repeats, "repeat"),
+                floor.figure()
+            ),
+            FloorSource::Differences => format!(
+                "Undecided: the residual is {left}, and differences between neighbouring poses ({}) are only an upper bound of the noise: {measure}.",
+                floor.figure()
+            ),
+            _ => format!(
+                "Undecided: whether the residual ({left}) is noise cannot be decided without repeated poses: {measure}."
+            ),
+        }
+    }
+}
+
+impl NoiseFloorSummary {
+    /// Name of the limit in a chart.
+    pub(super) fn name(&self) -> &'static str {
+        match self.source {
+            FloorSource::Stated => "instrument",
+            FloorSource::Differences => "neighbouring poses",
+            _ => "repeatability",
+        }
+    }
+
+    /// Limit, interval and number of repeats, e.g. `0.049 mm, 0.045 to 0.054, 20 repeats`.
+    fn figure(&self) -> String {
+        let Some(rms) = self.rms_mm else { return "unknown".into() };
+        let ends = self.ci95_mm.map_or_else(String::new, |[lower, upper]| {
+            format!(", {} to {}", significant(lower, 2), significant(upper, 2))
+        });
+        format!("{} mm{ends}, {}", significant(rms, 3), count(self.repeats, "repeat"))
+    }
+
+    /// The limit with its source.
+    pub(crate) fn sentence(&self) -> String {
+        let bounds = match (self.at_least_mm, self.at_most_mm) {
+            (Some(least), _) => format!(
+                " It is at least {} mm (stated accuracy or scatter within a dwell, without the repeatability of the robot).",
+                significant(least, 3)
+            ),
+            (None, Some(most)) => format!(" It is at most {} mm.", significant(most, 3)),
+            (None, None) => String::new(),
+        };
+        let Some(rms) = self.rms_mm else {
+            return format!("Repeatability limit: unknown (too few repeated poses).{bounds}");
+        };
+        let rms = significant(rms, 3);
+        let source = match self.source {
+            FloorSource::Repeats => "from repeats",
+            FloorSource::NearRepeats => "from nearly repeated poses, corrected by the model",
+            FloorSource::Differences => "at most: from differences between neighbouring poses",
+            _ => "stated accuracy of the instrument, which the residual confirms",
+        };
+        let ends = self.ci95_mm.map_or_else(String::new, |[lower, upper]| {
+            format!("{} to {} mm; ", significant(lower, 2), significant(upper, 2))
+        });
+        format!("Repeatability limit: {rms} mm ({ends}{source}).")
+    }
+}
+
+impl StatedScaleSummary {
+    /// What was done to stated standard deviations.
+    pub(crate) fn sentence(&self) -> String {
+        let times = |factor: f64| significant(factor, 2);
+        let what = match (self.position < 1.0, self.orientation < 1.0) {
+            (true, false) => {
+                format!("positions exceed the scatter: they were multiplied by {}", times(self.position))
+            }
+            (false, _) => {
+                format!(
+                    "orientations exceed the scatter: they were multiplied by {}",
+                    times(self.orientation)
+                )
+            }
+            (true, true) => format!(
+                "positions and orientations exceed the scatter: they were multiplied by {} and {}",
+                times(self.position),
+                times(self.orientation)
+            ),
+        };
+        format!("Warning: the stated standard deviations of {what}. Check what the instrument states.")
+    }
+}

@@ -1,0 +1,295 @@
+//! What a robot of this study is: everything that decides it, in one struct, drawn from its key.
+//!
+//! | kind | cells | question |
+//! | --- | --- | --- |
+//! | `power` | 20, 25, 30, 40, 60, 100 poses | a cause inside the vocabulary at 5 times the noise: found, named first, listed? |
+//! | `outside` | – | a cause without a word, 2 to 10 times the noise, 20 to 1000 poses: verdict, wrong names |
+//! | `null` | – | nothing hidden, shuffled, white noise: false alarms, p-values |
+//! | `memory` | φ = 0, 0.2, 0.4, 0.6, swept and shuffled | noise between poses with a memory: false alarms |
+//! | `flicker` | – | encoders flicker by 1e-5 to 1e-4°, without a column `visit`: false alarms |
+//! | `columns` | – | without `visit`, time, approach or all of them: false alarms |
+//! | `joints` | – | repeatability in joint space, with and without orientations: false alarms |
+//! | `stated` | a third of the truth, three times the truth | stated deviations are wrong: repeatability limit, false alarms |
+//! | `bad` | 1, 2, 3 poses | all targets of a pose moved by 0.5 to 2 mm, of 100 poses: reported? what do they change? |
+//! | `rows` | – | 2 % of the rows are outliers |
+//!
+//! Robots of one number have the same geometry, noise and cause in all cells of a kind: cells are compared in pairs.
+
+use super::cause::{Cause, INSIDE, OUTSIDE};
+use super::robots::{MAKES, Make};
+use super::stream::{Draw, Half, Key, Part};
+
+/// A kind of campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Power,
+    Outside,
+    Null,
+    Memory,
+    Flicker,
+    Columns,
+    Joints,
+    Stated,
+    Bad,
+    Rows,
+}
+
+/// All of them; the place is the number in a key and never changes.
+pub const KINDS: [Kind; 10] = [
+    Kind::Power,
+    Kind::Outside,
+    Kind::Null,
+    Kind::Memory,
+    Kind::Flicker,
+    Kind::Columns,
+    Kind::Joints,
+    Kind::Stated,
+    Kind::Bad,
+    Kind::Rows,
+];
+
+/// Numbers of poses at which power is evaluated.
+pub const POSES: [usize; 6] = [20, 25, 30, 40, 60, 100];
+
+impl Kind {
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Power => "power",
+            Kind::Outside => "outside",
+            Kind::Null => "null",
+            Kind::Memory => "memory",
+            Kind::Flicker => "flicker",
+            Kind::Columns => "columns",
+            Kind::Joints => "joints",
+            Kind::Stated => "stated",
+            Kind::Bad => "bad",
+            Kind::Rows => "rows",
+        }
+    }
+
+    pub fn named(word: &str) -> Option<Self> {
+        KINDS.into_iter().find(|kind| kind.word() == word)
+    }
+
+    /// Names of its cells.
+    pub fn cells(self) -> Vec<String> {
+        match self {
+            Kind::Power => POSES.iter().map(usize::to_string).collect(),
+            Kind::Memory => {
+                let both = |memory: &str| ["shuffled", "swept"].map(|order| format!("{memory} {order}"));
+                ["0", "0.2", "0.4", "0.6"].iter().flat_map(|memory| both(memory)).collect()
+            }
+            Kind::Stated => vec!["1/3".into(), "3".into()],
+            Kind::Bad => vec!["1".into(), "2".into(), "3".into()],
+            _ => vec![String::new()],
+        }
+    }
+
+    /// The key of a robot of this kind.
+    pub fn key(self, half: Half, number: u64) -> Key {
+        let kind = KINDS.iter().position(|kind| *kind == self).unwrap_or(0) as u64;
+        Key { half, kind, number }
+    }
+}
+
+/// Order of the poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    Shuffled,
+    Snake,
+    JointByJoint,
+}
+
+impl Order {
+    pub fn word(self) -> &'static str {
+        match self {
+            Order::Shuffled => "shuffled",
+            Order::Snake => "snake",
+            Order::JointByJoint => "joint_by_joint",
+        }
+    }
+}
+
+/// Which optional columns the record has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Columns {
+    pub visit: bool,
+    pub time: bool,
+    pub approach: bool,
+    pub temperature: bool,
+}
+
+/// A robot of this study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    pub make: Make,
+    pub cause: Option<Cause>,
+    /// Size of the cause: what the declared model cannot absorb (3-D RMS over a dense campaign) over the noise of a row.
+    pub size: f64,
+    pub poses: usize,
+    pub targets: usize,
+    /// Poses that are measured a second time.
+    pub repeats: usize,
+    pub order: Order,
+    /// Whether payloads differ between poses.
+    pub loads: bool,
+    /// Whether joint compliances are present, and declared.
+    pub compliance: bool,
+    /// Instrument and repeatability, µm an axis.
+    pub noise_um: [f64; 2],
+    /// Of the repeatability from pose to pose; 0 is white.
+    pub memory: f64,
+    /// Repeatability comes from the joints.
+    pub joint_noise: bool,
+    /// Student's t with five degrees of freedom.
+    pub heavy_tails: bool,
+    pub orientation: bool,
+    /// Stated over true standard deviation of the instrument; none states nothing.
+    pub stated: Option<f64>,
+    /// Amplitude of the recorded joint values, degrees (slides: the same number in units of 17.5 mm).
+    pub flicker_deg: f64,
+    pub columns: Columns,
+    pub bad_poses: usize,
+    /// Fraction of the rows that are outliers.
+    pub outliers: f64,
+}
+
+impl Description {
+    /// The robot of this key in a cell of its kind.
+    pub fn of(kind: Kind, cell: &str, key: Key) -> Self {
+        let mut draw = key.draw(Part::Description);
+        let mut one = Description::usual(&mut draw);
+        let fewer = |one: &mut Description, poses: usize| {
+            one.poses = poses;
+            one.repeats = if one.repeats > 0 { (poses / 8).max(2) } else { 0 };
+        };
+        match kind {
+            Kind::Power => {
+                one.cause = Some(draw.of(&INSIDE));
+                one.size = 5.0;
+                fewer(&mut one, cell.parse().unwrap_or(60));
+            }
+            Kind::Outside => {
+                one.cause = Some(draw.of(&OUTSIDE));
+                one.size = draw.logarithmic(2.0, 10.0);
+                let poses = draw.logarithmic(20.0, 1000.0).round() as usize;
+                fewer(&mut one, poses);
+                one.order = draw.of(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+            }
+            Kind::Null => one.heavy_tails = draw.chance(0.33),
+            Kind::Memory => {
+                let (memory, order) = cell.split_once(' ').unwrap_or(("0", "shuffled"));
+                one.memory = memory.parse().unwrap_or(0.0);
+                // Of an arm that repeats three times worse than its tracker measures, in a campaign in which a memory tells.
+                one.noise_um[0] = 0.3 * one.noise_um[1];
+                let poses = draw.logarithmic(40.0, 300.0).round() as usize;
+                fewer(&mut one, poses);
+                let swept = draw.of(&[Order::Snake, Order::JointByJoint]);
+                one.order = if order == "swept" { swept } else { Order::Shuffled };
+            }
+            Kind::Flicker => {
+                one.flicker_deg = draw.logarithmic(1e-5, 1e-4);
+                one.columns.visit = false;
+                one.targets = draw.of(&[2, 3]);
+                one.order = draw.of(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+            }
+            Kind::Columns => {
+                let missing = [0.0; 3].map(|_: f64| draw.chance(0.6));
+                one.columns.visit = !missing[0];
+                one.columns.time = !missing[1];
+                one.columns.approach = !missing[2];
+                one.columns.temperature = draw.chance(0.5);
+                one.order = draw.of(&[Order::Shuffled, Order::Snake, Order::JointByJoint]);
+            }
+            Kind::Joints => {
+                one.joint_noise = true;
+                one.orientation = draw.chance(0.5);
+            }
+            Kind::Stated => {
+                one.stated = Some(if cell == "3" { 3.0 } else { 1.0 / 3.0 });
+                // Half of them have nothing but what is stated to go by.
+                one.repeats = if draw.chance(0.5) { 0 } else { one.poses / 8 };
+            }
+            Kind::Bad => {
+                fewer(&mut one, 100);
+                one.bad_poses = cell.parse().unwrap_or(1);
+                one.targets = draw.of(&[2, 3]);
+            }
+            Kind::Rows => one.outliers = 0.02,
+        }
+        if let Some(cause) = one.cause {
+            one.loads |= cause.needs_loads();
+            one.compliance |= cause.needs_compliance();
+        }
+        one
+    }
+
+    /// Nothing hidden, nothing wrong.
+    fn usual(draw: &mut Draw) -> Self {
+        let poses = draw.logarithmic(20.0, 150.0).round() as usize;
+        let temperature = draw.chance(0.6);
+        Description {
+            make: draw.of(&MAKES),
+            cause: None,
+            size: 0.0,
+            poses,
+            targets: 1 + draw.below(3),
+            repeats: if draw.chance(0.6) { (poses / 8).max(2) } else { 0 },
+            order: Order::Shuffled,
+            loads: draw.chance(0.5),
+            compliance: draw.chance(0.4),
+            noise_um: [draw.logarithmic(8.0, 30.0), draw.logarithmic(10.0, 50.0)],
+            memory: 0.0,
+            joint_noise: false,
+            heavy_tails: false,
+            orientation: draw.chance(0.2),
+            stated: if draw.chance(0.4) { Some(1.0) } else { None },
+            flicker_deg: 0.0,
+            columns: Columns { visit: true, time: true, approach: draw.chance(0.6), temperature },
+            bad_poses: 0,
+            outliers: 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_describes_the_same_robot_again_and_cells_share_it() {
+        let key = Kind::Power.key(Half::Tuning, 5);
+        let at = |cell: &str| Description::of(Kind::Power, cell, key);
+        assert_eq!(at("20"), at("20"));
+        let (few, many) = (at("20"), at("100"));
+        assert_eq!((few.poses, many.poses), (20, 100));
+        assert_eq!((few.make, few.cause, few.noise_um), (many.make, many.cause, many.noise_um));
+        assert_ne!(at("20"), Description::of(Kind::Power, "20", Kind::Power.key(Half::Locked, 5)));
+    }
+
+    #[test]
+    fn cells_are_what_they_are_called() {
+        let of = |kind: Kind, cell: &str| Description::of(kind, cell, kind.key(Half::Tuning, 3));
+        let swept = of(Kind::Memory, "0.4 swept");
+        assert!((swept.memory - 0.4).abs() < 1e-15 && swept.order != Order::Shuffled);
+        assert_eq!(of(Kind::Memory, "0.4 shuffled").order, Order::Shuffled);
+        assert_eq!(of(Kind::Bad, "3").bad_poses, 3);
+        assert_eq!(of(Kind::Stated, "3").stated, Some(3.0));
+        assert!(!of(Kind::Flicker, "").columns.visit);
+        for kind in KINDS {
+            assert_eq!(Kind::named(kind.word()), Some(kind));
+            assert!(!kind.cells().is_empty());
+        }
+    }
+
+    #[test]
+    fn causes_of_a_kind_are_of_their_side_of_the_vocabulary() {
+        for number in 0..40 {
+            let inside = Description::of(Kind::Power, "30", Kind::Power.key(Half::Tuning, number));
+            let outside = Description::of(Kind::Outside, "", Kind::Outside.key(Half::Tuning, number));
+            assert!(inside.cause.is_some_and(Cause::inside));
+            assert!(outside.cause.is_some_and(|cause| !cause.inside()));
+            assert!((20..=1000).contains(&outside.poses) && (2.0..=10.0).contains(&outside.size));
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! A described robot, built and measured, with the truth beside it.
+//!
+//! The noise of a row is taken from replicates of the campaign with other noise; bad poses, outliers and a moving station
+//! are no noise.
+
+use super::cause::{Cause, Hidden, compliances};
+use super::description::{Description, Order};
+use super::robots::{Robot, robot};
+use super::stream::{Key, Part};
+use std::error::Error;
+use truepose_errormodel::effects::{Geometric, JointCompliance};
+use truepose_errormodel::{
+    AnyEffect, Dataset, DwellTolerance, ErrorModel, FittedModel, approach_from_order, visits_from_rows,
+};
+use truepose_identify::{FitOptions, Residuals, fit};
+use truepose_kinematics::{Chain, Conditions, JointId, JointKind};
+use truepose_simulate::description::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
+use truepose_simulate::flaws::{self, Flaws};
+use truepose_simulate::{Campaign, ChannelPlan, Observation, Plant, Wander};
+use truepose_solvers::PivotedQr;
+
+/// Fresh configurations at which a result is compared with the plant.
+const FRESH: usize = 150;
+/// Replicates from which the noise of a row is taken.
+const REPLICATES: u64 = 12;
+const VISIT_S: f64 = 60.0;
+/// Least and largest displacement of a bad pose, m.
+const BAD: [f64; 2] = [5e-4, 2e-3];
+
+/// A robot, measured.
+pub struct Made {
+    pub robot: Robot,
+    pub declared: Vec<Box<dyn AnyEffect>>,
+    /// The record as the program reads it.
+    pub data: Dataset,
+    pub seen: Observation,
+    pub hidden: Option<Hidden>,
+    /// 3-D RMS of the noise of one row, m.
+    pub floor: f64,
+    /// What the declared model cannot absorb, over the noise.
+    pub size: f64,
+    /// Fresh configurations over the same time, with true positions.
+    pub truth: Dataset,
+    /// The same noise and campaign without the cause, bad poses and outliers.
+    pub clean: Dataset,
+    /// The fresh configurations of the robot without the cause.
+    pub clean_truth: Dataset,
+    /// What is declared where nothing is hidden.
+    pub clean_declared: Vec<Box<dyn AnyEffect>>,
+}
+
+/// A robot before its cause is known.
+pub struct Ground<'a> {
+    pub what: &'a Description,
+    pub key: Key,
+    pub robot: Robot,
+    pub loads: Vec<f64>,
+    pub campaign: Campaign,
+}
+
+/// Builds and measures the robot of a key.
+pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
+    let robot = robot(what.make, what.targets, &mut key.draw(Part::Robot))?;
+    let loads = joint_loads(&robot)?;
+    let mut ground = Ground { what, key, robot, loads, campaign: Campaign::of(Vec::new()) };
+    ground.campaign = ground.campaign(what.poses, what.repeats, Part::Campaign)?;
+    ground.campaign.visit_s = VISIT_S;
+    let null = ground.plant(None, true)?;
+    let floor = ground.floor(&null)?;
+    let cause = ground.cause(floor)?;
+    let one = cause.as_ref().map(|cause| (&cause.hidden, cause.size));
+    let plant = ground.plant(one, true)?;
+    let noise = key.seed(Part::Noise);
+    let seen = plant.observe(&ground.campaign, noise)?;
+    let clean = ground.plant(None, false)?.observe(&ground.campaign, noise)?;
+    let fresh = ground.clocked(ground.campaign(FRESH, 0, Part::Fresh)?);
+    let exact = |plant: Plant| -> Result<Dataset, Box<dyn Error>> {
+        let mut seen = plant.observe(&fresh, key.seed(Part::Fresh))?;
+        seen.data.position = seen.true_positions.iter().map(|p| (*p).into()).collect();
+        seen.data.orientation.fill(None);
+        Ok(ground.read(&seen.data))
+    };
+    let (truth, clean_truth) = (exact(ground.quiet(one)?)?, exact(ground.quiet(None)?)?);
+    Ok(Made {
+        declared: ground.declared(cause.as_ref().map(|cause| &cause.hidden)),
+        data: ground.read(&seen.data),
+        clean: ground.read(&clean.data),
+        truth,
+        clean_truth,
+        clean_declared: ground.declared(None),
+        robot: ground.robot,
+        seen,
+        size: cause.as_ref().map_or(0.0, |cause| cause.reached),
+        hidden: cause.map(|cause| cause.hidden),
+        floor,
+    })
+}
+
+/// Largest load of each movable joint over random postures, N·m or N.
+fn joint_loads(robot: &Robot) -> Result<Vec<f64>, Box<dyn Error>> {
+    let plant = Plant::perfect(&robot.chain)?;
+    let mut largest = vec![0.0f64; robot.chain.movable().len()];
+    for visit in Campaign::halton(&robot.chain, 40)?.visits {
+        let loads = plant.joint_loads(&Conditions::at(&robot.chain, &visit.joints))?;
+        for (most, load) in largest.iter_mut().zip(loads) {
+            *most = most.max(load.abs());
+        }
+    }
+    Ok(largest)
+}
+
+impl Ground<'_> {
+    /// Poses in their order, with their loads and channels.
+    pub fn campaign(&self, poses: usize, repeats: usize, part: Part) -> Result<Campaign, Box<dyn Error>> {
+        let (chain, seed) = (&self.robot.chain, self.key.seed(part));
+        let mut campaign = match self.what.order {
+            Order::JointByJoint => {
+                let rounds = (poses / (5 * chain.movable().len())).max(2);
+                Campaign::joint_by_joint(chain, poses, rounds, seed)?
+            }
+            _ => Campaign::random(chain, poses, seed)?,
+        };
+        if self.what.loads {
+            let heavy = self.robot.payload;
+            let com = [0.02 * self.robot.reach, -0.01 * self.robot.reach, 0.08 * self.robot.reach];
+            let masses = [0.0, 0.5 * heavy, heavy];
+            campaign = campaign.with_some_payload(&masses, com, 0.01 * self.robot.reach, seed ^ 1);
+        }
+        if self.what.order == Order::Snake {
+            let parts = (poses as f64).sqrt().round() as usize;
+            campaign = campaign.as_snake(0, 1, parts)?;
+        }
+        let mut again = campaign.clone();
+        // Repeats come at the end, every so many poses of the campaign.
+        let step = (poses / repeats.max(1)).max(1);
+        again.visits = campaign.visits.iter().step_by(step).take(repeats).cloned().collect();
+        campaign = campaign.then(again);
+        let mut channels = Vec::new();
+        if self.what.columns.temperature {
+            channels.push(ChannelPlan::Air { name: "temperature".into(), sd: 0.05 });
+        }
+        Ok(campaign.with_channels(channels))
+    }
+
+    /// Over the time of the campaign that is measured.
+    pub fn clocked(&self, mut campaign: Campaign) -> Campaign {
+        campaign.visit_s = self.campaign.duration_s() / campaign.visits.len().max(2) as f64;
+        campaign
+    }
+
+    fn options(&self) -> PlantOptions {
+        let (what, reach) = (self.what, self.robot.reach);
+        let mut draw = self.key.draw(Part::Plant);
+        let geometric = flaws::Geometric {
+            position_mm: reach * draw.logarithmic(0.1, 0.5),
+            angle_mrad: draw.logarithmic(0.1, 0.6),
+            target_mm: 0.05,
+            ..flaws::Geometric::default()
+        };
+        let softness = what.cause.map_or(1.0, Cause::softness);
+        let compliances = compliances(&self.robot.chain, &self.loads, softness, &mut draw);
+        let repeatability = if what.joint_noise || what.memory > 0.0 { 0.0 } else { what.noise_um[1] };
+        let station = [draw.between(2.0, 4.0), draw.between(-2.0, 2.0), draw.between(0.0, 1.5)];
+        PlantOptions {
+            errors: Flaws {
+                geometric: Some(geometric),
+                joint_compliance: if what.compliance { compliances } else { Vec::new() },
+                ..Flaws::default()
+            },
+            shop: ShopDay {
+                start_c: 20.0,
+                rise_k: 2.0,
+                wander_k: 0.7,
+                hours: self.campaign.duration_s() / 3600.0 + 0.05,
+            },
+            instrument: InstrumentSize {
+                station_mm: station.map(|v| 1e3 * v),
+                sd_um: what.noise_um[0],
+                transverse_um_per_m: 2.0,
+                orientation_urad: what.orientation.then_some(60.0),
+                freedom: what.heavy_tails.then_some(5.0),
+                states_sd: what.stated.is_some(),
+                ..InstrumentSize::default()
+            },
+            repeatability: RepeatabilitySize { sd_um: repeatability, rotation_urad: 0.0 },
+        }
+    }
+
+    /// The plant with a cause of some size; with what went wrong in the record, or without.
+    fn plant(&self, hidden: Option<(&Hidden, f64)>, spoiled: bool) -> Result<Plant, Box<dyn Error>> {
+        let what = self.what;
+        let mut options = self.options();
+        if let Some((hidden, size)) = hidden {
+            if let Some(joint) = hidden.undeclared() {
+                let name = &self.robot.chain.joint(joint).name;
+                options.errors.joint_compliance.retain(|one| one.joint != *name);
+            }
+            hidden.options(&mut options, size);
+        }
+        if spoiled && what.outliers > 0.0 {
+            let size_mm = 0.02 * (what.noise_um[0] + what.noise_um[1]);
+            options.errors.outliers = Some(flaws::Outliers { share: what.outliers, size_mm });
+        }
+        let mut plant = Plant::random(&self.robot.chain, &options, self.key.seed(Part::Plant))?;
+        let repeatability = 1e-6 * what.noise_um[1];
+        let disturbances = &mut plant.disturbances;
+        disturbances.stated_factor = what.stated.unwrap_or(1.0);
+        disturbances.flicker = what.flicker_deg.to_radians();
+        if what.memory > 0.0 {
+            disturbances.wander = Some(Wander::even(what.memory, repeatability));
+        }
+        if what.joint_noise {
+            // Shared evenly by the joints, at a lever of the robot's reach.
+            let count = self.robot.chain.movable().len() as f64;
+            let sd = |joint: &JointId| {
+                let slide = self.robot.chain.joint(*joint).kind == JointKind::Prismatic;
+                2.0 * repeatability / count.sqrt() / if slide { 1.0 } else { self.robot.reach }
+            };
+            disturbances.joint_sd = self.robot.chain.movable().iter().map(sd).collect();
+        }
+        if spoiled {
+            disturbances.bad_poses = what.bad_poses;
+            disturbances.bad_size = BAD;
+        }
+        if let Some((hidden, size)) = hidden {
+            let mut truth = plant.truth().clone();
+            hidden.amend(&mut truth, &mut plant.disturbances, size)?;
+            plant = plant.with_truth(truth)?;
+        }
+        Ok(plant)
+    }
+
+    /// The same robot, measured without noise.
+    pub fn quiet(&self, hidden: Option<(&Hidden, f64)>) -> Result<Plant, Box<dyn Error>> {
+        let mut plant = self.plant(hidden, false)?;
+        plant.instrument.sd = 0.0;
+        plant.instrument.transverse_per_metre = 0.0;
+        plant.instrument.orientation_sd = None;
+        plant.repeatability.sd = 0.0;
+        let station = plant.disturbances.station;
+        plant.disturbances = truepose_simulate::Disturbances { station, ..Default::default() };
+        Ok(plant)
+    }
+
+    /// 3-D RMS of the noise of one row, m.
+    fn floor(&self, null: &Plant) -> Result<f64, Box<dyn Error>> {
+        let mut plant = null.clone();
+        plant.disturbances.bad_poses = 0;
+        plant.blunders = truepose_simulate::Blunders::default();
+        let (mut sum, mut count) = (0.0, 0);
+        for k in 0..REPLICATES {
+            let seen = plant.observe(&self.campaign, self.key.seed(Part::Replicates) ^ k)?;
+            for (row, truth) in seen.true_positions.iter().enumerate() {
+                sum += (seen.data.measured_position(row) - truth).norm_squared();
+                count += 1;
+            }
+        }
+        Ok((sum / f64::from(count.max(1))).sqrt())
+    }
+
+    pub fn declared(&self, hidden: Option<&Hidden>) -> Vec<Box<dyn AnyEffect>> {
+        let mut effects: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+        if self.what.compliance {
+            let left_out = hidden.and_then(Hidden::undeclared);
+            let joints = self.robot.chain.movable().iter().copied().filter(|joint| Some(*joint) != left_out);
+            effects.push(Box::new(JointCompliance { joints: Some(joints.collect()), ..Default::default() }));
+        }
+        effects
+    }
+
+    /// A record as a reader has it: columns that are missing are derived or empty.
+    fn read(&self, data: &Dataset) -> Dataset {
+        let (mut data, columns) = (data.clone(), self.what.columns);
+        data.dwell = truepose_errormodel::Dwell::of(&self.robot.chain, DwellTolerance::default());
+        if !columns.visit {
+            data.visit = visits_from_rows(&data);
+        }
+        if !columns.approach {
+            data.approach = approach_from_order(&data);
+        }
+        if !columns.time {
+            data.schema.time = false;
+            data.time.fill(0.0);
+        }
+        data
+    }
+}
+
+/// A declared model, fitted to all rows.
+pub fn declared_fit(
+    chain: &Chain,
+    declared: &[Box<dyn AnyEffect>],
+    data: &Dataset,
+    options: &FitOptions,
+) -> Result<FittedModel, Box<dyn Error>> {
+    let model = ErrorModel::new(chain.clone(), declared.to_vec())?;
+    Ok(fit(&model, data, &PivotedQr::default(), options)?.fitted)
+}
+
+/// 3-D RMS error of a fit at configurations with known positions, m.
+pub fn fresh_error(truth: &Dataset, fitted: &FittedModel) -> Result<f64, Box<dyn Error>> {
+    Ok(Residuals::of(fitted, truth)?.positions().rms)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::description::Kind;
+    use super::super::stream::Half;
+    use super::*;
+    use truepose_identify::PriorStrength;
+
+    fn of(kind: Kind, cell: &str, number: u64) -> (Description, Made) {
+        let key = kind.key(Half::Tuning, number);
+        let what = Description::of(kind, cell, key);
+        let made = make(&what, key).expect("a robot");
+        (what, made)
+    }
+
+    #[test]
+    fn a_cause_has_its_size_and_a_null_leaves_nothing() {
+        for number in 0..4 {
+            let (what, made) = of(Kind::Power, "25", number);
+            assert!((made.size / what.size).ln().abs() < 0.03, "{number}: {}", made.size);
+            assert_eq!(made.seen.data.visit.last().map(|v| v + 1), Some(25 + what.repeats));
+        }
+        let (_, null) = of(Kind::Null, "", 2);
+        // A dense fit of the clean record predicts the truth far below the noise of a row.
+        let options = FitOptions { prior: PriorStrength::VarianceGroups, ..FitOptions::default() };
+        let fitted = declared_fit(&null.robot.chain, &null.declared, &null.clean, &options).expect("a fit");
+        assert!(fresh_error(&null.truth, &fitted).expect("an error") < 2.0 * null.floor);
+    }
+
+    #[test]
+    fn the_same_key_measures_the_same_bytes() {
+        let bytes = |made: &Made| -> Vec<u64> {
+            made.data
+                .position
+                .iter()
+                .flatten()
+                .chain(made.truth.position.iter().flatten())
+                .map(|v| v.to_bits())
+                .collect()
+        };
+        let (first, again) = (of(Kind::Bad, "2", 1).1, of(Kind::Bad, "2", 1).1);
+        assert_eq!(bytes(&first), bytes(&again));
+        assert_eq!(first.seen.bad_poses.len(), 2);
+        // The clean record has the same noise without what went wrong.
+        let differing = (0..first.data.len()).filter(|&row| {
+            (first.data.measured_position(row) - first.clean.measured_position(row)).norm() > 1e-12
+        });
+        let poses: std::collections::BTreeSet<usize> =
+            differing.map(|row| first.seen.data.visit[row]).collect();
+        assert_eq!(poses.into_iter().collect::<Vec<_>>(), first.seen.bad_poses);
+    }
+
+    #[test]
+    fn columns_that_are_missing_are_missing() {
+        let (what, made) = of(Kind::Flicker, "", 1);
+        assert!(!what.columns.visit && what.flicker_deg > 0.0);
+        let off = |row: usize| made.data.joints[0][row] - made.data.joints[0][0];
+        assert!(off(1).abs() > 0.0 && off(1).abs() < 2.0 * 1e-4f64.to_radians());
+        let kind = Kind::Columns;
+        let timeless = (0..20)
+            .map(|number| Description::of(kind, "", kind.key(Half::Tuning, number)))
+            .position(|what| !what.columns.time)
+            .expect("one without time");
+        let (_, made) = of(kind, "", timeless as u64);
+        assert!(!made.data.schema.time && made.data.time.iter().all(|t| *t == 0.0));
+    }
+}

@@ -1,0 +1,175 @@
+//! What the program reports, read from `discovery.json`. A field that a version does not write is absent, never an error.
+
+use serde_json::Value;
+
+/// A name that is reported, with its probability where one is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Name {
+    pub family: String,
+    pub joint: Option<String>,
+    pub probability: Option<f64>,
+    /// Of an alternative: not distinguishable from the finding.
+    pub equivalent: bool,
+}
+
+/// A finding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Effect {
+    pub name: Name,
+    pub p_value: Option<f64>,
+    /// Probability that none of the names is right.
+    pub unnamed: Option<f64>,
+    pub alternatives: Vec<Name>,
+    /// Rows that it is about, 1-based.
+    pub rows: Vec<usize>,
+    /// Pose measurements that it is about, as the file numbers them.
+    pub poses: Vec<usize>,
+}
+
+/// A report.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Reported {
+    pub verdict: Option<String>,
+    pub floor_mm: Option<f64>,
+    pub floor_source: Option<String>,
+    pub floor_ci95_mm: Option<[f64; 2]>,
+    pub significant: Option<bool>,
+    pub p_value: Option<f64>,
+    pub unexplained_mm: Option<f64>,
+    pub autocorrelation: Option<f64>,
+    pub effects: Vec<Effect>,
+    /// Held-out 3-D RMS and its interval, before and after, mm.
+    pub holdout: [Option<f64>; 2],
+    pub holdout_ci95: [Option<[f64; 2]>; 2],
+    /// Interval of the reduction of the held-out RMS, mm.
+    pub gain_ci95: Option<[f64; 2]>,
+}
+
+impl Effect {
+    /// Whether it is a cause, with or without a name; excluded rows are none.
+    pub fn is_cause(&self) -> bool {
+        self.name.family != "outlier"
+    }
+
+    pub fn is_named(&self) -> bool {
+        self.is_cause() && self.name.family != "unmodelled"
+    }
+}
+
+impl Reported {
+    pub fn of(json: &Value) -> Self {
+        let number = |path: &str| json.pointer(path).and_then(Value::as_f64);
+        let text = |path: &str| json.pointer(path).and_then(Value::as_str).map(str::to_owned);
+        let side = |side: &str| {
+            // Without rows that are reported as outliers, where there are any: the figure that is printed.
+            let without = format!("/{side}/holdout_without_outliers");
+            let part = if json.pointer(&without).is_some_and(|value| !value.is_null()) {
+                without
+            } else {
+                format!("/{side}/holdout")
+            };
+            (number(&format!("{part}/rms_mm")), pair(json.pointer(&format!("{part}/ci95_mm"))))
+        };
+        let (before, after) = (side("before"), side("after"));
+        Reported {
+            verdict: text("/verdict"),
+            floor_mm: number("/noise_floor/rms_mm").or_else(|| number("/noise_floor_mm")),
+            floor_source: text("/noise_floor/source"),
+            floor_ci95_mm: pair(json.pointer("/noise_floor/ci95_mm")),
+            significant: json.pointer("/unexplained/significant").and_then(Value::as_bool),
+            p_value: number("/unexplained/p_value"),
+            unexplained_mm: number("/unexplained/rms_mm"),
+            autocorrelation: number("/dependence/autocorrelation"),
+            effects: list(json.get("effects")).iter().map(effect).collect(),
+            holdout: [before.0, after.0],
+            holdout_ci95: [before.1, after.1],
+            gain_ci95: pair(json.pointer("/gain/ci95_mm")).or_else(|| pair(json.get("gain_ci95_mm"))),
+        }
+    }
+
+    /// The p-value of the first screen: that of the first finding, or of the last screen where nothing is found.
+    pub fn first_p(&self) -> Option<f64> {
+        self.effects.iter().find(|effect| effect.is_cause()).map_or(self.p_value, |first| first.p_value)
+    }
+}
+
+fn list(value: Option<&Value>) -> &[Value] {
+    value.and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+fn pair(value: Option<&Value>) -> Option<[f64; 2]> {
+    match list(value) {
+        [low, high] => Some([low.as_f64()?, high.as_f64()?]),
+        _ => None,
+    }
+}
+
+fn name(json: &Value, probability: &str) -> Name {
+    let text = |key: &str| json.get(key).and_then(Value::as_str).map(str::to_owned);
+    Name {
+        family: text("family").unwrap_or_default(),
+        joint: text("joint"),
+        probability: json.get(probability).and_then(Value::as_f64),
+        equivalent: json.get("equivalent").and_then(Value::as_bool).unwrap_or(false),
+    }
+}
+
+fn effect(json: &Value) -> Effect {
+    let number = |key: &str| json.get(key).and_then(Value::as_f64);
+    let whole = |key: &str| -> Vec<usize> {
+        list(json.get(key)).iter().filter_map(Value::as_u64).map(|v| v as usize).collect()
+    };
+    Effect {
+        name: name(json, "name_probability"),
+        p_value: number("p_value"),
+        unnamed: number("unnamed_probability"),
+        alternatives: list(json.get("alternatives")).iter().map(|one| name(one, "probability")).collect(),
+        rows: whole("rows"),
+        poses: [whole("poses"), whole("visits")].concat(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_of_any_version_is_read() {
+        let old = serde_json::json!({
+            "noise_floor_mm": 0.2,
+            "unexplained": { "significant": false, "p_value": 0.3 },
+            "effects": [{ "family": "backlash", "joint": "j2", "p_value": 0.001, "alternatives": [
+                { "family": "unmodelled", "equivalent": true } ] }],
+            "before": { "holdout": { "rms_mm": 0.5 } }, "after": { "holdout": { "rms_mm": 0.2 } },
+        });
+        let read = Reported::of(&old);
+        assert_eq!((read.floor_mm, read.verdict.clone(), read.floor_source.clone()), (Some(0.2), None, None));
+        assert_eq!(read.effects[0].name.probability, None);
+        assert!(read.effects[0].is_named() && read.effects[0].alternatives[0].equivalent);
+        assert_eq!(read.first_p(), Some(0.001));
+        assert_eq!(read.holdout, [Some(0.5), Some(0.2)]);
+        let new = serde_json::json!({
+            "verdict": "undecided",
+            "noise_floor": { "rms_mm": null, "source": "unknown", "ci95_mm": null },
+            "noise_floor_mm": null,
+            "unexplained": { "significant": true, "p_value": 0.0001, "rms_mm": 0.1 },
+            "dependence": { "autocorrelation": 0.4 },
+            "effects": [{ "family": "outlier", "rows": [4, 5], "poses": [2], "p_value": 0.01,
+                "name_probability": 0.9, "unnamed_probability": 0.05,
+                "alternatives": [{ "family": "drift", "probability": 0.05 }] }],
+            "before": { "holdout": { "rms_mm": 0.5, "ci95_mm": [0.4, 0.6] },
+                "holdout_without_outliers": { "rms_mm": 0.45, "ci95_mm": [0.35, 0.55] } },
+        });
+        let read = Reported::of(&new);
+        assert_eq!((read.verdict.as_deref(), read.floor_mm), (Some("undecided"), None));
+        assert_eq!(read.autocorrelation, Some(0.4));
+        assert_eq!(read.holdout_ci95, [Some([0.35, 0.55]), None]);
+        assert_eq!(
+            (read.effects[0].rows.as_slice(), read.effects[0].poses.as_slice()),
+            (&[4, 5][..], &[2][..])
+        );
+        assert_eq!(read.effects[0].alternatives[0].probability, Some(0.05));
+        // Rows that are excluded are no cause, so that the p is that of the last screen.
+        assert_eq!(read.first_p(), Some(0.0001));
+    }
+}

@@ -1,0 +1,105 @@
+//! The size of a cause: what the declared model cannot absorb of it.
+//!
+//! The model is fitted to a dense noise-free campaign (`REFERENCE` poses, in the same order and time); the 3-D RMS of what
+//! remains is a multiple of the 3-D RMS of one row's noise. So it does not depend on how many poses are measured.
+
+use super::cause::Hidden;
+use super::plant::Ground;
+use super::stream::Part;
+use std::error::Error;
+use truepose_errormodel::ErrorModel;
+use truepose_identify::{FitOptions, NoiseModel, NoiseSource, PriorStrength, Residuals, fit};
+use truepose_simulate::Campaign;
+use truepose_solvers::PivotedQr;
+
+/// Poses of the dense campaign.
+const REFERENCE: usize = 200;
+/// Draws of a place for a cause before there is none at which it can be as large.
+const PLACES: usize = 12;
+/// A cause of more than this many times its usual size is none that a machine would have.
+const LARGEST: f64 = 60.0;
+
+/// A cause with its size.
+pub struct SizedCause {
+    pub hidden: Hidden,
+    /// Multiple of its usual size.
+    pub size: f64,
+    /// What the declared model cannot absorb of it, over the noise of a row.
+    pub reached: f64,
+}
+
+impl Ground<'_> {
+    /// The cause with the wanted size.
+    pub fn cause(&self, floor: f64) -> Result<Option<SizedCause>, Box<dyn Error>> {
+        let Some(cause) = self.what.cause else { return Ok(None) };
+        let mut draw = self.key.draw(Part::Cause);
+        let reference = self.clocked(self.campaign(REFERENCE, 0, Part::Reference)?);
+        for _ in 0..PLACES {
+            let duration = self.campaign.duration_s();
+            let Some(hidden) = Hidden::draw(cause, &self.robot, &self.loads, duration, &mut draw) else {
+                continue;
+            };
+            if cause.has_a_size_of_its_own() {
+                let nothing = self.left(&hidden, None, &reference)?;
+                let left = self.left(&hidden, Some(1.0), &reference)?;
+                let left = (left * left - nothing * nothing).max(0.0).sqrt();
+                return Ok(Some(SizedCause { hidden, size: 1.0, reached: left / floor }));
+            }
+            if let Some((size, left)) = self.size(&hidden, &reference, floor)? {
+                return Ok(Some(SizedCause { hidden, size, reached: left / floor }));
+            }
+        }
+        Err(format!("no place where {} can be that large", cause.word()).into())
+    }
+
+    fn size(
+        &self,
+        hidden: &Hidden,
+        reference: &Campaign,
+        floor: f64,
+    ) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
+        let goal = self.what.size * floor;
+        let nothing = self.left(hidden, None, reference)?;
+        let (mut size, mut before): (f64, Option<(f64, f64)>) = (1.0, None);
+        for _ in 0..10 {
+            // A plant that cannot carry its load is too compliant.
+            let Ok(left) = self.left(hidden, Some(size), reference) else {
+                size *= 0.2;
+                continue;
+            };
+            // What the declared model leaves of the robot without the cause is no part of it.
+            let left = (left * left - nothing * nothing).max(0.0).sqrt();
+            if left < 1e-10 {
+                return Ok(None);
+            }
+            if (left / goal).ln().abs() < 0.03 {
+                return Ok((size < LARGEST).then_some((size, left)));
+            }
+            let slope = before
+                .filter(|(s, _)| (size / s).ln().abs() > 1e-6)
+                .map_or(1.0, |(s, l): (f64, f64)| ((left / l).ln() / (size / s).ln()).clamp(0.4, 3.0));
+            before = Some((size, left));
+            size *= (goal / left).powf(1.0 / slope).clamp(1e-2, 1e2);
+            if size > 4.0 * LARGEST {
+                return Ok(None);
+            }
+        }
+        Ok(None)
+    }
+
+    /// What the declared model leaves of a noise-free campaign, 3-D RMS, m.
+    fn left(&self, hidden: &Hidden, size: Option<f64>, reference: &Campaign) -> Result<f64, Box<dyn Error>> {
+        let plant = self.quiet(size.map(|size| (hidden, size)))?;
+        let data = plant.measure(reference, self.key.seed(Part::Reference))?;
+        let model = ErrorModel::new(self.robot.chain.clone(), self.declared(Some(hidden)))?;
+        let options = FitOptions {
+            noise: NoiseSource::Fixed(NoiseModel { position_sd: 1e-5, visit_sd: 0.0, orientation_sd: 1e-4 }),
+            // As good as none, but for directions that nothing excites.
+            prior: PriorStrength::Fixed(1e3),
+            max_iterations: 20,
+            ..FitOptions::default()
+        };
+        let fitted = fit(&model, &data, &PivotedQr::default(), &options)?.fitted;
+        Ok(Residuals::of(&fitted, &data)?.positions().rms)
+    }
+}

@@ -1,0 +1,181 @@
+//! The two halves of the study, and what is drawn from them.
+//!
+//! ```text
+//! generator    ChaCha8, key = kind · 2⁴⁰ + number,   stream = constant of the half · 2³² + part
+//! seeds        63 bits of that generator, the highest bit = the half
+//! ```
+//!
+//! A robot is given by its half, its kind and its number, and by nothing else. The halves have different streams of the
+//! generator (no state of one is a state of the other), and seeds that are passed on to a plant or a campaign differ in
+//! their highest bit, so that no plant, campaign or noise of one half can occur in the other.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// A half of the robots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Half {
+    /// For development: may be run and studied at any time.
+    Tuning,
+    /// For publication: run once at a commit, never while a constant is chosen.
+    Locked,
+}
+
+impl Half {
+    pub fn named(word: &str) -> Option<Self> {
+        [Half::Tuning, Half::Locked].into_iter().find(|half| half.word() == word)
+    }
+
+    pub fn word(self) -> &'static str {
+        match self {
+            Half::Tuning => "tuning",
+            Half::Locked => "locked",
+        }
+    }
+
+    /// The letters TUNE and LOCK.
+    fn constant(self) -> u64 {
+        match self {
+            Half::Tuning => 0x5455_4e45,
+            Half::Locked => 0x4c4f_434b,
+        }
+    }
+
+    fn bit(self) -> u64 {
+        u64::from(self == Half::Locked)
+    }
+}
+
+/// What is drawn; each part has a stream of its own, so that one more draw leaves the other parts as they were.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    Description = 1,
+    Robot,
+    Cause,
+    Plant,
+    Campaign,
+    Noise,
+    Replicates,
+    Fresh,
+    Reference,
+}
+
+/// The number of a robot within a kind and a half.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Key {
+    pub half: Half,
+    /// Number of the kind of campaign.
+    pub kind: u64,
+    pub number: u64,
+}
+
+impl Key {
+    /// The generator of a part.
+    pub fn draw(self, part: Part) -> Draw {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.kind << 40 | self.number);
+        rng.set_stream(self.half.constant() << 32 | part as u64);
+        Draw(rng)
+    }
+
+    /// A seed for a part, of this half alone.
+    pub fn seed(self, part: Part) -> u64 {
+        self.draw(part).0.random::<u64>() >> 1 | self.half.bit() << 63
+    }
+}
+
+/// A generator, with the distributions that are needed.
+pub struct Draw(ChaCha8Rng);
+
+impl Draw {
+    /// Uniform.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.0.random::<f64>()
+    }
+
+    /// Uniform in the logarithm.
+    pub fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    /// 0 to `count` − 1.
+    pub fn below(&mut self, count: usize) -> usize {
+        self.0.random_range(0..count.max(1))
+    }
+
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.0.random::<f64>() < probability
+    }
+
+    pub fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+
+    /// One of a list that is not empty.
+    pub fn of<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len())]
+    }
+
+    /// −1 or 1.
+    pub fn sign(&mut self) -> f64 {
+        if self.chance(0.5) { 1.0 } else { -1.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    const PARTS: [Part; 9] = [
+        Part::Description,
+        Part::Robot,
+        Part::Cause,
+        Part::Plant,
+        Part::Campaign,
+        Part::Noise,
+        Part::Replicates,
+        Part::Fresh,
+        Part::Reference,
+    ];
+
+    fn keys(half: Half) -> impl Iterator<Item = Key> {
+        (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, kind, number }))
+    }
+
+    #[test]
+    fn the_halves_have_no_seed_and_no_stream_in_common() {
+        let seeds =
+            |half| -> HashSet<u64> { keys(half).flat_map(|key| PARTS.map(|part| key.seed(part))).collect() };
+        let (tuning, locked) = (seeds(Half::Tuning), seeds(Half::Locked));
+        assert!(tuning.iter().all(|seed| seed >> 63 == 0));
+        assert!(locked.iter().all(|seed| seed >> 63 == 1));
+        // Within a half no two parts of any two robots share a seed either.
+        assert_eq!(tuning.len(), 12 * 200 * 9);
+        assert_eq!(locked.len(), 12 * 200 * 9);
+        // The lower bits differ as well: one half is not the other with a bit set.
+        let low = |set: &HashSet<u64>| -> HashSet<u64> { set.iter().map(|seed| seed << 1).collect() };
+        assert!(low(&tuning).is_disjoint(&low(&locked)));
+    }
+
+    #[test]
+    fn a_key_draws_the_same_numbers_again() {
+        let key = Key { half: Half::Tuning, kind: 3, number: 17 };
+        let numbers = |key: Key| {
+            let mut draw = key.draw(Part::Robot);
+            (0..20).map(|_| draw.normal().to_bits()).collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(key), numbers(key));
+        assert_ne!(numbers(key), numbers(Key { half: Half::Locked, ..key }));
+        assert_ne!(numbers(key), numbers(Key { number: 18, ..key }));
+        assert_eq!(key.seed(Part::Noise), key.seed(Part::Noise));
+    }
+
+    #[test]
+    fn words_of_halves_come_back() {
+        for half in [Half::Tuning, Half::Locked] {
+            assert_eq!(Half::named(half.word()), Some(half));
+        }
+        assert_eq!(Half::named("both"), None);
+    }
+}

@@ -1,0 +1,246 @@
+//! One robot through `discover`, and what its report says compared with the truth.
+
+use super::description::{Description, Kind};
+use super::plant::{Made, declared_fit, fresh_error, make};
+use super::record::Record;
+use super::reported::{Effect, Reported};
+use super::stream::{Half, Key};
+use std::error::Error;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
+use truepose_discover::{Diagnosis, DiscoverOptions, diagnose};
+use truepose_errormodel::Dataset;
+use truepose_report::{DiscoverySettings, DiscoverySummary};
+use truepose_solvers::PivotedQr;
+
+/// Probability above which a name is confident.
+const CONFIDENT: f64 = 0.9;
+/// A model that predicts worse than the declared one by more than this does harm.
+const HARM: f64 = 1.05;
+
+/// A robot to come.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    pub kind: Kind,
+    pub cell: String,
+    pub key: Key,
+}
+
+impl Task {
+    pub fn of(kind: Kind, cell: &str, half: Half, number: u64) -> Self {
+        Task { kind, cell: cell.to_owned(), key: kind.key(half, number) }
+    }
+
+    /// What to type for it alone.
+    pub fn words(&self) -> String {
+        let cell = if self.cell.is_empty() { "-" } else { &self.cell };
+        format!("{} \"{cell}\" {}", self.kind.word(), self.key.number)
+    }
+
+    /// One line of the table. A refusal and a panic are results as well.
+    pub fn run(&self) -> Record {
+        let begun = Instant::now();
+        let mut record = Record::new(self.key, self.kind, &self.cell);
+        let what = Description::of(self.kind, &self.cell, self.key);
+        describe(&what, &mut record);
+        let ended = match catch_unwind(AssertUnwindSafe(|| self.judge(&what, &mut record))) {
+            Ok(Ok(())) => "yes".into(),
+            Ok(Err(error)) => error.to_string(),
+            Err(_) => "panic".into(),
+        };
+        record.set("ended", ended);
+        record.set("seconds", format!("{:.2}", begun.elapsed().as_secs_f64()));
+        record
+    }
+
+    fn judge(&self, what: &Description, record: &mut Record) -> Result<(), Box<dyn Error>> {
+        let made = make(what, self.key).map_err(|error| format!("no plant: {error}"))?;
+        record.set("size", made.size);
+        record.set("rows", made.data.len());
+        record.set("floor_mm", 1e3 * made.floor);
+        let (reported, diagnosis) = look(&made, &made.data)?;
+        names(&made, &reported, record);
+        against_truth(&made, &reported, &diagnosis, record)?;
+        if what.bad_poses > 0 {
+            bad_poses(&made, &reported, &diagnosis, record)?;
+        }
+        Ok(())
+    }
+
+    /// The report itself, as text.
+    pub fn report(&self) -> Result<String, Box<dyn Error>> {
+        let what = Description::of(self.kind, &self.cell, self.key);
+        let made = make(&what, self.key)?;
+        let diagnosis = diagnosed(&made, &made.data)?;
+        let hidden = made.hidden.as_ref().map_or("nothing hidden".into(), |hidden| {
+            format!("{} {} at {:.2} times the noise", hidden.cause.word(), hidden.place(), made.size)
+        });
+        Ok(format!("{what:#?}\n{hidden}, noise {:.4} mm\n{}", 1e3 * made.floor, summary(&diagnosis)))
+    }
+}
+
+fn diagnosed(made: &Made, data: &Dataset) -> Result<Diagnosis, Box<dyn Error>> {
+    let options = DiscoverOptions::default();
+    Ok(diagnose(&made.robot.chain, &made.declared, data, &PivotedQr::default(), &options, &|_| ())?)
+}
+
+fn summary(diagnosis: &Diagnosis) -> DiscoverySummary {
+    let options = DiscoverOptions::default();
+    let settings = DiscoverySettings {
+        seed: options.seed,
+        holdout: options.holdout,
+        rotations: options.rotations,
+        alpha: options.alpha,
+    };
+    DiscoverySummary::new(diagnosis, settings)
+}
+
+fn look(made: &Made, data: &Dataset) -> Result<(Reported, Diagnosis), Box<dyn Error>> {
+    let diagnosis = diagnosed(made, data)?;
+    let reported = Reported::of(&serde_json::to_value(summary(&diagnosis))?);
+    Ok((reported, diagnosis))
+}
+
+fn describe(what: &Description, record: &mut Record) {
+    record.set("make", what.make.word());
+    record.set("cause", what.cause.map_or("none", super::cause::Cause::word));
+    record.set_some("inside", what.cause.map(super::cause::Cause::inside));
+    record.set("poses", what.poses);
+    record.set("targets", what.targets);
+    record.set("repeats", what.repeats);
+    record.set("order", what.order.word());
+    record.set("memory", what.memory);
+    record.set_some("stated", what.stated);
+    record.set("bad", what.bad_poses);
+}
+
+/// Findings, names and their probabilities.
+fn names(made: &Made, reported: &Reported, record: &mut Record) {
+    let right = |family: &str, joint: Option<&str>| {
+        made.hidden.as_ref().is_some_and(|hidden| hidden.is_named(family, joint))
+    };
+    let is_right = |name: &super::reported::Name| right(&name.family, name.joint.as_deref());
+    let listed = |effect: &Effect| effect.alternatives.iter().any(&is_right);
+    let causes: Vec<&Effect> = reported.effects.iter().filter(|effect| effect.is_cause()).collect();
+    record.set("findings", causes.len());
+    record.set("outliers", reported.effects.len() - causes.len());
+    record.set("found", causes.iter().any(|effect| is_right(&effect.name)));
+    record.set("first", causes.first().map_or("none", |first| first.name.family.as_str()));
+    record.set("first_right", causes.first().is_some_and(|first| is_right(&first.name)));
+    record.set("listed", causes.first().is_some_and(|first| is_right(&first.name) || listed(first)));
+    let confident = |effect: &&&Effect| effect.is_named() && effect.name.probability > Some(CONFIDENT);
+    if causes.iter().any(|effect| effect.name.probability.is_some()) || causes.is_empty() {
+        let wrong = causes.iter().filter(confident).any(|e| !is_right(&e.name) && !listed(e));
+        record.set("confident_wrong", wrong);
+    }
+    // One event for each name of a finding, and one for `none of these`.
+    let mut events = Vec::new();
+    for effect in causes.iter().filter(|effect| effect.is_named()) {
+        let all = std::iter::once(&effect.name).chain(&effect.alternatives);
+        let mut any = false;
+        for name in all.filter(|name| name.family != "unmodelled") {
+            any |= is_right(name);
+            events.extend(name.probability.map(|p| format!("{p:.4}:{}", u8::from(is_right(name)))));
+        }
+        events.extend(effect.unnamed.map(|p| format!("{p:.4}:{}", u8::from(!any))));
+    }
+    record.set("names", events.join("|"));
+    let significant = reported.significant.unwrap_or(false);
+    record.set("alarm", !causes.is_empty() || significant);
+    record.set_some("significant", reported.significant);
+    record.set_some("verdict", reported.verdict.as_deref());
+    record.set_some("p_first", reported.first_p());
+    record.set_some("autocorrelation", reported.autocorrelation);
+    let words: Vec<String> = reported
+        .effects
+        .iter()
+        .map(|e| format!("{} {}", e.name.family, e.name.joint.as_deref().unwrap_or("")))
+        .collect();
+    let truth = made.hidden.as_ref().map_or(String::new(), |hidden| hidden.place());
+    record.set("words", format!("truth {truth}: {}", words.join("; ")));
+}
+
+/// Repeatability limit, verdict, intervals and predictions compared with the plant.
+fn against_truth(
+    made: &Made,
+    reported: &Reported,
+    diagnosis: &Diagnosis,
+    record: &mut Record,
+) -> Result<(), Box<dyn Error>> {
+    if made.hidden.as_ref().is_some_and(|hidden| hidden.cause.is_instrument()) {
+        // Fresh positions, repeats and held-out rows of a moving instrument are not in the frame of the truth.
+        return Ok(());
+    }
+    let floor_mm = 1e3 * made.floor;
+    record.set_some("floor_source", reported.floor_source.as_deref());
+    record.set_some("floor_ratio", reported.floor_mm.map(|mm| mm / floor_mm));
+    record.set_some("floor_covered", reported.floor_ci95_mm.map(|ci| (ci[0]..=ci[1]).contains(&floor_mm)));
+    let options = DiscoverOptions::default().fit;
+    let after = fresh_error(&made.truth, &diagnosis.fit.fitted)?;
+    let declared = declared_fit(&made.robot.chain, &made.declared, &made.data, &options)?;
+    let declared = fresh_error(&made.truth, &declared)?;
+    let trained = fresh_error(&made.truth, &diagnosis.declared.fitted)?;
+    // The error of estimation alone: the declared model on the same noise, with nothing hidden.
+    let alone = match (&made.hidden, made.seen.bad_poses.len() + made.seen.outliers.len()) {
+        (None, 0) => declared,
+        _ => nothing_hidden(made)?,
+    };
+    record.set("fresh_mm", 1e3 * after);
+    record.set("fresh_ratio", after / alone.max(1e-12));
+    record.set("declared_ratio", declared / alone.max(1e-12));
+    record.set("harm", after > HARM * declared);
+    record.set("left", (after * after - alone * alone).max(0.0).sqrt() / made.floor);
+    let rows = &diagnosis.holdout_rows;
+    let noise =
+        |&row: &usize| (made.seen.data.measured_position(row) - made.seen.true_positions[row]).norm_squared();
+    let noise = (rows.iter().map(noise).sum::<f64>() / rows.len().max(1) as f64).sqrt();
+    record.set("ratio", diagnosis.after.holdout.positions().rms / noise.max(1e-12));
+    // A held-out row has the error of the model and its own noise.
+    let expected = [trained, after].map(|error| 1e3 * error.hypot(made.floor));
+    let inside = |ci: [f64; 2], truth: f64| (ci[0]..=ci[1]).contains(&truth);
+    for (column, ci, truth) in [
+        ("before_covered", reported.holdout_ci95[0], expected[0]),
+        ("after_covered", reported.holdout_ci95[1], expected[1]),
+        ("gain_covered", reported.gain_ci95, expected[0] - expected[1]),
+    ] {
+        record.set_some(column, ci.map(|ci| inside(ci, truth)));
+    }
+    Ok(())
+}
+
+/// Fresh error of the declared model of the robot with nothing hidden, fitted to its record with the same noise, m.
+fn nothing_hidden(made: &Made) -> Result<f64, Box<dyn Error>> {
+    let options = DiscoverOptions::default().fit;
+    let fitted = declared_fit(&made.robot.chain, &made.clean_declared, &made.clean, &options)?;
+    fresh_error(&made.clean_truth, &fitted)
+}
+
+/// Whether poses that were displaced as a whole are reported, and what they change.
+fn bad_poses(
+    made: &Made,
+    reported: &Reported,
+    diagnosis: &Diagnosis,
+    record: &mut Record,
+) -> Result<(), Box<dyn Error>> {
+    let outliers = || reported.effects.iter().filter(|effect| !effect.is_cause());
+    let rows_of = |pose: usize| -> Vec<usize> {
+        (0..made.data.len()).filter(|&row| made.seen.data.visit[row] == pose).map(|row| row + 1).collect()
+    };
+    let listed = |row: &usize| outliers().any(|effect| effect.rows.contains(row));
+    let named = |pose: usize| outliers().any(|effect| effect.poses.contains(&pose));
+    let bad = &made.seen.bad_poses;
+    let whole = bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().all(listed)).count();
+    let partly = bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().any(listed)).count();
+    let bad_rows: Vec<usize> = bad.iter().flat_map(|&pose| rows_of(pose)).collect();
+    let others = outliers().flat_map(|effect| &effect.rows).filter(|row| !bad_rows.contains(row)).count();
+    record.set("bad_reported", whole);
+    record.set("bad_partly", partly);
+    record.set("other_reported", others);
+    let (without, clean) = look(made, &made.clean)?;
+    if let (Some(with), Some(without)) = (reported.floor_mm, without.floor_mm) {
+        record.set("bad_floor_ratio", with / without);
+    }
+    let error = fresh_error(&made.truth, &diagnosis.fit.fitted)?;
+    record.set("bad_fresh_ratio", error / fresh_error(&made.truth, &clean.fit.fitted)?.max(1e-12));
+    Ok(())
+}
