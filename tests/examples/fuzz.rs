@@ -1,26 +1,31 @@
-//! Throws spoiled input at everything that reads: `cargo xtask fuzz TARGET --inputs 1000000`.
+//! Throws spoiled input at everything that reads: `cargo xtask fuzz TARGET --inputs 1000000`, or `--for 1h` for each target.
 //!
 //! Inputs are good files and the corpus of `tests/spoiled`, of which bytes, pieces and lines are changed, moved, repeated and
 //! crossed. A finding is a panic, an input that takes longer than a second, or more than a gigabyte in use; it is written to
-//! `target/fuzz/` and ends the run with exit code 1. The same seed gives the same inputs.
+//! `target/fuzz/` and ends the run with exit code 1. An input with an answer that no input had before (a message, without its names
+//! and numbers) is spoiled further, and kept in `target/fuzz/corpus/TARGET` for the next run. The same seed and the same corpus give
+//! the same inputs.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program for developers")]
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use truepose_errormodel::EffectRegistry;
 use truepose_io::{
-    MeasurementsOptions, RobotOptions, read_fit, read_measurements, read_model, read_poses, read_robot,
-    robot_toml, robot_urdf,
+    MeasurementsOptions, RobotOptions, Warning, read_fit, read_measurements, read_model, read_poses,
+    read_robot, robot_toml, robot_urdf,
 };
 use truepose_kinematics::{Chain, samples};
 use truepose_solvers::SolverSpec;
 
 const SLOW: Duration = Duration::from_secs(1);
 const LARGEST: u64 = 1 << 30;
+/// Kept inputs of a target, at most.
+const MOST: usize = 4000;
 const TARGETS: &[&str] = &[
     "robot",
     "urdf",
@@ -90,7 +95,9 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let value = |key: &str| arguments.iter().position(|a| a == key).and_then(|k| arguments.get(k + 1));
     let number = |key: &str, or: u64| value(key).map_or(or, |text| text.parse().expect("a number"));
-    let (inputs, seed) = (number("--inputs", 100_000), number("--seed", 0));
+    let time = value("--for").map(|text| time(text).expect("a time, as in 90s, 10min or 1h"));
+    let inputs = number("--inputs", if time.is_some() { u64::MAX } else { 100_000 });
+    let seed = number("--seed", 0);
     let wanted = arguments.first().filter(|a| !a.starts_with("--")).cloned().unwrap_or_else(|| "all".into());
     let names: Vec<&str> =
         TARGETS.iter().copied().filter(|name| wanted == "all" || *name == wanted).collect();
@@ -98,11 +105,27 @@ fn main() {
     std::panic::set_hook(Box::new(|_| ()));
     let mut findings = 0;
     for name in names {
-        findings += run(&target(name), inputs, seed);
+        findings += run(&target(name), inputs, time, seed);
     }
     if findings > 0 {
         std::process::exit(1);
     }
+}
+
+fn time(text: &str) -> Option<Duration> {
+    let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic())?);
+    let seconds = match unit {
+        "s" => 1.0,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return None,
+    };
+    Duration::try_from_secs_f64(number.parse::<f64>().ok()? * seconds).ok()
+}
+
+/// Findings and the corpus.
+fn kept() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz")
 }
 
 fn corpus() -> PathBuf {
@@ -188,36 +211,64 @@ fn fit(chain: &Chain) -> Vec<u8> {
     std::fs::read(folder.path().join("fit.json")).unwrap()
 }
 
-/// Reads an input; true when it was accepted.
-fn read(target: &Target, path: &Path, bytes: &[u8]) -> bool {
+/// Reads an input; what was said of it, warnings or an error.
+fn read(target: &Target, path: &Path, bytes: &[u8]) -> Result<String, String> {
     let registry = EffectRegistry::builtin();
-    match target.name {
-        "robot" | "urdf" => read_robot(path, &RobotOptions::default()).is_ok(),
-        "measurements" | "parquet" => {
-            match read_measurements(path, &target.chain, &MeasurementsOptions::default()) {
-                Ok((data, _, _)) => {
-                    let _ = truepose_identify::suspicion(&target.chain, &data);
-                    true
-                }
-                Err(_) => false,
-            }
+    let words = |all: &[Warning]| all.iter().map(ToString::to_string).collect::<String>();
+    let read = match target.name {
+        "robot" | "urdf" => read_robot(path, &RobotOptions::default()).map(|(_, warnings)| words(&warnings)),
+        "measurements" | "parquet" => read_measurements(path, &target.chain, &MeasurementsOptions::default())
+            .map(|(data, _, warnings)| {
+                let _ = truepose_identify::suspicion(&target.chain, &data);
+                words(&warnings)
+            }),
+        "model" => read_model(path, &target.chain, &registry).map(|effects| {
+            // What is accepted has a size.
+            let made = truepose_errormodel::ErrorModel::new(target.chain.clone(), effects);
+            made.map_or_else(|error| error.to_string(), |_| String::new())
+        }),
+        "fit" => read_fit(path, &registry).map(|_| String::new()),
+        "poses" => read_poses(path, &target.chain).map(|(_, _, warnings)| words(&warnings)),
+        _ => {
+            let text = std::str::from_utf8(bytes).map_err(|error| error.to_string())?;
+            return text.parse::<SolverSpec>().map(|_| String::new()).map_err(|error| error.to_string());
         }
-        "model" => read_model(path, &target.chain, &registry).is_ok(),
-        "fit" => read_fit(path, &registry).is_ok(),
-        "poses" => read_poses(path, &target.chain).is_ok(),
-        _ => std::str::from_utf8(bytes).is_ok_and(|text| text.parse::<SolverSpec>().is_ok()),
-    }
+    };
+    read.map_err(|error| error.to_string())
 }
 
-fn run(target: &Target, inputs: u64, seed: u64) -> usize {
+/// An answer without names and numbers.
+fn kind(answer: &Result<String, String>) -> String {
+    let text = answer.as_ref().unwrap_or_else(|words| words);
+    let text: String = text.split('`').step_by(2).collect();
+    let plain = text.chars().filter(|c| c.is_ascii_alphabetic() || *c == ' ').take(160);
+    plain.chain([if answer.is_ok() { '+' } else { '-' }]).collect()
+}
+
+/// Inputs of other runs, and of this one.
+fn seeds_of(target: &Target) -> Vec<Vec<u8>> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(kept().join("corpus").join(target.name))
+        .map(|entries| entries.filter_map(|entry| Some(entry.ok()?.path())).collect())
+        .unwrap_or_default();
+    files.sort();
+    files.iter().filter_map(|file| std::fs::read(file).ok()).take(MOST).collect()
+}
+
+fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize {
+    let (mut own, mut answers) = (seeds_of(target), HashSet::new());
+    let corpus = kept().join("corpus").join(target.name);
+    std::fs::create_dir_all(&corpus).unwrap();
+    let mut done = 0;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() }.unwrap();
     let path = folder.path().join(format!("input.{}", target.ending));
     let began = Instant::now();
     let (mut accepted, mut findings, mut slowest) = (0u64, 0usize, Duration::ZERO);
-    for k in 0..inputs {
-        let input = spoiled(&target.good, &target.seeds, &mut rng);
+    for k in (0..inputs).take_while(|_| time.is_none_or(|time| began.elapsed() < time)) {
+        done += 1;
+        let again = !own.is_empty() && rng.random_range(0..3) == 0;
+        let input = spoiled(if again { &own } else { &target.good }, &target.seeds, &mut rng);
         if target.name != "solver" {
             std::fs::write(&path, &input).unwrap();
         }
@@ -227,25 +278,33 @@ fn run(target: &Target, inputs: u64, seed: u64) -> usize {
         if result.is_ok() && took > SLOW {
             // Another program may have had the machine: once more.
             let start = Instant::now();
-            read(target, &path, &input);
+            let _ = read(target, &path, &input);
             took = took.min(start.elapsed());
         }
         slowest = slowest.max(took);
-        accepted += u64::from(matches!(result, Ok(true)));
+        accepted += u64::from(matches!(result, Ok(Ok(_))));
+        if let Ok(answer) = &result
+            && answers.insert(kind(answer))
+            && own.len() < MOST
+        {
+            std::fs::write(corpus.join(format!("{seed}-{k}.{}", target.ending)), &input).unwrap();
+            own.push(input.clone());
+        }
         let large = k % 1000 == 0 && resident().is_some_and(|used| used > LARGEST);
         if result.is_err() || took > SLOW || large {
             findings += 1;
-            let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz");
-            std::fs::create_dir_all(&kept).unwrap();
             let name = format!("{}-{seed}-{k}.{}", target.name, target.ending);
-            std::fs::write(kept.join(&name), &input).unwrap();
+            std::fs::write(kept().join(&name), &input).unwrap();
             println!("FINDING {name}: panic {}, {took:?}, large {large}", result.is_err());
         }
     }
     println!(
-        "{}: {inputs} inputs from seed {seed}, {accepted} read, {} refused, {findings} findings, slowest {:.1} ms, {} MB, {:.0} s",
+        "{}: {done} inputs from seed {seed}, {:.0} a second, {accepted} read, {} refused, {} kinds of answers, {findings} findings, \
+         slowest {:.1} ms, {} MB, {:.0} s",
         target.name,
-        inputs - accepted,
+        done as f64 / began.elapsed().as_secs_f64(),
+        done - accepted,
+        answers.len(),
         slowest.as_secs_f64() * 1e3,
         resident().unwrap_or(0) / 1_000_000,
         began.elapsed().as_secs_f64()

@@ -37,7 +37,7 @@ enum Verb {
         /// Which: robot, urdf, measurements, model, fit, poses, solver, parquet, or all.
         #[arg(default_value = "all")]
         target: String,
-        /// Passed on, e.g. `--inputs 1000000 --seed 7`.
+        /// Passed on, e.g. `--inputs 1000000 --seed 7`, or `--for 1h` for each.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },

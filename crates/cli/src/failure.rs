@@ -14,8 +14,8 @@ pub enum Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::Criterion(message) => write!(f, "not met: {message}"),
-            Failure::Input(message) => write!(f, "error: {}", plain_types(message)),
+            Failure::Criterion(message) => write!(f, "not met: {}", short(message)),
+            Failure::Input(message) => write!(f, "error: {}", plain_types(&short(message))),
         }
     }
 }
@@ -26,6 +26,21 @@ impl<E: std::error::Error> From<E> for Failure {
         Failure::Input(error.to_string())
     }
 }
+
+/// A message that quotes a file at length, without its middle.
+fn short(message: &str) -> String {
+    let count = message.chars().count();
+    if count <= LONGEST {
+        return message.to_owned();
+    }
+    let head: String = message.chars().take(LONGEST - END).collect();
+    let tail: String = message.chars().skip(count - END).collect();
+    format!("{head} … {tail}")
+}
+
+/// Characters of a message, at most, and those that are kept of the end of a longer one.
+const LONGEST: usize = 2000;
+const END: usize = 300;
 
 /// Replaces names of types by plain English.
 fn plain_types(message: &str) -> String {
@@ -39,6 +54,14 @@ fn plain_types(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_messages_lose_their_middle() {
+        let long = format!("a.csv:1: column `{}` is no column", "é".repeat(100_000));
+        let shown = Failure::Input(long).to_string();
+        assert!(shown.starts_with("error: a.csv:1: column `é") && shown.ends_with("é` is no column"));
+        assert!(shown.chars().count() < 2020);
+    }
 
     #[test]
     fn names_of_types_are_replaced() {

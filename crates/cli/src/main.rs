@@ -3,42 +3,19 @@
 mod args;
 mod failure;
 mod progress;
+mod space;
 mod terminal;
 mod verbs;
 mod watch;
 
-use args::{Args, Verb};
+use args::Args;
 use failure::Failure;
+use space::granted;
 use std::process::ExitCode;
 use watch::{Limits, watched};
 
 fn main() -> ExitCode {
-    let args = Args::typed();
-    let threads =
-        rayon::ThreadPoolBuilder::new().num_threads(args.threads.map_or(0, usize::from)).build_global();
-    if let Err(error) = threads {
-        terminal::log(&format!("error: {error}"));
-        return ExitCode::from(2);
-    }
-    let limits = Limits { time: args.time_limit, memory: args.memory_limit };
-    let done = watched(limits, move |watch| {
-        verbs::files::apart(&args.verb)?;
-        match &args.verb {
-            Verb::Identify(verb) => verbs::identify::run(verb, watch),
-            Verb::Discover(verb) => verbs::discover::run(verb, watch),
-            Verb::Plan(verb) => verbs::plan::run(verb, watch),
-            Verb::Predict(verb) => verbs::predict::run(verb, watch),
-            Verb::Compensate(verb) => verbs::compensate::run(verb, watch),
-            Verb::Export(verb) => verbs::export::run(verb),
-            Verb::Map(verb) => verbs::map::run(verb, watch),
-            Verb::Compare(verb) => verbs::compare::run(verb, watch),
-            Verb::Check(verb) => verbs::check::run(verb),
-            Verb::Effects(verb) => verbs::effects::run(verb),
-            Verb::Simulate(verb) => verbs::simulate::run(verb),
-            Verb::Verify(verb) => verbs::verify::run(verb),
-        }
-    });
-    match done {
+    match run(Args::typed()) {
         Ok(code) => code,
         Err(failure) => {
             terminal::log(&failure.to_string());
@@ -48,4 +25,19 @@ fn main() -> ExitCode {
             })
         }
     }
+}
+
+fn run(args: Args) -> Result<ExitCode, Failure> {
+    let threads = args.threads.map_or_else(available, usize::from);
+    let space = granted(threads)?;
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    let limits = Limits { time: args.time_limit, memory: args.memory_limit, space };
+    watched(limits, move |watch| verbs::run(&args.verb, watch))
+}
+
+/// As many threads as rayon takes by itself.
+fn available() -> usize {
+    let wanted =
+        std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok()).filter(|&n| n > 0);
+    wanted.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1)
 }

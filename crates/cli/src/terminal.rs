@@ -1,16 +1,36 @@
 //! The only place that writes to the terminal.
 
 use std::borrow::Cow;
+use std::cell::Cell;
 use std::io::Write;
+
+thread_local! {
+    /// Whether this thread writes nothing.
+    static SILENT: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs `work` while this thread writes nothing to the terminal.
+pub fn silently<T>(work: impl FnOnce() -> T) -> T {
+    let before = SILENT.replace(true);
+    let done = work();
+    SILENT.set(before);
+    done
+}
 
 /// A result, to stdout. A reader that has gone away (`| head`) is no error.
 pub fn print(text: &str) {
+    if SILENT.get() {
+        return;
+    }
     let mut out = std::io::stdout().lock();
     let _ = out.write_all(shown(text).as_bytes()).and_then(|()| out.flush());
 }
 
 /// A remark, to stderr.
 pub fn log(text: &str) {
+    if SILENT.get() {
+        return;
+    }
     let _ = writeln!(std::io::stderr().lock(), "{}", shown(text));
 }
 

@@ -2,6 +2,7 @@
 //! the findings so far, without a half-written file.
 
 use crate::failure::Failure;
+use crate::space::in_use;
 use crate::terminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -90,6 +91,8 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Memory in use, bytes.
     pub memory: Option<u64>,
+    /// Address space, bytes: what the system grants.
+    pub space: Option<u64>,
 }
 
 /// Events that the main thread receives.
@@ -106,7 +109,7 @@ pub fn watched(
     limits: Limits,
     work: impl FnOnce(&Watch) -> Result<(), Failure> + Send + 'static,
 ) -> Result<ExitCode, Failure> {
-    if limits.memory.is_some() && resident().is_none() {
+    if limits.memory.is_some() && in_use("VmRSS").is_none() {
         return Err(Failure::Input(
             "--memory-limit: this system does not report the memory that a program uses".into(),
         ));
@@ -141,11 +144,15 @@ pub fn watched(
         if limits.time.is_some_and(|limit| began.elapsed() > limit) {
             return Ok(ended(&watch, "the time limit was reached", began, LIMIT));
         }
-        if let (Some(limit), Some(used)) = (limits.memory, limits.memory.and_then(|_| resident()))
+        if let (Some(limit), Some(used)) = (limits.memory, limits.memory.and_then(|_| in_use("VmRSS")))
             && used > limit
         {
             let words = format!("the memory limit was reached ({} MB in use)", used / 1_000_000);
             return Ok(ended(&watch, &words, began, LIMIT));
+        }
+        if limits.space.is_some_and(|limit| in_use("VmSize").is_some_and(|used| used > limit)) {
+            let words = "the address space that the system grants was used up (ulimit -v)";
+            return Ok(ended(&watch, words, began, LIMIT));
         }
     }
 }
@@ -156,7 +163,7 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
     let json = std::env::args_os().any(|argument| argument == "--json");
     let mut status = watch.locked();
     let kept = status.keep.take().map_or_else(Kept::default, |write| write(why));
-    stop_writing();
+    let written = stop_writing();
     status.ended = true;
     let seconds = began.elapsed().as_secs_f64();
     let doing = if status.doing.is_empty() { "reading" } else { &status.doing };
@@ -177,17 +184,13 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
             kept.text
         ));
     }
-    let files = match files.is_empty() {
-        true => "no file was written".to_owned(),
-        false => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
+    // What was finished before, if the end came between the last file and the end of the run.
+    let written: Vec<String> = written.iter().map(|file| file.display().to_string()).collect();
+    let files = match (files.is_empty(), written.is_empty()) {
+        (true, true) => "no file was written".to_owned(),
+        (true, false) => format!("complete, and written before: {}", written.join(", ")),
+        (false, _) => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::log(&format!("error: {why}; {files}"));
     ExitCode::from(code)
-}
-
-/// Memory in use, bytes.
-fn resident() -> Option<u64> {
-    let status = std::fs::read_to_string(PathBuf::from("/proc/self/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| 1024 * kilobytes)
 }

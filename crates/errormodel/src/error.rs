@@ -1,5 +1,6 @@
 //! What can be wrong with a model, or with data for it.
 
+use crate::size::{MOST_UNKNOWNS, memory};
 use thiserror::Error;
 
 /// A model that does not fit its robot, or data that does not fit the model.
@@ -21,6 +22,18 @@ pub enum ModelError {
         kind: String,
         /// What is wrong with which parameter.
         reason: String,
+    },
+    /// More unknowns than a fit has room and time for.
+    #[error(
+        "{what} has {unknowns} unknowns, whose fit would take {}; at most {MOST_UNKNOWNS} are supported ({})",
+        memory(*unknowns),
+        memory(MOST_UNKNOWNS)
+    )]
+    TooLarge {
+        /// The effect, or the model.
+        what: String,
+        /// How many it has.
+        unknowns: usize,
     },
     /// An effect that asks for a joint, frame or target that the robot lacks.
     #[error("effect `{kind}` refers to {what} {number}, but the robot has {count}")]
@@ -80,6 +93,14 @@ pub enum ModelError {
         /// The size it should have.
         need: usize,
     },
+}
+
+/// Refuses more unknowns than [`MOST_UNKNOWNS`].
+///
+/// # Errors
+/// [`ModelError::TooLarge`] with this name.
+pub(crate) fn bounded(what: impl FnOnce() -> String, unknowns: usize) -> Result<(), ModelError> {
+    if unknowns <= MOST_UNKNOWNS { Ok(()) } else { Err(ModelError::TooLarge { what: what(), unknowns }) }
 }
 
 fn hint(signal: &str, have: &[String]) -> String {

@@ -19,6 +19,7 @@ mod noise;
 mod real;
 mod registry;
 mod signal;
+mod size;
 mod term;
 pub mod testkit;
 
@@ -40,6 +41,7 @@ pub use noise::{NoiseModel, SMALLEST_SD};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
 pub use signal::Signal;
+pub use size::MOST_UNKNOWNS;
 pub use term::Term;
 
 /// What most programs need: `use truepose_errormodel::prelude::*`.

@@ -1,6 +1,7 @@
 //! The effects that a robot is declared to have: Φ of `ε(s) = Φ(s) c`.
 
-use crate::{AnyEffect, Column, Dataset, Emission, ModelError, Schema, Signal};
+use crate::error::bounded;
+use crate::{AnyEffect, Column, Dataset, Emission, MOST_UNKNOWNS, ModelError, Schema, Signal};
 use std::ops::Range;
 use truepose_kinematics::{Chain, Posture, Slot};
 
@@ -33,11 +34,18 @@ impl ErrorModel {
     pub fn new(chain: Chain, effects: Vec<Box<dyn AnyEffect>>) -> Result<Self, ModelError> {
         let mut columns = Vec::new();
         let mut first = vec![0];
+        let mut unknowns = 0;
         for effect in &effects {
             effect.validate(&chain)?;
-            columns.extend(effect.columns(&chain));
-            first.push(columns.len());
+            let own = effect.columns(&chain);
+            unknowns += own.len();
+            // Beyond the bound they are counted and not kept.
+            if unknowns <= MOST_UNKNOWNS {
+                columns.extend(own);
+                first.push(columns.len());
+            }
         }
+        bounded(|| "the model".into(), unknowns)?;
         let pace = |k: usize| match columns[first[k]..first[k + 1]].iter().all(|c| c.site.is_some()) {
             true => Pace::Constant,
             false if effects[k].load_dependent() => Pace::Settling,

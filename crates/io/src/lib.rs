@@ -23,7 +23,7 @@ mod write_whole;
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
-pub use fit::{FIT_FORMAT, read_fit, write_fit};
+pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
 pub use map::{MapRow, write_map};
 pub use measurements::{
     ColumnInfo, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, read_measurements,
@@ -31,14 +31,16 @@ pub use measurements::{
 };
 pub use model::read_model;
 pub use plan::{PlannedVisit, write_plan};
-pub use poses::{CommandRow, CommandStatus, Poses, read_poses, write_commands};
+pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, write_commands};
 pub use predictions::{Prediction, PredictionsWriter, write_predictions};
-pub use robot::{RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_toml, robot_urdf};
+pub use robot::{
+    RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_files, robot_toml, robot_urdf,
+};
 pub use same_file::same_file;
 pub use text::read_text;
-pub use unfinished::stop_writing;
+pub use unfinished::{ScratchFolder, stop_writing};
 pub use unit::{Quantity, Unit};
-pub use write_whole::{WholeFile, check_writable, make_folder, write_whole};
+pub use write_whole::{WholeFile, WholeFiles, check_writable, make_folder, write_whole};
 
 /// What most programs need: `use truepose_io::prelude::*`.
 pub mod prelude {

@@ -5,8 +5,9 @@ use crate::nearest::{listed, meant};
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use serde_json::Value as Json;
+use std::collections::HashSet;
 use std::path::Path;
-use truepose_errormodel::{AnyEffect, EffectRegistry, ModelError, Term};
+use truepose_errormodel::{AnyEffect, EffectRegistry, MOST_UNKNOWNS, ModelError, Term};
 use truepose_kinematics::Chain;
 
 /// Reads a declared model: its effects, in the order of the file.
@@ -32,12 +33,18 @@ pub fn read_model(
             "declares no effects; begin with [[effects]] and `family = \"geometric\"`",
         ));
     };
-    let mut list: Vec<Box<dyn AnyEffect>> = Vec::new();
-    for table in &effects.tables("effects")? {
+    let tables = effects.tables("effects")?;
+    // Each has an unknown at least.
+    if tables.len() > MOST_UNKNOWNS {
+        let words =
+            format!("declares {} effects; a model has at most {MOST_UNKNOWNS} unknowns", tables.len());
+        return Err(IoError::file(path, words));
+    }
+    let mut list: Vec<Box<dyn AnyEffect>> = Vec::with_capacity(tables.len());
+    let mut declared = HashSet::with_capacity(tables.len());
+    for table in &tables {
         let next = effect(table, chain, registry)?;
-        let same =
-            |other: &dyn AnyEffect| other.kind() == next.kind() && other.parameters() == next.parameters();
-        if list.iter().any(|other| same(&**other)) {
+        if !declared.insert((next.kind().to_owned(), next.parameters().to_string())) {
             return Err(table
                 .error(format!("effect `{}` is declared twice in the same way; remove one", next.kind())));
         }

@@ -2,7 +2,7 @@
 
 use crate::measurements::{Needs, read_table};
 use crate::table::TableWriter;
-use crate::{CsvInfo, IoError, Quantity, Unit, Warning};
+use crate::{CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
 use std::path::Path;
 use truepose_errormodel::{Dataset, DwellTolerance};
 use truepose_kinematics::{Chain, JointKind};
@@ -84,6 +84,19 @@ pub fn write_commands(
     poses: &Poses,
     commands: &[CommandRow],
 ) -> Result<(), IoError> {
+    commands_file(path, chain, poses, commands)?.finish()
+}
+
+/// The file that [`write_commands`] writes, under no name yet.
+///
+/// # Errors
+/// As [`write_commands`].
+pub fn commands_file(
+    path: impl AsRef<Path>,
+    chain: &Chain,
+    poses: &Poses,
+    commands: &[CommandRow],
+) -> Result<WholeFile, IoError> {
     let path = path.as_ref();
     if commands.len() != poses.rows.len() || poses.joint_units.len() != chain.movable().len() {
         let message = format!("there are {} commands for {} poses", commands.len(), poses.rows.len());
@@ -113,7 +126,7 @@ pub fn write_commands(
         }
         table.end_row()?;
     }
-    table.finish()
+    Ok(table.into_file())
 }
 
 pub(crate) fn si_unit(kind: JointKind) -> &'static Unit {

@@ -4,6 +4,14 @@ use crate::{IoError, WholeFile};
 use std::io::Write;
 use std::path::Path;
 
+/// What formulas of spreadsheets begin with.
+const FORMULA: [char; 4] = ['=', '+', '-', '@'];
+
+/// A cell as it was meant, without the apostrophe that [`TableWriter::text`] puts in front of a formula.
+pub(crate) fn unprefixed(text: &str) -> &str {
+    text.strip_prefix('\'').filter(|rest| rest.starts_with(FORMULA)).unwrap_or(text)
+}
+
 /// Writes a table row by row into a file that appears with [`TableWriter::finish`].
 #[derive(Debug)]
 pub(crate) struct TableWriter {
@@ -32,11 +40,13 @@ impl TableWriter {
         self.line.push(b',');
     }
 
+    /// A text that a spreadsheet would take for a formula gets an apostrophe in front (OWASP, CSV injection); see [`unprefixed`].
     pub fn text(&mut self, text: &str) {
+        let prefix = if text.starts_with(FORMULA) { "'" } else { "" };
         if text.contains([',', '"', '\n', '\r', '#']) {
-            let _ = write!(self.line, "\"{}\"", text.replace('"', "\"\""));
+            let _ = write!(self.line, "\"{prefix}{}\"", text.replace('"', "\"\""));
         } else {
-            self.line.extend_from_slice(text.as_bytes());
+            let _ = write!(self.line, "{prefix}{text}");
         }
         self.line.push(b',');
     }
@@ -47,6 +57,10 @@ impl TableWriter {
         self.file.write_all(&self.line).map_err(|error| self.file.refused(&error))?;
         self.line.clear();
         Ok(())
+    }
+
+    pub fn into_file(self) -> WholeFile {
+        self.file
     }
 
     pub fn finish(self) -> Result<(), IoError> {
@@ -73,6 +87,12 @@ mod tests {
         table.end_row().unwrap();
         assert!(!path.exists());
         table.finish().unwrap();
+        let formula = folder.path().join("f.csv");
+        let header = ["=1+1", "+x[m]", "-x", "@x", "'x", "-1,\"2\""].map(String::from);
+        TableWriter::create(&formula, &header).unwrap().finish().unwrap();
+        let written = std::fs::read_to_string(&formula).unwrap();
+        assert_eq!(written, "'=1+1,'+x[m],'-x,'@x,'x,\"'-1,\"\"2\"\"\"\n");
+        assert_eq!((unprefixed("'=1+1"), unprefixed("'x"), unprefixed("-x")), ("=1+1", "'x", "-x"));
         let expected = "a[m],b,c\n0.30000000000000004,,\"x,\"\"y\"\"\"\n1e300,-3,-0.5\n";
         assert_eq!(std::fs::read_to_string(&path).unwrap(), expected);
     }

@@ -6,7 +6,7 @@
 
 use crate::IoError;
 use crate::error::reason;
-use crate::unfinished::{begun, ended};
+use crate::unfinished::{Remembered, begun, finished};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -57,18 +57,8 @@ pub struct WholeFile {
 
 #[derive(Debug)]
 enum Sink {
-    Renamed { writer: BufWriter<NamedTempFile>, onto: PathBuf, named: Temporary },
+    Renamed { writer: BufWriter<NamedTempFile>, onto: PathBuf, named: Remembered },
     Direct(BufWriter<File>),
-}
-
-/// The name of a temporary file, remembered as long as there may be one.
-#[derive(Debug)]
-struct Temporary(PathBuf);
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        ended(&self.0);
-    }
 }
 
 impl WholeFile {
@@ -130,7 +120,7 @@ impl WholeFile {
                 },
                 _ => refused(path, &error),
             })?;
-        let named = Temporary(temporary.path().to_path_buf());
+        let named = Remembered(temporary.path().to_path_buf());
         let writer = BufWriter::with_capacity(1 << 16, temporary);
         Ok(WholeFile { path: path.into(), sink: Sink::Renamed { writer, onto, named } })
     }
@@ -140,20 +130,20 @@ impl WholeFile {
     /// # Errors
     /// [`IoError::Write`] when the disk is full or the folder does not accept the file; nothing is left then.
     pub fn finish(self) -> Result<(), IoError> {
+        let mut together = WholeFiles::default();
+        together.push(self)?;
+        together.finish()
+    }
+
+    /// Everything on the disk, under no name yet.
+    fn ready(self) -> Result<Option<Ready>, IoError> {
         let WholeFile { path, sink } = self;
         match sink {
-            Sink::Direct(mut writer) => writer.flush().map_err(|error| refused(&path, &error)),
-            Sink::Renamed { writer, onto, named: _named } => {
+            Sink::Direct(mut writer) => writer.flush().map(|()| None).map_err(|error| refused(&path, &error)),
+            Sink::Renamed { writer, onto, named } => {
                 let temporary = writer.into_inner().map_err(|error| refused(&path, error.error()))?;
                 temporary.as_file().sync_all().map_err(|error| refused(&path, &error))?;
-                temporary.persist(&onto).map_err(|error| refused(&path, &error.error))?;
-                // The rename itself becomes durable with its folder; where that cannot be asked for, it is late only.
-                if let Some(folder) = onto.parent()
-                    && let Ok(folder) = File::open(folder)
-                {
-                    let _ = folder.sync_all();
-                }
-                Ok(())
+                Ok(Some(Ready { path, onto, temporary, _named: named }))
             }
         }
     }
@@ -177,6 +167,68 @@ impl Write for WholeFile {
             Sink::Renamed { writer, .. } => writer.flush(),
             Sink::Direct(writer) => writer.flush(),
         }
+    }
+}
+
+/// A file with all its bytes.
+#[derive(Debug)]
+struct Ready {
+    path: PathBuf,
+    onto: PathBuf,
+    temporary: NamedTempFile,
+    _named: Remembered,
+}
+
+/// Files that appear together: each is complete on the disk before the first one gets its name, so that a full disk leaves none of them.
+#[derive(Debug, Default)]
+pub struct WholeFiles(Vec<Ready>);
+
+impl WholeFiles {
+    /// Adds a file with these bytes.
+    ///
+    /// # Errors
+    /// [`IoError::Write`] as [`write_whole`] gives it.
+    pub fn add(&mut self, path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), IoError> {
+        let path = path.as_ref();
+        let mut file = WholeFile::create(path)?;
+        file.write_all(bytes).map_err(|error| refused(path, &error))?;
+        self.push(file)
+    }
+
+    /// Adds a file that has all its bytes.
+    ///
+    /// # Errors
+    /// [`IoError::Write`] when the disk is full.
+    pub fn push(&mut self, file: WholeFile) -> Result<(), IoError> {
+        self.0.extend(file.ready()?);
+        Ok(())
+    }
+
+    /// Puts all files under their names, at once for a program that is ended meanwhile ([`stop_writing`](crate::stop_writing)).
+    ///
+    /// # Errors
+    /// [`IoError::Write`] when a folder does not accept a file; those behind it are not put either.
+    pub fn finish(self) -> Result<(), IoError> {
+        let Some(first) = self.0.first().map(|file| file.path.clone()) else { return Ok(()) };
+        let names: Vec<PathBuf> = self.0.iter().map(|file| file.path.clone()).collect();
+        let mut folders: Vec<PathBuf> = self.0.iter().filter_map(|f| Some(f.onto.parent()?.into())).collect();
+        folders.dedup();
+        let mut named = Vec::with_capacity(names.len());
+        let put = || {
+            for Ready { path, onto, temporary, _named } in self.0 {
+                temporary.persist(&onto).map_err(|error| refused(&path, &error.error))?;
+                // Forgotten after the lock is open again.
+                named.push(_named);
+            }
+            Ok(())
+        };
+        let stopped = || IoError::Write { file: first, message: "the program is ending".into() };
+        finished(names.into_iter(), put, stopped)?;
+        // The renames become durable with their folders; where that cannot be asked for, they are late only.
+        for folder in folders.iter().filter_map(|folder| File::open(folder).ok()) {
+            let _ = folder.sync_all();
+        }
+        Ok(())
     }
 }
 
@@ -232,6 +284,32 @@ mod tests {
             "{message}"
         );
         assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    #[test]
+    fn files_appear_together_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        write_whole(at("a"), b"old").unwrap();
+        let mut files = WholeFiles::default();
+        files.add(at("a"), b"new").unwrap();
+        files.add(at("b"), b"new").unwrap();
+        assert_eq!(fs::read(at("a")).unwrap(), b"old");
+        assert!(!at("b").exists());
+        if Path::new("/dev/full").exists() {
+            assert!(files.add("/dev/full", b"x").is_err());
+        }
+        drop(files);
+        assert_eq!(
+            (fs::read(at("a")).unwrap(), names(folder.path())),
+            (b"old".to_vec(), vec!["a".to_owned()])
+        );
+        let mut files = WholeFiles::default();
+        files.add(at("a"), b"new").unwrap();
+        files.add(at("b"), b"new").unwrap();
+        files.finish().unwrap();
+        assert_eq!(names(folder.path()), ["a", "b"]);
+        assert_eq!(fs::read(at("a")).unwrap(), b"new");
     }
 
     #[test]

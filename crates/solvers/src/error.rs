@@ -65,6 +65,16 @@ pub enum SolveError {
         /// What the problem needs.
         need: Need,
     },
+    /// A robust solver inside of another.
+    #[error(
+        "`{outer}` has `{inner}` inside, which is robust as well: name one robust solver, such as `{outer}(qr)`"
+    )]
+    NestedRobust {
+        /// Name of the outer one.
+        outer: &'static str,
+        /// Name of the inner one.
+        inner: String,
+    },
     /// The solver needs something that the problem does not bring.
     #[error("`{solver}` needs `{missing}` in the problem")]
     Missing {

@@ -1,20 +1,20 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
 use super::Grouped;
-use super::values::{parse_position, parse_three, parse_whole};
+use super::values::{input, parse_position, parse_three, parse_whole};
 use std::path::PathBuf;
 
 /// `truepose plan`
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
-    #[arg(long, value_name = "FILE", alias = "discriminate")]
+    #[arg(long, value_name = "FILE", value_parser = input(), alias = "discriminate")]
     pub rival: Option<PathBuf>,
     /// Joints, loads and channels (CSV) where accuracy matters [default: spread over the joints' ranges]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub at: Option<PathBuf>,
     #[command(flatten)]
     pub grouped: Grouped,
@@ -45,10 +45,10 @@ pub struct Plan {
 #[derive(Debug, clap::Args)]
 pub struct Predict {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Joints, loads and channels (CSV); measured columns may be empty or absent
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,
     #[command(flatten)]
     pub grouped: Grouped,
@@ -64,10 +64,10 @@ pub struct Predict {
 #[derive(Debug, clap::Args)]
 pub struct Compensate {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub poses: PathBuf,
     /// Where to write the commands
     #[arg(long, value_name = "FILE")]
@@ -84,7 +84,7 @@ pub struct Compensate {
 #[derive(Debug, clap::Args)]
 pub struct Export {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Format of the file
     #[arg(long, value_enum)]
@@ -128,7 +128,7 @@ pub enum ExportFormat {
 #[derive(Debug, clap::Args)]
 pub struct Map {
     /// A fit, as `identify` writes it
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]

@@ -1,6 +1,6 @@
 //! Options of the verbs that fit measurements: identify, discover, compare.
 
-use super::values::{parse_count, parse_length, parse_prior, parse_whole};
+use super::values::{input, parse_count, parse_length, parse_prior, parse_whole};
 use super::{Grouped, Robot};
 use std::path::PathBuf;
 use truepose_identify::FitOptions;
@@ -12,10 +12,10 @@ pub struct Measured {
     #[command(flatten)]
     pub robot: Robot,
     /// Measurements (CSV)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,
     /// Declared model (TOML) [default: constant errors of every frame and target]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub model: Option<PathBuf>,
     #[command(flatten)]
     pub grouped: Grouped,

@@ -38,6 +38,22 @@ impl Args {
         let command = negative(Args::command());
         Args::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
     }
+
+    /// Parses arguments that were recorded; the words behind the program's name.
+    ///
+    /// # Errors
+    /// What is wrong with them, in one line.
+    pub fn recorded(arguments: &[String]) -> Result<Self, String> {
+        let words = std::iter::once("truepose").chain(arguments.iter().map(String::as_str));
+        negative(Args::command())
+            .try_get_matches_from(words)
+            .and_then(|found| Args::from_arg_matches(&found))
+            .map_err(|error| {
+                let all = error.to_string();
+                let first = all.lines().next().unwrap_or("they are not arguments of this program");
+                first.strip_prefix("error: ").unwrap_or(first).to_owned()
+            })
+    }
 }
 
 /// Takes numbers below zero as values, so that the message is "too small" and not "no such option".

@@ -1,6 +1,6 @@
 //! Options of the verbs that fit nothing: check, effects, simulate, verify.
 
-use super::values::parse_whole;
+use super::values::{input, parse_whole};
 use super::{Grouped, Robot};
 use std::path::PathBuf;
 
@@ -10,10 +10,10 @@ pub struct Check {
     #[command(flatten)]
     pub robot: Robot,
     /// Measurements (CSV)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: Option<PathBuf>,
     /// Declared model (TOML)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub model: Option<PathBuf>,
     #[command(flatten)]
     pub grouped: Grouped,
@@ -34,7 +34,7 @@ pub struct Effects {
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// Plant (TOML): the robot's file, its error sources, and the measurement campaign
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = input())]
     pub plant: PathBuf,
     /// Where to write the measurements (CSV, mm and degrees)
     #[arg(long, value_name = "FILE")]

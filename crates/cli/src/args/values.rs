@@ -1,5 +1,14 @@
 //! Parsers of option values with a unit or a format of their own.
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use std::path::{Path, PathBuf};
+
+/// A file that is read; `-` is standard input, where the system has a file for it.
+pub(super) fn input() -> impl TypedValueParser<Value = PathBuf> {
+    let stdin = |file: PathBuf| if cfg!(unix) && file == Path::new("-") { "/dev/stdin".into() } else { file };
+    PathBufValueParser::new().map(stdin)
+}
+
 /// `evidence`, `none`, or κ.
 pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength, String> {
     use truepose_identify::PriorStrength;

@@ -10,7 +10,7 @@ use crate::terminal;
 use crate::watch::Watch;
 use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare, place};
-use truepose_io::read_measurements;
+use truepose_io::{WholeFiles, read_measurements};
 use truepose_report::{ComparisonSummary, comparison_report};
 
 /// Runs the verb.
@@ -43,7 +43,10 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &compared);
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
-        folder.write(&summary, &inputs, |run| Ok(comparison_report(&summary, run)))?;
+        let mut files = WholeFiles::default();
+        folder.add(&mut files, &summary, &inputs, |run| Ok(comparison_report(&summary, run)))?;
+        files.finish()?;
+        terminal::log(&format!("wrote {}", folder.page().display()));
     }
     if args.json {
         return print_json(&summary);

@@ -13,7 +13,7 @@ use truepose_compensate::{
     correction_helps, radius_95,
 };
 use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel};
-use truepose_io::{CommandRow, Poses, check_writable, read_fit, read_poses, write_commands};
+use truepose_io::{CommandRow, Poses, WholeFiles, check_writable, commands_file, read_fit, read_poses};
 use truepose_kinematics::Conditions;
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
@@ -46,7 +46,8 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
             beyond: beyond::words(&expected.beyond, fitted.chain(), &channels),
         })
         .collect();
-    write_commands(&args.out, fitted.chain(), &poses, &rows)?;
+    let mut files = WholeFiles::default();
+    files.push(commands_file(&args.out, fitted.chain(), &poses, &rows)?)?;
 
     let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
     let statuses = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
@@ -66,7 +67,11 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
             extrapolating: tally.beyond(),
             commands: views(&poses, &commands, &expected),
         };
-        folder.write(&view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
+        folder.add(&mut files, &view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
+    }
+    files.finish()?;
+    if let Some(folder) = &folder {
+        terminal::log(&format!("wrote {}", folder.page().display()));
     }
     if args.json {
         let counts: serde_json::Map<_, _> =

@@ -12,9 +12,11 @@ use std::path::{Path, PathBuf};
 use truepose_discover::{
     CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
 };
-use truepose_errormodel::{FittedModel, ModelError};
+use truepose_errormodel::{Dataset, FittedModel, ModelError};
 use truepose_identify::IdentifyError;
-use truepose_io::{check_writable, make_folder, read_measurements, write_fit, write_whole};
+use truepose_io::{
+    WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
+};
 use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
 /// Runs the verb.
@@ -33,6 +35,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
+    terminal::warn(repeated(&data, &args.measured.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }
@@ -89,27 +92,50 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, &data);
     }
-    watch.whole();
-    if args.json {
-        print_json(&summary)?;
-    } else {
-        terminal::print(&summary.to_string());
-    }
+    let mut files = WholeFiles::default();
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
-        folder.write(&summary, &inputs, |run| {
+        folder.add(&mut files, &summary, &inputs, |run| {
             Ok(discovery_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
     }
     if let Some(out) = &args.out {
         origin.write(&mut found.fit.fitted, true);
-        write_fit(out, &found.fit.fitted)?;
-        terminal::log(&format!("wrote {}", out.display()));
+        files.add(out, fit_json(out, &found.fit.fitted)?.as_bytes())?;
     }
-    if let Some(folder) = &args.rivals {
-        write_rivals(folder, &found.competitors)?;
+    let rivals = match &args.rivals {
+        Some(folder) => add_rivals(&mut files, folder, &found.competitors)?,
+        None => Vec::new(),
+    };
+    watch.whole();
+    files.finish()?;
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
     }
+    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out) {
+        terminal::log(&format!("wrote {}", file.display()));
+    }
+    rivals.iter().for_each(|line| terminal::log(line));
     Ok(())
+}
+
+/// Channels that the search tests as one.
+fn repeated(data: &Dataset, file: &Path) -> Option<String> {
+    let channels = &data.schema.channels;
+    let pairs = data.repeated_channels().into_iter().enumerate().filter_map(|(k, first)| Some((k, first?)));
+    let pairs: Vec<(usize, usize)> = pairs.collect();
+    let &(k, first) = pairs.first()?;
+    let (other, first) = (&channels[k].name, &channels[first].name);
+    let more = match pairs.len() - 1 {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    Some(format!(
+        "{}: channel `{other}` has the values of `{first}`{more}: equal channels are tested as one, under the first name",
+        file.display()
+    ))
 }
 
 /// An error with the file that it is about, where it is about the data.
@@ -125,26 +151,33 @@ fn refused(args: &Discover, error: DiscoverError) -> Failure {
     }
 }
 
-/// One file for each competing hypothesis, named after it.
-fn write_rivals(folder: &Path, rivals: &[CompetingFit]) -> Result<(), Failure> {
+/// Bytes of a rival's name, at most: names of joints may be long, and those of files are not.
+const LONGEST: usize = 120;
+
+/// Adds one file for each competing hypothesis, named after it; returns what is said of them.
+fn add_rivals(
+    files: &mut WholeFiles,
+    folder: &Path,
+    rivals: &[CompetingFit],
+) -> Result<Vec<String>, Failure> {
     if rivals.is_empty() {
-        terminal::log(
-            "no competing hypothesis to write: all findings are distinguishable from their alternatives",
-        );
+        let none =
+            "no competing hypothesis to write: all findings are distinguishable from their alternatives";
+        return Ok(vec![none.into()]);
     }
+    let mut said = Vec::new();
     for rival in rivals {
         let plain = |c: char| if c.is_alphanumeric() || c == '_' || c == '.' { c } else { '-' };
-        let words: String = rival.candidate.words().chars().map(plain).collect();
-        let file = folder.join(format!("{}-{words}.json", rival.finding + 1));
-        write_fit(&file, &rival.fit.fitted)?;
         let words = rival.candidate.words();
-        terminal::log(&format!(
-            "wrote {}: {words} in place of finding {}",
-            file.display(),
-            rival.finding + 1
-        ));
+        let mut name: String = words.chars().map(plain).collect();
+        while name.len() > LONGEST {
+            name.pop();
+        }
+        let file = folder.join(format!("{}-{name}.json", rival.finding + 1));
+        files.add(&file, fit_json(&file, &rival.fit.fitted)?.as_bytes())?;
+        said.push(format!("wrote {}: {words} in place of finding {}", file.display(), rival.finding + 1));
     }
-    Ok(())
+    Ok(said)
 }
 
 /// Where a fit comes from.

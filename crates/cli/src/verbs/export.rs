@@ -90,7 +90,11 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
                 .into(),
         ),
     }
-    notes
+    // A line of a comment ends where it ends, for every reader.
+    let ends = |c: char| {
+        c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
+    };
+    notes.iter().map(|note| note.replace(ends, "\u{fffd}")).collect()
 }
 
 /// Estimated positions of targets on the tool, which the formats cannot hold.

@@ -3,19 +3,17 @@
 use crate::args::{Measured, Verb};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
-use truepose_io::same_file;
+use truepose_io::{robot_files, same_file};
 
 /// A file with the option that names it.
 type Named<'a> = (&'static str, &'a Path);
 
 /// Refuses a run that would write over its own input or output, before anything is read.
 pub fn apart(verb: &Verb) -> Result<(), Failure> {
-    let (read, written) = named(verb);
-    for (option, file) in &read {
-        if *file == Path::new("-") {
-            return refused(option, "`-` is not read as standard input; name a file, or /dev/stdin".into());
-        }
-    }
+    let (mut read, written) = named(verb);
+    once(&read)?;
+    let robot = read.iter().find(|(option, _)| *option == "--robot").map(|(_, file)| robot_files(file));
+    read.extend(robot.iter().flatten().skip(1).map(|file| ("the robot's `urdf`", file.as_path())));
     for &(folder, path) in written.iter().filter(|(option, _)| FOLDERS.contains(option)) {
         for (other, file) in read.iter().chain(written.iter().filter(|(option, _)| !FOLDERS.contains(option)))
         {
@@ -51,6 +49,18 @@ pub fn apart(verb: &Verb) -> Result<(), Failure> {
                 kept(option, &file.join(name), &read)?;
                 whole.push((option, file.join(name)));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses to read twice what can be read once.
+fn once(read: &[Named<'_>]) -> Result<(), Failure> {
+    for (k, (option, file)) in read.iter().enumerate() {
+        let special = file.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir());
+        if let Some((other, _)) = read[..k].iter().find(|(_, other)| special && other == file) {
+            let words = format!("`{}` is read by {other} already, and can be read only once", file.display());
+            return refused(option, words);
         }
     }
     Ok(())
@@ -109,7 +119,7 @@ fn refused(option: &str, words: String) -> Result<(), Failure> {
 }
 
 /// What a verb reads, and what it writes; the folder of a report first, so that the message names the other file.
-fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
+pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
     fn list<'a>(all: &[(&'static str, Option<&'a PathBuf>)]) -> Vec<Named<'a>> {
         all.iter().filter_map(|(option, file)| Some((*option, file.as_ref()?.as_path()))).collect()
     }

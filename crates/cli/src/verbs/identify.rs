@@ -10,7 +10,7 @@ use crate::terminal;
 use crate::watch::Watch;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
-use truepose_io::{check_writable, read_measurements, write_fit};
+use truepose_io::{WholeFiles, check_writable, fit_json, read_measurements};
 use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
@@ -63,24 +63,28 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, &data);
     }
+    let mut files = WholeFiles::default();
     if let Some(folder) = &folder {
         let inputs = read_files(&args.measured);
-        folder.write(&summary, &inputs, |run| {
+        folder.add(&mut files, &summary, &inputs, |run| {
             Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
-    }
-    if args.json {
-        print_json(&summary)?;
-    } else {
-        terminal::print(&summary.to_string());
     }
     if let Some(out) = &args.out {
         let provenance = &mut found.fit.fitted.provenance;
         origin(provenance, &summary.solver, summary.rows);
         provenance.insert("seed".into(), args.seed.into());
         provenance.insert("structure_frozen_then_all_rows".into(), args.holdout.is_some().into());
-        write_fit(out, &found.fit.fitted)?;
-        terminal::log(&format!("wrote {}", out.display()));
+        files.add(out, fit_json(out, &found.fit.fitted)?.as_bytes())?;
+    }
+    files.finish()?;
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out) {
+        terminal::log(&format!("wrote {}", file.display()));
     }
     let Some(last) = summary.stages.last() else { return Ok(()) };
     require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)

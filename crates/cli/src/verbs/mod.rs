@@ -1,26 +1,28 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
 mod beyond;
-pub mod check;
-pub mod compare;
-pub mod compensate;
-pub mod discover;
-pub mod effects;
-pub mod export;
-pub mod files;
+mod check;
+mod compare;
+mod compensate;
+mod discover;
+mod effects;
+mod export;
+mod files;
 mod identified;
-pub mod identify;
-pub mod map;
-pub mod plan;
-pub mod predict;
+mod identify;
+mod map;
+mod plan;
+mod predict;
+mod repeated;
 mod reporting;
-pub mod simulate;
+mod simulate;
 mod stream;
-pub mod verify;
+mod verify;
 
-use crate::args::{Measured, Robot};
+use crate::args::{Measured, Robot, Verb};
 use crate::failure::Failure;
 use crate::terminal;
+use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
@@ -29,6 +31,25 @@ use truepose_identify::suspicions;
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
 use truepose_report::suspicion_text;
+
+/// Runs a verb.
+pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
+    files::apart(verb)?;
+    match verb {
+        Verb::Identify(verb) => identify::run(verb, watch),
+        Verb::Discover(verb) => discover::run(verb, watch),
+        Verb::Plan(verb) => plan::run(verb, watch),
+        Verb::Predict(verb) => predict::run(verb, watch),
+        Verb::Compensate(verb) => compensate::run(verb, watch),
+        Verb::Export(verb) => export::run(verb),
+        Verb::Map(verb) => map::run(verb, watch),
+        Verb::Compare(verb) => compare::run(verb, watch),
+        Verb::Check(verb) => check::run(verb),
+        Verb::Effects(verb) => effects::run(verb),
+        Verb::Simulate(verb) => simulate::run(verb),
+        Verb::Verify(verb) => verify::run(verb, watch),
+    }
+}
 
 /// Reads a robot and passes on what is suspicious about it.
 fn robot(args: &Robot) -> Result<Chain, Failure> {

@@ -110,6 +110,10 @@ fn by_blocks(
     watch: &Watch,
 ) -> Option<Result<(), Failure>> {
     let chain = fitted.chain();
+    // A pipe can be read only once, and has no size.
+    if !args.data.is_file() {
+        return None;
+    }
     let mut reader = MeasurementsReader::open(&args.data, chain, options).ok()?;
     let size = reader.progress().1;
     let empty = Dataset { schema: reader.schema().clone(), ..Dataset::default() };

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use truepose_io::{check_writable, file_digest, make_folder, sha256, write_whole};
+use truepose_io::{WholeFiles, check_writable, file_digest, make_folder, sha256};
 use truepose_report::{FileRecord, Report, RunRecord};
 
 /// The program with its version.
@@ -32,9 +32,10 @@ impl Folder {
         self.path.join(self.result)
     }
 
-    /// Writes the result, the record of the run, and the page that `page` makes of the record.
-    pub fn write(
+    /// Adds the result, the record of the run, and the page that `page` makes of the record, to the files of the run.
+    pub fn add(
         &self,
+        files: &mut WholeFiles,
         result: &impl serde::Serialize,
         inputs: &[&Path],
         page: impl FnOnce(&RunRecord) -> Result<Report, Failure>,
@@ -60,14 +61,18 @@ impl Folder {
             FileRecord { file: self.result.into(), bytes: bytes.len() as u64, sha256: sha256(&bytes) };
         let run = RunRecord::new(PROGRAM, arguments, inputs, record);
         let report = page(&run)?;
-        write_whole(self.path.join(self.result), &bytes)?;
+        files.add(self.path.join(self.result), &bytes)?;
         for (name, svg) in &report.figures {
-            write_whole(self.path.join(name), svg.as_bytes())?;
+            files.add(self.path.join(name), svg.as_bytes())?;
         }
-        write_whole(self.path.join("run.json"), (serde_json::to_string_pretty(&run)? + "\n").as_bytes())?;
-        write_whole(self.path.join("index.html"), report.html.as_bytes())?;
-        terminal::log(&format!("wrote {}", self.path.join("index.html").display()));
+        files.add(self.path.join("run.json"), (serde_json::to_string_pretty(&run)? + "\n").as_bytes())?;
+        files.add(self.path.join("index.html"), report.html.as_bytes())?;
         Ok(())
+    }
+
+    /// Its page.
+    pub fn page(&self) -> PathBuf {
+        self.path.join("index.html")
     }
 }
 

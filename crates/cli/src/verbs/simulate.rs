@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::path::Path;
 use truepose_io::{
-    ExportUnits, RobotOptions, Unit, check_writable, read_robot, read_text, write_measurements,
+    ExportUnits, RobotOptions, Unit, check_writable, read_robot, read_text, robot_files, write_measurements,
 };
 use truepose_report::count;
 use truepose_simulate::{PlantDescription, SimulateError};
@@ -30,9 +30,12 @@ pub fn run(args: &Simulate) -> Result<(), Failure> {
     if description.robot.is_empty() {
         return Err(Failure::Input(format!("{file}: names no robot; begin with `robot = \"arm.toml\"`")));
     }
-    let folder = args.plant.parent().unwrap_or_else(|| Path::new(""));
-    let robot = folder.join(&description.robot);
-    super::files::kept("--out", &args.out, &[("the plant's `robot`", &robot)])?;
+    // What comes through a pipe counts from the working folder.
+    let folder = if args.plant.is_file() { args.plant.parent() } else { None };
+    let robot = folder.unwrap_or_else(|| Path::new("")).join(&description.robot);
+    let read = robot_files(&robot);
+    let read: Vec<_> = read.iter().map(|file| ("the plant's `robot`", file.as_path())).collect();
+    super::files::kept("--out", &args.out, &read)?;
     let (chain, warnings) = read_robot(robot, &RobotOptions::default())?;
     terminal::warn(&warnings);
     let measured = description.plant(&chain).and_then(|plant| {

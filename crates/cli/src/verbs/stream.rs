@@ -24,6 +24,13 @@ pub fn identify(
     effects: &[Box<dyn AnyEffect>],
     watch: &Watch,
 ) -> Result<(), Failure> {
+    let data = &args.measured.data;
+    if data.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Err(Failure::Input(format!(
+            "--stream: reads the data several times, and `{}` can be read only once; leave --stream out",
+            data.display()
+        )));
+    }
     let options = StreamedOptions { fit: args.fit(), folds: args.folds };
     if args.folds == 1 {
         return Err(Failure::Input(

@@ -1,19 +1,21 @@
 //! `truepose verify`: repeat a run from its record, and compare.
 
+use super::files::named;
+use super::repeated::Repeated;
 use crate::args::Verify;
 use crate::failure::Failure;
 use crate::terminal;
+use crate::watch::Watch;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use truepose_io::{file_digest, read_text};
+use truepose_io::{ScratchFolder, file_digest, read_text};
 use truepose_report::{RunRecord, count};
 
 /// Largest relative difference of numbers that count as equal.
 const SAME: f64 = 1e-9;
 
 /// Runs the verb.
-pub fn run(args: &Verify) -> Result<(), Failure> {
+pub fn run(args: &Verify, watch: &Watch) -> Result<(), Failure> {
     let file = args.run.display();
     let text = read_text(&args.run)?;
     let record: RunRecord =
@@ -24,7 +26,26 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
             record.format, record.version
         )));
     }
+    let own = ScratchFolder::create()?;
+    let repeated = Repeated::of(&record.arguments, own.path())
+        .map_err(|words| Failure::Input(format!("{file}: {words}")))?;
+    if record.result.file != repeated.result {
+        let words = format!("the result of this run is `{}`, not `{}`", repeated.result, record.result.file);
+        return Err(Failure::Input(format!("{file}: {words}")));
+    }
+    let (read, _) = named(&repeated.verb);
+    for (option, path) in read {
+        if !record.inputs.iter().any(|input| Path::new(&input.file) == path) {
+            let words = format!("`{}`, which {option} reads, is not among the inputs", path.display());
+            return Err(Failure::Input(format!("{file}: {words}")));
+        }
+    }
     for input in &record.inputs {
+        let special = std::fs::metadata(&input.file).is_ok_and(|found| !found.is_file());
+        if special || input.sha256.is_empty() {
+            let words = format!("`{}` is not a regular file, and cannot be read again", input.file);
+            return Err(Failure::Input(format!("{file}: {words}")));
+        }
         let (_, now) = file_digest(&input.file)?;
         if now != input.sha256 {
             return Err(Failure::Criterion(format!("{} is not the file that the run read", input.file)));
@@ -33,23 +54,11 @@ pub fn run(args: &Verify) -> Result<(), Failure> {
     if record.program != super::reporting::PROGRAM {
         terminal::log(&format!("the run was made by {}", record.program));
     }
-    let folder = args.run.parent().unwrap_or(Path::new("."));
-    let result = Path::new(&record.result.file);
-    if result.components().count() != 1 {
-        return Err(Failure::Input(format!(
-            "{file}: the result `{}` is not a file beside it",
-            record.result.file
-        )));
-    }
-    let then = folder.join(result);
+    let then = args.run.parent().unwrap_or(Path::new(".")).join(repeated.result);
     if file_digest(&then)?.1 != record.result.sha256 {
         return Err(Failure::Criterion(format!("{} was changed since the run", then.display())));
     }
-    let own = std::env::temp_dir().join(format!("truepose-verify-{}", std::process::id()));
-    std::fs::create_dir(&own)?;
-    let compared = repeat(&record, &own, &then);
-    std::fs::remove_dir_all(&own)?;
-    let differences = compared?;
+    let differences = repeat(repeated, own.path(), &then, watch)?;
     if differences.is_empty() {
         terminal::print(&format!(
             "{}: reproduced ({} unchanged)\n",
@@ -75,50 +84,23 @@ fn no_record(file: &Path, error: &serde_json::Error) -> String {
     )
 }
 
-/// Runs the program again, with its outputs in a folder of our own, and lists what differs.
-fn repeat(record: &RunRecord, own: &Path, then: &Path) -> Result<Vec<String>, Failure> {
-    let arguments = redirected(&record.arguments, own)?;
-    let child = Command::new(std::env::current_exe()?).args(&arguments).stdout(Stdio::null()).output()?;
-    let now = own.join(&record.result.file);
-    if !now.is_file() {
-        let message = String::from_utf8_lossy(&child.stderr);
-        return Err(Failure::Input(format!("the run could not be repeated: {}", message.trim())));
+/// Runs the recorded verb again, with its outputs in an empty folder of our own, and lists what differs.
+fn repeat(repeated: Repeated, own: &Path, then: &Path, watch: &Watch) -> Result<Vec<String>, Failure> {
+    watch.doing("repeating the run");
+    let now = own.join(repeated.result);
+    // Its findings so far are of no use to anyone: a watch of its own keeps them from being written where the run is ended.
+    let done = terminal::silently(|| super::run(&repeated.verb, &Watch::default()));
+    // A requirement that is not met ends a run after its result was written.
+    if let (Err(Failure::Input(message)), _) | (Err(Failure::Criterion(message)), false) =
+        (done, now.is_file())
+    {
+        return Err(Failure::Input(format!("the run could not be repeated: {message}")));
     }
     let (then, now): (Value, Value) =
         (serde_json::from_str(&read_text(then)?)?, serde_json::from_str(&read_text(now)?)?);
     let mut differences = Vec::new();
     compare("", &then, &now, &mut differences);
     Ok(differences)
-}
-
-/// The arguments with outputs in this folder.
-fn redirected(arguments: &[String], own: &Path) -> Result<Vec<String>, Failure> {
-    let repeatable = ["discover", "identify", "compare", "compensate"];
-    let Some(verb) = arguments.iter().find(|a| repeatable.contains(&a.as_str())).cloned() else {
-        return Err(Failure::Input(format!("only {} can be repeated", repeatable.join(", "))));
-    };
-    let rivals = || ["--rivals".to_owned(), own.join("rivals").to_string_lossy().into_owned()];
-    let mut kept = Vec::new();
-    let mut rest = arguments.iter();
-    while let Some(argument) = rest.next() {
-        match argument.as_str() {
-            "--report" | "--out" => {
-                rest.next();
-            }
-            "--rivals" => {
-                rest.next();
-                kept.extend(rivals());
-            }
-            a if a.starts_with("--rivals=") => kept.extend(rivals()),
-            a if a.starts_with("--report=") || a.starts_with("--out=") => {}
-            _ => kept.push(argument.clone()),
-        }
-    }
-    kept.extend(["--report".into(), own.to_string_lossy().into_owned()]);
-    if verb == "compensate" {
-        kept.extend(["--out".into(), own.join("commands.csv").to_string_lossy().into_owned()]);
-    }
-    Ok(kept)
 }
 
 /// Places at which two values differ; wall times always do.
@@ -164,18 +146,5 @@ mod tests {
         found.clear();
         compare("", &then, &json!({"a": [1.0], "name": "y", "more": 1}), &mut found);
         assert_eq!(found.len(), 3, "{found:?}");
-    }
-
-    #[test]
-    fn outputs_are_redirected() {
-        let words = ["discover", "--out", "fit.json", "--report=r", "--seed", "3"].map(String::from);
-        let now = redirected(&words, Path::new("own")).unwrap();
-        assert_eq!(now, ["discover", "--seed", "3", "--report", "own"]);
-        for words in [&["discover", "--rivals", "mine"][..], &["discover", "--rivals=mine"]] {
-            let words: Vec<String> = words.iter().map(ToString::to_string).collect();
-            let now = redirected(&words, Path::new("own")).unwrap();
-            assert_eq!(now, ["discover", "--rivals", "own/rivals", "--report", "own"]);
-        }
-        assert!(redirected(&["simulate".into()], Path::new("own")).is_err());
     }
 }

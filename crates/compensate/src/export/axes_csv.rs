@@ -8,6 +8,7 @@
 //! β is Hayati's parameter, beside which d is zero; it is zero between axes that are not nearly parallel. The mdh
 //! rows are the dh rows cut in front of each axis instead of behind it.
 
+use super::cell::cell;
 use super::table::{AxisLink, AxisRow, AxisTable};
 use std::fmt::Write;
 use truepose_kinematics::{Chain, JointKind, Pose};
@@ -59,7 +60,7 @@ impl AxisTable {
             let own = numbers(row);
             let [theta, d, ..] = own;
             let [_, _, a, alpha, beta] = if convention == AxisConvention::Dh { own } else { before };
-            writeln!(out, "{},{kind},{theta:?},{d:?},{a:?},{alpha:?},{beta:?},,,,,,", joint.name)?;
+            writeln!(out, "{},{kind},{theta:?},{d:?},{a:?},{alpha:?},{beta:?},,,,,,", cell(&joint.name))?;
             before = own;
         }
         // The last row has no link behind it, so that nothing is lost in front of the tool.

@@ -15,6 +15,7 @@
 //! | `error` | change from the reference, m or rad; constants in full |
 //! | `iso` | its name in ISO 230-1, where it has one |
 
+use super::cell::cell;
 use super::error_tables::ErrorTables;
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -50,6 +51,7 @@ impl ErrorTables {
         let turned = self.frames(chain);
         for table in &self.tables {
             let joint = chain.joint(table.joint);
+            let name_cell = cell(&joint.name);
             let letter = letter_of(chain, table.joint, &turned);
             for (&site, column) in table.sites.iter().zip(&table.columns) {
                 let (frame, component, unit) = place(chain, site);
@@ -58,7 +60,7 @@ impl ErrorTables {
                     writeln!(
                         out,
                         "{},{at:?},{},{frame},{component},{error:?},{unit},{iso}",
-                        joint.name,
+                        name_cell,
                         joint.unit()
                     )?;
                 }
@@ -88,7 +90,7 @@ fn place(chain: &Chain, site: Site) -> (String, &'static str, &'static str) {
     let frame = match site {
         Site::Frame(FrameId(0), _) => "base".into(),
         Site::Frame(frame, _) if frame == chain.tool_frame() => "tool".into(),
-        Site::Frame(frame, _) => chain.joint(JointId(frame.0)).name.clone(),
+        Site::Frame(frame, _) => cell(&chain.joint(JointId(frame.0)).name),
         Site::Target(target, _) => format!("target {}", chain.targets()[target.0].name),
     };
     (frame, axis.word(), unit)

@@ -4,6 +4,7 @@
 //! worse is refused.
 
 mod axes_csv;
+mod cell;
 mod comparison;
 mod error_tables;
 mod geometry;

@@ -86,7 +86,25 @@ fn quoted(key: &str) -> String {
         && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && !["y", "n", "yes", "no", "on", "off", "true", "false", "null"]
             .contains(&key.to_lowercase().as_str());
-    if plain { key.into() } else { format!("\"{}\"", key.replace('\\', "\\\\").replace('"', "\\\"")) }
+    if plain {
+        return key.into();
+    }
+    let escaped: String = key.chars().map(escaped).collect();
+    format!("\"{escaped}\"")
+}
+
+/// A character inside of double quotes.
+fn escaped(c: char) -> String {
+    match c {
+        '\\' | '"' => format!("\\{c}"),
+        // Line ends of YAML 1.1, and what it cannot show.
+        c if c.is_control()
+            || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}') =>
+        {
+            format!("\\u{:04x}", u32::from(c))
+        }
+        c => c.into(),
+    }
 }
 
 #[cfg(test)]
@@ -109,5 +127,6 @@ mod tests {
         assert_eq!(quoted("y"), "\"y\"");
         assert_eq!(quoted("1st"), "\"1st\"");
         assert_eq!(quoted("a: b"), "\"a: b\"");
+        assert_eq!(quoted("a\u{85}b\u{2028}\\\""), "\"a\\u0085b\\u2028\\\\\\\"\"");
     }
 }

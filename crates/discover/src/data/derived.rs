@@ -17,7 +17,10 @@ pub(crate) fn with_derived(data: &Dataset, policy: &Policy) -> Dataset {
     }
     let visits = data.visit.iter().max().map_or(1, |last| last + 1);
     let shortest = (2.0 * length / visits as f64).max(1e-3 * length);
-    for channel in data.schema.channels.iter().filter(|channel| channel.temperature) {
+    // Equal channels have equal lags.
+    let repeated = data.repeated_channels();
+    let own = data.schema.channels.iter().zip(&repeated).filter(|(_, repeated)| repeated.is_none());
+    for (channel, _) in own.filter(|(channel, _)| channel.temperature) {
         let longest = (policy.longest_lag * length).max(shortest);
         for k in 0..policy.lags {
             let lag = shortest * (longest / shortest).powf(k as f64 / (policy.lags.max(2) - 1) as f64);

@@ -27,7 +27,17 @@ impl<'a> Setting<'a> {
 
     /// The range of a channel, in its unit; none when it never changed.
     pub fn channel_range(&self, channel: usize) -> Option<[f64; 2]> {
-        span(&self.data.channels[channel])
+        // A channel with the values of an earlier one has no hypotheses of its own.
+        let (kinds, columns) = (&self.data.schema.channels, &self.data.channels);
+        let same = |other: &usize| {
+            let kind = |k: usize| (kinds[k].temperature, &kinds[k].unit);
+            let equal = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+            kind(*other) == kind(channel) && columns[*other].iter().zip(&columns[channel]).all(equal)
+        };
+        if (0..channel).any(|other| same(&other)) {
+            return None;
+        }
+        span(&columns[channel])
     }
 
     /// The range of the time, s; none without time, or when all rows have the same.

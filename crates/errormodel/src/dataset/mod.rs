@@ -7,6 +7,7 @@ mod dwell;
 mod late;
 mod matching;
 mod measurement;
+mod repeated;
 mod schema;
 mod table;
 mod visits;

@@ -55,6 +55,11 @@ pub(crate) fn listed_once(kind: &str, joints: Option<&[JointId]>, chain: &Chain)
 }
 
 /// Parameters of an effect that make no sense.
+/// Refuses an effect with more unknowns than a model may have.
+pub(crate) fn bounded(kind: &str, unknowns: usize) -> Result<(), ModelError> {
+    crate::error::bounded(|| format!("effect `{kind}`"), unknowns)
+}
+
 pub(crate) fn refused(kind: &str, reason: impl Into<String>) -> ModelError {
     ModelError::Parameters { kind: kind.into(), reason: reason.into() }
 }

@@ -3,8 +3,7 @@
 //! `δq_j = Σ_h s_h sin(2πh q_j / P) + c_h cos(2πh q_j / P)`, rad or m; P is one turn unless given, and its shape where
 //! `period_range` is given.
 
-use super::checks::joint_moves;
-use super::checks::refused;
+use super::checks::{bounded, joint_moves, refused};
 use super::travel::{free, positive};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
@@ -79,6 +78,7 @@ impl Effect for Transmission {
             return Err(refused(Self::FAMILY, reason));
         }
         let list = &self.harmonics;
+        bounded(Self::FAMILY, list.len().saturating_mul(2))?;
         if list.is_empty() || list.contains(&0) {
             return Err(refused(Self::FAMILY, "`harmonics` count from 1, and one at least is needed"));
         }

@@ -3,6 +3,7 @@
 //! A file needs nothing else to be evaluated. Numbers have the digits that read back to the same bits, and keys
 //! their fixed order, so that equal models make equal bytes.
 
+mod check;
 mod read;
 mod robot_v1;
 mod sample_v1;
@@ -10,7 +11,7 @@ mod schema_v1;
 mod write;
 
 pub use read::read_fit;
-pub use write::write_fit;
+pub use write::{fit_json, write_fit};
 
 /// The format that this version writes, and the newest that it reads.
 pub const FIT_FORMAT: u64 = 1;

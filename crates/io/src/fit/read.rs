@@ -81,7 +81,7 @@ fn parsed<'t, T: Deserialize<'t>>(text: &'t Text) -> Result<T, IoError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::write::fit_json;
+    use crate::fit::write::text as fit_json;
     use crate::write_fit;
     use proptest::prelude::*;
     use truepose_errormodel::effects::{Geometric, JointCompliance};
@@ -96,14 +96,21 @@ mod tests {
         )
         .unwrap();
         let n = model.columns().len();
-        let coefficients = (0..n).map(|_| numbers()).collect();
-        let mut covariance = DMatrix::from_fn(n, n, |_, _| numbers());
-        (0..n).for_each(|k| covariance[(k, k)] = covariance[(k, k)].abs());
+        let scales: Vec<f64> = model.columns().iter().map(|column| column.scale).collect();
+        // Any bits, of the size of an error.
+        let mut sized = || match numbers() {
+            v if v.abs() < 1e3 => v,
+            v => v / f64::MAX,
+        };
+        let coefficients = scales.iter().map(|scale| scale * sized()).collect();
+        let half = DMatrix::from_fn(n, n, |i, _| scales[i] * sized());
+        let whole = &half * half.transpose();
+        let covariance = DMatrix::from_fn(n, n, |i, j| whole[(i.max(j), i.min(j))]);
         let mut fit = FittedModel::new(model, coefficients, covariance).unwrap();
         fit.channels = vec![Channel { name: "oil".into(), unit: "degC".into(), temperature: true }];
         fit.noise = NoiseModel { position_sd: 5e-5, ..NoiseModel::none() };
         fit.domain = Domain {
-            joints: vec![Interval { lower: -1.0, upper: 2.0 }],
+            joints: vec![Interval { lower: -1.0, upper: 2.0 }; fit.chain().movable().len()],
             payload: Some(Interval { lower: 0.0, upper: 70.0 }),
             time: None,
             channels: vec![],
@@ -208,9 +215,110 @@ mod tests {
             "fit.json: coefficient 1 is `y@base` [m], but the model of the file has `x@base` [m] there; the file is damaged"
         );
         assert!(with("\"targets\":[]", "\"targets\":7").starts_with("fit.json:4:"));
-        assert!(with("\"value\":0.5", "\"value\":null").contains("is not a fit file of format 1: "));
+        assert!(
+            with("\"orientation_sd\":0.0", "\"orientation_sd\":null")
+                .contains("is not a fit file of format 1: ")
+        );
         assert!(error("[]").starts_with("fit.json:1:"));
         assert!(error(&"[".repeat(100_000)).starts_with("fit.json:1:"));
+    }
+
+    /// Every number and name that a person may have put into a fit file, and no fit writes.
+    #[test]
+    fn a_fit_edited_by_hand_is_refused_with_the_key() {
+        let chain = samples::scara();
+        let mut made = fit(chain.clone(), &mut || 0.5);
+        made.loads = vec![truepose_errormodel::LoadCorrection { declared: 5.0, carried: 6.0 }];
+        let good: serde_json::Value = serde_json::from_str(&fit_json(&made).unwrap()).unwrap();
+        assert!(read(good.to_string().as_bytes()).is_ok());
+        let joint = chain.joint(chain.movable()[0]).name.clone();
+        let edits: &[(&str, serde_json::Value, &str)] = &[
+            ("/coefficients/3/value", 1e300.into(), "`coefficients[3].value`: `rx@base` is 1e300 rad"),
+            ("/coefficients/0/value", (-1e9).into(), "`coefficients[0].value`: "),
+            (
+                "/covariance/2/2",
+                1e300.into(),
+                "`covariance[2][2]`: the variance of `z@base` is 1e300, too large",
+            ),
+            (
+                "/covariance/2/2",
+                (-1.0).into(),
+                "`covariance[2][2]`: the variance of `z@base` is -1e0, below zero",
+            ),
+            ("/covariance/1/0", 1.0.into(), "`covariance[1][0]` is 1e0, but `covariance[0][1]` is "),
+            ("/covariance/0/0", 0.0.into(), "`covariance` is not one: "),
+            ("/domain/joints/1", serde_json::json!([2.0, -1.0]), "`domain.joints[1]` is reversed: [2, -1]"),
+            ("/domain/joints", serde_json::json!([[0.0, 1.0]]), "`domain.joints` has 1 ranges, not "),
+            (
+                "/domain/channels",
+                serde_json::json!([[0.0, 1.0], [0.0, 1.0]]),
+                "`domain.channels` has 2 ranges, not 1",
+            ),
+            ("/domain/payload", serde_json::json!([9.0, 1.0]), "`domain.payload` is reversed"),
+            (
+                "/domain/payload",
+                serde_json::json!([-9.0, 1.0]),
+                "`domain.payload` begins at -9 kg, below zero",
+            ),
+            ("/loads/0/carried", (-6.0).into(), "`loads[0].carried` is -6 kg, below zero"),
+            (
+                "/loads",
+                serde_json::json!([{"declared": 5.0, "carried": 6.0}, {"declared": 5.0, "carried": 7.0}]),
+                "`loads[1].declared`: 5 kg stands twice",
+            ),
+            ("/channels/0/name", joint.clone().into(), "a channel cannot bear the name of a joint"),
+            ("/channels/0/name", "payload".into(), "`channels[0].name`: `payload`: a channel cannot bear"),
+            ("/channels/0/name", "".into(), "`channels[0].name`: ``: it has no name"),
+            (
+                "/channels",
+                serde_json::json!([{"name": "oil", "unit": "K", "temperature": true}, {"name": "oil", "unit": "1", "temperature": false}]),
+                "`channels[1].name`: `oil`: the name stands twice",
+            ),
+            (
+                "/channels",
+                (0..5000)
+                    .map(|k| serde_json::json!({"name": format!("c{k}"), "unit": "1", "temperature": false}))
+                    .collect(),
+                "`channels` has more channels than a table of measurements has columns (4096)",
+            ),
+            (
+                "/robot/joints/0/name",
+                "a\nb".into(),
+                "`robot.joints[0].name`: the name `a\\nb` cannot be used in a cell",
+            ),
+            (
+                "/robot/joints/0/limits",
+                serde_json::json!([1.0, -1.0]),
+                "the limits of joint `r1` are the wrong way round",
+            ),
+            ("/noise/position_sd", (-1.0).into(), "a standard deviation of `noise` is below zero"),
+        ];
+        for (key, value, words) in edits {
+            let mut edited = good.clone();
+            *edited.pointer_mut(key).unwrap_or_else(|| panic!("{key}")) = value.clone();
+            let message = read(edited.to_string().as_bytes()).expect_err(key);
+            assert!(message.starts_with("fit.json: ") && message.contains(words), "{key}: {message}");
+        }
+        for (key, value, words) in [
+            ("payload", serde_json::json!([-1.0, 0.0, 0.0, 0.0]), "].payload` is -1 kg, below zero"),
+            ("orientation", serde_json::json!([2.0, 0.0, 0.0, 0.0]), "no unit quaternion"),
+        ] {
+            let mut edited = good.clone();
+            edited["sample"][0][key] = value;
+            let message = read(edited.to_string().as_bytes()).expect_err(key);
+            assert!(message.starts_with("fit.json: `sample[0]") && message.contains(words), "{message}");
+        }
+        // What JSON has no number for.
+        let text = good.to_string();
+        let first = good["coefficients"][0]["value"].to_string();
+        for number in ["NaN", "Infinity", "-inf", "1e999"] {
+            let edited = text.replacen(&format!("\"value\":{first}"), &format!("\"value\":{number}"), 1);
+            assert_ne!(edited, text);
+            assert!(read(edited.as_bytes()).unwrap_err().starts_with("fit.json:1:"));
+        }
+        let mut without = good.clone();
+        without.as_object_mut().unwrap().remove("domain");
+        assert!(read(without.to_string().as_bytes()).unwrap_err().contains("missing field `domain`"));
     }
 
     #[test]

@@ -5,6 +5,9 @@ use truepose_errormodel::{Channel, Dataset, Sample, Schema};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload, TargetId, Wrench};
 
+/// Quaternions are of length one to this.
+const UNIT: f64 = 1e-6;
+
 /// What the rows have in common.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct SampleOfV1 {
@@ -101,6 +104,19 @@ pub(super) fn read(
         if !fits {
             return Err(format!(
                 "row {number} of the sample is not of the robot of the file; the file is damaged"
+            ));
+        }
+        if let Some([mass, ..]) = row.payload.filter(|[mass, ..]| *mass < 0.0) {
+            return Err(format!(
+                "`sample[{}].payload` is {mass} kg, below zero; the file is damaged",
+                number - 1
+            ));
+        }
+        if let Some(q) = row.orientation.filter(|q| (q.iter().map(|v| v * v).sum::<f64>() - 1.0).abs() > UNIT)
+        {
+            return Err(format!(
+                "`sample[{}].orientation` {q:?} is no unit quaternion; the file is damaged",
+                number - 1
             ));
         }
         let lists = [

@@ -1,5 +1,6 @@
 //! The fit file, format 1, in JSON. This schema does not change; a new format is a new file.
 
+use super::check;
 use super::robot_v1::RobotV1;
 use super::sample_v1::{self, RowV1, SampleOfV1};
 use serde::{Deserialize, Serialize};
@@ -132,6 +133,15 @@ impl FitV1 {
     /// What in the file contradicts itself or is not known here.
     pub fn into_model(self, registry: &EffectRegistry) -> Result<FittedModel, String> {
         let chain = Chain::try_from(self.robot).map_err(|error| error.to_string())?;
+        check::names(&chain).map_err(damaged)?;
+        check::channels("channels", self.channels.iter().map(|channel| channel.name.as_str()), &chain)
+            .map_err(damaged)?;
+        if let Some(of) = &self.sample_of {
+            let names = of.channels.iter().map(|channel| channel.name.as_str());
+            check::channels("sample_of.channels", names, &chain).map_err(damaged)?;
+        }
+        check::domain(self.domain.ranges(), &chain, self.channels.len()).map_err(damaged)?;
+        check::loads(&self.loads).map_err(damaged)?;
         let effects = self
             .effects
             .into_iter()
@@ -156,9 +166,8 @@ impl FitV1 {
             ));
         }
         let covariance = DMatrix::from_row_iterator(size, size, self.covariance.into_iter().flatten());
-        if let Some((name, variance)) = below_zero(&model, &covariance) {
-            return Err(format!("the variance of `{name}` is {variance:e}, below zero; the file is damaged"));
-        }
+        check::coefficients(&model, &coefficients).map_err(damaged)?;
+        check::covariance(&model, &covariance).map_err(damaged)?;
         if self.noise.position_sd < 0.0 || self.noise.orientation_sd < 0.0 {
             return Err("a standard deviation of `noise` is below zero; the file is damaged".into());
         }
@@ -200,17 +209,20 @@ impl FitV1 {
     }
 }
 
+impl DomainV1 {
+    fn ranges(&self) -> check::Ranges<'_> {
+        let DomainV1 { joints, channels, payload, time, .. } = self;
+        check::Ranges { joints, channels, payload: *payload, time: *time }
+    }
+}
+
 fn ends(interval: &Interval) -> [f64; 2] {
     [interval.lower, interval.upper]
 }
 
-/// A coefficient with a variance below zero by more than rounding, in units of expected sizes.
-fn below_zero<'m>(model: &'m ErrorModel, covariance: &DMatrix<f64>) -> Option<(&'m str, f64)> {
-    let scaled = |k: usize| covariance[(k, k)] / model.columns()[k].scale.powi(2);
-    let size = covariance.nrows().min(model.columns().len());
-    let largest = (0..size).map(scaled).fold(1.0, f64::max);
-    let found = (0..size).find(|&k| scaled(k) < -1e-9 * largest)?;
-    Some((&model.columns()[found].name, covariance[(found, found)]))
+/// What is said of all that no fit writes.
+fn damaged(problem: String) -> String {
+    format!("{problem}; the file is damaged, or was edited by hand")
 }
 
 fn interval([lower, upper]: [f64; 2]) -> Interval {

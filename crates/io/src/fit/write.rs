@@ -13,15 +13,22 @@ use truepose_errormodel::FittedModel;
 /// When the file cannot be written, or the model holds a number that is not finite.
 pub fn write_fit(path: impl AsRef<Path>, fit: &FittedModel) -> Result<(), IoError> {
     let path = path.as_ref();
-    let text = fit_json(fit).map_err(|message| IoError::Write { file: path.into(), message })?;
-    write_whole(path, text.as_bytes())
+    write_whole(path, fit_json(path, fit)?.as_bytes())
 }
 
-/// A fitted model as the text of a fit file.
+/// A fitted model as the text of a fit file of this name.
+///
+/// # Errors
+/// When the model holds a number that is not finite.
+pub fn fit_json(path: impl AsRef<Path>, fit: &FittedModel) -> Result<String, IoError> {
+    text(fit).map_err(|message| IoError::Write { file: path.as_ref().into(), message })
+}
+
+/// The text of a fit file.
 ///
 /// # Errors
 /// Names the number that is not finite.
-pub(super) fn fit_json(fit: &FittedModel) -> Result<String, String> {
+pub(super) fn text(fit: &FittedModel) -> Result<String, String> {
     check_finite(fit)?;
     let file = serde_json::to_value(FitV1::from(fit)).map_err(|error| error.to_string())?;
     let Value::Object(sections) = file else {

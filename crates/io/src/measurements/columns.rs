@@ -1,6 +1,7 @@
 //! What the columns of a table mean.
 
 use crate::nearest::{meant, nearest};
+use crate::table::unprefixed;
 use crate::{Quantity, Unit};
 use truepose_kinematics::{Chain, JointKind};
 
@@ -21,6 +22,8 @@ pub(crate) enum Role {
     Approach(usize),
     PositionSd(usize),
     OrientationSd(usize),
+    /// Why a visit was planned: a word of `truepose plan`, for people.
+    Note,
     Channel(usize),
 }
 
@@ -37,6 +40,8 @@ pub(crate) enum Cells {
     Direction,
     /// A target's name or nothing.
     Target,
+    /// Anything; not read.
+    Note,
 }
 
 /// A column with its unit.
@@ -56,7 +61,7 @@ pub(crate) struct Column {
 }
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
-pub(crate) const FIXED: [(&str, Role); 29] = [
+pub(crate) const FIXED: [(&str, Role); 30] = [
     ("x", Role::Position(0)),
     ("y", Role::Position(1)),
     ("z", Role::Position(2)),
@@ -86,6 +91,7 @@ pub(crate) const FIXED: [(&str, Role); 29] = [
     ("srx", Role::OrientationSd(0)),
     ("sry", Role::OrientationSd(1)),
     ("srz", Role::OrientationSd(2)),
+    ("why", Role::Note),
 ];
 
 impl Role {
@@ -123,7 +129,9 @@ impl Role {
             Role::Joint(k) => Some(joint_quantity(chain, k)),
             Role::Position(_) | Role::PayloadCentre(_) | Role::PositionSd(_) => Some(Quantity::Length),
             Role::RotationVector(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
-            Role::Quaternion(_) | Role::Approach(_) | Role::Target | Role::Visit => Some(Quantity::Ratio),
+            Role::Quaternion(_) | Role::Approach(_) | Role::Target | Role::Visit | Role::Note => {
+                Some(Quantity::Ratio)
+            }
             Role::PayloadMass => Some(Quantity::Mass),
             Role::Force(_) => Some(Quantity::Force),
             Role::Moment(_) => Some(Quantity::Moment),
@@ -138,6 +146,7 @@ impl Role {
             Role::Visit => Cells::Integer,
             Role::Approach(_) => Cells::Direction,
             Role::Target => Cells::Target,
+            Role::Note => Cells::Note,
             _ => Cells::Maybe,
         }
     }
@@ -166,6 +175,7 @@ impl Role {
             }
             Role::PositionSd(k) => format!("stated standard deviation of the position, {}", xyz(k)),
             Role::OrientationSd(k) => format!("stated standard deviation of the orientation, {}", xyz(k)),
+            Role::Note => "a word for people, not read".into(),
             Role::Channel(_) => "channel".into(),
         }
     }
@@ -250,6 +260,7 @@ fn name_and_unit(header: &str) -> Result<(&str, Option<&str>), String> {
             _ => return Err("a header is `name` or `name[unit]`; close the bracket at its end".into()),
         },
     };
+    let name = unprefixed(name);
     if name.is_empty() {
         return Err("has no name; name the column in the header, or remove it".into());
     }

@@ -10,7 +10,7 @@ use truepose_errormodel::{Channel, Schema};
 use truepose_kinematics::Chain;
 
 /// A table with more columns is another kind of file.
-const MOST_COLUMNS: usize = 4096;
+pub(crate) const MOST_COLUMNS: usize = 4096;
 
 /// Which columns a kind of file has to have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

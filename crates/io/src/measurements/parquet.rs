@@ -25,6 +25,10 @@ const BATCH: usize = 4096;
 
 /// Whether a file begins as Parquet files do.
 pub(crate) fn is_parquet(path: &Path) -> Result<bool, IoError> {
+    // What comes through a pipe cannot be read again.
+    if !path.is_file() && path.exists() {
+        return Ok(false);
+    }
     let mut first = Vec::with_capacity(4);
     let file = File::open(path).map_err(|error| IoError::read(path, error))?;
     file.take(4).read_to_end(&mut first).map_err(|error| IoError::read(path, error))?;

@@ -8,6 +8,7 @@ use super::lost::Lost;
 use super::plausible::Plausible;
 use crate::IoError;
 use crate::nearest::{listed, meant};
+use crate::table::unprefixed;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Load, TargetId};
 
@@ -92,6 +93,10 @@ impl RowReader {
                 at = self.read_target(line, text, at, k)?;
                 continue;
             }
+            if cells == Cells::Note {
+                at = self.cell(line, text, at, k)?.1;
+                continue;
+            }
             let raw = match plain_number(text, at) {
                 Some((raw, end)) => {
                     at = end;
@@ -143,6 +148,9 @@ impl RowReader {
         self.row = Row { line, ..Row::default() };
         for k in 0..self.kinds.len() {
             let cells = self.kinds[k].0;
+            if cells == Cells::Note {
+                continue;
+            }
             let raw = match (cells, cell(k)) {
                 (Cells::Target, Cell::Number(value)) => {
                     let message = format!("a target has a name, and not a number ({value})");
@@ -220,6 +228,7 @@ impl RowReader {
 
     /// The target of this name; none for an empty one.
     fn target(&self, name: &str) -> Result<Option<TargetId>, String> {
+        let name = unprefixed(name);
         if name.is_empty() {
             return Ok(None);
         }

@@ -1,6 +1,6 @@
 //! Robot descriptions: TOML and URDF in, TOML out.
 
-mod names;
+pub(crate) mod names;
 mod toml_form;
 mod urdf;
 mod urdf_corrected;
@@ -14,7 +14,7 @@ pub use urdf_form::robot_urdf;
 pub use write::robot_toml;
 
 use crate::{IoError, Warning};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use truepose_kinematics::Chain;
 
 /// No serial robot has more joints, fixed ones included.
@@ -30,6 +30,15 @@ pub struct RobotOptions {
     pub base: Option<String>,
     /// The link at the robot's tip; none: the only leaf.
     pub tip: Option<String>,
+}
+
+/// Files that reading this description opens: itself, and the URDF that a TOML names. What cannot be read is left to [`read_robot`],
+/// and what is no regular file is not opened: it can be read once.
+pub fn robot_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
+    let path = path.as_ref();
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
+    let beside = if toml { toml_form::urdf_file(path) } else { None };
+    std::iter::once(path.to_path_buf()).chain(beside).collect()
 }
 
 /// Reads a robot description, `.toml` or `.urdf`.

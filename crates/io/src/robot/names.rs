@@ -1,5 +1,7 @@
 //! Names that a joint or a target can bear.
 
+use crate::table::unprefixed;
+
 /// Columns of measurements that have a meaning of their own.
 const COLUMNS: [&str; 33] = [
     "x", "y", "z", "qw", "qx", "qy", "qz", "rx", "ry", "rz", "target", "visit", "payload", "cx", "cy", "cz",
@@ -9,6 +11,11 @@ const COLUMNS: [&str; 33] = [
 
 /// Characters that a name has at most.
 const LONGEST: usize = 200;
+
+/// Ends a line for some reader (YAML, JavaScript), or is no character of XML 1.0; control characters apart.
+pub(crate) fn unprintable(c: char) -> bool {
+    matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
+}
 
 /// Why a joint cannot bear this name, if it cannot.
 pub(crate) fn joint_name_problem(name: &str) -> Option<String> {
@@ -36,6 +43,12 @@ pub(crate) fn cell_problem(name: &str) -> Option<String> {
         Some(format!("the name `{}…` is longer than {LONGEST} characters", begins.escape_debug()))
     } else if name.trim() != name {
         Some(format!("the name `{shown}` begins or ends with a space; remove it"))
+    } else if name.chars().any(unprintable) {
+        Some(format!(
+            "the name `{shown}` has a character that no file can show (line separators, U+FFFE); remove it"
+        ))
+    } else if name.starts_with('\'') && unprefixed(name) != name {
+        Some(format!("the name `{shown}` begins with an apostrophe and a sign; remove the apostrophe"))
     } else if name.contains([',', '"', '#']) || name.chars().any(char::is_control) {
         Some(format!(
             "the name `{shown}` cannot be used in a cell; use no commas, quotes, `#` or control characters"

@@ -5,7 +5,7 @@ use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{IoError, Unit, Warning};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
@@ -94,6 +94,19 @@ pub(super) fn read(
     chain.with_gravity(gravity(&root)?).map_err(whole)
 }
 
+/// The URDF that a description names.
+pub(super) fn urdf_file(path: &Path) -> Option<PathBuf> {
+    let text = Text::read(path).ok()?;
+    let document = Document::parse(&text).ok()?;
+    let named = document.root("the robot").get("urdf")?.string().ok()?.to_owned();
+    Some(beside(path, &named))
+}
+
+/// A file that a description names counts from its folder.
+fn beside(path: &Path, named: &str) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).join(named)
+}
+
 fn from_urdf(
     path: &Path,
     root: &Table<'_>,
@@ -116,7 +129,7 @@ fn from_urdf(
     };
     let options =
         RobotOptions { base: options.base.clone().or(base), tip: options.tip.clone().or(word("tip")?) };
-    let beside = path.parent().unwrap_or(Path::new("")).join(file.string()?);
+    let beside = beside(path, file.string()?);
     if !beside.is_file() {
         return Err(file.error(format!(
             "there is no file `{}`; the path counts from this file's folder",

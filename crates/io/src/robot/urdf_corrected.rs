@@ -3,6 +3,7 @@
 //! What is added is a comment behind `<robot …>`, an `<origin>` where a joint had none, and, where the tool has moved
 //! against a last joint that moves itself, a link behind it with a fixed joint, at the file's end.
 
+use super::names::unprintable;
 use super::xml_places::{Tag, attribute, tags};
 use crate::IoError;
 use crate::text::Text;
@@ -156,6 +157,12 @@ fn edit_origin(text: &str, element: &[Tag<'_>], from: &Pose, to: &Pose, edits: &
     }
 }
 
+/// A text of characters that XML 1.0 has; those that it has not are replaced.
+pub(super) fn xml(text: &str) -> String {
+    let none = |c: char| (c.is_control() && !matches!(c, '\t' | '\n')) || unprintable(c);
+    text.chars().map(|c| if none(c) { '\u{fffd}' } else { c }).collect()
+}
+
 pub(super) fn comment(lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
@@ -163,7 +170,11 @@ pub(super) fn comment(lines: &[String]) -> String {
     let mut out = String::from("\n<!--\n");
     for line in lines {
         // Two hyphens would end it.
-        let _ = writeln!(out, "  {}", line.replace("--", "- -"));
+        let mut safe = xml(line).replace("--", "- -");
+        while safe.contains("--") {
+            safe = safe.replace("--", "- -");
+        }
+        let _ = writeln!(out, "  {safe}");
     }
     out + "-->"
 }

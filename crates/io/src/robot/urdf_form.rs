@@ -3,7 +3,7 @@
 //! Links are bare but for their weight: the inertias are those of point masses. A base or tool that the description has
 //! beside the joints becomes a fixed joint (the tool's), or a comment (the base's, which is the installation of the robot).
 
-use super::urdf_corrected::comment;
+use super::urdf_corrected::{comment, xml};
 use std::fmt::Write;
 use truepose_kinematics::{Chain, Joint, JointKind, Placement, Pose};
 
@@ -87,7 +87,7 @@ fn triple(v: [f64; 3]) -> String {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    xml(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]

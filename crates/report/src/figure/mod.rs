@@ -29,8 +29,9 @@ pub(crate) fn escape(text: &str) -> String {
             '>' => safe.push_str("&gt;"),
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&#39;"),
-            // No control characters: they are no XML.
+            // No control characters, and no U+FFFE or U+FFFF: they are no XML.
             c if c.is_control() && c != '\n' && c != '\t' => safe.push('\u{fffd}'),
+            '\u{fffe}' | '\u{ffff}' => safe.push('\u{fffd}'),
             c => safe.push(c),
         }
     }

@@ -24,7 +24,7 @@ pub(super) enum Value {
 }
 
 pub(super) fn parse(text: &str) -> Result<Call, SolveError> {
-    let mut cursor = Cursor { text, characters: text.chars().collect(), at: 0 };
+    let mut cursor = Cursor { text, characters: text.chars().collect(), at: 0, depth: 0 };
     let call = cursor.call("the name of a solver")?;
     cursor.blank();
     if cursor.at < cursor.characters.len() { Err(cursor.expected("the end")) } else { Ok(call) }
@@ -34,11 +34,23 @@ struct Cursor<'a> {
     text: &'a str,
     characters: Vec<char>,
     at: usize,
+    /// Brackets that are open.
+    depth: usize,
 }
+
+/// Characters of a text that a message shows.
+const SHOWN: usize = 80;
+
+/// Brackets within brackets that are read; no solver has more than two solvers inside.
+const DEEPEST: usize = 16;
 
 impl Cursor<'_> {
     fn expected(&self, expected: &'static str) -> SolveError {
-        SolveError::Grammar { text: self.text.to_owned(), expected, at: self.at }
+        let mut text: String = self.text.chars().take(SHOWN).collect();
+        if text.len() < self.text.len() {
+            text.push('…');
+        }
+        SolveError::Grammar { text, expected, at: self.at }
     }
 
     fn blank(&mut self) {
@@ -85,9 +97,14 @@ impl Cursor<'_> {
         if !self.eat('(') || self.eat(')') {
             return Ok(arguments);
         }
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.expected("fewer brackets within brackets"));
+        }
         loop {
             arguments.push(self.argument()?);
             if self.eat(')') {
+                self.depth -= 1;
                 return Ok(arguments);
             }
             if !self.eat(',') {

@@ -87,6 +87,27 @@ mod tests {
         refused("ridge(cv, folds=2.5)", "folds = 2.5");
     }
 
+    #[test]
+    fn brackets_without_end_are_refused() {
+        refused(&"bounded(".repeat(100_000), "expected fewer brackets within brackets");
+        refused(&"a=(".repeat(100_000), "expected");
+    }
+
+    #[test]
+    fn a_robust_solver_has_no_robust_one_inside() {
+        refused("huber(huber(qr))", "`huber` has `huber(qr)` inside, which is robust as well");
+        refused("huber(huber(huber(huber(huber(qr)))))", "name one robust solver, such as `huber(qr)`");
+        refused("tukey(huber(qr), start=plain)", "`tukey` has `huber(qr)` inside");
+    }
+
+    #[cfg(feature = "clarabel")]
+    #[test]
+    fn a_robust_solver_has_no_robust_one_inside_a_bounded_one() {
+        refused("huber(bounded(tukey(qr)))", "`huber` has `tukey(qr)` inside");
+        refused("tukey(huber_exact)", "`tukey` has `huber_exact` inside");
+        check("huber(bounded(svd))", "huber(bounded(svd))");
+    }
+
     #[cfg(not(feature = "clarabel"))]
     #[test]
     fn solvers_that_are_not_built_in_are_refused_with_the_name_of_their_feature() {

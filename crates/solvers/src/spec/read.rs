@@ -215,7 +215,12 @@ impl Options {
             trimming.validate()?;
         }
         let max_iterations = self.count("rounds")?.unwrap_or(MAX_ITERATIONS).max(1);
-        Ok(SolverSpec::Robust { inner: Box::new(self.inner()?), loss, start, max_iterations })
+        let inner = self.inner()?;
+        // Each of the outer's iterations would run all of the inner's: time grows by a power with each level.
+        if let Some(inner) = inner.robust() {
+            return Err(SolveError::NestedRobust { outer: self.entry.name, inner: inner.to_string() });
+        }
+        Ok(SolverSpec::Robust { inner: Box::new(inner), loss, start, max_iterations })
     }
 
     fn finish(self) -> Result<(), SolveError> {

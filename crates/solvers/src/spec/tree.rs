@@ -83,6 +83,18 @@ impl SolverSpec {
         }
     }
 
+    /// The robust solver that this is, or has inside.
+    pub(super) fn robust(&self) -> Option<&SolverSpec> {
+        match self {
+            SolverSpec::Robust { .. } => Some(self),
+            #[cfg(feature = "clarabel")]
+            SolverSpec::ExactHuber(_) => Some(self),
+            #[cfg(feature = "clarabel")]
+            SolverSpec::Bounded { inner } => inner.robust(),
+            _ => None,
+        }
+    }
+
     /// Names that [`FromStr`](std::str::FromStr) knows in this build, with what each does.
     pub fn known() -> Vec<(&'static str, &'static str)> {
         names::NAMES.iter().filter(|n| n.available).map(|n| (n.name, n.about)).collect()

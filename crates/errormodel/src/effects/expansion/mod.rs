@@ -18,7 +18,7 @@ mod factor;
 pub use basis::Basis;
 pub use factor::{Factor, Input};
 
-use super::checks::{frame_exists, joint_exists, joint_moves, target_exists};
+use super::checks::{bounded, frame_exists, joint_exists, joint_moves, target_exists};
 use super::geometric::EXPECTED_ANGLE;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Signal, UNBOUNDED};
@@ -273,6 +273,8 @@ impl Effect for Expansion {
         {
             return refuse("a target is a point: its components are x, y and z".into());
         }
+        let products = self.factors.iter().fold(1, |n: usize, factor| n.saturating_mul(factor.basis.len()));
+        bounded(Self::FAMILY, self.places().saturating_mul(products))?;
         for factor in &self.factors {
             match &factor.of {
                 Input::Joint(joint) => joint_moves(Self::FAMILY, *joint, chain)?,
@@ -289,9 +291,6 @@ impl Effect for Expansion {
             if let Err(reason) = factor.basis.check() {
                 return refuse(reason);
             }
-        }
-        if self.places() * self.products() > 100_000 {
-            return refuse("it has more than 100 000 terms".into());
         }
         Ok(())
     }

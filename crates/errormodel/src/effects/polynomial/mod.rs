@@ -33,11 +33,11 @@ mod term;
 
 pub use term::WrenchComponent;
 
-use super::checks::{frame_exists, joint_moves, refused};
+use super::checks::{bounded, frame_exists, joint_moves, refused};
 use super::geometric::EXPECTED_ANGLE;
 use super::spot::distinct;
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{AnyEffect, Column, Effect, Emission, ModelError, UNBOUNDED};
+use crate::{AnyEffect, Column, Effect, Emission, MOST_UNKNOWNS, ModelError, UNBOUNDED};
 use known::Known;
 use serde::{Deserialize, Serialize};
 use term::{Term, lives};
@@ -338,7 +338,13 @@ impl Effect for Polynomial {
         if self.groups.is_some() && self.order == Order::ExpandFirst {
             return refuse("`groups` belong to `order = \"reduce_first\"`".into());
         }
-        Ok(())
+        let mut unknowns = 0;
+        self.for_each_place(chain, |place| {
+            if unknowns <= MOST_UNKNOWNS {
+                unknowns += place.components.len() * self.for_each_term(place, chain, |_, _| {});
+            }
+        });
+        bounded(Self::FAMILY, unknowns)
     }
 }
 

@@ -1,0 +1,83 @@
+//! Hostile input at every verb: more than 500 runs, each of which ends in a result or in one clear message.
+//!
+//! [`contents`] spoils each kind of file in the same ways; [`surroundings`] spoils what is around the program: options, outputs, streams
+//! and variables. Never a panic, a signal, a file that is half-written or left over.
+
+mod contents;
+mod surroundings;
+
+use crate::folder::Folder;
+use std::process::{Command, Output};
+
+/// A folder with one good file of each kind.
+fn good() -> Folder {
+    let folder = Folder::with_data();
+    let run = |words: &str| folder.run(&words.split(' ').collect::<Vec<_>>()).ended(0);
+    folder.write(
+        "model.toml",
+        "[[effects]]\nfamily = \"geometric\"\nframes = [\"base\", \"j1\", \"j2\", \"tool\"]\n\n[[effects]]\nfamily = \"transmission\"\n\
+         joint = \"j1\"\nharmonics = [1, 2]\n\n[[effects]]\nfamily = \"expansion\"\nat = { motion = { joint = \"j2\" } }\n\
+         factors = [{ of = { joint = \"j1\" }, basis = { powers = [1, 2] } }]\n",
+    );
+    run("identify --robot robot.toml --data data.csv --folds 0 --model model.toml --out fit.json");
+    run("identify --robot robot.toml --data data.csv --folds 0 --report page");
+    run("export --fit fit.json --format urdf --out arm.urdf");
+    folder.write(
+        "poses.csv",
+        "x[mm],y[mm],z[mm],target,j1[deg],j2[deg],d3[mm]\n15,470,550,T2,100,55,26\n633,13,342,T1,5,26,47\n",
+    );
+    folder
+}
+
+/// Names of all files, in folders as well.
+fn files(folder: &Folder) -> Vec<String> {
+    let mut names = folder.names();
+    if let Ok(page) = std::fs::read_dir(folder.file("page")) {
+        names.extend(page.map(|entry| format!("page/{}", entry.unwrap().file_name().to_string_lossy())));
+    }
+    names.sort();
+    names
+}
+
+/// What is wrong with how a run ended, if anything is.
+fn unsound(output: &Output, outputs: &[&str], before: &[String], folder: &Folder) -> Option<String> {
+    let log = String::from_utf8_lossy(&output.stderr);
+    let after = files(folder);
+    let new: Vec<&String> = after.iter().filter(|name| !before.contains(name)).collect();
+    let gone = before.iter().find(|name| !after.contains(name));
+    let errors =
+        log.lines().filter(|line| line.starts_with("error: ") || line.starts_with("not met: ")).count();
+    let steers = log.chars().any(|c| c.is_control() && !matches!(c, '\n' | '\t'));
+    let problem = match output.status.code() {
+        None => "a signal",
+        Some(0) if errors > 0 => "an error and success",
+        Some(0) if new.iter().any(|name| !outputs.contains(&name.as_str())) => "an unknown file",
+        Some(0) => return gone.map(|name| format!("{name} is gone")),
+        Some(1 | 2) if log.contains("panicked") || log.contains("RUST_BACKTRACE") => "a panic",
+        Some(1 | 2) if errors != 1 => "not one error",
+        Some(1 | 2) if log.len() > 4000 => "a long message",
+        Some(1 | 2) if steers => "a control character in the message",
+        Some(1 | 2) if !new.is_empty() => "a file left over",
+        Some(1 | 2) => return gone.map(|name| format!("{name} is gone")),
+        Some(_) => "another exit code",
+    };
+    Some(format!(
+        "{problem} ({:?}), files {new:?}: {}",
+        output.status,
+        log.chars().take(300).collect::<String>()
+    ))
+}
+
+/// Runs the program; no run takes longer than twenty seconds.
+fn program(folder: &Folder, words: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_truepose"));
+    command.current_dir(folder.path()).args(words).args(["--time-limit", "20s", "--threads", "1"]);
+    command
+}
+
+/// Fails with everything that was found.
+#[track_caller]
+fn none(found: Vec<String>, cases: usize, least: usize) {
+    assert!(cases >= least, "{cases} cases");
+    assert!(found.is_empty(), "{} of {cases} cases:\n{}", found.len(), found.join("\n"));
+}
