@@ -26,8 +26,8 @@ pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
 pub use map::{MapRow, write_map};
 pub use measurements::{
-    ColumnInfo, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, read_measurements,
-    sample_measurements,
+    ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, OrientationConvention,
+    read_measurements, sample_measurements,
 };
 pub use model::read_model;
 pub use plan::{PlannedVisit, write_plan};

@@ -2,7 +2,7 @@
 
 use crate::measurements::{Needs, read_table};
 use crate::table::TableWriter;
-use crate::{CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
+use crate::{ColumnMap, CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
 use std::path::Path;
 use truepose_errormodel::{Dataset, DwellTolerance};
 use truepose_kinematics::{Chain, JointKind};
@@ -65,7 +65,8 @@ pub struct CommandRow {
 /// When the file cannot be read, lacks a position, or at the first cell that is wrong.
 pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: false, measured: false, position: true };
-    let table = read_table(path.as_ref(), chain, needs, DwellTolerance::default())?;
+    let columns = ColumnMap::default();
+    let table = read_table(path.as_ref(), chain, needs, DwellTolerance::default(), &columns)?;
     let joint_units = match &table.header.slots.joints {
         Some(slots) => slots.iter().map(|&k| table.header.columns[k].conversion).collect(),
         None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),
@@ -184,7 +185,7 @@ mod tests {
             "t.csv:1: no columns hold a position; add `x[mm]`, `y[mm]`, `z[mm]` (columns here: qw, qx, qy, qz)"
         );
         assert!(
-            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n").unwrap_err().contains("joint `d2` has no column")
+            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n").unwrap_err().contains("joints `d2`, `d3`, `theta`, `roll`, `pitch` have no columns")
         );
     }
 

@@ -12,6 +12,8 @@ pub(crate) enum Role {
     Position(usize),
     Quaternion(usize),
     RotationVector(usize),
+    /// One of the three angles of an orientation, in the order of its convention.
+    Angle(usize),
     Target,
     Visit,
     PayloadMass,
@@ -24,6 +26,10 @@ pub(crate) enum Role {
     OrientationSd(usize),
     /// Why a visit was planned: a word of `truepose plan`, for people.
     Note,
+    /// Whether the row is used.
+    Use,
+    /// A column that is not read: left out by the user, a text, or empty.
+    Nothing,
     Channel(usize),
 }
 
@@ -42,6 +48,10 @@ pub(crate) enum Cells {
     Target,
     /// Anything; not read.
     Note,
+    /// Nothing: the column has no name.
+    Blank,
+    /// Yes or no in every row.
+    Use,
 }
 
 /// A column with its unit.
@@ -61,7 +71,7 @@ pub(crate) struct Column {
 }
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
-pub(crate) const FIXED: [(&str, Role); 30] = [
+pub(crate) const FIXED: [(&str, Role); 31] = [
     ("x", Role::Position(0)),
     ("y", Role::Position(1)),
     ("z", Role::Position(2)),
@@ -92,6 +102,7 @@ pub(crate) const FIXED: [(&str, Role); 30] = [
     ("sry", Role::OrientationSd(1)),
     ("srz", Role::OrientationSd(2)),
     ("why", Role::Note),
+    ("use", Role::Use),
 ];
 
 impl Role {
@@ -128,10 +139,14 @@ impl Role {
         match self {
             Role::Joint(k) => Some(joint_quantity(chain, k)),
             Role::Position(_) | Role::PayloadCentre(_) | Role::PositionSd(_) => Some(Quantity::Length),
-            Role::RotationVector(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
-            Role::Quaternion(_) | Role::Approach(_) | Role::Target | Role::Visit | Role::Note => {
-                Some(Quantity::Ratio)
-            }
+            Role::RotationVector(_) | Role::Angle(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
+            Role::Quaternion(_)
+            | Role::Approach(_)
+            | Role::Target
+            | Role::Visit
+            | Role::Note
+            | Role::Use
+            | Role::Nothing => Some(Quantity::Ratio),
             Role::PayloadMass => Some(Quantity::Mass),
             Role::Force(_) => Some(Quantity::Force),
             Role::Moment(_) => Some(Quantity::Moment),
@@ -146,7 +161,8 @@ impl Role {
             Role::Visit => Cells::Integer,
             Role::Approach(_) => Cells::Direction,
             Role::Target => Cells::Target,
-            Role::Note => Cells::Note,
+            Role::Note | Role::Nothing => Cells::Note,
+            Role::Use => Cells::Use,
             _ => Cells::Maybe,
         }
     }
@@ -163,6 +179,7 @@ impl Role {
             Role::Position(k) => format!("measured position, {}", xyz(k)),
             Role::Quaternion(k) => format!("measured orientation, quaternion {}", ["w", "x", "y", "z"][k]),
             Role::RotationVector(k) => format!("measured orientation, rotation vector {}", xyz(k)),
+            Role::Angle(k) => format!("measured orientation, angle {} of its convention", k + 1),
             Role::Target => "measured target".into(),
             Role::Visit => "visit".into(),
             Role::PayloadMass => "mass carried".into(),
@@ -176,19 +193,50 @@ impl Role {
             Role::PositionSd(k) => format!("stated standard deviation of the position, {}", xyz(k)),
             Role::OrientationSd(k) => format!("stated standard deviation of the orientation, {}", xyz(k)),
             Role::Note => "a word for people, not read".into(),
+            Role::Use => "whether the row is used".into(),
+            Role::Nothing => "not read".into(),
             Role::Channel(_) => "channel".into(),
         }
     }
 }
 
 impl Column {
-    /// A column from its header cell; the second value is a warning.
+    /// A column from a header cell in our own spelling.
+    #[cfg(test)]
+    pub fn parse(header: &str, chain: &Chain, channels: usize) -> Result<(Column, Option<String>), String> {
+        Column::named(header, header, (chain, None), channels)
+    }
+
+    /// A column that is not read.
+    pub fn unread(header: &str, cells: Cells) -> Column {
+        Column {
+            header: header.into(),
+            name: header.into(),
+            unit: "1".into(),
+            unit_given: false,
+            conversion: *Quantity::Ratio.si(),
+            role: Role::Nothing,
+            cells,
+            meaning: "not read".into(),
+        }
+    }
+
+    /// A column from its header cell in the file and the name and unit that this stands for, on a robot and in a role where that is known
+    /// otherwise than by the name; the second value is a warning.
     ///
     /// # Errors
     /// What is wrong with the header, and what to do.
-    pub fn parse(header: &str, chain: &Chain, channels: usize) -> Result<(Column, Option<String>), String> {
+    pub fn named(
+        shown: &str,
+        header: &str,
+        (chain, role): (&Chain, Option<Role>),
+        channels: usize,
+    ) -> Result<(Column, Option<String>), String> {
         let (name, unit) = name_and_unit(header)?;
-        let role = Role::of(name, chain, channels)?;
+        let role = match role {
+            Some(role) => role,
+            None => Role::of(name, chain, channels)?,
+        };
         let mut warning = None;
         let (unit, unit_given, conversion, meaning) = match (role.quantity(chain), unit) {
             (Some(quantity), Some(word)) => {
@@ -220,7 +268,7 @@ impl Column {
         };
         let cells = role.cells();
         let column = Column {
-            header: header.into(),
+            header: shown.into(),
             name: name.into(),
             unit,
             unit_given,
@@ -350,8 +398,8 @@ mod tests {
                 "[rad] is the unit of an angle, but `d1` is a length; its unit can be: m, mm, um, in",
             ),
             (
-                "theta[Deg]",
-                "unknown unit [Deg]; did you mean [deg]? (`theta` is an angle; its unit can be: rad, deg, mrad)",
+                "theta[dEg]",
+                "unknown unit [dEg]; did you mean [deg]? (`theta` is an angle; its unit can be: rad, deg, mrad)",
             ),
             ("payload[t]", "unknown unit [t] (`payload` is a mass; its unit can be: kg, lb)"),
             (
