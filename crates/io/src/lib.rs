@@ -34,7 +34,8 @@ pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, write_commands};
 pub use predictions::{Prediction, PredictionsWriter, write_predictions};
 pub use robot::{
-    RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_files, robot_toml, robot_urdf,
+    RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_columns, robot_files, robot_toml,
+    robot_urdf,
 };
 pub use same_file::same_file;
 pub use text::read_text;

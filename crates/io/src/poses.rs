@@ -185,7 +185,9 @@ mod tests {
             "t.csv:1: no columns hold a position; add `x[mm]`, `y[mm]`, `z[mm]` (columns here: qw, qx, qy, qz)"
         );
         assert!(
-            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n").unwrap_err().contains("joints `d2`, `d3`, `theta`, `roll`, `pitch` have no columns")
+            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n")
+                .unwrap_err()
+                .contains("joints `d2`, `d3`, `theta`, `roll`, `pitch` have no columns")
         );
     }
 

@@ -114,9 +114,17 @@ fn titles_above_the_header_and_trailing_separators() {
 
 #[test]
 fn names_of_a_controller() {
-    let text = PLAIN.replace("r1[deg],r2[deg],slide[mm],r4[deg],x[mm],y[mm],z[mm]", "A1 (°),A2 (°),A3 (mm),A4 (°),X (mm),Y (mm),Z (mm)");
+    let text = PLAIN.replace(
+        "r1[deg],r2[deg],slide[mm],r4[deg],x[mm],y[mm],z[mm]",
+        "A1 (°),A2 (°),A3 (mm),A4 (°),X (mm),Y (mm),Z (mm)",
+    );
     let error = read(text.as_bytes()).unwrap_err();
-    assert!(error.starts_with("d.csv:1: joints `r1`, `r2`, `slide`, `r4` have no columns; perhaps they are meant by: "), "{error}");
+    assert!(
+        error.starts_with(
+            "d.csv:1: joints `r1`, `r2`, `slide`, `r4` have no columns; perhaps they are meant by: "
+        ),
+        "{error}"
+    );
     is_right(&read_with(text.as_bytes(), proposed(&error)).unwrap().0);
 }
 
@@ -147,7 +155,10 @@ fn dates_texts_and_empty_columns() {
 
 #[test]
 fn spellings_of_units() {
-    let text = PLAIN.replace("r1[deg],r2[deg],slide[mm],r4[deg],x[mm],y[mm],z[mm]", "r1 [°],r2°,slide_mm,r4 (deg),x / mm,y in mm,z(mm)");
+    let text = PLAIN.replace(
+        "r1[deg],r2[deg],slide[mm],r4[deg],x[mm],y[mm],z[mm]",
+        "r1 [°],r2°,slide_mm,r4 (deg),x / mm,y in mm,z(mm)",
+    );
     is_right(&read(text.as_bytes()).unwrap().0);
 }
 
@@ -232,7 +243,8 @@ fn orientations_by_name() {
     }
     let q = Pose::new(rotation, Vector3::zeros()).quaternion().map(|v| format!("{v:?}")).join(",");
     let text = format!("{header},q1,q2,q3,q4\n{}", rows.replace('\n', &format!(",{q}\n")));
-    let columns = ColumnMap { orientation: Some(OrientationConvention::AbbQuaternion), ..ColumnMap::default() };
+    let columns =
+        ColumnMap { orientation: Some(OrientationConvention::AbbQuaternion), ..ColumnMap::default() };
     let found = read_with(text.as_bytes(), columns).unwrap().0.measured_rotation(0).unwrap();
     assert!((found - rotation).amax() < 1e-12);
 }

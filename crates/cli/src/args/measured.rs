@@ -4,6 +4,7 @@ use super::values::{input, parse_count, parse_length, parse_prior, parse_whole};
 use super::{Grouped, Robot};
 use std::path::PathBuf;
 use truepose_identify::FitOptions;
+use truepose_io::{IoError, MeasurementsOptions};
 use truepose_solvers::SolverSpec;
 
 /// Robot, measurements and declared model.
@@ -19,6 +20,13 @@ pub struct Measured {
     pub model: Option<PathBuf>,
     #[command(flatten)]
     pub grouped: Grouped,
+}
+
+impl Measured {
+    /// How the measurements are read.
+    pub fn reading(&self) -> Result<MeasurementsOptions, IoError> {
+        self.grouped.measured_on(&self.robot.robot)
+    }
 }
 
 /// `truepose identify`

@@ -1,14 +1,16 @@
 //! `truepose check`: read files and say what was understood.
 
-use super::{print_json, robot, suspected};
+use super::nominal::Nominal;
+use super::{print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_errormodel::{EffectRegistry, ErrorModel};
-use truepose_io::{CsvInfo, Grouping, read_measurements, read_model};
+use truepose_identify::suspicions;
+use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointKind};
 use truepose_report::Alignment::{Left, Right};
-use truepose_report::{count, significant, table};
+use truepose_report::{count, significant, suspicion_text, table};
 
 /// Runs the verb.
 pub fn run(args: &Check) -> Result<(), Failure> {
@@ -20,21 +22,37 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         }
         None => None,
     };
+    let mut nominal = Nominal::of(&chain, None, &[]);
     let data = match &args.data {
         Some(path) => {
-            let options = args.grouped.conditions();
+            let measured = args.grouped.measured_on(&args.robot.robot)?;
+            let options = MeasurementsOptions { measured_required: false, ..measured };
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
-            terminal::warn(suspected(&chain, &data, path).as_slice());
+            let suspicions = suspicions(&chain, &data);
+            let words: Vec<String> = suspicions
+                .iter()
+                .map(|found| format!("{}: {}", path.display(), suspicion_text(&chain, found, &data.line)))
+                .collect();
+            terminal::warn(words.as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
             }
+            nominal = Nominal::of(&chain, Some(&data), &suspicions);
+            let words: Vec<String> = nominal
+                .warnings(&chain)
+                .into_iter()
+                .map(|words| format!("{}: {words}", path.display()))
+                .collect();
+            terminal::warn(words.as_slice());
             Some(info)
         }
         None => None,
     };
     if args.json {
-        return print_json(&json(&chain, model.as_ref(), data.as_ref()));
+        let mut all = json(&chain, model.as_ref(), data.as_ref());
+        all["nominal"] = nominal.json(&chain);
+        return print_json(&all);
     }
     terminal::print(&robot_text(&chain));
     if let Some(model) = &model {
@@ -43,6 +61,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     if let Some(info) = &data {
         terminal::print(&data_text(info));
     }
+    terminal::print(&nominal.text());
     Ok(())
 }
 

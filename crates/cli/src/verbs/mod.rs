@@ -11,6 +11,7 @@ mod files;
 mod identified;
 mod identify;
 mod map;
+mod nominal;
 mod plan;
 mod predict;
 mod repeated;

@@ -225,8 +225,9 @@ impl Header {
             let what = if needs.position { "a position" } else { "anything measured" };
             let columns = self.listed();
             let map = self.suggested(["x", "y", "z"].map(|name| (name, None)));
-            let message =
-                format!("no columns hold {what}; add `x[mm]`, `y[mm]`, `z[mm]`{map} (columns here: {columns})");
+            let message = format!(
+                "no columns hold {what}; add `x[mm]`, `y[mm]`, `z[mm]`{map} (columns here: {columns})"
+            );
             return Err(self.error(message));
         }
         Ok(slots)
@@ -303,7 +304,10 @@ impl Header {
             return format!("joint `{name}` has no column{hint}; add {units}{map} (columns here: {columns})");
         }
         let names: Vec<String> = missing.iter().map(|(_, name)| format!("`{name}`")).collect();
-        format!("joints {} have no columns{map} (columns here: {columns})", listed(names.iter().map(String::as_str)))
+        format!(
+            "joints {} have no columns{map} (columns here: {columns})",
+            listed(names.iter().map(String::as_str))
+        )
     }
 
     fn listed(&self) -> String {

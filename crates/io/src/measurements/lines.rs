@@ -70,10 +70,7 @@ impl Lines {
     pub fn open(path: &Path) -> Result<Self, IoError> {
         let mut rest = File::open(path).map_err(|error| IoError::read(path, error))?;
         let mut head = Vec::new();
-        (&mut rest)
-            .take(BLOCK as u64)
-            .read_to_end(&mut head)
-            .map_err(|error| IoError::read(path, error))?;
+        (&mut rest).take(BLOCK as u64).read_to_end(&mut head).map_err(|error| IoError::read(path, error))?;
         Ok(Lines::over(path, Bytes::File { head: Cursor::new(head), rest }))
     }
 

@@ -413,11 +413,7 @@ impl RowReader {
     fn too_many(&self, line: u64, text: &[u8]) -> IoError {
         let cells = super::cells::cells(text).unwrap_or_default();
         let (have, need) = (cells.len(), self.header.columns.len());
-        let hint = if 2 * have >= 3 * need {
-            "; write decimals with a point, not a comma"
-        } else {
-            ""
-        };
+        let hint = if 2 * have >= 3 * need { "; write decimals with a point, not a comma" } else { "" };
         IoError::line(&self.header.file, line, format!("the row has {have} cells, the header {need}{hint}"))
     }
 

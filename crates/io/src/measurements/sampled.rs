@@ -49,7 +49,9 @@ impl Sample {
             let message = "holds text, and is not read".to_owned();
             return Ok((Column::unread(header, Cells::Note), Some(message)));
         }
-        if column.role == Role::Time && self.filled(k).all(|cell| matches!(clock::seconds(cell), Ok(Some(_)) | Err(_))) {
+        if column.role == Role::Time
+            && self.filled(k).all(|cell| matches!(clock::seconds(cell), Ok(Some(_)) | Err(_)))
+        {
             // Dates and clock times need no unit.
             warning = warning.filter(|_| self.filled(k).next().is_none());
         }

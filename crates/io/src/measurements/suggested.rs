@@ -8,10 +8,7 @@ use crate::{Quantity, Unit};
 
 impl Header {
     /// `; if so: --map "a1=Joint 1[deg]" …` for the missing names that some unused column may hold; a joint has its number, from 0.
-    pub(super) fn suggested<'n>(
-        &self,
-        wanted: impl IntoIterator<Item = (&'n str, Option<usize>)>,
-    ) -> String {
+    pub(super) fn suggested<'n>(&self, wanted: impl IntoIterator<Item = (&'n str, Option<usize>)>) -> String {
         let unused: Vec<(&str, &str)> = self
             .columns
             .iter()
@@ -27,7 +24,10 @@ impl Header {
                 .find(|&k| plain(unused[k].1) == plain(name))
                 .or_else(|| free().find(|&k| matches(unused[k].1, name, joint)))
                 .or_else(|| {
-                    let near = nearest(name, free().filter(|_| joint.is_some() && name.len() > 2).map(|k| unused[k].1))?;
+                    let near = nearest(
+                        name,
+                        free().filter(|_| joint.is_some() && name.len() > 2).map(|k| unused[k].1),
+                    )?;
                     free().find(|&k| unused[k].1 == near)
                 });
             if let Some(k) = found {
@@ -62,9 +62,7 @@ fn matches(column: &str, name: &str, joint: Option<usize>) -> bool {
             column[word.len()..].parse() == Ok(joint + 1) && JOINT_WORDS.contains(&word)
         }
         None => {
-            let is_unit = |word: &&str| {
-                Unit::named(word).is_none_or(|unit| unit.quantity == Quantity::Ratio)
-            };
+            let is_unit = |word: &&str| Unit::named(word).is_none_or(|unit| unit.quantity == Quantity::Ratio);
             let mut words = column.split(|c: char| !c.is_alphanumeric()).filter(is_unit);
             words.any(|word| word.eq_ignore_ascii_case(name))
         }

@@ -14,8 +14,7 @@ const KNOWN: usize = 2;
 
 /// The dialect of a text; none where the plain reader reads it.
 pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names<'_>) -> Option<Dialect> {
-    let mut lines: Vec<(usize, &str)> =
-        text.lines().enumerate().filter(|(_, line)| !skipped(line)).collect();
+    let mut lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| !skipped(line)).collect();
     if !whole {
         lines.pop();
     }
@@ -39,7 +38,8 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
     let units = below.filter(|(_, line)| is_row_of_units(&split(line, separator))).map(|(at, _)| *at);
     let quoted = |line: &str| line.contains('"') && split(line, ',').iter().any(|c| marks(c) == Marks::Comma);
     let commas = separator != ',' || lines.iter().any(|(_, line)| quoted(line));
-    let plain = encoding == Encoding::Utf8 && separator == ',' && header == first.0 && units.is_none() && !commas;
+    let plain =
+        encoding == Encoding::Utf8 && separator == ',' && header == first.0 && units.is_none() && !commas;
     (!plain).then_some(Dialect { encoding, separator, header, units, commas })
 }
 
