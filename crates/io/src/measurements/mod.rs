@@ -29,6 +29,7 @@ mod sampled;
 mod source;
 mod suggested;
 mod suspicious;
+mod texts;
 mod together;
 mod visits;
 mod whole;

@@ -1,6 +1,6 @@
 //! One row of a table: its cells as numbers in SI units.
 
-use super::cells::{cell, number, plain_number, shown};
+use super::cells::{cell, number, plain_number};
 use super::clock;
 use super::columns::{Cells, Column, Role, joint_names};
 use super::header::Header;
@@ -8,8 +8,6 @@ use super::info::Seen;
 use super::lost::Lost;
 use super::plausible::Plausible;
 use crate::IoError;
-use crate::nearest::{listed, meant};
-use crate::table::unprefixed;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Load, TargetId};
 
@@ -29,9 +27,9 @@ pub(crate) enum Cell<'a> {
 pub(crate) struct RowReader {
     pub header: Header,
     /// Of each column: what its cells hold, and whether they are in the unit of memory already.
-    kinds: Vec<(Cells, bool)>,
+    pub(super) kinds: Vec<(Cells, bool)>,
     pub(super) plausible: Vec<Plausible>,
-    targets: Vec<String>,
+    pub(super) targets: Vec<String>,
     pub(super) position_needed: bool,
     /// The cells of the row in SI units, NaN where they are empty.
     pub(super) numbers: Vec<f64>,
@@ -267,68 +265,7 @@ impl RowReader {
         into.line.push(self.row.line);
     }
 
-    /// Reads a cell that holds no number; where it ends.
-    fn read_text(&mut self, line: u64, text: &[u8], at: usize, k: usize) -> Result<usize, IoError> {
-        let (content, end) = self.cell(line, text, at, k)?;
-        match self.kinds[k].0 {
-            Cells::Target => match self.target(&content) {
-                Ok(target) => {
-                    self.row.target = target;
-                    self.seen[k].filled += usize::from(target.is_some());
-                }
-                Err(message) => {
-                    if let Some(error) = self.miscounted(line, text) {
-                        return Err(error);
-                    }
-                    self.problems.push(self.header.cell_error(line, k, message));
-                }
-            },
-            Cells::Blank if !content.is_empty() => {
-                let message = format!(
-                    "`{}` stands in a column without a name; name the column in the header, or remove it",
-                    shown(&content)
-                );
-                self.problems.push(self.header.cell_error(line, k, message));
-            }
-            Cells::Use => self.use_row(line, k, &content)?,
-            _ => {}
-        }
-        Ok(end)
-    }
-
-    /// Whether the row is used.
-    fn use_row(&mut self, line: u64, k: usize, content: &str) -> Result<(), IoError> {
-        match content.to_lowercase().as_str() {
-            "1" | "yes" | "true" | "x" => {}
-            "0" | "no" | "false" => self.row.skipped = true,
-            _ => {
-                let message = format!("`{}` has to be 1 (the row is used) or 0", shown(content));
-                self.problems.push(self.header.cell_error(line, k, message));
-                return Ok(());
-            }
-        }
-        self.seen[k].filled += 1;
-        Ok(())
-    }
-
-    /// The target of this name; none for an empty one.
-    fn target(&self, name: &str) -> Result<Option<TargetId>, String> {
-        let name = unprefixed(name);
-        if name.is_empty() {
-            return Ok(None);
-        }
-        if let Some(index) = self.targets.iter().position(|target| target == name) {
-            return Ok(Some(TargetId(index)));
-        }
-        let known = || self.targets.iter().map(String::as_str);
-        let name = shown(name);
-        let (hint, known) = (meant(&name, known()), listed(known()));
-        Err(format!(
-            "the robot has no target `{name}`{hint}; declare it in [[targets]] (its targets: {known})"
-        ))
-    }
-
-    fn cell<'t>(
+    pub(super) fn cell<'t>(
         &self,
         line: u64,
         text: &'t [u8],
@@ -389,7 +326,7 @@ impl RowReader {
 
     /// A row with another number of cells than the header has.
     #[cold]
-    fn miscounted(&self, line: u64, text: &[u8]) -> Option<IoError> {
+    pub(super) fn miscounted(&self, line: u64, text: &[u8]) -> Option<IoError> {
         let need = self.header.columns.len();
         let mut cells = super::cells::cells(text).ok()?;
         while cells.len() > need && cells.last().is_some_and(|cell| cell.is_empty()) {

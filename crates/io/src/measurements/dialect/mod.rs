@@ -12,8 +12,6 @@ mod numbers;
 mod rewrite;
 mod sniff;
 
-pub(super) use sniff::skipped;
-
 use super::names::Names;
 use crate::IoError;
 use std::path::Path;
@@ -55,4 +53,10 @@ impl Dialect {
     pub fn rewrite(&self, file: &Path, bytes: &[u8], names: &Names<'_>) -> Result<Rewritten, IoError> {
         rewrite::rewrite(self, file, &self.encoding.decode(bytes), names)
     }
+}
+
+/// Blank lines and comments.
+pub(super) fn skipped(line: &str) -> bool {
+    let line = line.trim_matches([' ', '\t']);
+    line.is_empty() || line.starts_with('#')
 }

@@ -4,8 +4,8 @@ use super::super::cells::shown;
 use super::super::names::Names;
 use super::encoding::Encoding;
 use super::numbers::{Marks, marks, with_point};
-use super::sniff::{skipped, split};
-use super::{Dialect, Rewritten};
+use super::sniff::split;
+use super::{Dialect, Rewritten, skipped};
 use crate::IoError;
 use std::path::Path;
 

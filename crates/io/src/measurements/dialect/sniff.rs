@@ -2,9 +2,9 @@
 
 use super::super::cells::cells;
 use super::super::names::{Names, is_unit_word};
-use super::Dialect;
 use super::encoding::Encoding;
 use super::numbers::{Marks, marks};
+use super::{Dialect, skipped};
 
 /// Lines in which a header is looked for: below a title, an operator, a date, an instrument's settings.
 const SEARCHED: usize = 60;
@@ -56,11 +56,6 @@ fn regular(lines: &[(usize, &str)]) -> Option<(usize, char)> {
         }
     }
     None
-}
-
-pub(in super::super) fn skipped(line: &str) -> bool {
-    let line = line.trim_matches([' ', '\t']);
-    line.is_empty() || line.starts_with('#')
 }
 
 fn is_row_of_units(cells: &[String]) -> bool {

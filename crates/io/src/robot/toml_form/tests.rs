@@ -187,7 +187,7 @@ fn every_error_in_one_run() {
     let error = read(&bad).unwrap_err();
     assert_eq!(
         error.lines().map(|line| line.split(": ").next().unwrap()).collect::<Vec<_>>(),
-        ["r.toml:14:8", "r.toml:24:10", "r.toml:35:1"],
+        ["r.toml:14:8", "r.toml:23:10", "r.toml:35:1"],
         "{error}"
     );
 }
