@@ -150,7 +150,13 @@ fn dates_texts_and_empty_columns() {
     let (data, warnings) = read(text.as_bytes()).unwrap();
     is_right(&data);
     assert!((data.time[1] - data.time[0] - 30.0).abs() < 1e-6);
-    assert_eq!(warnings, ["d.csv:1: column `remark` (11): holds text, and is not read"]);
+    assert_eq!(
+        warnings,
+        [
+            "d.csv:1: column `time` (10): holds dates or clock times, and is read in seconds",
+            "d.csv:1: column `remark` (11): holds text, and is not read",
+        ]
+    );
 }
 
 #[test]

@@ -53,7 +53,9 @@ impl Sample {
             && self.filled(k).all(|cell| matches!(clock::seconds(cell), Ok(Some(_)) | Err(_)))
         {
             // Dates and clock times need no unit.
-            warning = warning.filter(|_| self.filled(k).next().is_none());
+            if self.filled(k).next().is_some() {
+                warning = Some("holds dates or clock times, and is read in seconds".to_owned());
+            }
         }
         Ok((column, warning))
     }
