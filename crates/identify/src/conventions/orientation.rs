@@ -59,6 +59,7 @@ pub(super) fn misread(chain: &Chain, data: &Dataset) -> Option<Misread> {
 }
 
 type Compose = fn([f64; 3]) -> Matrix3<f64>;
+type Decompose = fn(&Matrix3<f64>) -> [f64; 3];
 
 /// Words of conventions in files, and the rotation of three angles.
 const CONVENTIONS: [(&str, Compose); 4] = [
@@ -69,7 +70,7 @@ const CONVENTIONS: [(&str, Compose); 4] = [
 ];
 
 /// The angles of a rotation in the conventions that have one set of them.
-const ANGLES: [Option<fn(&Matrix3<f64>) -> [f64; 3]>; 4] = [
+const ANGLES: [Option<Decompose>; 4] = [
     Some(|r| Pose::new(*r, Vector3::zeros()).rpy()),
     Some(|r| {
         let [a, b, c] = Pose::new(*r, Vector3::zeros()).rpy();
