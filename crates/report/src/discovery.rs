@@ -20,7 +20,7 @@ pub use adequacy::{
 pub use candidates::{RefusedSummary, UntestableSummary};
 pub use dependence::DependenceSummary;
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
-pub use gain::{ExtrapolationSummary, GainSummary, PartName, UnseenData};
+pub use gain::{ExtrapolationSummary, GainSummary, PartName};
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
@@ -135,7 +135,7 @@ impl DiscoverySummary {
             verdict: found.verdict,
             before,
             after,
-            gain: intervals.and_then(|i| GainSummary::new(i, UnseenData::TestSet)),
+            gain: intervals.and_then(|i| GainSummary::new(i, found.held_out)),
             extrapolation: found
                 .extrapolations
                 .iter()
