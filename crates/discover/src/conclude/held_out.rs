@@ -10,14 +10,14 @@ use crate::statistics::bootstrap::{Cluster, Intervals, intervals};
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::Residuals;
 
-/// 95 % intervals of held-out errors, without rows that are reported as outliers: bootstrap over its configurations.
+/// 95 % intervals of held-out errors, without rows that no fit uses: bootstrap over its configurations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOutIntervals {
     /// Of the 3-D RMS of the declared model, m.
     pub before: [f64; 2],
     /// Of the 3-D RMS of the final model, m.
     pub after: [f64; 2],
-    /// The same of both models with the rows that are reported as outliers, m.
+    /// The same of both models with the rows that no fit uses, m.
     pub with_outliers: [[f64; 2]; 2],
     /// RMS of the declared model less that of the final model, m; `None` where they are the same.
     pub gain: Option<Estimate>,
