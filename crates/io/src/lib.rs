@@ -4,6 +4,7 @@ mod digest;
 mod error;
 mod export;
 mod fit;
+mod frame_names;
 mod map;
 mod measurements;
 mod model;

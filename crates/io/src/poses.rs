@@ -47,7 +47,7 @@ impl CommandStatus {
 /// The command for one desired pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandRow {
-    /// Values of the movable joints, rad or m; written where the status is `ok`. NaN makes an empty cell.
+    /// Variables of the movable joints, rad or m; written as the controller's values, where the status is `ok`. NaN makes an empty cell.
     pub joints: Vec<f64>,
     /// What became of the pose.
     pub status: CommandStatus,
@@ -112,8 +112,9 @@ pub fn commands_file(
     header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
     let mut table = TableWriter::create(path, &header)?;
     for command in commands {
+        let values = controller_values(chain, &command.joints);
         for (k, unit) in poses.joint_units.iter().enumerate() {
-            let written = command.joints.get(k).filter(|_| command.status == CommandStatus::Ok);
+            let written = values.get(k).filter(|_| command.status == CommandStatus::Ok);
             table.number(written.map_or(f64::NAN, |&value| unit.from_si(value)));
         }
         table.text(command.status.word());
@@ -128,6 +129,15 @@ pub fn commands_file(
         table.end_row()?;
     }
     Ok(table.into_file())
+}
+
+/// The controller's values of these variables of the movable joints, rad or m; of fewer, none are coupled.
+pub(crate) fn controller_values(chain: &Chain, joints: &[f64]) -> Vec<f64> {
+    let mut values = joints.to_vec();
+    if values.len() == chain.movable().len() {
+        chain.joints_to_controller(&mut values);
+    }
+    values
 }
 
 pub(crate) fn si_unit(kind: JointKind) -> &'static Unit {

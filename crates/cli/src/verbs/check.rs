@@ -65,12 +65,14 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     Ok(())
 }
 
-fn robot_text(chain: &Chain) -> String {
+/// Joints, base, tool, targets and gravity.
+pub(super) fn robot_text(chain: &Chain) -> String {
     let rows: Vec<Vec<String>> = chain
         .joints()
         .iter()
         .map(|joint| {
-            let limits = joint.limits.map_or_else(String::new, |(lower, upper)| match joint.kind {
+            let limits = chain.joint_named(&joint.name).and_then(|id| chain.controller_limits(id));
+            let limits = limits.map_or_else(String::new, |(lower, upper)| match joint.kind {
                 JointKind::Prismatic => {
                     format!("{} … {} mm", significant(lower * 1e3, 4), significant(upper * 1e3, 4))
                 }
@@ -86,6 +88,7 @@ fn robot_text(chain: &Chain) -> String {
         })
         .collect();
     let gravity = chain.gravity();
+    let name = |joint| &chain.joint(joint).name;
     let known = |known: bool| if known { "" } else { " (unknown, to be found from data)" };
     let place = |pose: &truepose_kinematics::Pose| {
         let (t, r) = (pose.translation * 1e3, pose.rpy().map(f64::to_degrees));
@@ -103,6 +106,12 @@ fn robot_text(chain: &Chain) -> String {
     text += &table(&["joint", "type", "limits", "link"], &[Left, Left, Left, Right], &rows);
     text += &format!(" base {}{}\n", place(&chain.base().pose), known(chain.base().known));
     text += &format!(" tool {}{}\n", place(&chain.tool().pose), known(chain.tool().known));
+    for coupling in chain.couplings() {
+        let (joint, driver) = (name(coupling.joint), name(coupling.driver));
+        let factor = coupling.factor;
+        text +=
+            &format!(" {joint} is coupled to {driver}: variable = value + {factor} × value of {driver}\n");
+    }
     for target in chain.targets() {
         let p = target.position * 1e3;
         text += &format!(
@@ -210,10 +219,11 @@ fn grouping_text(of: &Grouping) -> String {
 }
 
 fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> serde_json::Value {
+    let limits = |name: &str| chain.joint_named(name).and_then(|id| chain.controller_limits(id));
     let joints: Vec<_> = chain
         .joints()
         .iter()
-        .map(|j| serde_json::json!({"name": j.name, "type": j.kind, "limits": j.limits, "mass_kg": j.link.map(|l| l.mass)}))
+        .map(|j| serde_json::json!({"name": j.name, "type": j.kind, "limits": limits(&j.name), "mass_kg": j.link.map(|l| l.mass)}))
         .collect();
     let columns = data.map(|info| {
         info.columns

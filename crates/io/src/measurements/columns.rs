@@ -1,5 +1,6 @@
 //! What the columns of a table mean.
 
+use crate::frame_names::joint_called;
 use crate::nearest::{meant, nearest};
 use crate::table::unprefixed;
 use crate::{Quantity, Unit};
@@ -111,7 +112,7 @@ impl Role {
     /// # Errors
     /// Why a column cannot bear this name.
     pub fn of(name: &str, chain: &Chain, channels: usize) -> Result<Role, String> {
-        if let Some(joint) = chain.joint_named(name) {
+        if let Some(joint) = joint_called(chain, name) {
             return match chain.coordinate(joint) {
                 Some(k) => Ok(Role::Joint(k)),
                 None => Err(format!("joint `{name}` is fixed and has no values; remove the column")),
@@ -121,7 +122,7 @@ impl Role {
             return Ok(*role);
         }
         if let Some(joint) = name.strip_prefix("approach_") {
-            return match chain.joint_named(joint).and_then(|j| chain.coordinate(j)) {
+            return match joint_called(chain, joint).and_then(|j| chain.coordinate(j)) {
                 Some(k) => Ok(Role::Approach(k)),
                 None => {
                     let joints = || joint_names(chain);

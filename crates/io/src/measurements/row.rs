@@ -42,6 +42,8 @@ pub(crate) struct RowReader {
     pub lost: Lost,
     /// Lines that are left out, ascending.
     exclude: Vec<u64>,
+    /// The robot, where its joints are coupled: columns hold the controller's values.
+    coupled: Option<Box<Chain>>,
     /// Whether the last error was about a row, and not about the file.
     pub failed: bool,
     /// What else is wrong with the row of the last error.
@@ -68,7 +70,7 @@ impl RowReader {
         let kind = |column: &Column| (column.cells, column.conversion.is_si());
         RowReader {
             kinds: header.columns.iter().map(kind).collect(),
-            plausible: chain.movable().iter().map(|&joint| Plausible::new(chain.joint(joint))).collect(),
+            plausible: chain.movable().iter().map(|&joint| Plausible::of(chain, joint)).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
             position_needed,
             numbers: vec![f64::NAN; header.columns.len()],
@@ -77,6 +79,7 @@ impl RowReader {
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
             exclude,
+            coupled: (!chain.couplings().is_empty()).then(|| Box::new(chain.clone())),
             failed: false,
             problems: Vec::new(),
             header,
@@ -245,6 +248,9 @@ impl RowReader {
                 for (column, &k) in into.joints.iter_mut().zip(slots) {
                     column.push(self.numbers[k]);
                 }
+                if let Some(chain) = &self.coupled {
+                    uncoupled(chain, &mut into.joints);
+                }
             }
             None => into.joints.iter_mut().for_each(|column| column.push(0.0)),
         }
@@ -368,6 +374,17 @@ impl RowReader {
                 format!("the number of a visit is an integer, not {raw}"),
             )),
             _ => Ok(()),
+        }
+    }
+}
+
+/// Turns the last row of these columns from the controller's values into the joints' variables.
+fn uncoupled(chain: &Chain, columns: &mut [Vec<f64>]) {
+    let mut values: Vec<f64> = columns.iter().filter_map(|column| column.last().copied()).collect();
+    chain.joints_from_controller(&mut values);
+    for (column, value) in columns.iter_mut().zip(values) {
+        if let Some(last) = column.last_mut() {
+            *last = value;
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Robot descriptions: TOML and URDF in, TOML out.
 
 mod columns;
+mod couplings;
 pub(crate) mod names;
 mod toml_form;
 mod urdf;

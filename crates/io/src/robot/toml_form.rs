@@ -1,8 +1,9 @@
 //! The TOML form of a robot description.
 
-use super::columns;
 use super::names::{cell_problem, joint_name_problem};
 use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
+use super::{columns, couplings};
+use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{ColumnMap, IoError, Unit, Warning};
@@ -53,6 +54,7 @@ pub(super) fn read(
         "urdf",
         "tip",
         "columns",
+        "couplings",
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
@@ -97,13 +99,12 @@ pub(super) fn read(
         None => Vec::new(),
     };
     let gravity = kept(gravity(&root), &mut errors).unwrap_or_default();
-    if !errors.is_empty() {
-        errors.sort_by_key(IoError::line_number);
-        let more = errors.len().saturating_sub(LISTED);
-        errors.truncate(LISTED);
-        return Err(IoError::several(errors, more));
-    }
+    some(errors)?;
     let mut chain = Chain::new(name, joints).map_err(whole)?;
+    let mut errors = Vec::new();
+    let couplings = couplings::read(&root, &chain, &mut errors)?;
+    some(errors)?;
+    chain = chain.with_couplings(couplings).map_err(whole)?;
     if let Some(base) = base {
         chain = chain.with_base(base).map_err(whole)?;
     }
@@ -115,6 +116,17 @@ pub(super) fn read(
 
 /// Errors of a description that are listed.
 const LISTED: usize = 20;
+
+/// Errors in the order of the file, where there are any.
+fn some(mut errors: Vec<IoError>) -> Result<(), IoError> {
+    if errors.is_empty() {
+        return Ok(());
+    }
+    errors.sort_by_key(IoError::line_number);
+    let more = errors.len().saturating_sub(LISTED);
+    errors.truncate(LISTED);
+    Err(IoError::several(errors, more))
+}
 
 /// The value; its error joins the others.
 fn kept<T>(value: Result<T, IoError>, errors: &mut Vec<IoError>) -> Option<T> {
@@ -215,13 +227,14 @@ fn joints(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<
 fn joint(table: &Table<'_>, units: Units) -> Result<Joint, IoError> {
     table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com"])?;
     let name = table.require("name")?;
-    if let Some(problem) = joint_name_problem(name.string()?) {
+    let called = joint_name(name.string()?);
+    if let Some(problem) = joint_name_problem(&called) {
         return Err(name.error(problem));
     }
     let kinds =
         [("revolute", JointKind::Revolute), ("prismatic", JointKind::Prismatic), ("fixed", JointKind::Fixed)];
     let kind = table.get("type").map_or(Ok(JointKind::Revolute), |word| word.word(&kinds))?;
-    let mut joint = Joint::new(name.string()?, kind, placement(table, kind, units)?);
+    let mut joint = Joint::new(called, kind, placement(table, kind, units)?);
     if let Some(limits) = table.get("limits") {
         let unit = match kind {
             JointKind::Revolute => units.angle,

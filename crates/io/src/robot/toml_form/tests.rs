@@ -210,3 +210,21 @@ fn columns_of_tables() {
         assert!(error.contains(words), "{error}");
     }
 }
+
+#[test]
+fn a_joint_may_be_called_base() {
+    let chain = read(&GOOD.replace("name = \"d1\"", "name = \"base\"")).unwrap();
+    assert_eq!(chain.joints()[0].name, "base_joint");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("d.csv");
+    let names: Vec<String> = chain.movable()[1..].iter().map(|&j| chain.joint(j).name.clone()).collect();
+    for called in ["base", "base_joint"] {
+        let rest = vec!["0"; names.len()].join(",");
+        let text =
+            format!("{called}[mm],{},x[m],y[m],z[m],approach_{called}\n7,{rest},1,2,3,1\n", names.join(","));
+        std::fs::write(&path, text).unwrap();
+        let (data, ..) =
+            crate::read_measurements(&path, &chain, &crate::MeasurementsOptions::default()).unwrap();
+        assert_eq!((data.joints[0][0], data.approach[0][0]), (0.007, 1.0));
+    }
+}
