@@ -9,6 +9,8 @@ use truepose_report::significant;
 
 /// A nominal robot that leaves more than this share of its length is not the one that was measured, or written in another convention.
 const LOUD: f64 = 0.01;
+/// Below this share positions fit, and mistakes of orientations or of the tool are looked for; as in the search for them.
+const NEGLIGIBLE: f64 = 2e-3;
 /// Of orientations, rad: ten times what installed robots leave.
 const TURNED: f64 = 0.02;
 
@@ -16,6 +18,8 @@ const TURNED: f64 = 0.02;
 pub struct Nominal {
     pub residual: Option<NominalResidual>,
     pub misread: Vec<Misread>,
+    /// A mistake of the table explains it all, and has its own warning.
+    explained: bool,
     /// Flange in the robot's base, with all joints at zero, and at the first row with its line.
     pub zeros: Pose,
     pub first: Option<(u64, Pose)>,
@@ -32,22 +36,26 @@ impl Nominal {
             (data.line[0], bare.forward(&joints))
         });
         let residual = data.and_then(|data| nominal_residual(chain, data).ok().flatten());
+        let good = LOUD * chain.characteristic_length();
+        let rows = |cause: &Cause| matches!(cause, Cause::StrayRows { .. } | Cause::SwappedLabels { .. });
+        let off = residual.as_ref().is_some_and(|found| found.share() > NEGLIGIBLE);
+        // Where a mistake of the table explains it, or a few rows, the description is not suspected.
+        let mut others = suspected.iter().filter(|s| s.cause != Cause::BaseElsewhere && s.after < good);
+        let explained = others.any(|s| off || !rows(&s.cause));
         let misread = match (&residual, data) {
-            (Some(residual), Some(data)) => misreadings(chain, data, residual),
+            (Some(residual), Some(data)) if !explained => misreadings(chain, data, residual),
             _ => Vec::new(),
         };
-        // A mistake of the table that explains as much is named by its own warning.
-        let rows = |cause: &Cause| matches!(cause, Cause::StrayRows { .. } | Cause::SwappedLabels { .. });
-        let explained = suspected.iter().filter(|s| !rows(&s.cause) && s.cause != Cause::BaseElsewhere);
-        let least = explained.map(|s| s.after).fold(f64::INFINITY, f64::min);
-        let misread = misread.into_iter().filter(|m| m.after < least).collect();
-        Nominal { residual, misread, zeros, first }
+        Nominal { residual, misread, explained, zeros, first }
     }
 
     /// Warnings: the description or the conventions do not fit, and the likely cause.
     pub fn warnings(&self, chain: &Chain) -> Vec<String> {
         let Some(found) = &self.residual else { return Vec::new() };
         let mut list = Vec::new();
+        if self.explained {
+            return list;
+        }
         if found.share() > LOUD {
             list.push(format!(
                 "the robot description or the conventions do not fit the data: with the best base and tool, {} mm RMS are left, {} % of \
@@ -72,6 +80,7 @@ impl Nominal {
             let (unit, scale) = match one.what {
                 Misreading::Angles { .. }
                 | Misreading::OtherAngles { .. }
+                | Misreading::RotationVector
                 | Misreading::InverseOrientation
                 | Misreading::ScalarLast => ("mrad", 1e3),
                 _ => ("mm", 1e3),
@@ -175,6 +184,22 @@ fn words(what: &Misreading, chain: &Chain) -> String {
         }
         Misreading::OtherAngles { convention } => {
             format!("orientations seem to be angles of another convention: try `--orientation {convention}`")
+        }
+        Misreading::RotationVector => {
+            "orientations seem to be rotation vectors that are read as angles: try `--orientation rotation_vector`".into()
+        }
+        Misreading::InversePoses => {
+            "positions and orientations seem to be inverse: the measurement frame seen from the tool".into()
+        }
+        Misreading::ToolTurned { axis, angle } => {
+            let (axis, angle) = (["x", "y", "z"][*axis], significant(angle.to_degrees(), 3));
+            format!("[tool] seems to be turned on the flange: about the flange's {axis} by {angle}°")
+        }
+        Misreading::ToolSign { axis } => {
+            format!("{} of [tool] seems to have the opposite sign", ["x", "y", "z"][*axis])
+        }
+        Misreading::ToolElsewhere => {
+            "the tool is not where [tool] declares it; with `known = false` it is found from the data".into()
         }
         Misreading::InverseOrientation => {
             "orientations seem to be inverse: those of the measurement frame seen from the tool".into()

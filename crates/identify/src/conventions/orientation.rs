@@ -2,11 +2,11 @@
 //!
 //! `R_k ≈ O_k R_T`, `O_k` from the base as the positions place it, `R_T` the rotation of the tool that fits best.
 
-use super::{GAIN, Misread, Misreading, TURNED};
+use super::misread::{GAIN, Misread, Misreading, TURNED, better};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{PI, TAU};
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, Placed, Pose, rotation_log};
+use truepose_kinematics::{Chain, Placed, Pose, rotation_log, rotation_vector};
 
 /// Rows that are looked at.
 const ROWS: usize = 300;
@@ -35,9 +35,14 @@ pub(super) fn misread(chain: &Chain, data: &Dataset) -> Option<Misread> {
             if given != meant
                 && let Some(angles) = ANGLES[given]
             {
-                let after = with(&|r| vec![compose(angles(r))]);
+                let after = with(&|r| both(angles(r)).into_iter().map(compose).collect());
                 tried.push((Misreading::OtherAngles { convention }, after));
             }
+        }
+        if let Some(angles) = ANGLES[given] {
+            let vector = |angles: [f64; 3]| rotation_vector(&Vector3::from(angles));
+            let after = with(&|r| both(angles(r)).into_iter().map(vector).collect());
+            tried.push((Misreading::RotationVector, after));
         }
     }
     tried.push((Misreading::InverseOrientation, with(&|r| vec![r.transpose()])));
@@ -49,13 +54,17 @@ pub(super) fn misread(chain: &Chain, data: &Dataset) -> Option<Misread> {
     tried.push((Misreading::ScalarLast, with(&last)));
     let mut best: Option<Misread> = None;
     for (what, after) in tried {
-        if let Some(after) = after.filter(|&after| after < GAIN * before && after < TURNED)
-            && best.as_ref().is_none_or(|best| after < 0.8 * best.after)
-        {
-            best = Some(Misread { what, before, after });
+        if let Some(after) = after.filter(|&after| after < GAIN * before && after < TURNED) {
+            better(&mut best, Misread { what, before, after });
         }
     }
     best
+}
+
+/// The two sets of three angles of one rotation: the middle one may be beyond a quarter turn. Of all conventions whose axes differ.
+fn both([a, b, c]: [f64; 3]) -> [[f64; 3]; 2] {
+    let half = |v: f64| if v > 0.0 { v - PI } else { v + PI };
+    [[a, b, c], [half(a), half(-b), half(c)]]
 }
 
 type Compose = fn([f64; 3]) -> Matrix3<f64>;

@@ -1,65 +1,13 @@
 //! Mistakes of convention in a robot's description, each as a change that undoes it.
 
+use super::misread::Misreading;
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::PI;
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, Joint, JointKind, Placement};
+use truepose_kinematics::{Chain, Joint, JointKind, Placement, Pose};
 
-/// What was probably done. Joints are numbers among all joints, from 0; of couplings among the movable ones.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum Misreading {
-    /// Parameters of the standard form (dh) were given as modified (mdh).
-    MdhForDh,
-    /// Parameters of the modified form (mdh) were given as standard (dh).
-    DhForMdh,
-    /// α and θ of the description are in another unit; the factor puts them right.
-    AngleUnit {
-        /// Of α and θ.
-        factor: f64,
-    },
-    /// A parameter (`a`, `d`, `alpha`, `theta`) has the wrong sign, of one joint or of all.
-    Sign {
-        /// The joint; none: all joints.
-        joint: Option<usize>,
-        /// The parameter.
-        parameter: &'static str,
-    },
-    /// A joint's value contains that of the joint before (FANUC, parallelograms): q_joint + sign · q_driver is meant.
-    Coupling {
-        /// The joint.
-        joint: usize,
-        /// The joint before.
-        driver: usize,
-        /// +1 or −1.
-        sign: f64,
-    },
-    /// A length is wrong.
-    Length {
-        /// The joint.
-        joint: usize,
-        /// `a`, `d`, or `x`, `y`, `z` of an origin.
-        parameter: &'static str,
-        /// What has to be added, m.
-        change: f64,
-    },
-    /// Orientations are in this convention, and were read as a rotation vector.
-    Angles {
-        /// Its word in files.
-        convention: &'static str,
-    },
-    /// Orientations are angles of this convention, and were read as those of another one.
-    OtherAngles {
-        /// Its word in files.
-        convention: &'static str,
-    },
-    /// Orientations are those of the measurement frame seen from the tool.
-    InverseOrientation,
-    /// Quaternions have their scalar last.
-    ScalarLast,
-}
-
-/// Mistakes that are tried on this robot; those about orientations and lengths apart.
-pub(super) fn readings(chain: &Chain) -> Vec<Misreading> {
+/// Mistakes that are tried on this robot, those about orientations and lengths apart; `oriented`: orientations were measured, too.
+pub(super) fn readings(chain: &Chain, oriented: bool) -> Vec<Misreading> {
     let mut list = Vec::new();
     let joints = chain.joints();
     let any = |is: fn(&Placement) -> bool| joints.iter().any(|joint| is(&joint.placement));
@@ -81,6 +29,9 @@ pub(super) fn readings(chain: &Chain) -> Vec<Misreading> {
             }
         }
     }
+    if oriented {
+        list.push(Misreading::InversePoses);
+    }
     let movable = chain.movable();
     for joint in 1..movable.len() {
         let turns = [joint - 1, joint].iter().all(|&k| chain.joint(movable[k]).kind == JointKind::Revolute);
@@ -89,18 +40,6 @@ pub(super) fn readings(chain: &Chain) -> Vec<Misreading> {
         }
     }
     list
-}
-
-/// Joints and parameters of the lengths that may be wrong.
-pub(super) fn lengths(chain: &Chain) -> Vec<(usize, &'static str)> {
-    let of = |joint: &Joint| -> &'static [&'static str] {
-        match joint.placement {
-            Placement::Origin { .. } => &["x", "y", "z"],
-            _ => &["a", "d"],
-        }
-    };
-    let joints = chain.joints().iter().enumerate();
-    joints.flat_map(|(k, joint)| of(joint).iter().map(move |&parameter| (k, parameter))).collect()
 }
 
 /// The robot with the mistake undone; none where the mistake is not in the robot.
@@ -124,7 +63,7 @@ pub(super) fn undone(what: &Misreading, chain: &Chain) -> Option<Chain> {
             (Misreading::Length { joint: which, parameter, change: by }, _) if *which == k => {
                 change(joint, parameter, |v| v + by);
             }
-            (Misreading::Coupling { .. }, _) => return None,
+            (Misreading::Coupling { .. } | Misreading::InversePoses, _) => return None,
             _ => {}
         }
     }
@@ -133,11 +72,25 @@ pub(super) fn undone(what: &Misreading, chain: &Chain) -> Option<Chain> {
     other.with_targets(chain.targets().to_vec()).ok()
 }
 
-/// Joint values with the mistake undone.
-pub(super) fn undo_joints(what: &Misreading, data: &mut Dataset) {
-    if let Misreading::Coupling { joint, driver, sign } = *what {
-        let before = data.joints[driver].clone();
-        data.joints[joint].iter_mut().zip(before).for_each(|(q, driver)| *q += sign * driver);
+/// Measurements with the mistake undone, where it is one of theirs.
+pub(super) fn undo_rows(what: &Misreading, data: &mut Dataset) {
+    match *what {
+        Misreading::Coupling { joint, driver, sign } => {
+            let before = data.joints[driver].clone();
+            data.joints[joint].iter_mut().zip(before).for_each(|(q, driver)| *q += sign * driver);
+        }
+        Misreading::InversePoses => {
+            for row in 0..data.len() {
+                let Some(rotation) = data.measured_rotation(row) else {
+                    data.position[row] = [f64::NAN; 3];
+                    continue;
+                };
+                let inverse: Matrix3<f64> = rotation.transpose();
+                data.position[row] = (-(inverse * data.measured_position(row))).into();
+                data.orientation[row] = Some(Pose::new(inverse, Vector3::zeros()).quaternion());
+            }
+        }
+        _ => (),
     }
 }
 
