@@ -10,6 +10,7 @@ mod export;
 mod files;
 mod identified;
 mod identify;
+mod init;
 mod map;
 mod nominal;
 mod plan;
@@ -45,6 +46,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
+        Verb::Init(verb) => init::run(verb),
         Verb::Check(verb) => check::run(verb),
         Verb::Effects(verb) => effects::run(verb),
         Verb::Simulate(verb) => simulate::run(verb),
