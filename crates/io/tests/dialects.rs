@@ -254,3 +254,51 @@ fn orientations_by_name() {
     let found = read_with(text.as_bytes(), columns).unwrap().0.measured_rotation(0).unwrap();
     assert!((found - rotation).amax() < 1e-12);
 }
+
+#[test]
+fn entries_that_match_nothing_are_remarked_upon() {
+    let pair = |ours: &str, theirs: &str| (ours.to_owned(), theirs.to_owned());
+    let columns = ColumnMap {
+        // The first is not needed, since the file has `r1`.
+        names: vec![pair("r1", "Joint 1[deg]"), pair("time", "Clock[s]")],
+        ignore: vec!["Operator".into()],
+        ..ColumnMap::default()
+    };
+    let (data, warnings) = read_with(PLAIN.as_bytes(), columns).unwrap();
+    is_right(&data);
+    assert_eq!(
+        warnings,
+        [
+            "d.csv:1: `time` is mapped to the column `Clock[s]`, which is not in this file",
+            "d.csv:1: the column `Operator` is to be left out, and is not in this file",
+        ]
+    );
+}
+
+#[cfg(feature = "xlsx")]
+#[test]
+fn a_workbook() {
+    let bytes = include_bytes!("workbooks/office.xlsx");
+    let (data, warnings) = read(bytes).unwrap();
+    is_right(&data);
+    // 11 March 2024 is day 19793; rows of the sheet are lines.
+    assert_eq!(data.line, [4, 5]);
+    let morning = 19_793.0 * 86_400.0 + 8.25 * 3600.0;
+    assert!(
+        (data.time[0] - morning).abs() < 1e-3 && (data.time[1] - morning - 60.0).abs() < 1e-3,
+        "{:?}",
+        data.time
+    );
+    assert_eq!(
+        warnings,
+        [
+            "d.csv: read from the sheet `Messung 3`",
+            "d.csv: read with the header in line 3",
+            "d.csv:3: column `time` (8): holds dates or clock times, and is read in seconds",
+            "d.csv:3: column `Operator` (9): holds text, and is not read",
+        ]
+    );
+    // A workbook that ends early is refused.
+    let error = read(&bytes[..bytes.len() / 2]).unwrap_err();
+    assert!(error.contains("d.csv: is no workbook that can be read"), "{error}");
+}

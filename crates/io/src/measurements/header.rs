@@ -81,6 +81,10 @@ impl Header {
                 format!("{} columns are more than a table of measurements has ({MOST_COLUMNS})", names.len());
             return Err(IoError::line(file, line, message));
         }
+        let headers: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+        for message in resolver.unmatched(&headers, needs.measured) {
+            warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
+        }
         let mut header = Header { file: file.into(), line, columns: Vec::new(), slots: Slots::default() };
         let mut seen: HashMap<String, usize> = HashMap::new();
         let mut channels = 0;

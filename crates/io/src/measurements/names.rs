@@ -26,14 +26,10 @@ impl Names<'_> {
     /// The header of ours that a header of the file stands for.
     pub fn resolve<'h>(&self, header: &'h str) -> Named<'h> {
         let (name, unit) = split_unit(header);
-        let same = |word: &str| {
-            let word = word.trim();
-            word == header.trim() || split_unit(word).0 == name
-        };
-        if self.map.ignore.iter().any(|word| same(word)) {
+        if self.map.ignore.iter().any(|word| same(header, word)) {
             return Named::Ignored;
         }
-        if let Some((ours, theirs)) = self.map.names.iter().find(|(_, theirs)| same(theirs)) {
+        if let Some((ours, theirs)) = self.map.names.iter().find(|(_, theirs)| same(header, theirs)) {
             let unit = unit.or(split_unit(theirs).1);
             return Named::Header(match unit {
                 Some(unit) => Cow::Owned(format!("{ours}[{unit}]")),
@@ -51,6 +47,31 @@ impl Names<'_> {
             return Named::Header(Cow::Owned(format!("{name}[{unit}]")));
         }
         Named::Header(Cow::Borrowed(header))
+    }
+
+    /// Entries of the map that match no header of the file, in words; a column that the file has under our own name needs no entry, and
+    /// measured columns are missing where nothing has to be measured.
+    pub fn unmatched(&self, headers: &[&str], measured: bool) -> Vec<String> {
+        let has = |word: &str| headers.iter().any(|header| same(header, word));
+        let optional = |name: &str| {
+            let role = self.role(name);
+            !measured
+                && matches!(
+                    role,
+                    Some(Role::Position(_) | Role::Quaternion(_) | Role::RotationVector(_) | Role::Angle(_))
+                )
+        };
+        let mapped =
+            self.map.names.iter().filter(|(ours, theirs)| !has(theirs) && !has(ours) && !optional(ours));
+        let mapped = mapped.map(|(ours, theirs)| {
+            format!("`{ours}` is mapped to the column `{theirs}`, which is not in this file")
+        });
+        let ignored = self.map.ignore.iter().filter(|word| !has(word));
+        mapped
+            .chain(
+                ignored.map(|word| format!("the column `{word}` is to be left out, and is not in this file")),
+            )
+            .collect()
     }
 
     /// The meaning of a name, channels apart.
@@ -85,6 +106,12 @@ impl Names<'_> {
             }
         }
     }
+}
+
+/// Whether a header is what the user calls so, with its unit or without.
+fn same(header: &str, word: &str) -> bool {
+    let word = word.trim();
+    word == header.trim() || split_unit(word).0 == split_unit(header).0
 }
 
 /// Name and unit of a header in any of the usual spellings: `x[mm]`, `x (mm)`, `x mm`, `x_mm`, `x/mm`, `x in mm`, `x°`.

@@ -19,8 +19,14 @@ pub(super) struct Problems {
 
 impl Problems {
     pub fn add(&mut self, error: IoError) {
-        if let IoError::Cell { number, .. } = error {
-            let count = self.in_column.entry(number).or_default();
+        // Columns count from 1; 0 stands for rows as a whole.
+        let place = match error {
+            IoError::Cell { number, .. } => Some(number),
+            IoError::Line { .. } => Some(0),
+            _ => None,
+        };
+        if let Some(place) = place {
+            let count = self.in_column.entry(place).or_default();
             *count += 1;
             if *count > LISTED_IN_COLUMN {
                 self.more += 1;

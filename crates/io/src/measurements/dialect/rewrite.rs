@@ -22,7 +22,8 @@ pub(super) fn rewrite(
     let mut header = split(lines.get(dialect.header).copied().unwrap_or(""), dialect.separator);
     if let Some(units) = dialect.units {
         for (name, unit) in header.iter_mut().zip(split(lines[units], dialect.separator)) {
-            if !unit.is_empty() && !name.contains('[') && !name.is_empty() {
+            let none = matches!(unit.trim(), "" | "-" | "–");
+            if !none && !name.contains('[') && !name.is_empty() {
                 *name = format!("{name}[{}]", unit.trim_matches(['[', ']', '(', ')']));
             }
         }
