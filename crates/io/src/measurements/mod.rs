@@ -33,6 +33,7 @@ mod texts;
 mod together;
 mod visits;
 mod whole;
+mod workbook;
 
 pub(crate) use header::Needs;
 pub use info::{ColumnInfo, CsvInfo, Grouping};

@@ -7,6 +7,7 @@ use super::names::Names;
 use super::parquet::ParquetRows;
 use super::row::RowReader;
 use super::sampled::Sample;
+use super::workbook;
 use crate::IoError;
 use std::borrow::Cow;
 use std::path::Path;
@@ -31,11 +32,17 @@ impl Source {
         }
         let mut lines = Lines::open(path)?;
         let mut remarks = Vec::new();
+        if workbook::is_workbook(lines.head().0) {
+            let bytes = lines.all(dialect::LARGEST)?;
+            let (text, said) = workbook::lines(path, bytes, names)?;
+            remarks.extend(said);
+            lines = lines.replaced(text);
+        }
         let (head, whole) = lines.head();
         if let Some(dialect) = Dialect::seen(head, whole, names) {
             let bytes = lines.all(dialect::LARGEST)?;
             let rewritten = dialect.rewrite(path, &bytes, names)?;
-            remarks = rewritten.remarks;
+            remarks.extend(rewritten.remarks);
             lines = lines.replaced(rewritten.text);
         }
         let (head, whole) = lines.head();
