@@ -26,4 +26,5 @@ mod shared_data;
 mod solvers_agree;
 mod suspicions;
 mod unseen;
+mod upkeep;
 mod verdict;

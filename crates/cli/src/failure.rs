@@ -9,6 +9,8 @@ pub enum Failure {
     Criterion(String),
     /// The input or the usage is wrong: exit code 2.
     Input(String),
+    /// The robot that is monitored has changed, as the output says: exit code 3.
+    Changed,
 }
 
 impl fmt::Display for Failure {
@@ -20,6 +22,7 @@ impl fmt::Display for Failure {
                 let lines: Vec<String> = message.lines().take(LINES).map(short).collect();
                 write!(f, "error: {}", plain_types(&lines.join("\n       ")))
             }
+            Failure::Changed => write!(f, "the robot has changed"),
             Failure::Input(message) => write!(f, "error: {}", plain_types(&short(message))),
         }
     }

@@ -5,6 +5,7 @@ mod error;
 mod export;
 mod fit;
 mod frame_names;
+mod history;
 mod map;
 mod measurements;
 mod model;
@@ -25,6 +26,7 @@ pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
+pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, write_map};
 pub use measurements::{
     ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, OrientationConvention,

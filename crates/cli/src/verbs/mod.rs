@@ -12,6 +12,7 @@ mod identified;
 mod identify;
 mod init;
 mod map;
+mod monitor;
 mod nominal;
 mod plan;
 mod predict;
@@ -19,6 +20,7 @@ mod repeated;
 mod reporting;
 mod simulate;
 mod stream;
+mod transfer;
 mod verify;
 
 use crate::args::{Measured, Robot, Verb};
@@ -45,6 +47,8 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Compensate(verb) => compensate::run(verb, watch),
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
+        Verb::Transfer(verb) => transfer::run(verb, watch),
+        Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
         Verb::Init(verb) => init::run(verb),
         Verb::Check(verb) => check::run(verb),
