@@ -2,6 +2,7 @@
 
 mod against_plain;
 mod comparison;
+mod conventions;
 mod cross_validation;
 mod error;
 mod evidence;
@@ -31,6 +32,7 @@ mod suspicion;
 mod variance;
 
 pub use comparison::{Compared, Paired, Trial, compare};
+pub use conventions::{Misread, Misreading, NominalResidual, misreadings, nominal_residual};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, Excitation, excitation};

@@ -32,7 +32,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let declared = declared(&args.measured, &chain)?;
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     terminal::warn(repeated(&data, &args.measured.data).as_slice());

@@ -25,7 +25,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         return super::stream::identify(args, &chain, &effects, watch);
     }
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     if args.positions_only {
         data.orientation.fill(None);

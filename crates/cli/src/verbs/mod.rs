@@ -10,8 +10,10 @@ mod export;
 mod files;
 mod identified;
 mod identify;
+mod init;
 mod map;
 mod monitor;
+mod nominal;
 mod plan;
 mod predict;
 mod repeated;
@@ -48,6 +50,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Transfer(verb) => transfer::run(verb, watch),
         Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
+        Verb::Init(verb) => init::run(verb),
         Verb::Check(verb) => check::run(verb),
         Verb::Effects(verb) => effects::run(verb),
         Verb::Simulate(verb) => simulate::run(verb),

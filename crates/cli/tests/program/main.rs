@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod coupled;
 mod determinism;
 mod dwell;
 mod example;
@@ -15,8 +16,10 @@ mod folder;
 mod hardened;
 mod harm;
 mod hostile;
+mod init;
 mod invariance;
 mod limits;
+mod mistakes;
 mod output;
 mod page;
 #[cfg(feature = "parquet")]

@@ -12,7 +12,8 @@ impl Compensator<'_> {
         for some in wanted.chunks(WIDTH) {
             let (block, lanes) = self.together(some);
             for (one, lane) in some.iter().zip(lanes) {
-                out.push(match lane.and_then(|lane| block.found(lane)) {
+                let found = lane.and_then(|lane| block.found(lane));
+                out.push(match found.filter(|walk| self.fits(&walk.x)) {
                     Some(walk) => {
                         self.take_over(one.conditions);
                         let oriented = one.target.orientation.is_some();
