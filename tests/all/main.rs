@@ -27,3 +27,4 @@ mod solvers_agree;
 mod suspicions;
 mod unseen;
 mod verdict;
+mod vocabulary;

@@ -1,6 +1,6 @@
 //! The channels that a model reads and that can be made from other columns of the data.
 
-use crate::dataset::Dataset;
+use crate::dataset::{Channel, Dataset, presliding_of};
 use crate::error::ModelError;
 use crate::model::ErrorModel;
 use crate::signal::Signal;
@@ -27,7 +27,11 @@ impl Dataset {
                         have: self.schema.channels.iter().map(|channel| channel.name.clone()).collect(),
                     });
                 }
-                if let Some((made, column)) = self.made(name) {
+                let wound = presliding_of(name).and_then(|(joint, width)| {
+                    let made = Channel { name: name.clone(), unit: "1".into(), temperature: false };
+                    Some((made, self.presliding(model.chain().coordinate(joint)?, width)))
+                });
+                if let Some((made, column)) = wound.or_else(|| self.made(name)) {
                     let more = data.to_mut();
                     more.schema.channels.push(made);
                     more.channels.push(column);

@@ -50,6 +50,7 @@ pub(crate) fn trace(
     let covariance =
         fit.fitted.covariance().view((columns.start, columns.start), (columns.len(), columns.len()));
 
+    let data = &*data.derived_for(model)?;
     let bound = model.bind(&data.schema)?;
     let mut rest = Equilibrium::new(model);
     let mut points = Vec::new();
