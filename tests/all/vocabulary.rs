@@ -4,11 +4,13 @@ use crate::plants::with_three_targets;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truepose_discover::{Diagnosis, DiscoverOptions, concrete, diagnose};
-use truepose_errormodel::effects::{Backlash, Geometric, Side};
-use truepose_errormodel::{AnyEffect, Dataset};
+use truepose_errormodel::effects::{Backlash, Geometric, Side, Transmission, TransmissionMode};
+use truepose_errormodel::{AnyEffect, Channel, Dataset};
 use truepose_kinematics::{Chain, samples};
 use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
+use truepose_simulate::physics::curve::{Centred, SmoothCurve};
 use truepose_simulate::physics::presliding::Presliding;
+use truepose_simulate::physics::transmission::TransmissionError;
 use truepose_simulate::{Campaign, Flaws, Plant, PlantOptions, Truth, flaws};
 use truepose_solvers::PivotedQr;
 
@@ -86,4 +88,60 @@ fn friction_with_memory_is_found_with_its_distance() {
         let limit = if name == "Dahl" { 1.15 } else { 1.3 };
         assert!(over_noise(&diagnosis) < limit, "{name}: {}", over_noise(&diagnosis));
     }
+}
+
+#[test]
+fn a_smooth_encoder_and_a_wrong_gain_are_transmission_errors_of_their_joint() {
+    let chain = with_three_targets(&samples::ur10());
+    let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+    let curve = plant(&chain, 11, |truth| {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let drawn = SmoothCurve::draw((-1.8, 1.8), 1.0, 3e-4, Centred::MeanAndSlope, &mut rng).unwrap();
+        truth.joints[3].transmission.push(TransmissionError::Smooth(drawn));
+    });
+    // A line, of points in a file: as if by another gear ratio.
+    let gain = plant(&chain, 11, |truth| {
+        let line = SmoothCurve::through(-2.0, 1.0, vec![-8e-4, -4e-4, 0.0, 4e-4, 8e-4]).unwrap();
+        truth.joints[3].transmission.push(TransmissionError::Smooth(line));
+    });
+    for (plant, mode) in [(curve, TransmissionMode::Curve), (gain, TransmissionMode::Gain)] {
+        let data = plant.measure(&wandering(&chain, 120, 3), 5).unwrap();
+        let diagnosis = found(&chain, &declared, &data);
+        assert_eq!(words(&diagnosis), ["transmission j4"], "{mode:?}");
+        let finding = &diagnosis.findings[0];
+        let own = concrete::<Transmission>(&*finding.candidate.effects()[0]).expect("a transmission error");
+        // Over half a turn and more a smooth curve is as well a few harmonics of the turn.
+        assert!(
+            own.mode == mode || (mode, own.mode) == (TransmissionMode::Curve, TransmissionMode::Periodic)
+        );
+        if mode == TransmissionMode::Gain {
+            let [lower, upper] = finding.parameters[0].ci95;
+            assert!(lower < 4e-4 && 4e-4 < upper, "{:?}", finding.parameters);
+        }
+        assert!(over_noise(&diagnosis) < 1.2, "{mode:?}: {}", over_noise(&diagnosis));
+    }
+}
+
+#[test]
+fn a_joint_yields_with_its_measured_torque() {
+    // The statics does not know what loads this joint: a cable that pulls, and is in the motor's current.
+    let chain = with_three_targets(&samples::ur10());
+    let plant = plant(&chain, 13, |_| {});
+    let campaign = wandering(&chain, 120, 3);
+    let mut data = plant.measure(&campaign, 5).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let pull: Vec<f64> = (0..campaign.visits.len()).map(|_| 40.0 * (rng.random::<f64>() - 0.5)).collect();
+    // Joints as they are, and what is reported: 12 µrad/A less.
+    let torque: Vec<f64> = data.visit.iter().map(|&visit| pull[visit]).collect();
+    for (q, tau) in data.joints[2].iter_mut().zip(&torque) {
+        *q -= 12e-6 * tau;
+    }
+    data.schema.channels.push(Channel { name: "current_j3".into(), unit: "A".into(), temperature: false });
+    data.channels.push(torque);
+    let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+    let diagnosis = found(&chain, &declared, &data);
+    assert_eq!(words(&diagnosis), ["joint_compliance j3 on current_j3"]);
+    let compliance = &diagnosis.findings[0].parameters[0];
+    assert!(compliance.ci95[0] < 12e-6 && 12e-6 < compliance.ci95[1], "{compliance:?}");
+    assert!(over_noise(&diagnosis) < 1.15, "{}", over_noise(&diagnosis));
 }

@@ -34,7 +34,8 @@ impl Hypothesis for Drive {
                 for harmonics in
                     [vec![1], vec![2], vec![1, 2], vec![1, 2, 3], vec![1, 2, 3, 4], vec![3], vec![4]]
                 {
-                    let effect = Transmission { joint, harmonics, period: Some(TAU), period_range: None };
+                    let effect =
+                        Transmission { period: Some(TAU), ..Transmission::turning(joint, harmonics) };
                     all.push(Variant::new(place.clone(), effect));
                 }
             }

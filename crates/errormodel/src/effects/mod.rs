@@ -46,4 +46,4 @@ pub use polynomial::{GroupedError, Order, Polynomial, WrenchComponent, WrenchOf}
 pub use shift::Shift;
 pub use spot::Spot;
 pub use thermal::{Grows, Thermal};
-pub use transmission::Transmission;
+pub use transmission::{Transmission, TransmissionMode};
