@@ -16,7 +16,7 @@ use crate::error::DiscoverError;
 use crate::model::current::{Context, ModelFit};
 use crate::model::{installation, wide};
 use crate::observer::Begin;
-use crate::options::DiscoverOptions;
+use crate::options::{DiscoverOptions, FEWEST_ROTATIONS};
 use crate::progress::Progress;
 use crate::search::search;
 use std::borrow::Cow;
@@ -159,8 +159,10 @@ fn attempt(
         context = &all_rows;
     }
     outcome.model = outcome.model.between_rows(context)?;
-    let again =
-        |rows, checks| on_split(chain, declared, (&train, rows), solver, options, checks, &|_| Ok(()));
+    // The folds need no more of p than on which side of α it lies.
+    let rotations = (options.rotations / 2).max(FEWEST_ROTATIONS);
+    let inner = &DiscoverOptions { rotations, ..options.clone() };
+    let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, inner, checks, &|_| Ok(()));
     let nested = fallback::nested(context, &outcome.model, (&partition, &train), checks, &again)?;
     let unseen = Unseen { unsearched, nested };
     let withdrawn = withdrawn(context, &outcome.model, &partition, &unseen, checks)?;

@@ -7,7 +7,7 @@ use crate::policy::Policy;
 use truepose_identify::{FitOptions, PriorStrength};
 
 /// Fewest random rotations: their largest fifth gives the tail of the distribution.
-const FEWEST_ROTATIONS: usize = 99;
+pub(crate) const FEWEST_ROTATIONS: usize = 99;
 
 /// Most random rotations: they are kept in memory.
 const MOST_ROTATIONS: usize = 100_000;
@@ -48,7 +48,7 @@ impl Default for DiscoverOptions {
         DiscoverOptions {
             holdout: None,
             seed: 0,
-            rotations: 999,
+            rotations: 499,
             alpha: 0.002,
             most: 24,
             library: Library::standard(),

@@ -9,7 +9,6 @@ use crate::error::DiscoverError;
 use crate::history::History;
 use crate::model::current::Context;
 use crate::observer::Begin;
-use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::revise::revision::{after_finding, descended, reconsidered_once};
@@ -38,7 +37,7 @@ pub(crate) fn search(
             linearisation = linearisation.beside_wander(options.seed);
         }
         let screen = Screen::new(&linearisation, &options.library, &current.found);
-        let (multiplicity, p_value) = tested(&linearisation, &screen, known.take(), options)?;
+        let (multiplicity, p_value) = Multiplicity::of(&linearisation, &screen, known.take(), options)?;
         let detectable_gain = multiplicity.null.detectable(options.alpha, linearisation.len());
         outcome.last = LastScreen { p_value, detectable_gain };
         let stop = history.decide(p_value, &outcome.model, options);
@@ -91,25 +90,6 @@ pub(crate) fn search(
         });
         return Ok(outcome);
     }
-}
-
-/// The smallest family-wise p of a screen, with what it was corrected for. The distribution of the smallest p depends on the columns of the
-/// candidates and of the model, hardly on a few more effects in the model: that of an earlier screen serves until p comes near α.
-fn tested(
-    linearisation: &Linearisation<'_>,
-    screen: &Screen,
-    known: Option<NullDistribution>,
-    options: &DiscoverOptions,
-) -> Result<(Multiplicity, f64), DiscoverError> {
-    const NEAR: f64 = 10.0;
-    let p_value = |null: &NullDistribution| null.p_value(screen.largest());
-    let far = |null: &NullDistribution| !(1.0 / NEAR..NEAR).contains(&(p_value(null) / options.alpha));
-    let null = match known.filter(far) {
-        Some(null) => null,
-        None => screen.null(linearisation, options.rotations, options.seed)?,
-    };
-    let p_value = p_value(&null);
-    Ok((Multiplicity { counts: screen.test_counts().clone(), null }, p_value))
 }
 
 /// Adds the best candidate that passes the tests of the linearised problem and those of the refitted model;

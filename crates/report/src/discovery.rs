@@ -20,7 +20,7 @@ pub use adequacy::{
 pub use candidates::{RefusedSummary, UntestableSummary};
 pub use dependence::DependenceSummary;
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
-pub use gain::{ExtrapolationSummary, GainSummary, PartName, UnseenData};
+pub use gain::{ExtrapolationSummary, GainSummary, PartName};
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
@@ -42,6 +42,9 @@ pub struct DiscoverySummary {
     pub held_out: HeldOut,
     /// Rows (1-based) of the test set; empty where held-out errors are those of all rows.
     pub holdout_rows: Vec<usize>,
+    /// Rows (1-based) that no fit uses, though they are not so far out that they are reported as outliers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub suspect_rows: Vec<usize>,
     /// Expected 3-D RMS of one new row if the model were perfect, mm; none when it is unknown.
     pub noise_floor_mm: Option<f64>,
     /// The same with its source and interval.
@@ -129,13 +132,14 @@ impl DiscoverySummary {
                 HeldOut::TestSet => found.holdout_rows.iter().map(|row| row + 1).collect(),
                 _ => Vec::new(),
             },
+            suspect_rows: found.suspects.iter().map(|row| row + 1).collect(),
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
             dependence: found.dependence.as_ref().map(DependenceSummary::new),
             verdict: found.verdict,
             before,
             after,
-            gain: intervals.and_then(|i| GainSummary::new(i, UnseenData::TestSet)),
+            gain: intervals.and_then(|i| GainSummary::new(i, found.held_out)),
             extrapolation: found
                 .extrapolations
                 .iter()

@@ -20,7 +20,7 @@ pub use discovery::{
     AlternativeSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
     ExtrapolationSummary, FindingSummary, GainSummary, LackOfFitSummary, NestedSummary, NoiseFloorSummary,
     NoiseReference, PartName, RefusedSummary, StatedScaleSummary, TooFewPoses, TrainAndHoldout,
-    UnexplainedSummary, UnseenData, UntestableSummary, WithdrawnSummary,
+    UnexplainedSummary, UntestableSummary, WithdrawnSummary,
 };
 pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,

@@ -140,7 +140,7 @@ pub struct Discover {
     #[arg(long, default_value_t = 0.002)]
     pub alpha: f64,
     /// Random rotations behind each family-wise p-value
-    #[arg(long, alias = "flips", default_value_t = 999, value_parser = parse_whole::<usize>)]
+    #[arg(long, alias = "flips", default_value_t = 499, value_parser = parse_whole::<usize>)]
     pub rotations: usize,
     /// Nested cross-validation: repeat the whole search with each of this many folds left out
     #[arg(long, value_name = "FOLDS", value_parser = clap::value_parser!(u16).range(2..=100))]

@@ -64,6 +64,8 @@ pub struct Diagnosis {
     pub fit: Fit,
     /// The fit of the declared model on the training part.
     pub declared: Fit,
+    /// Rows (0-based) that no fit uses, though they are not so far out that they are reported as outliers.
+    pub suspects: Vec<usize>,
     /// Where the held-out errors come from.
     pub held_out: HeldOut,
     /// Rows (0-based) with a held-out error: the test set, or all.

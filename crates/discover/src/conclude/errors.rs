@@ -9,7 +9,7 @@ pub struct Errors {
     pub train: Residuals,
     /// Held-out rows: the test set, or all rows by nested folds ([`HeldOut`](crate::HeldOut)).
     pub holdout: Residuals,
-    /// Rows that are reported as outliers, as indices into `train` and into `holdout`.
+    /// Rows that no fit uses, reported as outliers or suspect, as indices into `train` and into `holdout`.
     pub outliers: [Vec<usize>; 2],
 }
 
@@ -19,7 +19,7 @@ impl Errors {
         (self.train.positions(), self.holdout.positions())
     }
 
-    /// The same without the rows that are reported as outliers, m.
+    /// The same without the rows that no fit uses, m.
     pub fn spreads_without_outliers(&self) -> (Spread, Spread) {
         let of = |part: &Residuals, out: &[usize]| {
             let rows: Vec<usize> = (0..part.position.len()).filter(|row| !out.contains(row)).collect();

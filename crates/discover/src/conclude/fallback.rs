@@ -149,18 +149,20 @@ pub(crate) fn nested(
     };
     let mut pair = [nothing.clone(), nothing];
     let folds = context.budget().nested_folds * if poses < policy.small_campaign { 2 } else { 1 };
-    let runs: Vec<(Vec<usize>, Option<Diagnosis>)> = by_folds(train, folds, context.options.seed)?
-        .into_par_iter()
-        .map(|(kept, held)| match again((kept, held.clone()), Checks::INNERMOST) {
-            Ok(run) => Ok((held, Some(run))),
-            // Without a fold there may be too few poses for a search: then its rows are not compared.
-            Err(DiscoverError::TooFewPoses { .. }) => Ok((held, None)),
-            Err(error) => Err(error),
-        })
-        .collect::<Result<_, _>>()?;
+    let runs: Vec<(Vec<usize>, Result<Diagnosis, DiscoverError>)> =
+        by_folds(train, folds, context.options.seed)?
+            .into_par_iter()
+            .map(|(kept, held)| (held.clone(), again((kept, held), Checks::INNERMOST)))
+            .collect();
+    // Without a fold there may be too few poses for a search, or for a fit: then its rows are not compared.
+    if runs.iter().all(|(_, run)| run.is_err())
+        && let Some((_, Err(error))) = runs.first()
+    {
+        return Err(error.clone());
+    }
     for (held, run) in runs {
         // In a fold without findings both models are equal.
-        let Some(run) = run else { continue };
+        let Ok(run) = run else { continue };
         for (all, part) in pair.iter_mut().zip([&run.before.holdout, &run.after.holdout]) {
             for (k, &row) in held.iter().enumerate() {
                 all.position[row] = part.position[k];

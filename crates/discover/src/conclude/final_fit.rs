@@ -44,13 +44,13 @@ impl DeclaredFit<'_> {
         current: &ModelFit,
         all: &Dataset,
     ) -> Result<Final, DiscoverError> {
-        // Only rows that are reported as outliers are excluded, so that the fit is the one of `identify`.
+        // Suspect rows have no influence, reported or not; without any the fit is the one of `identify`.
         let outside = outside(context, &current.fit, all, current)?;
-        let data = without(all, &outside.certain);
+        let data = without(all, &outside.suspects);
         let model = ErrorModel::new(context.chain.clone(), self.declared.to_vec())?;
         let mut fit = fit(&model, &data, context.solver, &self.fit)?;
         let outside = self::outside(context, &fit, all, current)?;
-        let data = without(all, &outside.certain);
+        let data = without(all, &outside.suspects);
         fit = fit_again(&fit, &data, context.solver, &self.fit)?;
         Ok(Final { fit, found: Vec::new(), data, outside })
     }

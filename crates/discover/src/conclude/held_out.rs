@@ -1,7 +1,8 @@
-//! Intervals of the errors on the held-out test set.
+//! Intervals of the held-out errors.
 //!
-//! The test set is drawn before anything is fitted, so that the gain on it is not the gain by which effects were selected. It decides one thing:
-//! whether all findings are withdrawn ([`crate::conclude::fallback`]).
+//! Held-out rows are those of a test set that is drawn before anything is fitted, or all rows, each predicted by a search that has not seen it
+//! ([`crate::HeldOut`]): the gain on them is not the gain by which effects were selected. They decide one thing: whether all findings are withdrawn
+//! ([`crate::conclude::fallback`]).
 
 use crate::conclude::errors::Errors;
 use crate::conclude::verdict::Estimate;
@@ -9,14 +10,14 @@ use crate::statistics::bootstrap::{Cluster, Intervals, intervals};
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::Residuals;
 
-/// 95 % intervals on the held-out test set, without rows that are reported as outliers: bootstrap over its configurations.
+/// 95 % intervals of held-out errors, without rows that no fit uses: bootstrap over its configurations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOutIntervals {
     /// Of the 3-D RMS of the declared model, m.
     pub before: [f64; 2],
     /// Of the 3-D RMS of the final model, m.
     pub after: [f64; 2],
-    /// The same of both models with the rows that are reported as outliers, m.
+    /// The same of both models with the rows that no fit uses, m.
     pub with_outliers: [[f64; 2]; 2],
     /// RMS of the declared model less that of the final model, m; `None` where they are the same.
     pub gain: Option<Estimate>,

@@ -139,6 +139,7 @@ impl InterimReport {
             data: current.data.clone(),
             untestable: outcome.untestable.clone(),
             held_out,
+            suspects: Vec::new(),
             holdout_rows: partition.holdout_rows.clone(),
         })
     }

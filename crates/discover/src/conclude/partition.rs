@@ -19,6 +19,9 @@ pub enum HeldOut {
     Refits,
 }
 
+/// (rows of a fit, rows that it is judged on), 0-based.
+pub(crate) type RowSplit = (Vec<usize>, Vec<usize>);
+
 /// All data with its partition (rows 0-based), and the placement, which precede the search.
 pub(crate) struct Partition<'a> {
     pub data: &'a Dataset,
@@ -33,11 +36,11 @@ pub(crate) struct Partition<'a> {
 }
 
 impl Partition<'_> {
-    /// (rows of a fit, rows that it is judged on), once for each fit of a fixed structure.
+    /// One for each fit of a fixed structure.
     ///
     /// # Errors
     /// When there are too few configurations for `folds`.
-    pub fn splits(&self, folds: usize, seed: u64) -> Result<Vec<(Vec<usize>, Vec<usize>)>, IdentifyError> {
+    pub fn splits(&self, folds: usize, seed: u64) -> Result<Vec<RowSplit>, IdentifyError> {
         match self.held_out {
             HeldOut::TestSet => Ok(vec![(self.train_rows.clone(), self.holdout_rows.clone())]),
             HeldOut::NestedFolds | HeldOut::Refits => by_folds(self.data, folds, seed),
@@ -46,11 +49,7 @@ impl Partition<'_> {
 }
 
 /// (training, test) rows of random folds of whole configurations.
-pub(crate) fn by_folds(
-    data: &Dataset,
-    folds: usize,
-    seed: u64,
-) -> Result<Vec<(Vec<usize>, Vec<usize>)>, IdentifyError> {
+pub(crate) fn by_folds(data: &Dataset, folds: usize, seed: u64) -> Result<Vec<RowSplit>, IdentifyError> {
     let count = configurations(data).iter().max().map_or(0, |last| last + 1);
     let folds = Folds::new(data, &Split::Random { folds: folds.min(count), seed })?;
     let split = |fold| (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] != fold);

@@ -119,7 +119,7 @@ pub(crate) fn conclude(
         Vec::new()
     };
     let within = |part: &[usize]| -> Vec<usize> {
-        (0..part.len()).filter(|&k| outside.certain.contains(&part[k])).collect()
+        (0..part.len()).filter(|&k| outside.suspects.contains(&part[k])).collect()
     };
     before.outliers = [within(&partition.train_rows), within(&partition.holdout_rows)];
     after.outliers.clone_from(&before.outliers);
@@ -183,6 +183,7 @@ pub(crate) fn conclude(
         data,
         untestable,
         held_out: partition.held_out,
+        suspects: outside.suspects.iter().copied().filter(|row| !outside.certain.contains(row)).collect(),
         holdout_rows: partition.holdout_rows,
     })
 }

@@ -80,9 +80,8 @@ fn selected<'a>(
         let known = selected.iter().any(|other| other.family == cause.family);
         let opens =
             opener.as_ref().is_some_and(|(family, place)| (*family, place) == (cause.family, &cause.place));
-        if opens {
-            selected.push(cause);
-        } else if cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0 {
+        let first_of_family = cause.family.is_named() && !known && gain - penalty * *freedom as f64 > 0.0;
+        if opens || first_of_family {
             selected.push(cause);
         }
     }

@@ -4,7 +4,7 @@
 //! dense as the visited range can tell apart, four to a cycle over it.
 
 use crate::problem::linearisation::Linearisation;
-use crate::problem::projection::Projection;
+use crate::problem::projection::{Projection, Score};
 use crate::significance::rotation::{Largest, Rotations};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -63,21 +63,16 @@ pub(crate) fn scan(
     if periods.is_empty() || response.square.iter().sum::<f64>() <= 0.0 {
         return None;
     }
-    let parts: Vec<Vec<(f64, f64, Option<DMatrix<f32>>)>> = periods
+    let scores: Vec<Option<Score>> = periods
         .par_chunks(BATCH)
-        .map(|batch| {
+        .flat_map_iter(|batch| {
             let waves = waves(&values, batch);
             let (along, scores) = response.through(&waves);
-            (0..batch.len())
-                .map(|k| {
-                    let raw = response.products(&waves.columns(2 * k, 2));
-                    let score = scores.rows(2 * k, 2).into_owned();
-                    match projection.judged(&raw, &along.columns(2 * k, 2), &score) {
-                        Some(score) => (score.gain, score.surprisal, Some(score.basis)),
-                        None => (0.0, 0.0, None),
-                    }
-                })
-                .collect()
+            let judged = |k: usize| {
+                let raw = response.products(&waves.columns(2 * k, 2));
+                projection.judged(&raw, &along.columns(2 * k, 2), &scores.rows(2 * k, 2).into_owned())
+            };
+            (0..batch.len()).map(judged).collect::<Vec<_>>()
         })
         .collect();
     let mut whole = Periodogram {
@@ -89,10 +84,11 @@ pub(crate) fn scan(
         shares,
         values,
     };
-    for (gain, surprisal, basis) in parts.into_iter().flatten() {
-        whole.gains.push(gain);
-        whole.surprisals.push(surprisal);
-        whole.bases.push(basis);
+    for score in scores {
+        // Of an absorbed period nothing is left beside the present model.
+        whole.gains.push(score.as_ref().map_or(0.0, |score| score.gain));
+        whole.surprisals.push(score.as_ref().map_or(0.0, |score| score.surprisal));
+        whole.bases.push(score.map(|score| score.basis));
     }
     Some(whole)
 }
@@ -111,7 +107,7 @@ fn waves(values: &[f64], periods: &[f64]) -> DMatrix<f64> {
 }
 
 impl Periodogram {
-    /// The period that is most surprising among visits: (period, gain, surprise).
+    /// The period with the smallest p: (period, gain, surprisal).
     pub fn strongest(&self) -> Option<(f64, f64, f64)> {
         let surprisal = |k: &usize| self.surprisals[*k];
         let best = (0..self.periods.len()).max_by(|a, b| surprisal(a).total_cmp(&surprisal(b)))?;

@@ -3,23 +3,13 @@
 use crate::statistics::interval_text;
 use crate::{PositionStatistics, count, significant};
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Diagnosis, Extrapolation, HeldOutIntervals, Part};
-
-/// Data that no choice of an effect has seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum UnseenData {
-    /// The held-out test set.
-    TestSet,
-    /// Folds that a run of the whole search left out.
-    NestedFolds,
-}
+use truepose_discover::{Diagnosis, Extrapolation, HeldOut, HeldOutIntervals, Part};
 
 /// By how much the findings reduce the error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GainSummary {
     /// Where it was measured.
-    pub on: UnseenData,
+    pub on: HeldOut,
     /// RMS of the declared model less that of the final model, mm.
     pub rms_mm: f64,
     /// Its 95 % interval, mm: paired bootstrap over configurations.
@@ -31,7 +21,7 @@ pub struct GainSummary {
 }
 
 impl GainSummary {
-    pub(super) fn new(intervals: &HeldOutIntervals, on: UnseenData) -> Option<Self> {
+    pub(super) fn new(intervals: &HeldOutIntervals, on: HeldOut) -> Option<Self> {
         let (gain, explained) = intervals.gain.zip(intervals.explained)?;
         Some(GainSummary {
             on,
@@ -45,10 +35,11 @@ impl GainSummary {
     /// The gain with its interval.
     pub(crate) fn sentence(&self) -> String {
         let on = match self.on {
-            UnseenData::TestSet => "the held-out test set, which took no part in the selection of effects",
-            UnseenData::NestedFolds => "nested folds, which took no part in any decision",
+            HeldOut::NestedFolds => "in nested folds, each predicted by a search that has not seen it",
+            HeldOut::Refits => "in cross-validation of the findings, which were selected with the same rows",
+            _ => "on the held-out test set, which took no part in the selection of effects",
         };
-        format!("Gain: {} mm{} on {on}.", significant(self.rms_mm, 2), interval_text(Some(self.ci95_mm)))
+        format!("Gain: {} mm{} {on}.", significant(self.rms_mm, 2), interval_text(Some(self.ci95_mm)))
     }
 }
 

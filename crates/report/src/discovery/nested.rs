@@ -1,9 +1,9 @@
 //! Nested cross-validation of the whole search.
 
-use super::gain::{GainSummary, UnseenData};
+use super::gain::GainSummary;
 use crate::PositionStatistics;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Diagnosis, Nested};
+use truepose_discover::{Diagnosis, HeldOut, Nested};
 
 /// Nested cross-validation: the whole search, run once for each fold with that fold left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ impl NestedSummary {
             folds,
             before: PositionStatistics::from(nested.before).with_interval(intervals.map(|i| i.before)),
             after: PositionStatistics::from(nested.after).with_interval(intervals.map(|i| i.after)),
-            gain: intervals.and_then(|i| GainSummary::new(i, UnseenData::NestedFolds)),
+            gain: intervals.and_then(|i| GainSummary::new(i, HeldOut::NestedFolds)),
             found: nested.runs.iter().map(names).collect(),
             after_by_fold: nested.runs.iter().map(|run| run.after.holdout.positions().into()).collect(),
         }

@@ -11,28 +11,28 @@ pub struct TrainAndHoldout {
     pub train: PositionStatistics,
     /// Held-out rows.
     pub holdout: PositionStatistics,
-    /// Training rows without those that are reported as outliers, where there are any.
+    /// Training rows without those that no fit uses, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub train_without_outliers: Option<PositionStatistics>,
-    /// Held-out rows without those that are reported as outliers, where there are any.
+    /// Held-out rows without those that no fit uses, where there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holdout_without_outliers: Option<PositionStatistics>,
 }
 
 impl TrainAndHoldout {
-    /// Held-out rows without those that are reported as outliers: the ones that figures and verdict use.
+    /// Held-out rows without those that no fit uses: the ones that figures and verdict use.
     pub fn holdout_used(&self) -> PositionStatistics {
         self.holdout_without_outliers.unwrap_or(self.holdout)
     }
 
-    /// Training rows without those that are reported as outliers.
+    /// Training rows without those that no fit uses.
     pub fn train_used(&self) -> PositionStatistics {
         self.train_without_outliers.unwrap_or(self.train)
     }
 }
 
 impl TrainAndHoldout {
-    /// With the intervals of the held-out RMS without and with the rows that are reported as outliers, m.
+    /// With the intervals of the held-out RMS without and with the rows that no fit uses, m.
     pub(super) fn with_intervals(mut self, used: [f64; 2], all: [f64; 2]) -> Self {
         self.holdout = self.holdout.with_interval(Some(all));
         self.holdout_without_outliers =

@@ -23,10 +23,18 @@ impl DiscoverySummary {
         };
         let outliers =
             self.effects.iter().filter(|effect| !named(effect)).map(|effect| effect.rows.len()).sum();
-        match outliers {
+        let answer = match outliers {
             0 => answer,
             1 => format!("{answer} 1 row is reported as an outlier."),
             rows => format!("{answer} {rows} rows are reported as outliers."),
+        };
+        match self.suspect_rows.len() {
+            0 => answer,
+            1 => format!("{answer} Row {} is suspect: no fit uses it.", self.suspect_rows[0]),
+            count => {
+                let rows: Vec<String> = self.suspect_rows.iter().take(12).map(ToString::to_string).collect();
+                format!("{answer} {count} rows are suspect ({}): no fit uses them.", rows.join(", "))
+            }
         }
     }
 
@@ -61,7 +69,7 @@ impl DiscoverySummary {
             (Some(before), Some(after)) => format!(
                 "{} {rows} without {}, {all} with {}",
                 pair(before, after),
-                count(self.after.holdout.count - after.count, "row that is reported as an outlier"),
+                count(self.after.holdout.count - after.count, "row that no fit uses"),
                 if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
             ),
             _ => format!("{all} {rows}"),

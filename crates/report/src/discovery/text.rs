@@ -138,7 +138,7 @@ impl FindingSummary {
         }
         writeln!(
             f,
-            "   exists with p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
+            "   existence: p = {}, selected in {} % of half-samples, cross-validated {} → {} mm",
             significant(self.p_value, 2),
             significant(100.0 * self.stability, 3),
             significant(self.cross_validated_rms_mm.before, 3),

@@ -171,8 +171,10 @@ mod tests {
         (0, "identify ridge(map)"),   // 1.172
         (22, "identify ridge(map)"),  // 1.372
         (38, "identify ridge(map)"),  // 1.159
-        (5, "discover"),              // 1.241
-        (5, "export as written"),     // 1.241
+        (9, "discover"), // 1.440: an unnamed curve over time, in a swept campaign whose station wanders
+        (9, "compensate (discover)"), // 1.401
+        (5, "discover"), // 1.241
+        (5, "export as written"), // 1.241
         (5, "compensate (discover)"), // 1.243
     ];
 
