@@ -88,7 +88,8 @@ fn selected<'a>(
     selected
 }
 
-/// The variants of a group, one for each number of coefficients, with their nonlinear parameters optimised.
+/// The variants of a group, one for each number of coefficients and of nonlinear parameters on a coarse grid, with these optimised: the best
+/// value of such a parameter hides the law without it in the screen, though that may predict as well.
 fn refined_variants(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -96,12 +97,13 @@ fn refined_variants(
     cause: &Cause,
 ) -> Result<Vec<Competitor>, DiscoverError> {
     let mut competitors = Vec::new();
-    let mut freedoms = Vec::new();
+    let mut sizes = Vec::new();
     for (candidate, _, freedom) in &cause.variants {
-        if freedoms.contains(freedom) || freedoms.len() >= linearisation.budget.variants {
+        let size = (*freedom, candidate.scales());
+        if sizes.contains(&size) || sizes.len() >= linearisation.budget.variants {
             continue;
         }
-        freedoms.push(*freedom);
+        sizes.push(size);
         let variant = refined(linearisation, &screen.projection, candidate);
         competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
@@ -144,7 +146,7 @@ fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> 
     shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
     let best = least(&shapes);
     let tied = shapes.into_iter().filter(|r| r.score < best + policy.variant_ties * policy.tie);
-    tied.min_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)))
+    tied.min_by(|a, b| a.unknowns().cmp(&b.unknowns()).then(a.score.total_cmp(&b.score)))
 }
 
 /// Best first; of those that are not distinguishable from the best one, the simplest.
