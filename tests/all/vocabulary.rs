@@ -4,15 +4,20 @@ use crate::plants::with_three_targets;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truepose_discover::{Diagnosis, DiscoverOptions, concrete, diagnose};
-use truepose_errormodel::effects::{Backlash, Geometric, Side, Transmission, TransmissionMode};
+use truepose_errormodel::effects::{
+    Backlash, Geometric, Instrument, JointCompliance, Side, Transmission, TransmissionMode,
+};
 use truepose_errormodel::{AnyEffect, Channel, Dataset};
-use truepose_kinematics::{Chain, samples};
+use truepose_identify::{IdentificationOptions, identify};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, Load, Payload, samples};
 use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
 use truepose_simulate::physics::backlash::{DeadBand, Side as Flank};
 use truepose_simulate::physics::curve::{Centred, SmoothCurve};
 use truepose_simulate::physics::presliding::Presliding;
 use truepose_simulate::physics::transmission::TransmissionError;
-use truepose_simulate::{Campaign, Flaws, Plant, PlantOptions, Truth, flaws};
+use truepose_simulate::physics::wave::{LoadedWaves, Wave};
+use truepose_simulate::{Campaign, Flaws, LogLag, Plant, PlantOptions, Truth, flaws};
 use truepose_solvers::PivotedQr;
 
 fn plant(chain: &Chain, seed: u64, hide: impl Fn(&mut Truth)) -> Plant {
@@ -145,6 +150,98 @@ fn a_joint_yields_with_its_measured_torque() {
     let compliance = &diagnosis.findings[0].parameters[0];
     assert!(compliance.ci95[0] < 12e-6 && 12e-6 < compliance.ci95[1], "{compliance:?}");
     assert!(over_noise(&diagnosis) < 1.15, "{}", over_noise(&diagnosis));
+}
+
+/// The same way with three loads in turn, kg.
+fn loaded(mut campaign: Campaign, heaviest: f64) -> Campaign {
+    for (k, visit) in campaign.visits.iter_mut().enumerate() {
+        let mass = heaviest * [0.0, 0.5, 1.0][k * 7 % 3];
+        visit.load = Load::Payload(Payload { mass, com: Vector3::new(0.02, -0.03, 0.15) });
+    }
+    campaign
+}
+
+/// Constant errors, and compliances of all joints, which are not what is hidden.
+fn elastic() -> Vec<Box<dyn AnyEffect>> {
+    vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())]
+}
+
+#[test]
+fn a_log_that_lags_is_an_error_of_the_instrument() {
+    let chain = with_three_targets(&samples::ur10());
+    // A filter of 0.3 s, read 1.7 s after moves of 1.5 to 2 s: about a thousandth of each move is missing.
+    let lag = LogLag { time_constant: 0.3, wait: 1.7, least: 1.5, speed: 3.0 };
+    let mut plant = plant(&chain, 5, |_| {});
+    plant.disturbances.log = Some(lag);
+    let data = plant.measure(&wandering(&chain, 120, 7), 5).unwrap();
+    let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+    let diagnosis = found(&chain, &declared, &data);
+    assert_eq!(words(&diagnosis), ["instrument lag"]);
+    assert!(over_noise(&diagnosis) < 1.2, "{}", over_noise(&diagnosis));
+    // Declared by hand it is fitted as well, and commands are those of the robot without it.
+    let hand: Vec<Box<dyn AnyEffect>> =
+        vec![Box::new(Geometric::default()), Box::new(Instrument::lag(chain.movable()))];
+    let options = IdentificationOptions::default();
+    let fitted = identify(&chain, &hand, &data, &PivotedQr::default(), &options, &|_| ()).unwrap().fit.fitted;
+    let lags = fitted.model().columns_of(1);
+    for value in &fitted.coefficients()[lags.clone()] {
+        assert!((2e-4..2e-3).contains(value), "{value}");
+    }
+    assert!(fitted.of_robot().coefficients()[lags].iter().all(|value| value.abs() <= 0.0));
+}
+
+#[test]
+fn a_scale_of_the_instrument_is_seen_where_slides_share_it_and_is_in_the_lengths_of_an_arm() {
+    // All lengths of an arm are constant errors that may be longer alike; a slide's scale is none.
+    for (chain, expected) in [(samples::pps(), &["instrument scale"][..]), (samples::ur10(), &[])] {
+        let chain = with_three_targets(&chain);
+        let plant = plant(&chain, 3, |_| {});
+        let campaign = Campaign::random(&chain, 120, 4).unwrap();
+        let mut data = plant.measure(&campaign, 5).unwrap();
+        data.position.iter_mut().flatten().for_each(|value| *value *= 1.0 + 2e-4);
+        let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
+        let diagnosis = found(&chain, &declared, &data);
+        assert_eq!(words(&diagnosis), expected, "{}", chain.name());
+        assert!(over_noise(&diagnosis) < 1.15, "{}: {}", chain.name(), over_noise(&diagnosis));
+        if let Some(scale) = diagnosis.findings.first() {
+            let [lower, upper] = scale.parameters[0].ci95;
+            assert!(lower < 2e-4 && 2e-4 < upper, "{:?}", scale.parameters);
+        }
+    }
+}
+
+#[test]
+fn friction_that_grows_with_the_load_is_backlash_by_load() {
+    let chain = with_three_targets(&samples::heavy());
+    let joint = chain.movable()[2];
+    // Of 0.12 mrad, one fifth without a load.
+    let side = Flank::Friction { part: 0.8, half_load: 3000.0 };
+    let plant = plant(&chain, 5, |truth| {
+        truth.joints[joint.index()].backlash = Some(DeadBand { width: 4e-4, side });
+    });
+    let data = plant.measure(&loaded(wandering(&chain, 150, 7), 150.0), 5).unwrap();
+    let diagnosis = found(&chain, &elastic(), &data);
+    assert_eq!(words(&diagnosis), ["backlash a3"]);
+    let play = concrete::<Backlash>(&*diagnosis.findings[0].candidate.effects()[0]).expect("backlash");
+    assert_eq!(play.side, Side::ByLoad);
+    assert!(over_noise(&diagnosis) < 1.2, "{}", over_noise(&diagnosis));
+}
+
+#[test]
+fn a_wave_that_grows_with_the_load_is_a_transmission_error_by_load() {
+    let chain = with_three_targets(&samples::heavy());
+    let joint = chain.movable()[1];
+    let waves = vec![Wave { amplitude: 1e-4, cycles: 101.0 / 11.0, phase: 0.7 }];
+    let plant = plant(&chain, 5, |truth| {
+        truth.joints[joint.index()].waves =
+            Some(LoadedWaves { waves: waves.clone(), edge: 0.6, by_load: 3.0, load: 4000.0 });
+    });
+    let data = plant.measure(&loaded(wandering(&chain, 150, 7), 150.0), 5).unwrap();
+    let diagnosis = found(&chain, &elastic(), &data);
+    assert_eq!(words(&diagnosis), ["transmission a2"]);
+    let wave = concrete::<Transmission>(&*diagnosis.findings[0].candidate.effects()[0]).expect("a wave");
+    assert!(wave.by_load);
+    assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
 }
 
 #[test]

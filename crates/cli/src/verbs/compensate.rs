@@ -27,7 +27,7 @@ const TOGETHER: usize = 64;
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::prepare(args.report.as_ref(), "compensation.json")?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
     let (mut poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
     terminal::warn(&warnings);
     known(args, &fitted, &poses)?;

@@ -108,6 +108,7 @@ fn refined_variants(
         competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
     if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| candidate.richer()) {
+        let more = refined(linearisation, &screen.projection, &more);
         competitors.extend(competitor(linearisation, screen, visits, more)?);
     }
     Ok(competitors)

@@ -44,6 +44,9 @@ impl Hypothesis for LostMotion {
                 all.push(Variant::new(place.clone(), Backlash::of(joint, Side::Approach)));
             }
             all.push(Variant::new(place.clone(), Backlash::of(joint, Side::Load)));
+            if approach && setting.load_range(joint).is_some() {
+                all.push(Variant::new(place.clone(), Backlash::of(joint, Side::ByLoad)));
+            }
             for flank in flanks(setting, joint) {
                 for side in [Side::Load, Side::LoadThenApproach] {
                     if side == Side::Load || approach {

@@ -11,6 +11,7 @@ use crate::hypotheses::coupling::Drag;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::guideway::Rail;
 use crate::hypotheses::hypothesis::Hypothesis;
+use crate::hypotheses::instrument::{JointLog, LengthScale};
 use crate::hypotheses::loaded::CurvedSpring;
 use crate::hypotheses::measured_torque::OfMeasuredTorque;
 use crate::hypotheses::own_motion::{OwnCurve, OwnGain};
@@ -57,6 +58,7 @@ impl Library {
                 Arc::new(Drag),
             ],
             vec![Arc::new(Rail)],
+            vec![Arc::new(JointLog), Arc::new(LengthScale)],
             vec![Arc::new(Growth)],
             vec![Arc::new(Slow), Arc::new(Jump)],
             vec![Arc::new(Unmodelled)],

@@ -12,6 +12,7 @@ pub(crate) mod driver;
 pub(crate) mod family;
 pub(crate) mod guideway;
 pub(crate) mod hypothesis;
+pub(crate) mod instrument;
 pub(crate) mod library;
 pub(crate) mod limits;
 pub(crate) mod loaded;

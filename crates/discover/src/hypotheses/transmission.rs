@@ -84,6 +84,12 @@ impl Hypothesis for Drive {
         Some(Box::new(Transmission { period: Some(value), period_range: range, ..wave }))
     }
 
+    // The same harmonics with an amplitude that follows the load.
+    fn richer(&self, effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
+        let wave = concrete::<Transmission>(effect)?.clone();
+        Some(Box::new(Transmission { by_load: true, ..wave }))
+    }
+
     fn at_period(&self, joint: JointId, period: f64) -> Option<Box<dyn AnyEffect>> {
         Some(Box::new(Transmission::of(joint, period)))
     }

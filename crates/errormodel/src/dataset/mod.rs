@@ -12,6 +12,7 @@ mod presliding;
 mod record;
 mod repeated;
 mod schema;
+mod step;
 mod table;
 mod visits;
 
@@ -24,5 +25,6 @@ pub use measurement::Measurement;
 pub use presliding::{presliding, presliding_channel, presliding_of};
 pub use record::Record;
 pub use schema::{Channel, Schema};
+pub use step::{step_channel, step_of};
 pub use table::{Dataset, Seen};
 pub use visits::{Visits, configurations, visits_from_rows};

@@ -39,6 +39,13 @@ impl Record {
         self.poses.joints.get(joint).map_or_else(Vec::new, |q| q.windows(2).map(|q| q[1] - q[0]).collect())
     }
 
+    /// The last move of a joint at every row, rad or m.
+    pub(super) fn last_step(&self, joint: usize) -> Vec<f64> {
+        let steps = self.moves(joint);
+        let before = |pose: usize| pose.checked_sub(1).and_then(|k| steps.get(k)).copied();
+        self.pose.iter().map(|&pose| before(pose).unwrap_or(0.0)).collect()
+    }
+
     /// A state of a joint at every row: zero at the first pose, then what `next` makes of it and of the move to the next pose. Where another
     /// direction of approach is stated than that of the move, the joint came from farther on that side: the move is infinite.
     pub(super) fn follow(&self, joint: usize, next: impl Fn(f64, f64) -> f64) -> Vec<f64> {

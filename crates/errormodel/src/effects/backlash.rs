@@ -4,6 +4,7 @@
 //! δq_j = w/2 · side        approach              side = −a_j            the link lags behind its motor
 //!                          load                  side = sat(τ_j / τ_f)  the load lays the joint on one flank
 //!                          load_then_approach    side = s − (1 − |s|) a_j,  s = sat(τ_j / τ_f)
+//!                          by_load               side = −a_j, and w + w′ |τ_j| in place of w: friction in the gear grows with its load
 //!                          presliding            side = −z_j             friction winds the drive up along the way
 //! dz_j/dq_j = (1 − z_j sgn(dq_j)) / d
 //! ```
@@ -11,6 +12,7 @@
 //! | symbol | here | unit |
 //! | --- | --- | --- |
 //! | w | the unknown: the whole gap | rad or m |
+//! | w′ | the second unknown of `by_load`: growth of the wind-up with the load | rad/(N·m) or m/N |
 //! | a_j | the direction in which the joint last moved, −1, 0, +1 | 1 |
 //! | τ_j | the load about or along the axis | N·m or N |
 //! | τ_f | `flank_load`: from this load on the joint lies on its flank; zero switches at once | N·m or N |
@@ -37,6 +39,8 @@ pub enum Side {
     Load,
     /// The load where it is heavy enough, else the last move.
     LoadThenApproach,
+    /// The direction of the last move, by an angle that grows with the load: friction winds the drive up.
+    ByLoad,
     /// Friction with memory: the way since the last reversals.
     Presliding,
 }
@@ -95,13 +99,21 @@ impl Effect for Backlash {
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
         let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };
-        vec![Column::new(format!("gap {}", joint.name), joint.unit(), scale).within(0.0, f64::INFINITY)]
+        let gap = Column::new(format!("gap {}", joint.name), joint.unit(), scale).within(0.0, f64::INFINITY);
+        if self.side != Side::ByLoad {
+            return vec![gap];
+        }
+        // A hundred newton metres (a thousand newton) double it.
+        let (load, per) = if joint.kind == JointKind::Prismatic { ("N", 1e-3) } else { ("N*m", 1e-2) };
+        let unit = format!("{}/({load})", joint.unit());
+        let growing = Column::new(format!("gap {} by load", joint.name), unit, per * scale);
+        vec![gap, growing.within(0.0, f64::INFINITY)]
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
         let side = match self.side {
-            Side::Approach | Side::Presliding => -at.signal(0),
+            Side::Approach | Side::ByLoad | Side::Presliding => -at.signal(0),
             Side::Load => self.pressed(at.joint_load(self.joint)),
             Side::LoadThenApproach => {
                 let pressed = self.pressed(at.joint_load(self.joint));
@@ -110,6 +122,9 @@ impl Effect for Backlash {
         };
         if side != 0.0 {
             out.along(0, &motion, 0.5 * side);
+            if self.side == Side::ByLoad {
+                out.along(1, &motion, 0.5 * side * at.joint_load(self.joint).abs());
+            }
         }
     }
 
@@ -142,7 +157,7 @@ impl Effect for Backlash {
             None => {}
         }
         match self.flank_load {
-            Some(_) if matches!(self.side, Side::Approach | Side::Presliding) => Err(refused(
+            Some(_) if !matches!(self.side, Side::Load | Side::LoadThenApproach) => Err(refused(
                 Self::FAMILY,
                 "`flank_load` belongs to the sides `load` and `load_then_approach`",
             )),
@@ -182,7 +197,7 @@ mod tests {
     fn conforms() {
         for chain in samples::all() {
             for &joint in chain.movable() {
-                for side in [Side::Approach, Side::Load, Side::LoadThenApproach] {
+                for side in [Side::Approach, Side::Load, Side::LoadThenApproach, Side::ByLoad] {
                     check_effect(&Backlash::of(joint, side), &chain);
                 }
                 let (flank_load, flank_range) = (Some(30.0), Some([5.0, 200.0]));
@@ -219,6 +234,18 @@ mod tests {
             let effect = Backlash { flank_load: None, ..Backlash::of(JointId(2), side) };
             emitted(&effect, &chain, &conditions).iter().map(|e| e.value).sum::<f64>()
         };
+        let growing = |approach, mass: f64| {
+            let load = Load::Payload(Payload { mass, com: Vector3::zeros() });
+            let mut conditions = Conditions::at(&chain, &[0.3; 6]).with_load(load);
+            conditions.approach[1] = approach;
+            let entries = emitted(&Backlash::of(JointId(2), Side::ByLoad), &chain, &conditions);
+            [0, 1].map(|k| entries.iter().filter(|e| e.column == k).map(|e| e.value).sum::<f64>())
+        };
+        let ([gap, light], [_, heavy]) = (growing(1.0, 5.0), growing(-1.0, 10.0));
+        assert!(
+            (gap + 0.5).abs() < 1e-15 && light < 0.0 && (heavy + 2.0 * light).abs() < 1e-9 * heavy,
+            "{light} {heavy}"
+        );
         let check = |got: f64, expected: f64| assert!((got - expected).abs() < 1e-15, "{got} {expected}");
         check(value(Side::Approach, 1.0, 0.0), -0.5);
         check(value(Side::Approach, 0.0, 0.0), 0.0);

@@ -3,11 +3,12 @@
 //!
 //! ```text
 //! periodic    δq_j = Σ_h s_h sin(2πh q_j / P) + c_h cos(2πh q_j / P)
+//!             with `by_load`:  (s_h + s′_h |τ_j|) sin(…) + (c_h + c′_h |τ_j|) cos(…)
 //! gain        δq_j = g q_j
 //! curve       δq_j = Σ_k c_k (B_k(q_j) − B_k(q̄))          k = 2 … N: cubic B-splines over the travel, zero in its middle q̄
 //! ```
 //!
-//! rad or m; P is one turn unless given, and its shape where `period_range` is given. The constant of a gain or a curve is the joint's zero, a
+//! rad or m; τ_j is the load about or along the axis (more teeth deflect, an eccentric gear leans); P is one turn unless given, and its shape where `period_range` is given. The constant of a gain or a curve is the joint's zero, a
 //! constant error.
 
 use super::checks::{bounded, joint_moves, refused};
@@ -33,6 +34,9 @@ pub struct Transmission {
     /// Between which periods `period` is to be found, rad or m; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period_range: Option<[f64; 2]>,
+    /// Whether the harmonics have a part in proportion to the size of the load about or along the joint's axis.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_load: bool,
     /// What of the joint's motion errs.
     #[serde(default, skip_serializing_if = "TransmissionMode::is_periodic")]
     pub mode: TransmissionMode,
@@ -77,7 +81,7 @@ impl Transmission {
     pub fn turning(joint: JointId, harmonics: Vec<u32>) -> Self {
         let (period, period_range, mode, range, pieces) =
             (None, None, TransmissionMode::Periodic, None, None);
-        Transmission { joint, harmonics, period, period_range, mode, range, pieces }
+        Transmission { joint, harmonics, period, period_range, by_load: false, mode, range, pieces }
     }
 
     /// An error in proportion to the joint's value.
@@ -111,7 +115,7 @@ impl Effect for Transmission {
     const ABOUT: &'static str = "joint error that follows the joint's own motion: periodic (eccentricity, gear mesh, screw), gain, curve (mode)";
 
     fn load_dependent(&self) -> bool {
-        false
+        self.by_load
     }
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
@@ -129,7 +133,18 @@ impl Effect for Transmission {
             }
             TransmissionMode::Periodic => {}
         }
-        self.harmonics.iter().flat_map(|&h| [column("sin", h), column("cos", h)]).collect()
+        let mut columns: Vec<Column> =
+            self.harmonics.iter().flat_map(|&h| [column("sin", h), column("cos", h)]).collect();
+        if self.by_load {
+            // A hundred newton metres (a thousand newton) as large as the constant part.
+            let (load, per) = if joint.kind == JointKind::Prismatic { ("N", 1e-3) } else { ("N*m", 1e-2) };
+            let unit = format!("{}/({load})", joint.unit());
+            for k in 0..columns.len() {
+                let name = format!("{} by load", columns[k].name);
+                columns.push(Column::new(name, unit.clone(), per * scale));
+            }
+        }
+        columns
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
@@ -147,10 +162,16 @@ impl Effect for Transmission {
             TransmissionMode::Periodic => {}
         }
         let angle = TAU * at.joint(self.joint) / self.period();
+        let load = self.by_load.then(|| at.joint_load(self.joint).abs());
         for (k, &h) in self.harmonics.iter().enumerate() {
             let (s, c) = (f64::from(h) * angle).sin_cos();
             out.along(2 * k, &motion, s);
             out.along(2 * k + 1, &motion, c);
+            if let Some(load) = load {
+                let first = 2 * (self.harmonics.len() + k);
+                out.along(first, &motion, s * load);
+                out.along(first + 1, &motion, c * load);
+            }
         }
     }
 
@@ -160,8 +181,10 @@ impl Effect for Transmission {
             return Err(refused(Self::FAMILY, "`range` and `pieces` belong to the mode `curve`"));
         }
         if self.mode != TransmissionMode::Periodic {
-            if self.period.is_some() || self.period_range.is_some() || self.harmonics != fundamental() {
-                let reason = "`period`, `period_range` and `harmonics` belong to the mode `periodic`";
+            let known = self.period.is_none() && self.period_range.is_none();
+            if !known || self.by_load || self.harmonics != fundamental() {
+                let reason =
+                    "`period`, `period_range`, `harmonics` and `by_load` belong to the mode `periodic`";
                 return Err(refused(Self::FAMILY, reason));
             }
             ascending(Self::FAMILY, "range", self.range)?;
@@ -178,7 +201,7 @@ impl Effect for Transmission {
             return Err(refused(Self::FAMILY, reason));
         }
         let list = &self.harmonics;
-        bounded(Self::FAMILY, list.len().saturating_mul(2))?;
+        bounded(Self::FAMILY, list.len().saturating_mul(if self.by_load { 4 } else { 2 }))?;
         if list.is_empty() || list.contains(&0) {
             return Err(refused(Self::FAMILY, "`harmonics` count from 1, and one at least is needed"));
         }
@@ -206,7 +229,7 @@ impl Effect for Transmission {
 mod tests {
     use super::*;
     use crate::testkit::{check_effect, emitted};
-    use truepose_kinematics::{Conditions, samples};
+    use truepose_kinematics::{Conditions, PostureBuffer, samples};
 
     #[test]
     fn conforms_on_every_joint() {
@@ -218,8 +241,26 @@ mod tests {
                     ..Transmission::of(joint, 0.2)
                 };
                 check_effect(&effect, &chain);
+                check_effect(&Transmission { by_load: true, ..effect }, &chain);
             }
         }
+    }
+
+    #[test]
+    fn an_amplitude_by_load_grows_with_it() {
+        let chain = samples::heavy();
+        let joint = chain.movable()[1];
+        let effect = Transmission { by_load: true, ..Transmission::of(joint, 0.25) };
+        let conditions = Conditions::at(&chain, &vec![0.4; chain.movable().len()]);
+        let mut buffer = PostureBuffer::new(&chain);
+        let load = buffer.update(&chain, &conditions).joint_load(joint).abs();
+        assert!(load > 1.0, "{load}");
+        let entries = emitted(&effect, &chain, &conditions);
+        let sum = |column| entries.iter().filter(|e| e.column == column).map(|e| e.value).sum::<f64>();
+        for k in 0..2 {
+            assert!((sum(k + 2) - load * sum(k)).abs() < 1e-12 * load);
+        }
+        assert_eq!(Effect::columns(&effect, &chain)[3].name, "transmission a2 cos1 by load");
     }
 
     #[test]
