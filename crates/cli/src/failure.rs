@@ -9,12 +9,15 @@ pub enum Failure {
     Criterion(String),
     /// The input or the usage is wrong: exit code 2.
     Input(String),
+    /// The robot that is monitored has changed, as the output says: exit code 3.
+    Changed,
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Failure::Criterion(message) => write!(f, "not met: {}", short(message)),
+            Failure::Changed => write!(f, "the robot has changed"),
             Failure::Input(message) => write!(f, "error: {}", plain_types(&short(message))),
         }
     }

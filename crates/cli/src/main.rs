@@ -22,6 +22,7 @@ fn main() -> ExitCode {
             ExitCode::from(match failure {
                 Failure::Criterion(_) => 1,
                 Failure::Input(_) => 2,
+                Failure::Changed => 3,
             })
         }
     }

@@ -44,7 +44,7 @@ pub use identification::{Identification, IdentificationOptions, Stage, Step, Tes
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
-pub use placement::{Placement, Undetermined, place};
+pub use placement::{Placement, Undetermined, place, place_fitted};
 pub use plain::{Plain, Way, plain};
 pub use planning::{Plan, PlanOptions, Planned, Why, plan};
 pub use prior::{Prior, PriorStrength};

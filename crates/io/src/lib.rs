@@ -4,6 +4,7 @@ mod digest;
 mod error;
 mod export;
 mod fit;
+mod history;
 mod map;
 mod measurements;
 mod model;
@@ -24,6 +25,7 @@ pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
+pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, write_map};
 pub use measurements::{
     ColumnInfo, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, read_measurements,

@@ -159,6 +159,14 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             list(&[("--out", Some(&of.out))]),
         ),
         Verb::Map(of) => (list(&[("--fit", Some(&of.fit))]), list(&[("--out", Some(&of.out))])),
+        Verb::Transfer(of) => {
+            (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
+        }
+        // A history is read and written again.
+        Verb::Monitor(of) => (
+            list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]),
+            list(&[("--history", of.history.as_ref())]),
+        ),
         Verb::Simulate(of) => (list(&[("--plant", Some(&of.plant))]), list(&[("--out", Some(&of.out))])),
         Verb::Check(of) => (
             list(&[

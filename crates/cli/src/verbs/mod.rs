@@ -11,12 +11,14 @@ mod files;
 mod identified;
 mod identify;
 mod map;
+mod monitor;
 mod plan;
 mod predict;
 mod repeated;
 mod reporting;
 mod simulate;
 mod stream;
+mod transfer;
 mod verify;
 
 use crate::args::{Measured, Robot, Verb};
@@ -43,6 +45,8 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Compensate(verb) => compensate::run(verb, watch),
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
+        Verb::Transfer(verb) => transfer::run(verb, watch),
+        Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
         Verb::Check(verb) => check::run(verb),
         Verb::Effects(verb) => effects::run(verb),

@@ -10,7 +10,7 @@
 //!
 //! The structure of the final model (effects, periods) was selected with these rows; only its coefficients do not know them.
 
-use crate::conclude::held_out::of_pair;
+use crate::conclude::held_out::{clusters, of_pair};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
@@ -127,7 +127,8 @@ fn judged(
         poses: Visits::of(&part).len(),
         before: before.positions(),
         after: after.positions(),
-        ci95: of_pair([before, after], &part, &all, draws, context.options.seed).map(|i| i.rms),
+        ci95: of_pair([before, after], &clusters(&part, None), &all, draws, context.options.seed)
+            .map(|i| i.rms),
     }))
 }
 

@@ -4,11 +4,11 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::outcome::Outcome;
 use crate::conclude::diagnosis::{Alternative, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
-use crate::conclude::errors::Errors;
+use crate::conclude::errors::{Errors, with_missing};
 use crate::conclude::extrapolation::extrapolations;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::NoiseFloor;
-use crate::conclude::held_out::HeldOutIntervals;
+use crate::conclude::held_out::{HeldOutIntervals, clusters};
 use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
@@ -60,8 +60,11 @@ pub(crate) fn conclude(
             Some(pair) => pair,
             None => model.both_refitted(context)?,
         };
-        after.holdout = if found.is_empty() { declared.clone() } else { enlarged };
-        before.holdout = declared;
+        let enlarged = if found.is_empty() { declared.clone() } else { enlarged };
+        // Rows that no fit uses are unseen by all of them.
+        let suspects = &current.outliers.suspects;
+        before.holdout = with_missing(declared, &before.holdout, suspects);
+        after.holdout = with_missing(enlarged, &after.holdout, suspects);
     }
 
     let all = with_loads(partition.data, &found);
@@ -151,8 +154,11 @@ pub(crate) fn conclude(
     let ratio = noise_floor.rms.map_or(1.0, |rms| rms / assumed);
     let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
     let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
+    let dependence =
+        dependence(&Linearisation::new(&current.fit, &current.data, context.options)?, context.options.seed);
+    let clusters = clusters(&held, dependence.as_ref());
     let intervals =
-        HeldOutIntervals::of(&before, &after, &held, context.budget().bootstrap, context.options.seed);
+        HeldOutIntervals::of(&before, &after, &clusters, context.budget().bootstrap, context.options.seed);
     let extrapolations = match declared_fit.full_report {
         true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
         false => Vec::new(),
@@ -168,10 +174,7 @@ pub(crate) fn conclude(
         after,
         withdrawn,
         noise_floor,
-        dependence: dependence(
-            &Linearisation::new(&current.fit, &current.data, context.options)?,
-            context.options.seed,
-        ),
+        dependence,
         verdict,
         unexplained,
         intervals,
@@ -294,12 +297,17 @@ fn competing_fits(
 ) -> Result<Vec<CompetingFit>, DiscoverError> {
     let mut fits = Vec::new();
     for (finding, accepted) in accepted.iter().enumerate() {
-        let tied = accepted
+        // The likeliest names first: a curve without one is the last that a plan needs.
+        let own = (&accepted.candidate, accepted.evidence.p_surrogates);
+        let names = name_probabilities(own, &accepted.competitors, context.policy());
+        let mut tied: Vec<_> = accepted
             .competitors
             .iter()
-            .filter(|(_, behind)| *behind < context.policy().tie)
-            .take(context.budget().fitted);
-        for (candidate, _) in tied {
+            .zip(&names.each)
+            .filter(|((_, behind), _)| *behind < context.policy().tie)
+            .collect();
+        tied.sort_by(|a, b| b.1.total_cmp(a.1));
+        for ((candidate, _), _) in tied.into_iter().take(context.budget().fitted) {
             let (mut fit, found) = trial.fit_instead(finding, candidate, out)?;
             at_run_time(&mut fit, &found, data);
             fits.push(CompetingFit { finding, candidate: candidate.clone(), fit });

@@ -23,6 +23,8 @@ pub struct FittedModel {
     /// Standard deviations of one component of a new measurement around the model: `position_sd` includes what the rows of
     /// a visit share, `visit_sd` is zero.
     pub noise: NoiseModel,
+    /// The part of `noise.position_sd` that rows of one visit share, the robot's repeatability, m; zero where it is not known.
+    pub repeatability_sd: f64,
     /// Payloads that are declared wrongly: what is declared, and what is carried.
     pub loads: Vec<LoadCorrection>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
@@ -80,6 +82,7 @@ impl FittedModel {
             channels: Vec::new(),
             domain: Domain::default(),
             noise: NoiseModel::none(),
+            repeatability_sd: 0.0,
             loads: Vec::new(),
             provenance: serde_json::Map::new(),
         })
@@ -98,6 +101,11 @@ impl FittedModel {
     /// With the noise of a new measurement around the model.
     pub fn with_noise(self, noise: NoiseModel) -> Self {
         FittedModel { noise, ..self }
+    }
+
+    /// With the part of the noise that rows of one visit share, m.
+    pub fn with_repeatability(self, repeatability_sd: f64) -> Self {
+        FittedModel { repeatability_sd, ..self }
     }
 
     /// With payloads that are declared wrongly.
@@ -134,6 +142,19 @@ impl FittedModel {
             return Err(ModelError::Shape { what: "covariance", have: covariance.nrows(), need });
         }
         Ok(FittedModel { covariance, ..self })
+    }
+
+    /// The same errors on another description of the robot: another base, tool or targets.
+    ///
+    /// # Errors
+    /// When an effect does not fit it, or it has other unknowns.
+    pub fn on(&self, chain: Chain) -> Result<Self, ModelError> {
+        let model = self.model.on(chain)?;
+        let need = model.columns().len();
+        if need != self.coefficients.len() {
+            return Err(ModelError::Shape { what: "coefficients", have: self.coefficients.len(), need });
+        }
+        Ok(FittedModel { model, ..self.clone() })
     }
 
     /// The model.

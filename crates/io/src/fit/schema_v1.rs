@@ -74,6 +74,9 @@ pub(super) struct DomainV1 {
 pub(super) struct NoiseV1 {
     position_sd: f64,
     orientation_sd: f64,
+    /// The part of `position_sd` that rows of one visit share, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    repeatability_sd: Option<f64>,
 }
 
 impl From<&FittedModel> for FitV1 {
@@ -117,7 +120,11 @@ impl From<&FittedModel> for FitV1 {
                 channels: fit.domain.channels.iter().map(ends).collect(),
                 targets: fit.domain.targets.iter().map(|target| target.map(|t| t.0)).collect(),
             },
-            noise: NoiseV1 { position_sd: fit.noise.position_sd, orientation_sd: fit.noise.orientation_sd },
+            noise: NoiseV1 {
+                position_sd: fit.noise.position_sd,
+                orientation_sd: fit.noise.orientation_sd,
+                repeatability_sd: (fit.repeatability_sd > 0.0).then_some(fit.repeatability_sd),
+            },
             loads: fit.loads.clone(),
             provenance: fit.provenance.clone(),
             sample_of,
@@ -171,6 +178,12 @@ impl FitV1 {
         if self.noise.position_sd < 0.0 || self.noise.orientation_sd < 0.0 {
             return Err("a standard deviation of `noise` is below zero; the file is damaged".into());
         }
+        let repeatability = self.noise.repeatability_sd.unwrap_or(0.0);
+        if !(0.0..=self.noise.position_sd).contains(&repeatability) {
+            return Err(format!(
+                "`repeatability_sd` of `noise` is {repeatability}, not between 0 and `position_sd`; the file is damaged"
+            ));
+        }
         let fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
         let (joints, targets) = (fit.chain().movable().len(), fit.chain().targets().len());
         if let Some(target) = self.domain.targets.iter().flatten().find(|&&target| target >= targets) {
@@ -204,6 +217,7 @@ impl FitV1 {
             .with_channels(channels.collect())
             .with_domain(domain)
             .with_noise(noise)
+            .with_repeatability(repeatability)
             .with_loads(self.loads)
             .with_provenance(self.provenance))
     }
