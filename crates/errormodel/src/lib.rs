@@ -24,8 +24,9 @@ mod term;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, Measurement, Schema, Seen, Visits,
-    approach_from_order, configurations, is_derived, late_channel, visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, Measurement, Record, Schema, Seen,
+    Visits, approach_from_order, configurations, is_derived, late_channel, presliding, presliding_channel,
+    presliding_of, step_channel, step_of, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};

@@ -31,6 +31,7 @@ use crate::problem::outliers::Outliers;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample, Visits};
@@ -218,7 +219,11 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
     let own = derived::own_channels(data);
     fit.fitted.domain = Domain::of(&own);
     // The sample keeps the derived channels of the model: they cannot be derived from a sample.
-    fit.fitted.domain.sample = Sample::of(data).for_model(fit.fitted.model());
+    let model = fit.fitted.model();
+    // Without a time there is no lagged channel in the model either.
+    let derived = data.derived_for(model).unwrap_or(Cow::Borrowed(data));
+    let sample = Sample::of(&derived).for_model(model);
+    fit.fitted.domain.sample = sample;
     fit.fitted.channels.clone_from(&own.schema.channels);
 }
 

@@ -2,9 +2,11 @@
 
 use super::domain::Domain;
 use super::fallback::{Fallback, between};
+use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
-    BoundModel, Channel, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError, Schema,
+    BoundModel, Channel, Effect, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError,
+    Schema,
 };
 use nalgebra::{DMatrix, Matrix3, Matrix6};
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
@@ -123,6 +125,20 @@ impl FittedModel {
     /// With the record of how it came about.
     pub fn with_provenance(self, provenance: serde_json::Map<String, serde_json::Value>) -> Self {
         FittedModel { provenance, ..self }
+    }
+
+    /// The robot alone, without the errors of instrument and log: what commands, maps and exported geometry correct.
+    #[must_use]
+    pub fn of_robot(mut self) -> Self {
+        let of_instrument =
+            |&column: &usize| self.model.effects()[self.model.effect_of(column)].kind() == Instrument::FAMILY;
+        let columns: Vec<usize> = (0..self.coefficients.len()).filter(of_instrument).collect();
+        for column in columns {
+            self.coefficients[column] = 0.0;
+            self.covariance.row_mut(column).fill(0.0);
+            self.covariance.column_mut(column).fill(0.0);
+        }
+        self
     }
 
     /// The same with another covariance of the coefficients; everything else stays.
