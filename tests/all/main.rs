@@ -28,3 +28,4 @@ mod suspicions;
 mod unseen;
 mod upkeep;
 mod verdict;
+mod vocabulary;

@@ -12,7 +12,7 @@ use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
 };
-use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel};
+use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel, Signal, presliding_of};
 use truepose_io::{CommandRow, Poses, WholeFiles, check_writable, commands_file, read_fit, read_poses};
 use truepose_kinematics::Conditions;
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
@@ -27,11 +27,16 @@ const TOGETHER: usize = 64;
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::prepare(args.report.as_ref(), "compensation.json")?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
-    let (poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
+    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
+    let (mut poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
     terminal::warn(&warnings);
     known(args, &fitted, &poses)?;
     let mut commands = commands(args, &fitted, &poses, watch)?;
+    if winds_up(&fitted, &poses) {
+        // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
+        follow(&mut poses, &commands);
+        commands = self::commands(args, &fitted, &poses, watch)?;
+    }
     let channels =
         poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?.schema.channels.clone();
     let expected = expected(&fitted, &poses, &mut commands)?;
@@ -103,6 +108,30 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Whether some effect depends on the way of a joint, and the poses do not state its channel.
+fn winds_up(fitted: &FittedModel, poses: &Poses) -> bool {
+    let needs = fitted.model().effects().iter().flat_map(|effect| effect.needs());
+    needs.into_iter().any(|need| {
+        matches!(need, Signal::Channel(name)
+            if presliding_of(&name).is_some() && poses.rows.schema.channel(&name).is_none())
+    })
+}
+
+/// The joints of the poses as commanded; where there is no command a joint stays where it was.
+fn follow(poses: &mut Poses, commands: &[Command]) {
+    // Without joint values in the file all rows are one dwell.
+    poses.rows.visit = (0..poses.rows.len()).collect();
+    for (joint, column) in poses.rows.joints.iter_mut().enumerate() {
+        let mut here = column.first().copied().unwrap_or(0.0);
+        for (value, command) in column.iter_mut().zip(commands) {
+            if command.status == Status::Ok {
+                here = command.joints[joint];
+            }
+            *value = here;
+        }
+    }
 }
 
 /// Rejects poses whose target or orientation is unknown to the fit, and warns of those that were only declared.

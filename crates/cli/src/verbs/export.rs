@@ -28,7 +28,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
     }
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let written = match args.format {

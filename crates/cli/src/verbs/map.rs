@@ -15,7 +15,7 @@ use truepose_report::{count, millimetres};
 /// Runs the verb.
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
     if let Some(mass) = args.payload {

@@ -16,7 +16,12 @@ impl Compensator<'_> {
                 out.push(match found.filter(|walk| self.fits(&walk.x)) {
                     Some(walk) => {
                         self.take_over(one.conditions);
-                        self.answer(one.target.orientation.is_some(), &walk, Status::Ok, walk.rounds, true)
+                        let oriented = one.target.orientation.is_some();
+                        let found = self.answer(oriented, &walk, Status::Ok, walk.rounds, true);
+                        match &mut self.beyond {
+                            Some(beyond) => beyond.fallen_back(found, &one.target, one.conditions),
+                            None => found,
+                        }
                     }
                     None => self.command(&one.target, one.conditions, one.seed),
                 });
