@@ -12,11 +12,13 @@ mod dwell;
 mod example;
 mod export;
 mod folder;
+mod handover;
 mod hardened;
 mod harm;
 mod hostile;
 mod invariance;
 mod limits;
+mod one_voice;
 mod output;
 mod page;
 #[cfg(feature = "parquet")]

@@ -1,7 +1,7 @@
 //! The TOML form of a robot description.
 
 use super::names::{cell_problem, joint_name_problem};
-use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
+use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, details, urdf};
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{IoError, Unit, Warning};
@@ -51,8 +51,11 @@ pub(super) fn read(
         "targets",
         "urdf",
         "tip",
+        details::KEYS[0],
+        details::KEYS[1],
     ])?;
     let units = units(&root)?;
+    details::of(&root)?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
