@@ -42,7 +42,9 @@ pub use fit::{
 pub use fit_model::fit;
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
-pub use identification::{Identification, IdentificationOptions, Stage, Step, TestSet, identify};
+pub use identification::{
+    AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
+};
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};

@@ -2,7 +2,7 @@
 
 use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
-use crate::{CommandStatus, IoError};
+use crate::{CommandStatus, IoError, WholeFile};
 use std::path::Path;
 use truepose_kinematics::Chain;
 
@@ -17,6 +17,8 @@ pub struct MapRow {
     pub status: CommandStatus,
     /// By how much the uncompensated robot misses it, m.
     pub before: f64,
+    /// With 95 % the uncompensated robot misses it by no more, m.
+    pub before_95: f64,
     /// With 95 % the compensated robot misses it by no more, m.
     pub after_95: f64,
     /// Whether the place is outside of the range of the data of the fit.
@@ -30,12 +32,22 @@ pub struct MapRow {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_map(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Result<(), IoError> {
+    map_file(path, chain, rows)?.finish()
+}
+
+/// The file that [`write_map`] writes, under no name yet.
+///
+/// # Errors
+/// As [`write_map`].
+pub fn map_file(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Result<WholeFile, IoError> {
     let mut header: Vec<String> = ["x[m]", "y[m]", "z[m]"].map(String::from).to_vec();
     header.extend(chain.movable().iter().map(|&joint| {
         let joint = chain.joint(joint);
         format!("{}[{}]", joint.name, si_unit(joint.kind).word)
     }));
-    header.extend(["status", "before[m]", "after_95[m]", "extrapolates", "beyond"].map(String::from));
+    header.extend(
+        ["status", "before[m]", "before_95[m]", "after_95[m]", "extrapolates", "beyond"].map(String::from),
+    );
     let mut table = TableWriter::create(path.as_ref(), &header)?;
     for row in rows {
         row.position.iter().for_each(|&value| table.number(value));
@@ -46,12 +58,13 @@ pub fn write_map(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Resu
         }
         table.text(row.status.word());
         table.number(row.before);
+        table.number(row.before_95);
         table.number(row.after_95);
         table.integer(row.extrapolates.into());
         table.text(&row.beyond);
         table.end_row()?;
     }
-    table.finish()
+    Ok(table.into_file())
 }
 
 #[cfg(test)]
@@ -68,6 +81,7 @@ mod tests {
             joints: vec![0.5, 0.25, 0.125, -1.0],
             status: CommandStatus::Ok,
             before: 1e-3,
+            before_95: 2e-3,
             after_95: 5e-5,
             extrapolates: true,
             beyond: "r1; leverage".into(),
@@ -76,6 +90,7 @@ mod tests {
         let far = MapRow {
             status: CommandStatus::Unreachable,
             before: nan,
+            before_95: nan,
             after_95: nan,
             extrapolates: false,
             beyond: String::new(),
@@ -87,9 +102,9 @@ mod tests {
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             format!(
-                "x[m],y[m],z[m],{},status,before[m],after_95[m],extrapolates,beyond\n\
-                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,ok,0.001,5e-5,1,r1; leverage\n\
-                 1.0,2.0,3.0,,,,,unreachable,,,0,\n",
+                "x[m],y[m],z[m],{},status,before[m],before_95[m],after_95[m],extrapolates,beyond\n\
+                 1.0,2.0,3.0,0.5,0.25,0.125,-1.0,ok,0.001,0.002,5e-5,1,r1; leverage\n\
+                 1.0,2.0,3.0,,,,,unreachable,,,,0,\n",
                 names.join(",")
             )
         );

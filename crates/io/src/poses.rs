@@ -5,7 +5,8 @@ use crate::table::TableWriter;
 use crate::{ColumnMap, CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
 use std::path::Path;
 use truepose_errormodel::{Dataset, DwellTolerance};
-use truepose_kinematics::{Chain, JointKind};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, JointKind, Pose};
 
 /// Desired poses, with the conditions under which they are wanted.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,10 +89,11 @@ pub fn write_commands(
     poses: &Poses,
     commands: &[CommandRow],
 ) -> Result<(), IoError> {
-    commands_file(path, chain, poses, commands)?.finish()
+    commands_file(path, chain, poses, commands, None)?.finish()
 }
 
-/// The file that [`write_commands`] writes, under no name yet.
+/// The file that [`write_commands`] writes, under no name yet; with the pose (m) for a controller without the model, one for each command, where
+/// given.
 ///
 /// # Errors
 /// As [`write_commands`].
@@ -100,6 +102,7 @@ pub fn commands_file(
     chain: &Chain,
     poses: &Poses,
     commands: &[CommandRow],
+    corrected: Option<&[Pose]>,
 ) -> Result<WholeFile, IoError> {
     let path = path.as_ref();
     if commands.len() != poses.rows.len() || poses.joint_units.len() != chain.movable().len() {
@@ -111,6 +114,10 @@ pub fn commands_file(
     let named = poses.ids.len() == commands.len() && !commands.is_empty();
     let mut header: Vec<String> = named.then(|| "id".to_owned()).into_iter().chain(joints).collect();
     header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
+    if corrected.is_some() {
+        let names = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"];
+        header.extend(names.map(|name| format!("corrected_{name}")));
+    }
     let mut table = TableWriter::create(path, &header)?;
     for (row, command) in commands.iter().enumerate() {
         if named {
@@ -129,6 +136,12 @@ pub fn commands_file(
             table.text(&command.beyond);
         } else {
             (0..4).for_each(|_| table.text(""));
+        }
+        if let Some(poses) = corrected {
+            let pose = poses.get(row).filter(|_| command.status == CommandStatus::Ok);
+            let numbers = pose.map(|pose| (pose.translation, pose.quaternion()));
+            let (place, turn) = numbers.unwrap_or((Vector3::repeat(f64::NAN), [f64::NAN; 4]));
+            place.iter().chain(&turn).for_each(|&value| table.number(value));
         }
         table.end_row()?;
     }

@@ -37,6 +37,9 @@ pub struct Identify {
     /// Where to write the fit
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Where to write the parameters of the robot as it is described: nominal, calibrated, 95 % interval (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), ridge(gcv), huber(qr, k=1.345), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
@@ -80,7 +83,10 @@ pub struct Identify {
     /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm
+    /// File with the head of the report, [certificate] (TOML) [default: the robot file]
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
+    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
@@ -128,12 +134,18 @@ pub struct Discover {
     /// Folder for the report: `index.html`, its figures, `discovery.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm
+    /// File with the head of the report, [certificate] (TOML) [default: the robot file]
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
+    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Folder for fits of the competing hypotheses that are not distinguishable from the findings, for `truepose plan --rival`
     #[arg(long, value_name = "DIR")]
     pub rivals: Option<PathBuf>,
+    /// Where to write the parameters of the robot as it is described: nominal, calibrated, 95 % interval (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,

@@ -12,6 +12,7 @@ pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Effects, Init, Simulate, Verify};
 pub use upkeep::{Monitor, Transfer};
+pub use values::Place;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;

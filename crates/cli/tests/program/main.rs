@@ -13,6 +13,7 @@ mod dwell;
 mod example;
 mod export;
 mod folder;
+mod handover;
 mod hardened;
 mod harm;
 mod hostile;
@@ -20,6 +21,7 @@ mod init;
 mod invariance;
 mod limits;
 mod mistakes;
+mod one_voice;
 mod output;
 mod page;
 #[cfg(feature = "parquet")]

@@ -2,6 +2,7 @@
 
 mod columns;
 mod couplings;
+mod details;
 pub(crate) mod names;
 mod toml_form;
 mod urdf;
@@ -11,6 +12,7 @@ mod urdf_path;
 mod write;
 mod xml_places;
 
+pub use details::{Certificate, FrameParent, NamedFrame, RobotDetails, read_details};
 pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
 pub use urdf_form::robot_urdf;
 pub use write::robot_toml;

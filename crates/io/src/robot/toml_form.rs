@@ -1,7 +1,7 @@
 //! The TOML form of a robot description.
 
 use super::names::{cell_problem, joint_name_problem};
-use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
+use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, details, urdf};
 use super::{columns, couplings};
 use crate::frame_names::joint_name;
 use crate::text::Text;
@@ -55,10 +55,13 @@ pub(super) fn read(
         "tip",
         "columns",
         "couplings",
+        details::KEYS[0],
+        details::KEYS[1],
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
     let units = units(&root)?;
+    details::of(&root)?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
