@@ -151,7 +151,7 @@ impl RowReader {
                 }
             };
             if let Err(error) = self.put(line, k, raw) {
-                self.problems.push(error);
+                self.keep(error);
             }
         }
         if at < text.len() && text[at..].iter().any(|byte| !matches!(byte, b',' | b' ' | b'\t')) {
@@ -181,11 +181,17 @@ impl RowReader {
         }
         self.seen[k].see(raw);
         self.numbers[k] = if si { raw } else { self.header.columns[k].conversion.to_si(raw) };
-        if self.numbers[k].abs() > LARGEST {
-            let message = format!("{raw:e} cannot be meant; check the number");
-            return Err(self.header.cell_error(line, k, message));
-        }
-        Ok(())
+        if self.numbers[k].abs() > LARGEST { Err(self.too_large(line, k, raw)) } else { Ok(()) }
+    }
+
+    #[cold]
+    fn keep(&mut self, error: IoError) {
+        self.problems.push(error);
+    }
+
+    #[cold]
+    fn too_large(&self, line: u64, k: usize, raw: f64) -> IoError {
+        self.header.cell_error(line, k, format!("{raw:e} cannot be meant; check the number"))
     }
 
     /// Takes a row whose cells stand in columns.
