@@ -30,4 +30,5 @@ mod report;
 mod round_trip;
 mod spoiled;
 mod stream;
+mod upkeep;
 mod wording;
