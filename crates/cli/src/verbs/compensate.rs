@@ -4,6 +4,7 @@ use super::frames::Placed;
 use super::reporting::Folder;
 use super::{about, beyond, print_json, status};
 use crate::args::Compensate;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
@@ -14,7 +15,7 @@ use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
 };
-use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel};
+use truepose_errormodel::{Beyond, Coverage, ErrorModel, FittedModel};
 use truepose_io::{
     CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
     read_measurements, read_poses,
@@ -32,7 +33,7 @@ const TOGETHER: usize = 64;
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, effects())?;
     let file = file(args);
     let placed = Placed::new(args, &fitted)?;
     let poses = read(args, &fitted, &placed)?;

@@ -201,6 +201,6 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             ]),
             Vec::new(),
         ),
-        Verb::Effects(_) | Verb::Verify(_) => (Vec::new(), Vec::new()),
+        Verb::Effects(_) | Verb::Verify(_) | Verb::Completions(_) => (Vec::new(), Vec::new()),
     }
 }

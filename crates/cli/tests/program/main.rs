@@ -21,10 +21,12 @@ mod limits;
 mod one_voice;
 mod output;
 mod page;
+mod pages;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod report;
 mod round_trip;
 mod spoiled;
 mod stream;
+mod surface;
 mod wording;
