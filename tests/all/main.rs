@@ -26,4 +26,6 @@ mod shared_data;
 mod solvers_agree;
 mod suspicions;
 mod unseen;
+mod upkeep;
 mod verdict;
+mod vocabulary;

@@ -3,6 +3,7 @@
 mod args;
 mod extensions;
 mod failure;
+mod library;
 mod progress;
 mod space;
 mod terminal;
@@ -32,6 +33,7 @@ pub fn run(extensions: Extensions) -> ExitCode {
             ExitCode::from(match failure {
                 Failure::Criterion(_) => 1,
                 Failure::Input(_) => 2,
+                Failure::Changed => 3,
             })
         }
     }

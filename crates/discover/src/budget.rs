@@ -10,8 +10,6 @@ constants! {
     Budget {
         /// Rows that are searched at once; of more than a quarter above, whole poses are drawn.
         sample_rows: usize = 1000;
-        /// Exchangeable units of the resampling test; neighbouring poses are merged where there are more.
-        units: usize = 400;
         /// Noise estimates of one likelihood.
         noise_iterations: usize = 5;
         /// Passes over outliers of one fit.

@@ -7,11 +7,12 @@
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::errors::Errors;
 use crate::conclude::fallback::Checks;
-use crate::conclude::held_out::HeldOutIntervals;
+use crate::conclude::held_out::{HeldOutIntervals, clusters};
 use crate::data::derived;
 use crate::diagnose::on_split;
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
+use crate::problem::dependence::Dependence;
 use crate::progress::Progress;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -71,6 +72,16 @@ pub fn nested<A: Answer>(
         Errors { holdout: all, ..Errors::default() }
     };
     let (before, after) = (merged(|run| &run.before), merged(|run| &run.after));
-    let intervals = HeldOutIntervals::of(&before, &after, data, options.budget.bootstrap, options.seed);
+    // The one that most runs would report.
+    let mut each: Vec<&Dependence> = runs.iter().filter_map(|run| run.dependence.as_ref()).collect();
+    each.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    let dependence = each.get(runs.len() / 2).copied();
+    let intervals = HeldOutIntervals::of(
+        &before,
+        &after,
+        &clusters(data, dependence),
+        options.budget.bootstrap,
+        options.seed,
+    );
     Ok(Nested { before: before.holdout.positions(), after: after.holdout.positions(), intervals, runs })
 }

@@ -1,10 +1,11 @@
 //! The channels that a model reads and that can be made from other columns of the data.
 
-use crate::dataset::Dataset;
+use crate::dataset::{Channel, Dataset, presliding_of, step_of};
 use crate::error::ModelError;
 use crate::model::ErrorModel;
 use crate::signal::Signal;
 use std::borrow::Cow;
+use truepose_kinematics::Chain;
 
 impl Dataset {
     /// The data with the derived channels that a model needs and the data lacks, where they can be made. What cannot be made is told when
@@ -27,7 +28,9 @@ impl Dataset {
                         have: self.schema.channels.iter().map(|channel| channel.name.clone()).collect(),
                     });
                 }
-                if let Some((made, column)) = self.made(name) {
+                if let Some((made, column)) =
+                    self.along_the_way(name, model.chain()).or_else(|| self.made(name))
+                {
                     let more = data.to_mut();
                     more.schema.channels.push(made);
                     more.channels.push(column);
@@ -35,6 +38,17 @@ impl Dataset {
             }
         }
         Ok(data)
+    }
+
+    /// A derived channel of this name that follows from the order of poses; none of other names.
+    fn along_the_way(&self, name: &str, chain: &Chain) -> Option<(Channel, Vec<f64>)> {
+        let channel = |unit: &str| Channel { name: name.to_owned(), unit: unit.into(), temperature: false };
+        if let Some((joint, width)) = presliding_of(name) {
+            return Some((channel("1"), self.presliding(chain.coordinate(joint)?, width)));
+        }
+        let joint = step_of(name)?;
+        let column = chain.coordinate(joint)?;
+        Some((channel(chain.joint(joint).unit()), self.last_step(column)))
     }
 }
 

@@ -108,6 +108,11 @@ fn hint(signal: &str, have: &[String]) -> String {
     // A channel that follows late is made from the one that it follows.
     match signal.strip_prefix("a channel `").and_then(|name| name.split_once("~lag=")) {
         Some((source, _)) => format!("{known}; it is made from `{source}` and `time`, where both are there"),
+        None if (signal.starts_with("a channel `z_") && signal.contains("~w="))
+            || signal.starts_with("a channel `step~") =>
+        {
+            format!("{known}; it is made from the joint and the order of poses, or by the controller")
+        }
         None => known,
     }
 }

@@ -1,7 +1,7 @@
 //! From the word in a file to the effect that it names.
 
 use crate::effects::{
-    Backlash, BaseCompliance, Coupling, Drift, Expansion, Geometric, Guideway, JointCompliance,
+    Backlash, BaseCompliance, Coupling, Drift, Expansion, Geometric, Guideway, Instrument, JointCompliance,
     LinkCompliance, LoadNonlinearity, Polynomial, Shift, Thermal, Transmission,
 };
 use crate::{AnyEffect, Effect, ModelError};
@@ -38,6 +38,7 @@ impl EffectRegistry {
             .with::<Thermal>()
             .with::<Drift>()
             .with::<Shift>()
+            .with::<Instrument>()
             .with::<Expansion>()
             .with::<Polynomial>()
     }

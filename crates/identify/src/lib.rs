@@ -2,6 +2,7 @@
 
 mod against_plain;
 mod comparison;
+mod conventions;
 mod cross_validation;
 mod error;
 mod evidence;
@@ -31,6 +32,7 @@ mod suspicion;
 mod variance;
 
 pub use comparison::{Compared, Paired, Trial, compare};
+pub use conventions::{Misread, Misreading, NominalResidual, misreadings, nominal_residual};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, Excitation, excitation};
@@ -46,7 +48,7 @@ pub use identification::{
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
-pub use placement::{Placement, Undetermined, place};
+pub use placement::{Placement, Undetermined, place, place_fitted};
 pub use plain::{Plain, Way, plain};
 pub use planning::{Plan, PlanOptions, Planned, Why, plan};
 pub use prior::{Prior, PriorStrength};

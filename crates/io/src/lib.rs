@@ -4,6 +4,8 @@ mod digest;
 mod error;
 mod export;
 mod fit;
+mod frame_names;
+mod history;
 mod map;
 mod measurements;
 mod model;
@@ -25,10 +27,11 @@ pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
+pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
-    ColumnInfo, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, read_measurements,
-    sample_measurements,
+    ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, OrientationConvention,
+    read_measurements, sample_measurements,
 };
 pub use model::read_model;
 pub use parameters::{ParameterRow, parameters_file};
@@ -37,7 +40,7 @@ pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, wri
 pub use predictions::{Prediction, PredictionsWriter, write_predictions};
 pub use robot::{
     Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
-    read_details, read_robot, robot_files, robot_toml, robot_urdf,
+    read_details, read_robot, robot_columns, robot_files, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
 pub use text::read_text;

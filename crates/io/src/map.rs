@@ -1,6 +1,6 @@
 //! A map of the accuracy as a CSV file: the file of `truepose map`.
 
-use crate::poses::si_unit;
+use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
 use crate::{CommandStatus, IoError, WholeFile};
 use std::path::Path;
@@ -11,7 +11,7 @@ use truepose_kinematics::Chain;
 pub struct MapRow {
     /// Where the point is to be, m, measurement frame.
     pub position: [f64; 3],
-    /// Movable joints, rad or m; written where the place can be reached.
+    /// Variables of the movable joints, rad or m; written as the controller's values, where the place can be reached.
     pub joints: Vec<f64>,
     /// Whether it can be reached.
     pub status: CommandStatus,
@@ -51,9 +51,10 @@ pub fn map_file(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Resul
     let mut table = TableWriter::create(path.as_ref(), &header)?;
     for row in rows {
         row.position.iter().for_each(|&value| table.number(value));
+        let values = controller_values(chain, &row.joints);
         for k in 0..chain.movable().len() {
             let reached = row.status == CommandStatus::Ok;
-            table.number(row.joints.get(k).copied().filter(|_| reached).unwrap_or(f64::NAN));
+            table.number(values.get(k).copied().filter(|_| reached).unwrap_or(f64::NAN));
         }
         table.text(row.status.word());
         table.number(row.before);

@@ -15,6 +15,7 @@ mod specification;
 mod statistics;
 mod streamed;
 mod suspicion;
+mod upkeep;
 mod wording;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
@@ -43,6 +44,10 @@ pub use specification::{SpecificationSummary, Verdict};
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
+pub use upkeep::{
+    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, InstallationSummary,
+    MonitorSummary, TransferSummary,
+};
 pub use wording::{
     advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,
     warning_text,

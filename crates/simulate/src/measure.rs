@@ -86,6 +86,9 @@ impl Plant {
         let targets = self.measured_targets(campaign);
         for (index, (visit, approach)) in campaign.visits.iter().zip(campaign.approaches()).enumerate() {
             let carried = self.really_carried(visit.load, &mut of_payload);
+            let before = &campaign.visits[index.saturating_sub(1)].joints;
+            let logged =
+                disturbed.log.map_or_else(|| visit.joints.clone(), |log| log.recorded(before, &visit.joints));
             let shared = three(&mut of_visit) * self.repeatability.sd;
             let turned = three(&mut of_visit) * self.repeatability.rotation_sd;
             let off_joints = disturbed.joints(&mut of_joint);
@@ -120,7 +123,7 @@ impl Plant {
                 let stand = station.as_ref().map(|path| path.rotation(index));
                 self.write_orientation(&mut seen.data, &reached, (&turned, stand), &mut of_orientation);
                 let data = &mut seen.data;
-                for (column, q) in data.joints.iter_mut().zip(&visit.joints) {
+                for (column, q) in data.joints.iter_mut().zip(&logged) {
                     column.push(disturbed.recorded(*q, &mut of_flicker));
                 }
                 for (column, side) in data.approach.iter_mut().zip(&approach) {

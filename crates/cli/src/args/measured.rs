@@ -1,10 +1,11 @@
 //! Options of the verbs that fit measurements: identify, discover, compare.
 
-use super::values::{input, parse_count, parse_length, parse_prior, parse_whole};
+use super::values::{input, parse_count, parse_fraction, parse_length, parse_prior, parse_whole};
 use super::{Grouped, Robot};
 use crate::extensions::SolverChoice;
 use std::path::PathBuf;
 use truepose_identify::FitOptions;
+use truepose_io::{IoError, MeasurementsOptions};
 
 /// Robot, measurements and declared model.
 #[derive(Debug, clap::Args)]
@@ -19,6 +20,13 @@ pub struct Measured {
     pub model: Option<PathBuf>,
     #[command(flatten)]
     pub grouped: Grouped,
+}
+
+impl Measured {
+    /// How the measurements are read.
+    pub fn reading(&self) -> Result<MeasurementsOptions, IoError> {
+        self.grouped.measured_on(&self.robot.robot)
+    }
 }
 
 /// `truepose identify`
@@ -50,8 +58,8 @@ pub struct Identify {
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
-    /// Fraction of the configurations for a held-out test set, drawn before anything is fitted
-    #[arg(long, value_name = "FRACTION")]
+    /// Fraction of the configurations for a held-out test set, drawn before anything is fitted, e.g. 20%
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = parse_fraction)]
     pub holdout: Option<f64>,
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]
@@ -143,7 +151,7 @@ pub struct Discover {
     pub solver: SolverChoice,
     /// Fraction of the configurations in the held-out test set, drawn before anything is fitted [default: 0.2;
     /// none where poses are few: then nested cross-validation takes its place]
-    #[arg(long, value_name = "FRACTION")]
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = parse_fraction)]
     pub holdout: Option<f64>,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]

@@ -4,12 +4,14 @@ mod fitted;
 mod grouped;
 mod measured;
 mod other;
+mod upkeep;
 mod values;
 
 pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
-pub use other::{Check, Completions, CompletionsOf, Effects, Simulate, Verify};
+pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
+pub use upkeep::{Monitor, Transfer};
 pub use values::Place;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -88,8 +90,14 @@ pub enum Verb {
     Export(Export),
     /// Map the robot's accuracy over its workspace, before and after compensation
     Map(Map),
+    /// Find base (tool, targets) of an identified arm in a new installation, from a few poses
+    Transfer(Transfer),
+    /// Test whether the robot has changed since it was calibrated (exit code 3: it has)
+    Monitor(Monitor),
     /// Fit one model with several solver strategies, on the same folds, and test the differences
     Compare(Compare),
+    /// Write a robot description from the library of makers' published dimensions, and a table to fill in
+    Init(Init),
     /// Read files and list what they contain: every unit, range and count
     Check(Check),
     /// List the effects and solvers that can be declared

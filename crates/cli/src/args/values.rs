@@ -23,6 +23,19 @@ pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength
     }
 }
 
+/// `0.2` or `20%`.
+pub(super) fn parse_fraction(text: &str) -> Result<f64, String> {
+    let (number, divide) = match text.trim().strip_suffix('%') {
+        Some(number) => (number.trim_end(), 100.0),
+        None => (text.trim(), 1.0),
+    };
+    let fraction = number.parse::<f64>().map(|value| value / divide);
+    fraction
+        .ok()
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| "a fraction is needed, as in 0.2 or 20%".into())
+}
+
 /// A whole number, such as a count or a seed.
 pub(super) fn parse_whole<T: std::str::FromStr>(text: &str) -> Result<T, String> {
     text.parse().map_err(|_| "a whole number is needed, 0 or more".into())

@@ -37,7 +37,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let declared = declared(&args.measured, &chain)?;
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     terminal::warn(repeated(&data, &args.measured.data).as_slice());
@@ -103,7 +103,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     }
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
-        summary.parameters = Some(parameters::parameters(&found.fit.fitted));
+        summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {

@@ -11,8 +11,8 @@ use truepose_compensate::{
 };
 use truepose_errormodel::{FittedModel, TargetKnown};
 use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
-use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, Coupling, Pose};
 
 /// The text of a file, with its statement of accuracy.
 struct Written {
@@ -29,7 +29,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
     }
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, effects())?;
+    let fitted = read_fit(&args.fit, effects())?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let written = match args.format {
@@ -82,6 +82,7 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
         fitted.chain().name()
     )];
     notes.extend(exported.statement());
+    notes.extend(couplings(fitted.chain()));
     match fitted.orientation_known() {
         TargetKnown::Measured => {}
         TargetKnown::Declared => {
@@ -97,6 +98,19 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
         c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
     };
     notes.iter().map(|note| note.replace(ends, "\u{fffd}")).collect()
+}
+
+/// How the variables of the file follow from the controller's values, which the formats cannot hold.
+fn couplings(chain: &Chain) -> Vec<String> {
+    let name = |joint| &chain.joint(joint).name;
+    let words = |c: &Coupling| {
+        let (joint, driver) = (name(c.joint), name(c.driver));
+        format!(
+            "the variable of {joint} contains {:?} times the controller's value of {driver}, besides its own",
+            c.factor
+        )
+    };
+    chain.couplings().iter().map(words).collect()
 }
 
 /// Estimated positions of targets on the tool, which the formats cannot hold.

@@ -192,6 +192,14 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             list(&[("--fit", Some(&of.fit)), ("--certificate", of.certificate.as_ref())]),
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
+        Verb::Transfer(of) => {
+            (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
+        }
+        // A history is read and written again.
+        Verb::Monitor(of) => (
+            list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]),
+            list(&[("--history", of.history.as_ref())]),
+        ),
         Verb::Simulate(of) => (list(&[("--plant", Some(&of.plant))]), list(&[("--out", Some(&of.out))])),
         Verb::Check(of) => (
             list(&[
@@ -201,6 +209,7 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             ]),
             Vec::new(),
         ),
+        Verb::Init(of) => (Vec::new(), list(&[("--out", of.out.as_ref()), ("--csv", of.csv.as_ref())])),
         Verb::Effects(_) | Verb::Verify(_) | Verb::Completions(_) => (Vec::new(), Vec::new()),
     }
 }

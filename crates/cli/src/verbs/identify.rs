@@ -28,7 +28,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         return super::stream::identify(args, &chain, &effects, watch);
     }
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     if args.positions_only {
         data.orientation.fill(None);
@@ -68,7 +68,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     }
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
-        summary.parameters = Some(parameters::parameters(&found.fit.fitted));
+        summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {

@@ -21,7 +21,7 @@ use truepose_report::{MapView, PlaceView, count, map_report, millimetres};
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "map.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, effects())?;
+    let fitted = read_fit(&args.fit, effects())?.of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
     if let Some(mass) = args.payload {

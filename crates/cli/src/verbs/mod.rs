@@ -12,7 +12,10 @@ mod files;
 mod frames;
 mod identified;
 mod identify;
+mod init;
 mod map;
+mod monitor;
+mod nominal;
 mod parameters;
 mod plan;
 mod predict;
@@ -20,6 +23,7 @@ mod repeated;
 mod reporting;
 mod simulate;
 mod stream;
+mod transfer;
 mod verify;
 
 pub use completions::write as completions;
@@ -48,7 +52,10 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Compensate(verb) => compensate::run(verb, watch),
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
+        Verb::Transfer(verb) => transfer::run(verb, watch),
+        Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
+        Verb::Init(verb) => init::run(verb),
         Verb::Check(verb) => check::run(verb),
         Verb::Effects(verb) => effects::run(verb),
         Verb::Simulate(verb) => simulate::run(verb),

@@ -7,6 +7,7 @@
 )]
 
 mod bad_input;
+mod coupled;
 mod determinism;
 mod dwell;
 mod example;
@@ -16,8 +17,10 @@ mod handover;
 mod hardened;
 mod harm;
 mod hostile;
+mod init;
 mod invariance;
 mod limits;
+mod mistakes;
 mod one_voice;
 mod output;
 mod page;

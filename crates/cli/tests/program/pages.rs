@@ -33,7 +33,8 @@ fn asked(browser: &str, folder: &Folder, page: &str, axe: &str, width: u32) -> V
     folder.write("probed.html", &folder.read(page).replace("</body>", &format!("{axe}{PROBE}")));
     let arguments = ["--dump-dom".into(), format!("--window-size={width},900")];
     let (dom, log) = chromium(browser, folder, "probed.html", &arguments);
-    let (_, rest) = dom.split_once("<pre id=\"probe\">").unwrap_or_else(|| panic!("{page}: no answer:\n{log}"));
+    let (_, rest) =
+        dom.split_once("<pre id=\"probe\">").unwrap_or_else(|| panic!("{page}: no answer:\n{log}"));
     let text = rest.split_once("</pre>").unwrap().0;
     let text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
     serde_json::from_str(&text).unwrap()
@@ -43,7 +44,8 @@ fn asked(browser: &str, folder: &Folder, page: &str, axe: &str, width: u32) -> V
 fn every_verb_has_a_page() {
     let folder = Folder::with_data();
     folder.write("head.toml", "[certificate]\noperator = \"<b>N. N.</b>\"\nserial = \"17\"\n");
-    let fit = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--report", "i"];
+    let fit =
+        ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--report", "i"];
     folder.run(&[&fit[..], &["--certificate", "head.toml"]].concat()).ended(0);
     folder.write("t.csv", "x[mm],y[mm],z[mm]\n400,100,300\n9000,0,0\n");
     for run in [
@@ -64,12 +66,23 @@ fn every_verb_has_a_page() {
         return;
     };
     let axe = axe().unwrap_or_default();
-    for page in ["i/index.html", "i/summary.html", "compensate/index.html", "map/index.html", "plan/index.html", "predict/index.html"] {
+    for page in [
+        "i/index.html",
+        "i/summary.html",
+        "compensate/index.html",
+        "map/index.html",
+        "plan/index.html",
+        "predict/index.html",
+    ] {
         for width in [360, 1280] {
             let seen = asked(browser, &folder, page, &axe, width);
             let number = |key: &str| seen[key].as_f64().unwrap();
             assert!(number("wanted") <= number("width") + 1.0, "{page} is wider than the window: {seen}");
-            assert_eq!((seen["requests"].as_u64(), seen["nameless"].as_u64()), (Some(0), Some(0)), "{page}: {seen}");
+            assert_eq!(
+                (seen["requests"].as_u64(), seen["nameless"].as_u64()),
+                (Some(0), Some(0)),
+                "{page}: {seen}"
+            );
             assert_eq!(seen["violations"], serde_json::json!([]), "{page}, {width} px");
             assert_eq!(seen["turned"], true, "{page}");
         }

@@ -100,6 +100,7 @@ pub(super) fn with_errors(chain: &Chain, errors: &GeneralizedErrors) -> Result<C
         ..target.clone()
     });
     Ok(Chain::new(chain.name(), joints)?
+        .coupled_as(chain)?
         .with_base(base)?
         .with_tool(tool)?
         .with_gravity(*chain.gravity())?

@@ -34,3 +34,14 @@ impl Errors {
         (train.rms, holdout.rms)
     }
 }
+
+/// The residuals with those of another model in these rows, where they are not known.
+pub(crate) fn with_missing(mut residuals: Residuals, other: &Residuals, rows: &[usize]) -> Residuals {
+    for &row in rows {
+        if residuals.distance(row).is_none() {
+            residuals.position[row] = other.position[row];
+            residuals.orientation[row] = other.orientation[row];
+        }
+    }
+    residuals
+}

@@ -4,12 +4,13 @@
 use crate::accept::accepted::Accepted;
 use crate::accept::outcome::Outcome;
 use crate::conclude::diagnosis::{Alternative, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
-use crate::conclude::errors::Errors;
+use crate::conclude::errors::{Errors, with_missing};
 use crate::conclude::extrapolation::extrapolations;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::NoiseFloor;
-use crate::conclude::held_out::HeldOutIntervals;
+use crate::conclude::held_out::{HeldOutIntervals, clusters};
 use crate::conclude::partition::{HeldOut, Partition};
+use crate::conclude::reach::fallback;
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
 use crate::conclude::verdict::{Variances, verdict};
@@ -22,7 +23,7 @@ use crate::hypotheses::outlier::Outlying;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
-use crate::model::prepared::with_loads;
+use crate::model::prepared::{with_loads, without};
 use crate::problem::dependence::dependence;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
@@ -30,10 +31,13 @@ use crate::problem::outliers::Outliers;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample, Visits};
-use truepose_identify::{Fit, FittedNonlinear, ResidualVariance, Residuals, repeats, student_quantile};
+use truepose_identify::{
+    Fit, FittedNonlinear, ResidualVariance, Residuals, fit_again, repeats, student_quantile,
+};
 
 /// Forms the result.
 pub(crate) fn conclude(
@@ -59,8 +63,11 @@ pub(crate) fn conclude(
             Some(pair) => pair,
             None => model.both_refitted(context)?,
         };
-        after.holdout = if found.is_empty() { declared.clone() } else { enlarged };
-        before.holdout = declared;
+        let enlarged = if found.is_empty() { declared.clone() } else { enlarged };
+        // Rows that no fit uses are unseen by all of them.
+        let suspects = &current.outliers.suspects;
+        before.holdout = with_missing(declared, &before.holdout, suspects);
+        after.holdout = with_missing(enlarged, &after.holdout, suspects);
     }
 
     let all = with_loads(partition.data, &found);
@@ -150,12 +157,25 @@ pub(crate) fn conclude(
     let ratio = noise_floor.rms.map_or(1.0, |rms| rms / assumed);
     let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
     let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
+    let dependence =
+        dependence(&Linearisation::new(&current.fit, &current.data, context.options)?, context.options.seed);
+    let clusters = clusters(&held, dependence.as_ref());
     let intervals =
-        HeldOutIntervals::of(&before, &after, &held, context.budget().bootstrap, context.options.seed);
-    let extrapolations = match declared_fit.full_report {
+        HeldOutIntervals::of(&before, &after, &clusters, context.budget().bootstrap, context.options.seed);
+    let unseen = match declared_fit.full_report {
         true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
         false => Vec::new(),
     };
+    let (mut extrapolations, parts): (Vec<_>, Vec<_>) = unseen.into_iter().unzip();
+    if declared_fit.full_report && !found.is_empty() {
+        let as_declared = without(partition.data, &outside.suspects);
+        let alone = fit_again(&declared, &as_declared, context.solver, &context.fit)?;
+        let fallback = fallback((&alone.fitted, &as_declared), (&fit.fitted, &data), &parts)?;
+        for (figures, part) in extrapolations.iter_mut().zip(&parts) {
+            figures.fallen_back = Some(part.mean_square(fallback.scale).sqrt());
+        }
+        fit.fitted.fallback = Some(fallback);
+    }
     Ok(Diagnosis {
         placement: partition.placement.clone(),
         findings,
@@ -167,10 +187,7 @@ pub(crate) fn conclude(
         after,
         withdrawn,
         noise_floor,
-        dependence: dependence(
-            &Linearisation::new(&current.fit, &current.data, context.options)?,
-            context.options.seed,
-        ),
+        dependence,
         verdict,
         unexplained,
         intervals,
@@ -202,7 +219,11 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
     let own = derived::own_channels(data);
     fit.fitted.domain = Domain::of(&own);
     // The sample keeps the derived channels of the model: they cannot be derived from a sample.
-    fit.fitted.domain.sample = Sample::of(data).for_model(fit.fitted.model());
+    let model = fit.fitted.model();
+    // Without a time there is no lagged channel in the model either.
+    let derived = data.derived_for(model).unwrap_or(Cow::Borrowed(data));
+    let sample = Sample::of(&derived).for_model(model);
+    fit.fitted.domain.sample = sample;
     fit.fitted.channels.clone_from(&own.schema.channels);
 }
 
@@ -289,12 +310,17 @@ fn competing_fits(
 ) -> Result<Vec<CompetingFit>, DiscoverError> {
     let mut fits = Vec::new();
     for (finding, accepted) in accepted.iter().enumerate() {
-        let tied = accepted
+        // The likeliest names first: a curve without one is the last that a plan needs.
+        let own = (&accepted.candidate, accepted.evidence.p_surrogates);
+        let names = name_probabilities(own, &accepted.competitors, context.policy());
+        let mut tied: Vec<_> = accepted
             .competitors
             .iter()
-            .filter(|(_, behind)| *behind < context.policy().tie)
-            .take(context.budget().fitted);
-        for (candidate, _) in tied {
+            .zip(&names.each)
+            .filter(|((_, behind), _)| *behind < context.policy().tie)
+            .collect();
+        tied.sort_by(|a, b| b.1.total_cmp(a.1));
+        for ((candidate, _), _) in tied.into_iter().take(context.budget().fitted) {
             let (mut fit, found) = trial.fit_instead(finding, candidate, out)?;
             at_run_time(&mut fit, &found, data);
             fits.push(CompetingFit { finding, candidate: candidate.clone(), fit });

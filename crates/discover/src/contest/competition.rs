@@ -88,7 +88,8 @@ fn selected<'a>(
     selected
 }
 
-/// The variants of a group, one for each number of coefficients, with their nonlinear parameters optimised.
+/// The variants of a group, one for each number of coefficients and of nonlinear parameters on a coarse grid, with these optimised: the best
+/// value of such a parameter hides the law without it in the screen, though that may predict as well.
 fn refined_variants(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
@@ -96,16 +97,24 @@ fn refined_variants(
     cause: &Cause,
 ) -> Result<Vec<Competitor>, DiscoverError> {
     let mut competitors = Vec::new();
-    let mut freedoms = Vec::new();
+    let mut sizes = Vec::new();
     for (candidate, _, freedom) in &cause.variants {
-        if freedoms.contains(freedom) || freedoms.len() >= linearisation.budget.variants {
+        let size = (*freedom, candidate.scales());
+        if sizes.contains(&size) || sizes.len() >= linearisation.budget.variants {
             continue;
         }
-        freedoms.push(*freedom);
+        sizes.push(size);
         let variant = refined(linearisation, &screen.projection, candidate);
+        if let Some(simple) = variant.simplified(linearisation.chain()) {
+            competitors.extend(competitor(linearisation, screen, visits, simple)?);
+        }
         competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
     if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| candidate.richer()) {
+        let more = refined(linearisation, &screen.projection, &more);
+        if let Some(simple) = more.simplified(linearisation.chain()) {
+            competitors.extend(competitor(linearisation, screen, visits, simple)?);
+        }
         competitors.extend(competitor(linearisation, screen, visits, more)?);
     }
     Ok(competitors)
@@ -128,7 +137,7 @@ fn add_periods(
     let grown: Vec<Option<Competitor>> = transmissions
         .par_iter()
         .map(|&k| {
-            let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
+            let best = preferred(&found[k], linearisation.policy);
             match best.and_then(|best| more_periods(linearisation, &screen.projection, &best.candidate)) {
                 Some(candidate) => competitor(linearisation, screen, visits, candidate),
                 None => Ok(None),
@@ -142,9 +151,23 @@ fn add_periods(
 /// The simplest variant of a cause that is not distinguishable from the best one.
 fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> {
     shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
-    let best = least(&shapes);
-    let tied = shapes.into_iter().filter(|r| r.score < best + policy.variant_ties * policy.tie);
-    tied.min_by(|a, b| a.freedom.cmp(&b.freedom).then(a.score.total_cmp(&b.score)))
+    let tied = tied(&shapes, policy);
+    shapes.into_iter().filter(|r| r.score < tied).min_by(simpler)
+}
+
+/// The same of all variants, where they are.
+fn preferred<'a>(shapes: &'a [Competitor], policy: &Policy) -> Option<&'a Competitor> {
+    let tied = tied(shapes, policy);
+    shapes.iter().filter(|r| r.score < tied).min_by(|a, b| simpler(a, b))
+}
+
+/// The score below which variants of a cause are not distinguishable from the best one.
+fn tied(shapes: &[Competitor], policy: &Policy) -> f64 {
+    least(shapes) + policy.variant_ties * policy.tie
+}
+
+fn simpler(a: &Competitor, b: &Competitor) -> std::cmp::Ordering {
+    a.unknowns().cmp(&b.unknowns()).then(a.score.total_cmp(&b.score))
 }
 
 /// Best first; of those that are not distinguishable from the best one, the simplest.
@@ -197,6 +220,29 @@ fn with_best_components(
     }
 }
 
+/// The candidate with the simplest value of each nonlinear parameter in turn, where the data cannot distinguish it from the value that was
+/// found: what the other periods took away may have displaced that.
+fn all_simplified(
+    linearisation: &Linearisation<'_>,
+    present: &Projection,
+    mut candidate: Candidate,
+) -> Candidate {
+    let policy = linearisation.policy;
+    let gain = |candidate: &Candidate| present.judge(linearisation, candidate).map(|score| score.gain);
+    let Some(mut reached) = gain(&candidate) else { return candidate };
+    for k in 0..candidate.effects().len() {
+        let mut effects = candidate.effects().to_vec();
+        let alone = candidate.with_effects(vec![effects[k].clone()]);
+        let Some(simple) = alone.simplified(linearisation.chain()) else { continue };
+        effects.splice(k..=k, simple.effects().to_vec());
+        let simple = candidate.with_effects(effects);
+        if let Some(gain) = gain(&simple).filter(|gain| *gain > reached - policy.variant_ties * policy.tie) {
+            (candidate, reached) = (simple, gain);
+        }
+    }
+    candidate
+}
+
 /// The same transmission with further periods, added by forward selection as long as each is significant on
 /// the grid of periods and exceeds its penalty.
 fn more_periods(
@@ -205,7 +251,7 @@ fn more_periods(
     candidate: &Candidate,
 ) -> Option<Candidate> {
     let joint = candidate.periodic_in(linearisation.chain())?;
-    let grid = periodogram::grid(linearisation, joint);
+    let grid = periodogram::grid(linearisation, joint, linearisation.policy.further_cycles_per_turn);
     let log_tests = (grid.len().max(2) as f64).ln();
     let threshold =
         2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + linearisation.policy.tie;
@@ -221,6 +267,7 @@ fn more_periods(
             break;
         }
         let one = refined(linearisation, &projection, &candidate.at_period(joint, period)?);
+        let one = all_simplified(linearisation, &projection, one);
         let more = projection.with(&linearisation.columns_of(&one).ok()?);
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);
@@ -229,5 +276,5 @@ fn more_periods(
         let Some(more) = more else { break };
         projection = more;
     }
-    (added > 0).then_some(grown)
+    (added > 0).then(|| all_simplified(linearisation, present, grown))
 }

@@ -1,4 +1,9 @@
-//! Backlash: a joint error that switches with the side of approach or with the load.
+//! Backlash: a joint error that switches with the side of approach or with the load, and friction that winds a drive up along the way.
+//!
+//! A drive with friction is told from one with a dead band by short reversals alone: after moves much longer than the pre-sliding distance w
+//! both are on the side of approach. Distances are proposed between those of which one move in [`FEW`] is short enough to tell (z turns round
+//! by 1 − e^−3 = 95 % over 3 w), and [`LONGEST`] of the visited range: real drives wind up over fractions of a degree to some degrees, and what is slower
+//! than that is a curve over the way and no friction. Where no move is as short, there is no candidate.
 
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
@@ -12,6 +17,13 @@ use crate::hypotheses::view::TraceView;
 use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Backlash, Side};
 use truepose_kinematics::JointId;
+
+/// One move in so many is to be short enough.
+const FEW: usize = 10;
+/// Part of the visited range.
+const LONGEST: f64 = 0.2;
+/// From one distance to the next, and the reach of the refinement about each ([`Refinement::Scale`]): neighbours overlap.
+const RATIO: f64 = 2.5;
 
 /// A joint has backlash.
 #[derive(Debug)]
@@ -32,6 +44,9 @@ impl Hypothesis for LostMotion {
                 all.push(Variant::new(place.clone(), Backlash::of(joint, Side::Approach)));
             }
             all.push(Variant::new(place.clone(), Backlash::of(joint, Side::Load)));
+            if approach && setting.load_range(joint).is_some() {
+                all.push(Variant::new(place.clone(), Backlash::of(joint, Side::ByLoad)));
+            }
             for flank in flanks(setting, joint) {
                 for side in [Side::Load, Side::LoadThenApproach] {
                     if side == Side::Load || approach {
@@ -41,13 +56,16 @@ impl Hypothesis for LostMotion {
                     }
                 }
             }
+            let wound = |width| Variant::new(place.clone(), Backlash::presliding(joint, width));
+            all.extend(widths(setting, joint).into_iter().map(wound));
         }
         all
     }
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The error of {} switches with its direction of approach. Inspect gear backlash, belt tension and preload.",
+            "The error of {} depends on the direction from which it comes. Inspect gear backlash, belt tension, preload, and friction of \
+             seals and bearings.",
             place.part()
         )
     }
@@ -68,8 +86,11 @@ impl Hypothesis for LostMotion {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let load = concrete::<Backlash>(effect)?.flank_load?;
-        Some(Nonlinear::new(load, Refinement::Scale([0.4, 1.8])))
+        let play = concrete::<Backlash>(effect)?;
+        if let Some(width) = play.width {
+            return Some(Nonlinear::new(width, Refinement::Scale([1.0 / RATIO, RATIO])));
+        }
+        Some(Nonlinear::new(play.flank_load?, Refinement::Scale([0.4, 1.8])))
     }
 
     fn with_value(
@@ -79,6 +100,9 @@ impl Hypothesis for LostMotion {
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
         let play = concrete::<Backlash>(effect)?.clone();
+        if play.side == Side::Presliding {
+            return Some(Box::new(Backlash { width: Some(value), width_range: range, ..play }));
+        }
         Some(Box::new(Backlash { flank_load: Some(value), flank_range: range, ..play }))
     }
 }
@@ -87,4 +111,18 @@ impl Hypothesis for LostMotion {
 fn flanks(setting: &Setting<'_>, joint: JointId) -> Vec<f64> {
     let largest = setting.largest_load(joint);
     if largest > 0.0 { vec![0.03 * largest, 0.1 * largest, 0.25 * largest] } else { Vec::new() }
+}
+
+/// Pre-sliding distances that the moves of a joint can tell from a dead band, rad or m.
+fn widths(setting: &Setting<'_>, joint: JointId) -> Vec<f64> {
+    let Some([lower, upper]) = setting.range(joint) else { return Vec::new() };
+    let moves = setting.moves(joint);
+    let Some(short) = moves.get(moves.len() / FEW) else { return Vec::new() };
+    let (shortest, longest) = (short / 3.0, LONGEST * (upper - lower));
+    if shortest > longest {
+        return Vec::new();
+    }
+    // At most five, so that there are candidates in proportion to joints.
+    let count = ((longest / shortest).ln() / RATIO.ln()).ceil().clamp(0.0, 4.0) as i32;
+    (0..=count).map(|k| shortest * RATIO.powi(k)).filter(|&width| width <= longest * RATIO).collect()
 }

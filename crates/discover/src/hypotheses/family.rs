@@ -27,6 +27,8 @@ pub enum Family {
     Guideway,
     /// The declared payload is wrong for some of the data.
     Payload,
+    /// The instrument or the log of joint values errs.
+    Instrument,
     /// A link bends or twists under its wrench.
     LinkCompliance,
     /// Deflection not in proportion to the load.
@@ -57,6 +59,7 @@ impl Family {
             Family::Coupling => "coupling",
             Family::Guideway => "guideway",
             Family::Payload => "payload",
+            Family::Instrument => "instrument",
             Family::LinkCompliance => "link_compliance",
             Family::LoadNonlinearity => "load_nonlinearity",
             Family::Shift => "shift",

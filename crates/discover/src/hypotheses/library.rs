@@ -5,13 +5,16 @@
 
 use crate::hypotheses::backlash::LostMotion;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::compliance::{OfBase, OfJoints, OfLinks};
+use crate::hypotheses::compliance::{OfBase, OfJoints, OfLinks, OfWeights};
 use crate::hypotheses::constant::{OfFrames, OfTargets};
 use crate::hypotheses::coupling::Drag;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::guideway::Rail;
 use crate::hypotheses::hypothesis::Hypothesis;
+use crate::hypotheses::instrument::{JointLog, LengthScale};
 use crate::hypotheses::loaded::CurvedSpring;
+use crate::hypotheses::measured_torque::OfMeasuredTorque;
+use crate::hypotheses::own_motion::{OwnCurve, OwnGain};
 use crate::hypotheses::payload::WrongPayload;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::thermal::Growth;
@@ -39,10 +42,24 @@ impl Library {
         let groups = vec![
             vec![Arc::new(OfFrames) as Arc<dyn Hypothesis>],
             vec![Arc::new(OfTargets)],
-            vec![Arc::new(OfJoints), Arc::new(CurvedSpring), Arc::new(OfLinks), Arc::new(OfBase)],
+            vec![
+                Arc::new(OfJoints),
+                Arc::new(OfMeasuredTorque),
+                Arc::new(OfWeights),
+                Arc::new(CurvedSpring),
+                Arc::new(OfLinks),
+                Arc::new(OfBase),
+            ],
             vec![Arc::new(WrongPayload)],
-            vec![Arc::new(Drive), Arc::new(LostMotion), Arc::new(Drag)],
+            vec![
+                Arc::new(Drive),
+                Arc::new(OwnGain),
+                Arc::new(OwnCurve),
+                Arc::new(LostMotion),
+                Arc::new(Drag),
+            ],
             vec![Arc::new(Rail)],
+            vec![Arc::new(JointLog), Arc::new(LengthScale)],
             vec![Arc::new(Growth)],
             vec![Arc::new(Slow), Arc::new(Jump)],
             vec![Arc::new(Unmodelled)],

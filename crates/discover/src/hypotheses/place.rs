@@ -23,6 +23,9 @@ pub struct Place {
     /// The target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
+    /// What of the place errs: `lag` of the joint log, `scale` of the instrument, `weight` that a joint carries.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<String>,
     /// What an unmodelled structure depends on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariate: Option<Covariate>,
@@ -86,6 +89,7 @@ impl Place {
     /// In a few words: `a3 by a2`, `tool on temperature`.
     pub fn words(&self) -> String {
         let mut words = Vec::new();
+        words.extend(self.mode.clone());
         words.extend(self.joint.clone().or_else(|| self.target.clone()));
         words.extend(self.component.clone());
         words.extend(self.driver.as_ref().map(|driver| format!("by {driver}")));

@@ -25,6 +25,16 @@ impl<'a> Setting<'a> {
         span(column)
     }
 
+    /// The moves of a joint from each pose to the next, in the order in which they were measured, without their sign; rad or m, ascending.
+    pub fn moves(&self, joint: JointId) -> Vec<f64> {
+        let Some(column) = self.chain.coordinate(joint) else { return Vec::new() };
+        let still = self.data.dwell.repeat_tolerance(column);
+        let moves = self.data.moves(column).into_iter().map(f64::abs);
+        let mut moves: Vec<f64> = moves.filter(|&step| step > still).collect();
+        moves.sort_by(f64::total_cmp);
+        moves
+    }
+
     /// The range of a channel, in its unit; none when it never changed.
     pub fn channel_range(&self, channel: usize) -> Option<[f64; 2]> {
         // A channel with the values of an earlier one has no hypotheses of its own.

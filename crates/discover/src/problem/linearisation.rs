@@ -17,22 +17,24 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
+use crate::problem::evaluated::{Evaluated, Station};
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
-use truepose_errormodel::{
-    AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, ErrorModel, FittedModel, Visits,
-};
+use truepose_errormodel::{AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, FittedModel, Visits};
 use truepose_identify::{Fit, NoiseModel};
-use truepose_kinematics::{Chain, Conditions, JointId, PostureBuffer, Site, rotation_log};
+use truepose_kinematics::{Chain, JointId, PostureBuffer, Site, rotation_log};
 
 /// The data, linearised at a fit.
 #[derive(Debug)]
 pub(crate) struct Linearisation<'a> {
     pub data: &'a Dataset,
+    /// The data with the derived channels that the model reads.
+    inputs: Cow<'a, Dataset>,
     pub fit: &'a Fit,
     pub policy: &'a Policy,
     pub budget: &'a Budget,
@@ -54,24 +56,13 @@ pub(crate) struct Linearisation<'a> {
     normal: OnceLock<Option<Normal>>,
 }
 
-/// Where the robot stood while some targets of one visit were measured: everything that an effect can depend on.
-#[derive(Debug, Clone)]
-pub(crate) struct Station {
-    pub visit: usize,
-    conditions: Conditions,
-    nominal: PostureBuffer,
-    /// Frames and wrenches where the real robot comes to rest.
-    settled: PostureBuffer,
-    /// Its observations.
-    pub observations: Range<usize>,
-}
-
 impl<'a> Linearisation<'a> {
     /// Linearises the data at a fit.
     pub fn new(fit: &'a Fit, data: &'a Dataset, options: &'a DiscoverOptions) -> Result<Self, DiscoverError> {
         let model = fit.fitted.model();
         let chain = model.chain();
-        let bound = model.bind(&data.schema)?;
+        let inputs = data.derived_for(model)?;
+        let bound = model.bind(&inputs.schema)?;
         let visits = Visits::of(data);
         let site_count = chain.site_count();
         let kept = &fit.reduction.kept;
@@ -80,6 +71,7 @@ impl<'a> Linearisation<'a> {
 
         let mut linearisation = Linearisation {
             data,
+            inputs: inputs.clone(),
             fit,
             policy: &options.policy,
             budget: &options.budget,
@@ -104,7 +96,7 @@ impl<'a> Linearisation<'a> {
                 if seen.count() == 0 {
                     continue;
                 }
-                let conditions = data.conditions(row);
+                let conditions = inputs.conditions(row);
                 let first = linearisation.observations.len();
                 let stands = linearisation
                     .stations
@@ -117,6 +109,7 @@ impl<'a> Linearisation<'a> {
                     let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
                     linearisation.stations.push(Station {
                         visit,
+                        row,
                         conditions,
                         nominal,
                         settled,
@@ -264,9 +257,7 @@ impl<'a> Linearisation<'a> {
 
     /// What these effects say, their unknowns side by side.
     pub fn evaluate(&self, effects: &[Box<dyn AnyEffect>]) -> Result<Evaluated<'_>, DiscoverError> {
-        let model = ErrorModel::new(self.chain().clone(), effects.to_vec())?;
-        let scales = model.columns().iter().map(|column| column.scale).collect();
-        Ok(Evaluated { linearisation: self, model, scales })
+        Evaluated::new((self.chain(), &self.stations, &self.inputs), effects)
     }
 
     /// What effects' unknowns do to every measured number, in m or rad per expected size; m × k.
@@ -302,7 +293,7 @@ impl<'a> Linearisation<'a> {
         coefficients[self.muted.clone()].fill(0.0);
         let model = self.fit.fitted.model().clone();
         let fitted = FittedModel::new(model, coefficients, self.fit.fitted.covariance().clone())?;
-        let mut predictor = fitted.bind(&self.data.schema)?;
+        let mut predictor = fitted.bind(&self.inputs.schema)?;
         let mut column = DMatrix::zeros(self.len(), 1);
         for station in &self.stations {
             let Some(changed) = crate::data::payload::changed(&station.conditions, level, level + STEP)
@@ -344,51 +335,5 @@ impl<'a> Linearisation<'a> {
     /// A joint's value at a station.
     pub fn joint_at(&self, station: usize, joint: JointId) -> Option<f64> {
         Some(self.stations[station].conditions.joints[self.chain().coordinate(joint)?])
-    }
-}
-
-/// (unknown, site, error of the site per expected size of the unknown).
-pub(crate) type Entry = (usize, usize, f64);
-
-/// Effects, asked at every station.
-pub(crate) struct Evaluated<'s> {
-    linearisation: &'s Linearisation<'s>,
-    model: ErrorModel,
-    scales: Vec<f64>,
-}
-
-impl Evaluated<'_> {
-    /// How many unknowns there are.
-    pub fn width(&self) -> usize {
-        self.scales.len()
-    }
-
-    /// Calls `each(k, entries)` for the k-th of some stations, with what they say there.
-    pub fn each(
-        &self,
-        stations: impl Iterator<Item = usize>,
-        each: &mut dyn FnMut(usize, &[Entry]),
-    ) -> Result<(), DiscoverError> {
-        let chain = self.linearisation.chain();
-        let bound = self.model.bind(&self.linearisation.data.schema)?;
-        let mut emission = Emission::new();
-        let mut entries = Vec::new();
-        for (k, station) in stations.enumerate() {
-            let station = &self.linearisation.stations[station];
-            emission.clear();
-            for (settle, buffer) in [(true, &station.settled), (false, &station.nominal)] {
-                bound.emit_those(settle, &buffer.view(chain, &station.conditions), &mut emission);
-            }
-            entries.clear();
-            entries.extend(
-                emission
-                    .entries()
-                    .iter()
-                    .filter(|e| e.value != 0.0)
-                    .map(|e| (e.column, chain.site_index(e.site), e.value * self.scales[e.column])),
-            );
-            each(k, &entries);
-        }
-        Ok(())
     }
 }

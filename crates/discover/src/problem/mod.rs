@@ -6,6 +6,7 @@ pub(crate) mod dense;
 pub(crate) mod dependence;
 #[cfg(test)]
 mod dependence_tests;
+pub(crate) mod evaluated;
 pub(crate) mod likelihood;
 pub(crate) mod linear;
 pub(crate) mod linearisation;

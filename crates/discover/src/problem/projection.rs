@@ -126,15 +126,20 @@ impl Projection {
 
     /// Directions that raw columns (m × k) add to Q_1, and what they explain of y.
     fn directions(&self, more: &DMatrix<f64>) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        let x = self.whitener.of(more);
+        let new = self.left_of(more)?;
+        // With what they have in the prior's rows they are orthogonal to the known ones, so that y, which has nothing
+        // there, tells what they explain.
+        let explained = new.tr_mul(&self.y);
+        Some((new, explained))
+    }
+
+    /// An orthonormal basis of what the present model leaves of raw columns (m × k): m × freedom; none when nothing of them is left.
+    fn left_of(&self, columns: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let x = self.whitener.of(columns);
         let along = cross(&self.q, &x);
         let raw = cross(&x, &x);
         let basis = basis(&raw, &(&raw - cross(&along, &along)), self.absorbed)?;
-        // With what they have in the prior's rows they are orthogonal to the known ones, so that y, which has nothing
-        // there, tells what they explain.
-        let new = (x - &self.q * along) * basis;
-        let explained = new.tr_mul(&self.y);
-        Some((new, explained))
+        Some((x - &self.q * along) * basis)
     }
 
     /// What is needed of a candidate to ask for its gain beside others, again and again.
@@ -214,11 +219,7 @@ impl Projection {
         columns: &DMatrix<f64>,
         pose: impl Iterator<Item = usize>,
     ) -> Option<DMatrix<f64>> {
-        let x = self.whitener.of(columns);
-        let along = cross(&self.q, &x);
-        let raw = cross(&x, &x);
-        let basis = basis(&raw, &(&raw - cross(&along, &along)), self.absorbed)?;
-        let left = (x - &self.q * along) * basis;
+        let left = self.left_of(columns)?;
         let pose: Vec<usize> = pose.collect();
         let count = pose.iter().max().map_or(0, |last| last + 1);
         let mut scores = DMatrix::zeros(count, left.ncols());

@@ -117,7 +117,8 @@ impl Screen {
             .iter()
             .filter(|&&joint| library.periodic(joint).next().is_some())
             .filter_map(|&joint| {
-                periodogram::scan(linearisation, &projection, joint, &periodogram::grid(linearisation, joint))
+                let grid = periodogram::grid(linearisation, joint, linearisation.policy.cycles_per_turn);
+                periodogram::scan(linearisation, &projection, joint, &grid)
             })
             .collect();
         Screen {

@@ -4,11 +4,11 @@
 //! NaN in `position` and `None` in `orientation`: files cannot contain a NaN, so that nothing else is.
 
 use super::dwell::Dwell;
+use super::record::Record;
 use super::schema::Schema;
 use crate::ModelError;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 use truepose_kinematics::{Chain, Conditions, Load, Pose, Slot, TargetId};
 
 /// Measured (or to be predicted) rows of one robot. All columns have the same length.
@@ -42,6 +42,8 @@ pub struct Dataset {
     pub dwell: Dwell,
     /// The line of the file on which each row stood, for messages; empty when the data came from no file.
     pub line: Vec<u64>,
+    /// The order of poses of the whole record, where these rows are a part of it; none where they are the whole.
+    pub record: Option<Record>,
 }
 
 /// Which three components of a position, and whether the orientation, were measured.
@@ -123,30 +125,6 @@ impl Dataset {
         conditions
     }
 
-    /// The rows with these indices, in that order; visits are numbered anew.
-    pub fn select(&self, rows: &[usize]) -> Dataset {
-        fn pick<T: Clone>(column: &[T], rows: &[usize]) -> Vec<T> {
-            rows.iter().map(|&row| column[row].clone()).collect()
-        }
-        let columns = |table: &[Vec<f64>]| table.iter().map(|column| pick(column, rows)).collect();
-        Dataset {
-            schema: self.schema.clone(),
-            joints: columns(&self.joints),
-            position: pick(&self.position, rows),
-            orientation: pick(&self.orientation, rows),
-            position_sd: pick(&self.position_sd, rows),
-            orientation_sd: pick(&self.orientation_sd, rows),
-            target: pick(&self.target, rows),
-            visit: renumbered(&pick(&self.visit, rows)),
-            load: pick(&self.load, rows),
-            time: pick(&self.time, rows),
-            approach: columns(&self.approach),
-            channels: columns(&self.channels),
-            dwell: self.dwell.clone(),
-            line: if self.line.is_empty() { Vec::new() } else { pick(&self.line, rows) },
-        }
-    }
-
     /// Checks that every column fits the robot and all have one length.
     ///
     /// # Errors
@@ -178,16 +156,4 @@ impl Dataset {
         }
         Ok(())
     }
-}
-
-/// Any labels as indices 0… in order of first appearance.
-fn renumbered(labels: &[usize]) -> Vec<usize> {
-    let mut seen: HashMap<usize, usize> = HashMap::new();
-    labels
-        .iter()
-        .map(|&label| {
-            let next = seen.len();
-            *seen.entry(label).or_insert(next)
-        })
-        .collect()
 }

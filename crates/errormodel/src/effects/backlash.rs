@@ -4,21 +4,27 @@
 //! δq_j = w/2 · side        approach              side = −a_j            the link lags behind its motor
 //!                          load                  side = sat(τ_j / τ_f)  the load lays the joint on one flank
 //!                          load_then_approach    side = s − (1 − |s|) a_j,  s = sat(τ_j / τ_f)
+//!                          by_load               side = −a_j, and w + w′ |τ_j| in place of w: friction in the gear grows with its load
+//!                          presliding            side = −z_j             friction winds the drive up along the way
+//! dz_j/dq_j = (1 − z_j sgn(dq_j)) / d
 //! ```
 //!
 //! | symbol | here | unit |
 //! | --- | --- | --- |
 //! | w | the unknown: the whole gap | rad or m |
+//! | w′ | the second unknown of `by_load`: growth of the wind-up with the load | rad/(N·m) or m/N |
 //! | a_j | the direction in which the joint last moved, −1, 0, +1 | 1 |
 //! | τ_j | the load about or along the axis | N·m or N |
 //! | τ_f | `flank_load`: from this load on the joint lies on its flank; zero switches at once | N·m or N |
+//! | z_j | state of the joint's friction, −1 … 1: a derived channel ([`crate::presliding_channel`]), since effects have no memory | 1 |
+//! | d | `width`: pre-sliding distance, over which z_j turns round after a reversal; short of all moves z_j = a_j | rad or m |
 //!
-//! τ_f is its shape where `flank_range` is given. Source: Nordin and Gutman, *Controlling mechanical systems with
-//! backlash – a survey* (2002), section 2.
+//! τ_f is its shape where `flank_range` is given, d where `width_range` is. Sources: Nordin and Gutman, *Controlling mechanical systems
+//! with backlash – a survey* (2002), section 2; Dahl, *A solid friction model* (1968).
 
 use super::checks::{joint_moves, refused};
 use super::travel::{free, positive};
-use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal, presliding_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
@@ -33,6 +39,10 @@ pub enum Side {
     Load,
     /// The load where it is heavy enough, else the last move.
     LoadThenApproach,
+    /// The direction of the last move, by an angle that grows with the load: friction winds the drive up.
+    ByLoad,
+    /// Friction with memory: the way since the last reversals.
+    Presliding,
 }
 
 /// The gap of one joint.
@@ -50,12 +60,23 @@ pub struct Backlash {
     /// Between which loads `flank_load` is to be found, N·m or N; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flank_range: Option<[f64; 2]>,
+    /// Pre-sliding distance, rad or m; of the side `presliding` only, which needs it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width: Option<f64>,
+    /// Between which distances `width` is to be found, rad or m; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width_range: Option<[f64; 2]>,
 }
 
 impl Backlash {
     /// Of one joint, by what decides the side.
     pub fn of(joint: JointId, side: Side) -> Self {
-        Backlash { joint, side, flank_load: None, flank_range: None }
+        Backlash { joint, side, flank_load: None, flank_range: None, width: None, width_range: None }
+    }
+
+    /// Friction with memory in one joint, with this pre-sliding distance, rad or m.
+    pub fn presliding(joint: JointId, width: f64) -> Self {
+        Backlash { width: Some(width), ..Backlash::of(joint, Side::Presliding) }
     }
 
     fn pressed(&self, load: f64) -> f64 {
@@ -69,23 +90,30 @@ impl Backlash {
 
 impl Effect for Backlash {
     const FAMILY: &'static str = "backlash";
-    const ABOUT: &'static str =
-        "play: joint error that switches with the direction of approach or of the load";
+    const ABOUT: &'static str = "joint error that switches with the direction of approach or of the load, or winds up with friction (presliding)";
 
     fn load_dependent(&self) -> bool {
-        self.side != Side::Approach
+        !matches!(self.side, Side::Approach | Side::Presliding)
     }
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
         let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };
-        vec![Column::new(format!("gap {}", joint.name), joint.unit(), scale).within(0.0, f64::INFINITY)]
+        let gap = Column::new(format!("gap {}", joint.name), joint.unit(), scale).within(0.0, f64::INFINITY);
+        if self.side != Side::ByLoad {
+            return vec![gap];
+        }
+        // A hundred newton metres (a thousand newton) double it.
+        let (load, per) = if joint.kind == JointKind::Prismatic { ("N", 1e-3) } else { ("N*m", 1e-2) };
+        let unit = format!("{}/({load})", joint.unit());
+        let growing = Column::new(format!("gap {} by load", joint.name), unit, per * scale);
+        vec![gap, growing.within(0.0, f64::INFINITY)]
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
         let side = match self.side {
-            Side::Approach => -at.signal(0),
+            Side::Approach | Side::ByLoad | Side::Presliding => -at.signal(0),
             Side::Load => self.pressed(at.joint_load(self.joint)),
             Side::LoadThenApproach => {
                 let pressed = self.pressed(at.joint_load(self.joint));
@@ -94,17 +122,42 @@ impl Effect for Backlash {
         };
         if side != 0.0 {
             out.along(0, &motion, 0.5 * side);
+            if self.side == Side::ByLoad {
+                out.along(1, &motion, 0.5 * side * at.joint_load(self.joint).abs());
+            }
         }
     }
 
     fn needs(&self) -> Vec<Signal> {
-        if self.side == Side::Load { Vec::new() } else { vec![Signal::Approach(self.joint)] }
+        match (self.side, self.width) {
+            (Side::Load, _) => Vec::new(),
+            (Side::Presliding, Some(width)) => {
+                vec![Signal::Channel(presliding_channel(self.joint, width))]
+            }
+            _ => vec![Signal::Approach(self.joint)],
+        }
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         joint_moves(Self::FAMILY, self.joint, chain)?;
+        match self.width {
+            Some(width) if self.side == Side::Presliding => {
+                positive(Self::FAMILY, "width", width, self.width_range)?;
+            }
+            Some(_) => return Err(refused(Self::FAMILY, "`width` belongs to the side `presliding`")),
+            None if self.side == Side::Presliding => {
+                return Err(refused(
+                    Self::FAMILY,
+                    "the side `presliding` needs `width`, the pre-sliding distance in rad or m",
+                ));
+            }
+            None if self.width_range.is_some() => {
+                return Err(refused(Self::FAMILY, "`width_range` stands without `width`"));
+            }
+            None => {}
+        }
         match self.flank_load {
-            Some(_) if self.side == Side::Approach => Err(refused(
+            Some(_) if !matches!(self.side, Side::Load | Side::LoadThenApproach) => Err(refused(
                 Self::FAMILY,
                 "`flank_load` belongs to the sides `load` and `load_then_approach`",
             )),
@@ -117,12 +170,19 @@ impl Effect for Backlash {
     }
 
     fn shape(&self) -> Vec<NonlinearParameter> {
+        if let Some(width) = self.width {
+            return free("width", "rad or m", width, self.width_range, Search::Smooth);
+        }
         let shape = |load| free("flank_load", "N*m or N", load, self.flank_range, Search::Smooth);
         self.flank_load.map_or_else(Vec::new, shape)
     }
 
     fn with_nonlinear(&self, values: &[f64]) -> Self {
-        Backlash { flank_load: values.first().copied().or(self.flank_load), ..self.clone() }
+        let value = values.first().copied();
+        match self.side {
+            Side::Presliding => Backlash { width: value.or(self.width), ..self.clone() },
+            _ => Backlash { flank_load: value.or(self.flank_load), ..self.clone() },
+        }
     }
 }
 
@@ -137,14 +197,31 @@ mod tests {
     fn conforms() {
         for chain in samples::all() {
             for &joint in chain.movable() {
-                for side in [Side::Approach, Side::Load, Side::LoadThenApproach] {
+                for side in [Side::Approach, Side::Load, Side::LoadThenApproach, Side::ByLoad] {
                     check_effect(&Backlash::of(joint, side), &chain);
                 }
                 let (flank_load, flank_range) = (Some(30.0), Some([5.0, 200.0]));
                 let effect = Backlash { flank_load, flank_range, ..Backlash::of(joint, Side::Load) };
                 check_effect(&effect, &chain);
+                let wound = Backlash { width_range: Some([0.01, 0.2]), ..Backlash::presliding(joint, 0.05) };
+                check_effect(&wound, &chain);
             }
         }
+    }
+
+    #[test]
+    fn friction_reads_its_wind_up_and_needs_a_distance() {
+        let chain = samples::ur10();
+        let effect = Backlash::presliding(JointId(2), 0.05);
+        assert_eq!(Effect::needs(&effect), [Signal::Channel("z_2~w=0.05".into())]);
+        let mut conditions = Conditions::at(&chain, &[0.3; 6]);
+        conditions.channels = vec![0.4];
+        let sum: f64 = emitted(&effect, &chain, &conditions).iter().map(|e| e.value).sum();
+        assert!((sum + 0.2).abs() < 1e-15);
+        let refused = |effect: Backlash| Effect::validate(&effect, &chain).unwrap_err().to_string();
+        assert!(refused(Backlash { width: None, ..effect.clone() }).contains("needs `width`"));
+        assert!(refused(Backlash { side: Side::Approach, ..effect.clone() }).contains("belongs to the side"));
+        assert!(refused(Backlash { width: Some(0.0), ..effect }).contains("`width` has to be positive"));
     }
 
     #[test]
@@ -157,6 +234,18 @@ mod tests {
             let effect = Backlash { flank_load: None, ..Backlash::of(JointId(2), side) };
             emitted(&effect, &chain, &conditions).iter().map(|e| e.value).sum::<f64>()
         };
+        let growing = |approach, mass: f64| {
+            let load = Load::Payload(Payload { mass, com: Vector3::zeros() });
+            let mut conditions = Conditions::at(&chain, &[0.3; 6]).with_load(load);
+            conditions.approach[1] = approach;
+            let entries = emitted(&Backlash::of(JointId(2), Side::ByLoad), &chain, &conditions);
+            [0, 1].map(|k| entries.iter().filter(|e| e.column == k).map(|e| e.value).sum::<f64>())
+        };
+        let ([gap, light], [_, heavy]) = (growing(1.0, 5.0), growing(-1.0, 10.0));
+        assert!(
+            (gap + 0.5).abs() < 1e-15 && light < 0.0 && (heavy + 2.0 * light).abs() < 1e-9 * heavy,
+            "{light} {heavy}"
+        );
         let check = |got: f64, expected: f64| assert!((got - expected).abs() < 1e-15, "{got} {expected}");
         check(value(Side::Approach, 1.0, 0.0), -0.5);
         check(value(Side::Approach, 0.0, 0.0), 0.0);

@@ -14,6 +14,12 @@
 //! | a_j, g | axis of joint j, gravity | 1, m/s² | turned into link k |
 //! | c_j h_k | the unknowns: compliance × first moment of link k | rad·kg·m/(N·m) | link k, across its axis |
 //!
+//! With `own_weight = "corrected"` there are these terms alone, as corrections of declared weights: masses and centres of the description are
+//! often those of a drawing. The compliance that they act on is declared beside them.
+//!
+//! A joint whose torque is measured (by its motor's current, or a sensor) yields with that: `δq_j = c_j u`, u the channel in its unit. Its
+//! sign is the sensor's: c_j may be negative.
+//!
 //! The part of h_k along axis k does not turn with joint k: it belongs to the link in front, so that two numbers a turning
 //! link are all there is. A slide k has `q_k (a_k × g)` with its mass, and a slide j that yields, `a_j · g`.
 
@@ -21,7 +27,7 @@ use super::checks::{joint_moves, listed_once, refused};
 use super::geometric::EXPECTED_ANGLE;
 use super::link_compliance::OwnWeight;
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{Column, Effect, Emission, ModelError};
+use crate::{Column, Effect, Emission, ModelError, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Joint, JointId, JointKind, Posture};
@@ -39,6 +45,9 @@ pub struct JointCompliance {
     /// How many links, the joint's own first, have a free weight.
     #[serde(default = "two", skip_serializing_if = "is_two")]
     pub links: usize,
+    /// The channel that is the load of the joint, in place of the statics; `joints` names the one joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
 }
 
 fn two() -> usize {
@@ -51,7 +60,7 @@ fn is_two(links: &usize) -> bool {
 
 impl Default for JointCompliance {
     fn default() -> Self {
-        JointCompliance { joints: None, own_weight: OwnWeight::Declared, links: two() }
+        JointCompliance { joints: None, own_weight: OwnWeight::Declared, links: two(), channel: None }
     }
 }
 
@@ -59,6 +68,11 @@ impl JointCompliance {
     /// Of one joint.
     pub fn of(joint: JointId) -> Self {
         JointCompliance { joints: Some(vec![joint]), ..JointCompliance::default() }
+    }
+
+    /// Of one joint, whose load is a channel.
+    pub fn measured(joint: JointId, channel: impl Into<String>) -> Self {
+        JointCompliance { channel: Some(channel.into()), ..JointCompliance::of(joint) }
     }
 
     fn joints<'a>(&'a self, chain: &'a Chain) -> &'a [JointId] {
@@ -70,8 +84,8 @@ impl JointCompliance {
         let slides = chain.joint(joint).kind == JointKind::Prismatic;
         let count = match self.own_weight {
             OwnWeight::Declared => 0,
-            OwnWeight::Free if slides => 1,
-            OwnWeight::Free => self.links,
+            OwnWeight::Free | OwnWeight::Corrected if slides => 1,
+            OwnWeight::Free | OwnWeight::Corrected => self.links,
         };
         let from = chain.movable().iter().copied().filter(move |&k| k >= joint).take(count);
         from.map(|k| (k, if chain.joint(k).kind == JointKind::Prismatic { 1 } else { 2 }))
@@ -89,18 +103,27 @@ fn across(joint: &Joint) -> [Vector3<f64>; 2] {
 
 impl Effect for JointCompliance {
     const FAMILY: &'static str = "joint_compliance";
-    const ABOUT: &'static str = "a joint yields in proportion to the load about (along) its axis";
+    const ABOUT: &'static str = "a joint yields in proportion to the load about (along) its axis, or to its measured torque (channel)";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = Vec::new();
         for &id in self.joints(chain) {
             let joint = chain.joint(id);
+            if let Some(channel) = &self.channel {
+                // As where the load is in N·m; a torque in per cent of some hundred N·m has the same.
+                let unit = format!("{}/[{channel}]", joint.unit());
+                let scale = if joint.kind == JointKind::Prismatic { 1e-7 } else { 1e-5 };
+                columns.push(Column::new(format!("compliance {}", joint.name), unit, scale));
+                continue;
+            }
             let (unit, scale) = match joint.kind {
                 JointKind::Prismatic => ("m/N", 1e-7),
                 _ => ("rad/(N*m)", 1e-5),
             };
             let yields = Column::new(format!("compliance {}", joint.name), unit, scale);
-            columns.push(yields.within(0.0, f64::INFINITY));
+            if self.own_weight != OwnWeight::Corrected {
+                columns.push(yields.within(0.0, f64::INFINITY));
+            }
             for (k, numbers) in self.free(id, chain) {
                 let (unit, scale) = match (joint.kind, numbers) {
                     (JointKind::Prismatic, _) => ("kg*m/N", 1e-5),
@@ -121,8 +144,13 @@ impl Effect for JointCompliance {
         let gravity = chain.gravity_in_measurement_frame();
         for &joint in self.joints(chain) {
             let Some(motion) = chain.joint_motion(joint) else { continue };
-            out.along(column, &motion, at.joint_load(joint));
-            column += 1;
+            if self.channel.is_some() {
+                return out.along(0, &motion, at.signal(0));
+            }
+            if self.own_weight != OwnWeight::Corrected {
+                out.along(column, &motion, at.joint_load(joint));
+                column += 1;
+            }
             if self.own_weight == OwnWeight::Declared {
                 continue;
             }
@@ -146,7 +174,7 @@ impl Effect for JointCompliance {
     }
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
-        if self.own_weight != OwnWeight::Declared {
+        if self.own_weight != OwnWeight::Declared || self.channel.is_some() {
             return false;
         }
         let chain = at.chain();
@@ -158,8 +186,17 @@ impl Effect for JointCompliance {
         true
     }
 
+    fn load_dependent(&self) -> bool {
+        self.channel.is_none()
+    }
+
+    fn needs(&self) -> Vec<Signal> {
+        self.channel.iter().map(|channel| Signal::Channel(channel.clone())).collect()
+    }
+
     fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
-        (self.own_weight == OwnWeight::Declared).then(|| self.joints(chain).to_vec())
+        (self.channel.is_none() && self.own_weight == OwnWeight::Declared)
+            .then(|| self.joints(chain).to_vec())
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
@@ -168,6 +205,17 @@ impl Effect for JointCompliance {
         }
         if self.links == 0 {
             return Err(refused(Self::FAMILY, "`links` counts the joint's own: it is 1 or more"));
+        }
+        if self.channel.is_some() {
+            if self.joints.as_ref().is_none_or(|joints| joints.len() != 1) {
+                return Err(refused(
+                    Self::FAMILY,
+                    "`channel` is the load of one joint: `joints` has to name it alone",
+                ));
+            }
+            if self.own_weight != OwnWeight::Declared {
+                return Err(refused(Self::FAMILY, "`channel` is the whole load: leave `own_weight` out"));
+            }
         }
         listed_once(Self::FAMILY, self.joints.as_deref(), chain)
     }
@@ -184,9 +232,12 @@ mod tests {
     fn conforms() {
         for chain in samples::all() {
             check_effect(&JointCompliance::default(), &chain);
+            check_effect(&JointCompliance::measured(chain.movable()[0], "torque"), &chain);
             for links in [1, 2, 9] {
-                let own_weight = OwnWeight::Free;
-                check_effect(&JointCompliance { own_weight, links, ..JointCompliance::default() }, &chain);
+                for own_weight in [OwnWeight::Free, OwnWeight::Corrected] {
+                    let effect = JointCompliance { own_weight, links, ..JointCompliance::default() };
+                    check_effect(&effect, &chain);
+                }
             }
         }
     }
@@ -222,6 +273,32 @@ mod tests {
                 assert!(left < 1e-9, "{} {}: {left}", chain.name(), chain.joint(joint).name);
             }
         }
+    }
+
+    #[test]
+    fn corrections_are_the_free_weights_without_the_compliance() {
+        let chain = samples::heavy();
+        let conditions = Conditions::at(&chain, &vec![0.4; chain.movable().len()]);
+        let all = |own_weight| {
+            let effect = JointCompliance { own_weight, ..JointCompliance::of(JointId(2)) };
+            emitted(&effect, &chain, &conditions)
+        };
+        let free = all(OwnWeight::Free).into_iter().filter(|e| e.column > 0);
+        let expected: Vec<_> = free.map(|e| (e.column - 1, e.site, e.value.to_bits())).collect();
+        let found = all(OwnWeight::Corrected).into_iter().map(|e| (e.column, e.site, e.value.to_bits()));
+        assert_eq!(found.collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn a_measured_torque_is_the_load_of_one_joint() {
+        let chain = samples::ur10();
+        let measured = JointCompliance::measured(JointId(2), "tau2");
+        let mut conditions = Conditions::at(&chain, &[0.3; 6]);
+        conditions.channels = vec![-40.0];
+        let sum: f64 = emitted(&measured, &chain, &conditions).iter().map(|e| e.value).sum();
+        assert!((sum + 40.0).abs() < 1e-12);
+        let all = JointCompliance { joints: None, ..measured };
+        assert!(Effect::validate(&all, &chain).unwrap_err().to_string().contains("one joint"));
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! | what yields under load | [`JointCompliance`], [`LinkCompliance`], [`BaseCompliance`], [`LoadNonlinearity`] |
 //! | what a joint does beyond what it reports | [`Transmission`], [`Backlash`], [`Coupling`], [`Guideway`] |
 //! | what changes with time and temperature | [`Thermal`], [`Drift`], [`Shift`] |
+//! | what the measurement adds | [`Instrument`] |
 //! | what is only data | [`Expansion`], [`Polynomial`] |
 
 mod geometric;
@@ -24,6 +25,8 @@ mod drift;
 mod shift;
 mod thermal;
 
+mod instrument;
+
 mod expansion;
 mod polynomial;
 
@@ -39,6 +42,7 @@ pub use drift::Drift;
 pub use expansion::{Basis, Expansion, Factor, Input, Place};
 pub use geometric::{AllTargets, Geometric, Where};
 pub use guideway::Guideway;
+pub use instrument::{Instrument, InstrumentMode};
 pub use joint_compliance::JointCompliance;
 pub use link_compliance::{LinkCompliance, OwnWeight, Section};
 pub use load_nonlinearity::LoadNonlinearity;
@@ -46,4 +50,4 @@ pub use polynomial::{GroupedError, Order, Polynomial, WrenchComponent, WrenchOf}
 pub use shift::Shift;
 pub use spot::Spot;
 pub use thermal::{Grows, Thermal};
-pub use transmission::Transmission;
+pub use transmission::{Transmission, TransmissionMode};

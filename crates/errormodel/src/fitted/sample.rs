@@ -103,6 +103,7 @@ fn smallest(data: &Dataset, rows: Vec<usize>) -> Dataset {
     let rows: Vec<usize> = keyed.into_iter().map(|(_, row)| row).collect();
     let mut kept = data.select(&rows);
     kept.line = Vec::new();
+    kept.record = None;
     kept
 }
 
@@ -161,6 +162,7 @@ fn joined(a: &Dataset, b: &Dataset) -> Dataset {
         approach: columns(&a.approach, &b.approach),
         channels: columns(&a.channels, &b.channels),
         line: Vec::new(),
+        record: None,
     }
 }
 

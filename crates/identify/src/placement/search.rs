@@ -24,7 +24,7 @@ use super::start::starts;
 use super::undetermined::{Undetermined, undetermined};
 use crate::IdentifyError;
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, Placed};
+use truepose_kinematics::{Chain, Placed, Pose};
 
 /// A robot whose base, tool and targets stand where the data says.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +41,7 @@ pub struct Placement {
 
 /// Rows that a start is judged on; the refinement of the best start uses more.
 const ROWS_TO_START: usize = 150;
-const ROWS_TO_REFINE: usize = 3000;
+pub(super) const ROWS_TO_REFINE: usize = 3000;
 
 /// Finds base, tool and targets that are marked `known = false`; none of them: the chain as it is.
 ///
@@ -55,63 +55,63 @@ pub fn place(chain: &Chain, data: &Dataset) -> Result<Placement, IdentifyError> 
         return Ok(Placement { chain, found: Vec::new(), rms: 0.0, undetermined: Vec::new() });
     }
     let sights = sights(chain, data, ROWS_TO_REFINE);
-    let measured: usize = sights
-        .iter()
-        .map(|s| if s.position.is_some() { 3 } else { 0 } + if s.rotation.is_some() { 3 } else { 0 })
-        .sum();
-    if measured == 0 {
-        return Err(IdentifyError::Placement {
-            what: unknowns.words(chain).join(", "),
-            why: "no row has a complete position or an orientation".into(),
-        });
-    }
-    let step = sights.len().div_ceil(ROWS_TO_START);
-    let few: Vec<Sight> = sights.iter().step_by(step.max(1)).cloned().collect();
-    let length = chain.characteristic_length();
-    let mut best: Option<Refined> = None;
-    for start in starts(chain, &unknowns, &few) {
-        let candidate = refine(chain, &unknowns, &few, start, length, 60);
-        if best.as_ref().is_none_or(|b| candidate.cost < b.cost * (1.0 - 1e-6)) {
-            best = Some(candidate);
-        }
-    }
-    let Some(best) = best else {
-        return Err(IdentifyError::Placement {
-            what: unknowns.words(chain).join(", "),
-            why: "there is no start".into(),
-        });
-    };
-    let final_one = refine(chain, &unknowns, &sights, best.state, length, 100);
+    let final_one = best(chain, &unknowns, &sights)?;
     let undetermined = undetermined(chain, &unknowns, &final_one, &sights, data);
     let placed = final_one.state.applied(chain, &unknowns)?;
     Ok(Placement { rms: final_one.rms, found: unknowns.words(chain), chain: placed, undetermined })
 }
 
+/// The best placement from nothing.
+pub(super) fn best(chain: &Chain, unknowns: &Unknowns, sights: &[Sight]) -> Result<Refined, IdentifyError> {
+    let refused =
+        |why: &str| IdentifyError::Placement { what: unknowns.words(chain).join(", "), why: why.into() };
+    if !sights.iter().any(|sight| sight.position.is_some() || sight.rotation.is_some()) {
+        return Err(refused("no row has a complete position or an orientation"));
+    }
+    let step = sights.len().div_ceil(ROWS_TO_START);
+    let few: Vec<Sight> = sights.iter().step_by(step.max(1)).cloned().collect();
+    let length = chain.characteristic_length();
+    let mut best: Option<Refined> = None;
+    for start in starts(chain, unknowns, &few) {
+        let candidate = refine(chain, unknowns, &few, start, length, 60);
+        if best.as_ref().is_none_or(|b| candidate.cost < b.cost * (1.0 - 1e-6)) {
+            best = Some(candidate);
+        }
+    }
+    let best = best.ok_or_else(|| refused("there is no start"))?;
+    Ok(refine(chain, unknowns, sights, best.state, length, 100))
+}
+
 /// Rows as sights, at most `limit`, evenly taken.
 fn sights(chain: &Chain, data: &Dataset, limit: usize) -> Vec<Sight> {
+    let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default()));
+    let bare = bare.as_ref().unwrap_or(chain);
+    let mut joints = vec![0.0; data.joints.len()];
+    let flange = |row: usize| {
+        for (value, column) in joints.iter_mut().zip(&data.joints) {
+            *value = column[row];
+        }
+        bare.forward(&joints)
+    };
+    sights_of(data, limit, flange)
+}
+
+/// Rows with these flanges (frame 0 ← flange) as sights, at most `limit`, evenly taken.
+pub(super) fn sights_of(data: &Dataset, limit: usize, mut flange: impl FnMut(usize) -> Pose) -> Vec<Sight> {
     let usable: Vec<usize> = (0..data.len())
         .filter(|&row| data.seen(row).position.iter().all(|&s| s) || data.seen(row).orientation)
         .collect();
     let step = usable.len().div_ceil(limit).max(1);
-    let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default()));
-    let bare = bare.as_ref().unwrap_or(chain);
-    let mut joints = vec![0.0; data.joints.len()];
-    usable
-        .into_iter()
-        .step_by(step)
-        .map(|row| {
-            for (value, column) in joints.iter_mut().zip(&data.joints) {
-                *value = column[row];
-            }
-            let position = data.measured_position(row);
-            Sight {
-                flange: bare.forward(&joints),
-                position: position.iter().all(|v| v.is_finite()).then_some(position),
-                rotation: data.measured_rotation(row),
-                target: data.target[row],
-            }
-        })
-        .collect()
+    let sight = |row: usize| {
+        let position = data.measured_position(row);
+        Sight {
+            flange: flange(row),
+            position: position.iter().all(|v| v.is_finite()).then_some(position),
+            rotation: data.measured_rotation(row),
+            target: data.target[row],
+        }
+    };
+    usable.into_iter().step_by(step).map(sight).collect()
 }
 
 #[cfg(test)]

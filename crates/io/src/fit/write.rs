@@ -70,8 +70,11 @@ fn check_finite(fit: &FittedModel) -> Result<(), String> {
     }
     let domain = &fit.domain;
     let ranges = domain.joints.iter().chain(&domain.payload).chain(&domain.time).chain(&domain.channels);
-    let mut others =
-        ranges.flat_map(|r| [r.lower, r.upper]).chain([fit.noise.position_sd, fit.noise.orientation_sd]);
+    let mut others = ranges.flat_map(|r| [r.lower, r.upper]).chain([
+        fit.noise.position_sd,
+        fit.noise.orientation_sd,
+        fit.repeatability_sd,
+    ]);
     if let Some(value) = others.find(|v| !v.is_finite()) {
         return Err(format!("the domain or the noise holds {value}; a fit file holds finite numbers only"));
     }

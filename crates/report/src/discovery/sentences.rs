@@ -67,9 +67,9 @@ impl DiscoverySummary {
         let all = pair(self.before.holdout, self.after.holdout);
         let figures = match (self.before.holdout_without_outliers, self.after.holdout_without_outliers) {
             (Some(before), Some(after)) => format!(
-                "{} {rows} without {}, {all} with {}",
+                "{} {rows} without {} that no fit uses, {all} with {}",
                 pair(before, after),
-                count(self.after.holdout.count - after.count, "row that no fit uses"),
+                count(self.after.holdout.count - after.count, "row"),
                 if self.after.holdout.count - after.count == 1 { "it" } else { "them" }
             ),
             _ => format!("{all} {rows}"),

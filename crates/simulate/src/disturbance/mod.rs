@@ -8,15 +8,18 @@
 //! | station: the instrument drifts and is bumped | everything that is measured, as a rigid motion | [`StationMotion`] |
 //! | bad poses: not settled, or stale joint values | all targets of a pose measurement | here |
 //! | flicker of the encoders | the recorded joint values of each row | here |
+//! | lag of the log: filtered joint values, read too early | the recorded joint values | [`LogLag`] |
 //! | wrongly stated deviations | the stated deviations | here |
 //!
 //! Joint repeatability is drawn in joint space and goes through the plant: its covariance at a pose is J Σ_q Jᵀ, which is
 //! nowhere computed here. Source: ISO 9283, 7.2 (pose repeatability); Brethé, *Granular stochastic modeling of robot
 //! micrometric precision* (2011), for repeatability that comes from the joints.
 
+mod log;
 mod station;
 mod wander;
 
+pub use log::LogLag;
 pub use station::StationMotion;
 pub use wander::Wander;
 use wander::normal;
@@ -41,6 +44,8 @@ pub struct Disturbances {
     pub bad_size: [f64; 2],
     /// Largest deviation of a recorded joint value, rad or m; uniform, in each row.
     pub flicker: f64,
+    /// A log of joint values that lags.
+    pub log: Option<LogLag>,
     /// Stated over true standard deviation.
     pub stated_factor: f64,
 }
@@ -54,6 +59,7 @@ impl Default for Disturbances {
             bad_poses: 0,
             bad_size: [0.0; 2],
             flicker: 0.0,
+            log: None,
             stated_factor: 1.0,
         }
     }

@@ -3,6 +3,7 @@
 //! ```text
 //! δ = (w/2) · side,      side = −approach                          by approach: the link lags behind the motor
 //!                        side = sat(τ/τ_f)                         by load: the load determines the flank
+//!                        side = −approach (1 − p + p |τ|/(|τ| + τ_h))   friction that grows with the load and saturates
 //!                        side = sat(τ/τ_f) where |τ| ≥ τ_f, else a mixture of both
 //! ```
 //!
@@ -10,6 +11,7 @@
 //! | --- | --- | --- |
 //! | w | `width` | rad or m: the whole dead band |
 //! | τ_f | `flank_load` | N·m or N: the load that presses the joint against its flank |
+//! | p, τ_h | `part`, `half_load`: the part of the wind-up that follows the load, and the load at which half of it is reached | 1, N·m or N |
 //! | approach | the direction of the last move | −1, 0, +1 |
 //!
 //! Inside the band, friction and seals act as a low stiffness: below τ_f the position is proportional to the load.
@@ -24,6 +26,13 @@ pub enum Side {
     Load {
         /// N·m or N.
         flank_load: f64,
+    },
+    /// The last move, by friction that grows with the load.
+    Friction {
+        /// The part that follows the load.
+        part: f64,
+        /// N·m or N.
+        half_load: f64,
     },
     /// The load where it is heavy enough, the last move where it is not.
     LoadThenApproach {
@@ -48,6 +57,9 @@ impl DeadBand {
         let side = match self.side {
             Side::Approach => -approach,
             Side::Load { flank_load } => pressed(flank_load),
+            Side::Friction { part, half_load } => {
+                -approach * (1.0 - part + part * load.abs() / (load.abs() + half_load))
+            }
             Side::LoadThenApproach { flank_load } => {
                 let pressed = pressed(flank_load);
                 pressed - approach * (1.0 - pressed.abs())

@@ -17,10 +17,11 @@
 //! (r cos q − e cos φ, r sin q − e sin φ): exact geometry, with all its harmonics. The mesh is *not* a sine.
 //! Source: Smith, *Gear Noise and Vibration*, chapter 2 (transmission error, runout side bands).
 
+use crate::physics::curve::SmoothCurve;
 use truepose_kinematics::JointKind;
 
-/// An error of a joint that is periodic in its own motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// An error of a joint that follows its own motion.
+#[derive(Debug, Clone, PartialEq)]
 pub enum TransmissionError {
     /// A wheel or encoder disc that is mounted beside the axis.
     Eccentric {
@@ -46,6 +47,8 @@ pub enum TransmissionError {
         /// rad.
         runout_phase: f64,
     },
+    /// An encoder, a cable or a cam that errs smoothly over the travel; rad or m over the joint's value.
+    Smooth(SmoothCurve),
 }
 
 impl TransmissionError {
@@ -65,6 +68,7 @@ impl TransmissionError {
     /// The joint's error at this value of its variable, rad or m.
     pub fn error(&self, kind: JointKind, q: f64) -> f64 {
         match *self {
+            TransmissionError::Smooth(ref curve) => curve.value(q),
             TransmissionError::Eccentric { ratio, phase } => {
                 let x = q - phase;
                 (ratio * x.sin()).atan2(1.0 - ratio * x.cos())

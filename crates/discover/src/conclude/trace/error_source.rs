@@ -92,6 +92,7 @@ pub(super) fn error_source(
     if let Some(motion) = motion {
         return Ok(Some(ErrorSource::Motion(motion)));
     }
+    let data = &*data.derived_for(model)?;
     let bound = model.bind(&data.schema)?;
     let mut rest = Equilibrium::new(model);
     let mut energy = vec![0.0; chain.site_count()];

@@ -17,6 +17,7 @@ pub(super) fn load_trace(
 ) -> Result<Option<Trace>, DiscoverError> {
     const STEP: f64 = 1e-2;
     let Change::CorrectLoad { level, mass, .. } = candidate.change else { return Ok(None) };
+    let data = &*data.derived_for(fit.fitted.model())?;
     let mut predictor = fit.fitted.bind(&data.schema)?;
     let mut points = Vec::new();
     for row in 0..data.len() {

@@ -40,6 +40,7 @@ pub(crate) fn trace(
     let model = fit.fitted.model();
     let chain = model.chain();
     let columns = model.columns_of(first).start..model.columns_of(first + count - 1).end;
+    let data = &*data.derived_for(model)?;
     let view = candidate.hypothesis().view(&candidate.place, candidate.effects());
     let own_motion = candidate.place.joint.as_deref().filter(|_| view.own_motion);
     let Some(own) = error_source(fit, data, own_motion, columns.clone())? else { return Ok(None) };

@@ -31,7 +31,8 @@ impl State<'_> {
         let fitted = FittedModel::new(self.model.clone(), self.coefficients.clone(), covariance)?
             .with_channels(self.data.schema.channels.clone())
             .with_domain(Domain::of(self.data))
-            .with_noise(noise);
+            .with_noise(noise)
+            .with_repeatability(self.noise.visit_sd);
         let mut warnings = warnings::of(self.model, &reduction, self.observations);
         if !outcome.converged {
             warnings.push(Warning::NotConverged { rounds: outcome.rounds });
@@ -50,6 +51,7 @@ impl State<'_> {
             chi_square,
             solution: outcome.solution,
             shapes: Vec::new(),
+            unknown_shapes: Vec::new(),
             scatter: self.freedom.map(|known| known.2),
             warnings,
         };

@@ -1,0 +1,64 @@
+//! Options of the verbs that hold new measurements against a fit: transfer, monitor.
+
+use super::Grouped;
+use super::values::input;
+use std::path::PathBuf;
+
+/// `truepose transfer`
+#[derive(Debug, clap::Args)]
+pub struct Transfer {
+    /// A fit, as `identify` or `discover` writes it
+    #[arg(long, value_name = "FILE", value_parser = input())]
+    pub fit: PathBuf,
+    /// Measurements in the new installation (CSV): a few poses
+    #[arg(long, value_name = "FILE", value_parser = input())]
+    pub data: PathBuf,
+    #[command(flatten)]
+    pub grouped: Grouped,
+    /// Where to write the fit of the new installation
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Find the tool as well
+    #[arg(long)]
+    pub tool: bool,
+    /// Find the positions of the measured targets as well
+    #[arg(long)]
+    pub targets: bool,
+    /// Let the errors of the arm move within their uncertainty (Bayesian update)
+    #[arg(long)]
+    pub update: bool,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `truepose monitor`
+#[derive(Debug, clap::Args)]
+pub struct Monitor {
+    /// The fit of the robot as it was calibrated
+    #[arg(long, value_name = "FILE", value_parser = input())]
+    pub fit: PathBuf,
+    /// Measurements of today (CSV)
+    #[arg(long, value_name = "FILE", value_parser = input())]
+    pub data: PathBuf,
+    #[command(flatten)]
+    pub grouped: Grouped,
+    /// File in which the looks at this robot are kept; the level of a look depends on how many were before [default: this is the first look]
+    #[arg(long, value_name = "FILE")]
+    pub history: Option<PathBuf>,
+    /// Probability that an unchanged robot ever raises an alarm, over all looks
+    #[arg(long, default_value_t = 0.01)]
+    pub alpha: f64,
+    /// The instrument was set up anew: find the base from these data
+    #[arg(long)]
+    pub base: bool,
+    /// The tool was mounted anew: find it from these data
+    #[arg(long)]
+    pub tool: bool,
+    /// Targets were mounted anew: find them from these data
+    #[arg(long)]
+    pub targets: bool,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,55 @@
+//! `truepose monitor`: whether a robot has changed since it was calibrated.
+
+use super::print_json;
+use crate::args::Monitor;
+use crate::failure::Failure;
+use crate::terminal;
+use crate::watch::Watch;
+use truepose_io::{LookRecord, MonitorHistory, check_writable, file_digest, read_fit, read_measurements};
+use truepose_report::MonitorSummary;
+use truepose_upkeep::{Installation, MonitorOptions, monitor};
+
+/// Runs the verb; [`Failure::Changed`] where the robot has changed.
+pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
+    if let Some(file) = &args.history {
+        check_writable(file)?;
+    }
+    let fitted = read_fit(&args.fit, crate::extensions::effects())?;
+    let (_, digest) = file_digest(&args.fit)?;
+    let mut history = match &args.history {
+        Some(file) if file.exists() => MonitorHistory::read(file, &digest)?,
+        _ => MonitorHistory::new(digest),
+    };
+    let (data, _, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
+    terminal::warn(&warnings);
+    watch.doing("looking for changes");
+    let installation = Installation { base: args.base, tool: args.tool, targets: args.targets };
+    let options = MonitorOptions { alpha: args.alpha, looks: history.looks.len(), installation };
+    let seen = monitor(&fitted, &data, options)
+        .map_err(|error| Failure::Input(format!("{}: {error}", args.data.display())))?;
+    let summary = MonitorSummary::new(fitted.chain().name(), &seen, history.looks.len() + 1, args.alpha);
+    history.looks.push(LookRecord {
+        data: args.data.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        data_sha256: file_digest(&args.data)?.1,
+        rows: seen.rows,
+        poses: seen.poses,
+        rms_mm: summary.rms_mm,
+        expected_rms_mm: summary.expected_rms_mm,
+        p_value: seen.p_value,
+        level: seen.level,
+        changed: seen.changed,
+        suspect: seen.changes.first().filter(|_| seen.changed).map(|change| change.what.clone()),
+    });
+    if let Some(file) = &args.history {
+        history.write(file)?;
+    }
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    if let Some(file) = &args.history {
+        terminal::log(&format!("wrote {}", file.display()));
+    }
+    if seen.changed { Err(Failure::Changed) } else { Ok(()) }
+}

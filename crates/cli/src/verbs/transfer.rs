@@ -1,0 +1,36 @@
+//! `truepose transfer`: the arm as identified, in another installation.
+
+use super::print_json;
+use crate::args::Transfer;
+use crate::failure::Failure;
+use crate::terminal;
+use crate::watch::Watch;
+use truepose_io::{check_writable, read_fit, read_measurements, write_fit};
+use truepose_report::TransferSummary;
+use truepose_upkeep::{Installation, TransferOptions, transfer};
+
+/// Runs the verb.
+pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
+    check_writable(&args.out)?;
+    let fitted = read_fit(&args.fit, crate::extensions::effects())?;
+    let (data, _, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
+    terminal::warn(&warnings);
+    watch.doing("finding the installation");
+    let installation = Installation { base: true, tool: args.tool, targets: args.targets };
+    let options = TransferOptions { installation, update: args.update };
+    let mut made = transfer(&fitted, &data, options)
+        .map_err(|error| Failure::Input(format!("{}: {error}", args.data.display())))?;
+    let provenance = &mut made.fitted.provenance;
+    provenance.insert("transferred".into(), true.into());
+    provenance.insert("transfer_updated_the_arm".into(), args.update.into());
+    provenance.insert("transfer_rows".into(), data.len().into());
+    write_fit(&args.out, &made.fitted)?;
+    let summary = TransferSummary::new(&made, &data);
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    terminal::log(&format!("wrote {}", args.out.display()));
+    Ok(())
+}

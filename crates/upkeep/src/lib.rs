@@ -1,0 +1,14 @@
+#![doc = include_str!("../README.md")]
+
+mod advice;
+mod error;
+mod installation;
+mod monitor;
+mod prediction;
+mod transfer;
+
+pub use advice::Advised;
+pub use error::UpkeepError;
+pub use installation::Installation;
+pub use monitor::{Change, Coefficient, Detectable, Look, MonitorOptions, level, monitor};
+pub use transfer::{ArmFits, Band, Transfer, TransferOptions, transfer};

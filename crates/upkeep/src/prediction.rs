@@ -1,0 +1,189 @@
+//! New measurements against a fitted model: residuals, derivatives and covariance, whitened.
+//!
+//! ```text
+//! V = diag(σ²) + ρ² 1 1ᵀ  for each axis of a pose,   S = 1 + K Kᵀ,  K = V^{-1/2} H L,  L Lᵀ = C
+//! aᵀ S⁻¹ b = aᵀ b − (Kᵀa)ᵀ (1 + KᵀK)⁻¹ (Kᵀb)
+//! ```
+//!
+//! Source of the second line: Woodbury; its dimension is the rank of C, however many rows there are.
+
+use crate::UpkeepError;
+use crate::installation::derivatives;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
+use truepose_errormodel::{Dataset, FittedModel};
+use truepose_identify::shrinkage;
+use truepose_kinematics::{Conditions, Site, TargetId, rotation_log};
+
+/// One measured number.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Number {
+    pub row: usize,
+    visit: usize,
+    /// 0 to 2: position, 3 to 5: orientation.
+    component: usize,
+}
+
+/// Residuals and derivatives of all measured numbers, whitened by V.
+pub(crate) struct Prediction {
+    pub numbers: Vec<Number>,
+    /// y − y(ĉ), m.
+    pub residual: DVector<f64>,
+    /// H, m × p, one unit of a coefficient.
+    pub arm: DMatrix<f64>,
+    /// P, m × k.
+    pub installation: DMatrix<f64>,
+    /// 3-D distance of each row whose position was measured, m (not whitened).
+    pub distances: Vec<f64>,
+}
+
+/// Which targets a data set has positions of, ascending, and whether it shows how the tool is turned.
+pub(crate) fn seen(data: &Dataset) -> (Vec<TargetId>, bool) {
+    let mut targets: Vec<TargetId> = data.target.iter().flatten().copied().collect();
+    targets.sort_unstable_by_key(|t| t.0);
+    targets.dedup();
+    let turned = data.orientation.iter().any(Option::is_some);
+    (targets, turned || data.target.iter().any(Option::is_none))
+}
+
+impl Prediction {
+    /// Of these data with the fit's own noise.
+    pub fn of(fitted: &FittedModel, sites: &[Site], data: &Dataset) -> Result<Self, UpkeepError> {
+        data.validate(fitted.chain())?;
+        let data = &*data.derived_for(fitted.model())?;
+        let mut predictor = fitted.bind(&data.schema)?;
+        let mut conditions = Conditions::default();
+        let (mut numbers, mut residual) = (Vec::new(), Vec::new());
+        let (mut arm, mut installation): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut distances = Vec::new();
+        for row in 0..data.len() {
+            data.conditions_into(row, &mut conditions);
+            let target = data.target[row];
+            let tool = predictor.predict(&conditions, None);
+            let pose = predictor.predict(&conditions, target);
+            let h = predictor.sensitivity(&conditions, target);
+            let p = derivatives(fitted.chain(), sites, (&tool, &pose.translation), target);
+            let away = data.measured_position(row) - pose.translation;
+            let turned = data.measured_rotation(row).map(|r| rotation_log(&(r * pose.rotation.transpose())));
+            if away.norm().is_finite() {
+                distances.push(away.norm());
+            }
+            for component in 0..6 {
+                let left = match (component < 3, turned) {
+                    (true, _) => away[component],
+                    (false, Some(turn)) => turn[component - 3],
+                    (false, None) => continue,
+                };
+                if left.is_finite() {
+                    numbers.push(Number { row, visit: data.visit[row], component });
+                    residual.push(left);
+                    arm.extend(h.row(component).iter());
+                    installation.extend(p.row(component).iter());
+                }
+            }
+        }
+        let m = numbers.len();
+        let mut all = Prediction {
+            residual: DVector::from_vec(residual),
+            arm: DMatrix::from_row_slice(m, fitted.coefficients().len(), &arm),
+            installation: DMatrix::from_row_slice(m, sites.len(), &installation),
+            numbers,
+            distances,
+        };
+        all.whiten(fitted)?;
+        Ok(all)
+    }
+
+    /// Whitens everything by V.
+    fn whiten(&mut self, fitted: &FittedModel) -> Result<(), UpkeepError> {
+        let noise = fitted.noise;
+        let (shared, turned) = (fitted.repeatability_sd, self.numbers.iter().any(|n| n.component >= 3));
+        // Rows repeat by a little at least, however much of their scatter a pose shares.
+        let own = (noise.position_sd.powi(2) - shared.powi(2)).max(1e-4 * noise.position_sd.powi(2)).sqrt();
+        if own <= 0.0 || (turned && noise.orientation_sd <= 0.0) {
+            return Err(UpkeepError::NoUncertainty { what: "the scatter of a new measurement" });
+        }
+        let mut order: Vec<usize> = (0..self.numbers.len()).collect();
+        let key = |&at: &usize| (self.numbers[at].visit, self.numbers[at].component);
+        order.sort_by_key(key);
+        let groups: Vec<Vec<usize>> =
+            order.chunk_by(|a, b| key(a) == key(b)).map(<[usize]>::to_vec).collect();
+        for group in groups {
+            let position = self.numbers[group[0]].component < 3;
+            let (sd, shared) = if position { (own, shared) } else { (noise.orientation_sd, 0.0) };
+            let shrink = shrinkage(shared, group.len() as f64 / (sd * sd));
+            let columns = std::iter::once(self.residual.as_mut_slice())
+                .chain(self.arm.as_mut_slice().chunks_exact_mut(self.numbers.len().max(1)))
+                .chain(self.installation.as_mut_slice().chunks_exact_mut(self.numbers.len().max(1)));
+            for column in columns {
+                group.iter().for_each(|&at| column[at] /= sd);
+                let along: f64 = group.iter().map(|&at| column[at] / sd).sum();
+                group.iter().for_each(|&at| column[at] -= shrink * along / sd);
+            }
+        }
+        Ok(())
+    }
+
+    /// Measured numbers.
+    pub fn len(&self) -> usize {
+        self.numbers.len()
+    }
+}
+
+/// S⁻¹ as an inner product.
+pub(crate) struct Weighing {
+    /// K, m × r.
+    spread: DMatrix<f64>,
+    inner: Cholesky<f64, Dyn>,
+}
+
+impl Weighing {
+    /// Of the rows under this covariance of the coefficients.
+    pub fn of(rows: &Prediction, covariance: &DMatrix<f64>) -> Result<Self, UpkeepError> {
+        let spread = &rows.arm * root(covariance);
+        let inner = spread.tr_mul(&spread) + DMatrix::identity(spread.ncols(), spread.ncols());
+        let inner = Cholesky::new(inner)
+            .ok_or(UpkeepError::NoUncertainty { what: "a covariance of its coefficients" })?;
+        Ok(Weighing { spread, inner })
+    }
+
+    /// aᵀ S⁻¹ b.
+    pub fn product(&self, a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+        let (along_a, along_b) = (self.spread.tr_mul(a), self.spread.tr_mul(b));
+        a.tr_mul(b) - along_a.tr_mul(&self.inner.solve(&along_b))
+    }
+}
+
+/// L with L Lᵀ = C, of columns as many as C has rank. Coefficients are scaled by their standard deviations first.
+pub(crate) fn root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let deviation: Vec<f64> = covariance.diagonal().iter().map(|v| v.max(0.0).sqrt()).collect();
+    let open: Vec<usize> = (0..deviation.len()).filter(|&k| deviation[k] > 0.0).collect();
+    let scaled = DMatrix::from_fn(open.len(), open.len(), |i, j| {
+        covariance[(open[i], open[j])] / (deviation[open[i]] * deviation[open[j]])
+    });
+    let eigen = SymmetricEigen::new(scaled);
+    let kept: Vec<usize> = (0..open.len()).filter(|&k| eigen.eigenvalues[k] > 1e-12).collect();
+    let mut root = DMatrix::zeros(deviation.len(), kept.len());
+    for (column, &k) in kept.iter().enumerate() {
+        for (i, &at) in open.iter().enumerate() {
+            root[(at, column)] = eigen.eigenvectors[(i, k)] * eigen.eigenvalues[k].sqrt() * deviation[at];
+        }
+    }
+    root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_root_is_a_root() {
+        let a =
+            DMatrix::from_fn(5, 3, |i, j| ((3 * i + 5 * j + i * j) as f64).sin() * 10f64.powi(i as i32 - 3));
+        let mut covariance = &a * a.transpose();
+        covariance.fill_row(2, 0.0);
+        covariance.fill_column(2, 0.0);
+        let root = root(&covariance);
+        assert_eq!(root.ncols(), 3);
+        assert!((&root * root.transpose() - &covariance).amax() < 1e-12 * covariance.amax());
+    }
+}
