@@ -24,6 +24,7 @@ mod mistakes;
 mod one_voice;
 mod output;
 mod page;
+mod pages;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod report;
@@ -31,4 +32,5 @@ mod round_trip;
 mod spoiled;
 mod stream;
 mod upkeep;
+mod surface;
 mod wording;
