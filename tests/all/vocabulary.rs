@@ -245,42 +245,6 @@ fn a_wave_that_grows_with_the_load_is_a_transmission_error_by_load() {
     assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
 }
 
-/// A heavy arm whose drives deflect by a milliradian and more, and whose links weigh something else than declared.
-fn misweighed(chain: &Chain, scatter: f64, seed: u64) -> Plant {
-    let stiffness = [4e6, 2e6, 1e6, 3e5, 2e5, 1e5];
-    let drive = |(joint, stiffness)| flaws::JointCompliance {
-        joint: chain.joint(joint).name.clone(),
-        stiffness: Some(stiffness),
-        ..flaws::JointCompliance::default()
-    };
-    let geometric =
-        flaws::Geometric { position_mm: 0.4, angle_mrad: 0.3, target_mm: 0.0, ..flaws::Geometric::default() };
-    let errors = Flaws {
-        geometric: Some(geometric),
-        joint_compliance: chain.movable().iter().copied().zip(stiffness).map(drive).collect(),
-        mass_scatter: scatter,
-        ..Flaws::default()
-    };
-    let options = PlantOptions {
-        errors,
-        instrument: InstrumentSize { sd_um: 10.0, ..InstrumentSize::default() },
-        repeatability: RepeatabilitySize { sd_um: 20.0, ..RepeatabilitySize::default() },
-        ..PlantOptions::default()
-    };
-    Plant::random(chain, &options, seed).unwrap()
-}
-
-#[test]
-fn wrong_masses_of_links_are_weights_that_load_a_joint() {
-    let chain = with_three_targets(&samples::heavy());
-    let plant = misweighed(&chain, 0.15, 4);
-    let data = plant.measure(&loaded(wandering(&chain, 150, 7), 150.0), 5).unwrap();
-    let diagnosis = found(&chain, &elastic(), &data);
-    assert!(words(&diagnosis).iter().all(|words| words.starts_with("joint_compliance weight")));
-    assert!(!words(&diagnosis).is_empty());
-    assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
-}
-
 #[test]
 fn lines_of_an_encoder_are_whole_parts_of_a_turn() {
     let chain = with_three_targets(&samples::ur10());
