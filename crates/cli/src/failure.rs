@@ -17,6 +17,11 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Failure::Criterion(message) => write!(f, "not met: {}", short(message)),
+            // Several errors stand one a line, and each is shortened by itself.
+            Failure::Input(message) if message.lines().nth(1).is_some() => {
+                let lines: Vec<String> = message.lines().take(LINES).map(short).collect();
+                write!(f, "error: {}", plain_types(&lines.join("\n       ")))
+            }
             Failure::Changed => write!(f, "the robot has changed"),
             Failure::Input(message) => write!(f, "error: {}", plain_types(&short(message))),
         }
@@ -43,6 +48,8 @@ fn short(message: &str) -> String {
 
 /// Characters of a message, at most, and those that are kept of the end of a longer one.
 const LONGEST: usize = 2000;
+/// Lines of a message, at most.
+const LINES: usize = 40;
 const END: usize = 300;
 
 /// Replaces names of types by plain English.

@@ -2,6 +2,7 @@
 
 mod args;
 mod failure;
+mod library;
 mod progress;
 mod space;
 mod terminal;

@@ -177,7 +177,8 @@ impl Extrapolation {
 /// A command: joint values, and their accuracy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
-    /// Movable joints, rad or m, always within their limits. Where the status is not ok: the nearest that was found.
+    /// Variables of the movable joints, rad or m, always within their limits; [`Chain::joints_to_controller`](truepose_kinematics::Chain::joints_to_controller)
+    /// makes of them the controller's values, where joints are coupled. Where the status is not ok: the nearest that was found.
     pub joints: Values,
     /// What became of the pose.
     pub status: Status,

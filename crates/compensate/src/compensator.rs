@@ -11,6 +11,7 @@
 //! Every `ok` is verified with the exact model at the command that is returned. Equal requests give equal commands to
 //! the last bit: nothing is carried over from one command to the next.
 
+mod beyond;
 mod entry;
 mod find;
 mod many;
@@ -27,6 +28,7 @@ use crate::search::{Robot, Walk};
 use crate::starts::Starts;
 use crate::step::Limits;
 use crate::task::Task;
+use beyond::Beyond;
 use nalgebra::Vector3;
 use truepose_errormodel::{FittedModel, Schema, Signal};
 use truepose_kinematics::pulp::Arch;
@@ -52,6 +54,8 @@ pub struct Compensator<'m> {
     read: Vec<(Option<usize>, usize)>,
     /// Whether some effect reads the time.
     timed: bool,
+    /// Of a model with findings.
+    beyond: Option<Beyond<'m>>,
 }
 
 impl<'m> Compensator<'m> {
@@ -100,6 +104,7 @@ impl<'m> Compensator<'m> {
         };
         let starts = Starts::new(&nominal, &limits, &scale);
         let at = Reached::nowhere();
+        let beyond = Beyond::bind(fitted, schema, &options)?;
         let kernel = Kernel::of(fitted, real.constant(), &scale, &limits, &options);
         Ok(Compensator {
             fitted,
@@ -116,6 +121,7 @@ impl<'m> Compensator<'m> {
             channels,
             read,
             timed,
+            beyond,
         })
     }
 
@@ -136,9 +142,19 @@ impl<'m> Compensator<'m> {
     }
 
     /// The command for a desired pose under these conditions; their joints are not read. The search begins at the seed,
-    /// and goes on elsewhere when it leads nowhere. Never allocates, never panics: what are no numbers, or has
+    /// and goes on elsewhere when it leads nowhere. Beyond the data of a fit with findings it falls back to the declared model, as predictions
+    /// do. Never allocates (but to judge how far a fit with findings reaches), never panics: what are no numbers, or has
     /// the wrong length, is answered with [`Status::NotConverged`].
     pub fn command(&mut self, target: &Target, conditions: &Conditions, seed: Option<&[f64]>) -> Command {
+        let found = self.found(target, conditions, seed);
+        match &mut self.beyond {
+            Some(beyond) => beyond.fallen_back(found, target, conditions),
+            None => found,
+        }
+    }
+
+    /// The command with every finding.
+    fn found(&mut self, target: &Target, conditions: &Conditions, seed: Option<&[f64]>) -> Command {
         let Some(task) = self.enter(target, conditions, seed) else {
             return self.refused(seed);
         };
@@ -175,6 +191,9 @@ impl<'m> Compensator<'m> {
     pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Option<Pose> {
         let wanted = Target::at(Vector3::zeros()).of(target);
         let task = self.enter(&wanted, conditions, Some(&conditions.joints))?;
+        if let Some(beyond) = &mut self.beyond {
+            return Some(beyond.predict(conditions, target));
+        }
         self.conditions.joints.copy_from_slice(&conditions.joints);
         self.real.reach(&self.conditions, &mut self.at);
         Some(Pose::new(self.at.tool.rotation, self.at.tool.apply(&self.real.point(task.target))))

@@ -83,6 +83,12 @@ pub enum CompensateError {
         /// The robot's characteristic length, m.
         size_m: f64,
     },
+    /// A description of which no numbers describe the corrected robot.
+    #[error(
+        "the corrected robot cannot be described in the numbers of its own description (two axes on one line, or rows of different \
+         conventions); export joint origins instead (urdf or ros)"
+    )]
+    NotInRows,
     /// An export with which the robot would be less accurate than without.
     #[error(
         "the file would be worse than the nominal robot: RMS {:.4} mm against {:.4} mm with the best base and tool for each, {:.4} mm \

@@ -19,15 +19,16 @@ mod task;
 
 pub use accuracy::{
     AccuracyMap, MapGrid, MapNode, MapOptions, PredictedError, accuracy_map, correction_helps,
-    predicted_error, radius_95,
+    predicted_error, radius_95, radius_95_about,
 };
 pub use command::{Command, CommandRequest, Extrapolation, MOST, Status, Target, Values};
 pub use compensator::Compensator;
 pub use error::CompensateError;
 pub use export::{
     AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorTable, ErrorTables,
-    ExportOptions, Exported, JointOrigin, JointOrigins, RemainingError, axis_table, corrected_chain,
-    error_tables, joint_origins, middle_conditions,
+    ExportOptions, Exported, Installation, JointOffset, JointOrigin, JointOrigins, Parameter, ParameterPart,
+    ParameterTable, PartKind, RemainingError, axis_table, corrected_chain, error_tables, installation,
+    joint_origins, middle_conditions, parameter_table,
 };
 pub use exported_accuracy::Accuracy;
 pub use options::{Approach, CompensatorOptions};

@@ -33,7 +33,8 @@ pub use emission::{Emission, Entry};
 pub use equilibrium::Equilibrium;
 pub use error::ModelError;
 pub use fitted::{
-    Beyond, Coverage, Domain, FittedModel, Interval, Judged, LoadCorrection, Predictor, Sample, TargetKnown,
+    Beyond, Coverage, Domain, Fallback, FittedModel, Interval, Judged, LoadCorrection, Predictor, Sample,
+    TargetKnown,
 };
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;

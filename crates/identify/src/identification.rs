@@ -2,8 +2,8 @@
 
 use crate::{
     Answer, CrossValidation, Excitation, Fit, FitOptions, Folds, IdentifyError, Method, Observability,
-    Placement, Repeats, Residuals, Split, Warning, against_plain, cross_validate, excitation, fit, hold_out,
-    observability, place, proceed, repeats,
+    Placement, Repeats, Residuals, Split, Spread, Warning, against_plain, cross_validate, excitation, fit,
+    hold_out, observability, place, proceed, repeats,
 };
 use nalgebra::DMatrix;
 use truepose_errormodel::effects::{Geometric, Where};
@@ -222,6 +222,32 @@ fn steps(
         observability,
         excitation,
     })
+}
+
+/// Position errors before anything of the arm is fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AsFound {
+    /// Of the robot as it is described, m; none where base, tool or targets were unknown.
+    pub nominal: Option<Spread>,
+    /// With the best base, tool and targets, m.
+    pub installation: Spread,
+}
+
+/// Errors of a placed robot before anything of its arm is fitted.
+///
+/// # Errors
+/// When the robot does not fit the data.
+pub fn as_found(
+    placement: &Placement,
+    data: &Dataset,
+    options: &FitOptions,
+) -> Result<AsFound, IdentifyError> {
+    let placed = &placement.chain;
+    let nominal =
+        if placement.found.is_empty() { Some(nominal_residuals(placed, data)?.positions()) } else { None };
+    let model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
+    let installation = fit(&model, data, &PivotedQr::default(), options)?.residuals.positions();
+    Ok(AsFound { nominal, installation })
 }
 
 /// Errors of the base, the tool and the targets: what says where instrument and targets are, and nothing about the arm.

@@ -2,6 +2,7 @@
 
 mod against_plain;
 mod comparison;
+mod conventions;
 mod cross_validation;
 mod error;
 mod evidence;
@@ -31,6 +32,7 @@ mod suspicion;
 mod variance;
 
 pub use comparison::{Compared, Paired, Trial, compare};
+pub use conventions::{Misread, Misreading, NominalResidual, misreadings, nominal_residual};
 pub use cross_validation::{CrossValidation, Method, cross_validate};
 pub use error::IdentifyError;
 pub use excitation::{Advice, Excitation, excitation};
@@ -40,7 +42,9 @@ pub use fit::{
 pub use fit_model::fit;
 pub use folds::{Folds, Split, hold_out};
 pub use freedom::Freedom;
-pub use identification::{Identification, IdentificationOptions, Stage, Step, TestSet, identify};
+pub use identification::{
+    AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
+};
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};

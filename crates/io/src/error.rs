@@ -71,9 +71,34 @@ pub enum IoError {
         /// What is wrong, and what to do.
         message: String,
     },
+    /// Several things are wrong, in the order of the file.
+    #[error("{}", listed(errors, *more))]
+    Several {
+        /// The errors; at least one.
+        errors: Vec<IoError>,
+        /// How many others were seen.
+        more: usize,
+    },
+}
+
+/// Errors, one a line.
+fn listed(errors: &[IoError], more: usize) -> String {
+    let mut lines: Vec<String> = errors.iter().map(IoError::to_string).collect();
+    if more > 0 {
+        lines.push(format!("and {more} more"));
+    }
+    lines.join("\n")
 }
 
 impl IoError {
+    /// Several errors as one; a single one stays what it is.
+    pub(crate) fn several(mut errors: Vec<IoError>, more: usize) -> Self {
+        match errors.len() {
+            1 if more == 0 => errors.remove(0),
+            _ => IoError::Several { errors, more },
+        }
+    }
+
     pub(crate) fn read(file: &Path, source: std::io::Error) -> Self {
         IoError::Read { file: file.into(), source }
     }
@@ -95,6 +120,7 @@ impl IoError {
             | IoError::Text { file, .. }
             | IoError::Line { file, .. }
             | IoError::Cell { file, .. } => file,
+            IoError::Several { errors, .. } => errors.first().map_or(Path::new(""), IoError::path),
         }
     }
 
@@ -104,6 +130,7 @@ impl IoError {
             IoError::Text { line, .. } | IoError::Line { line, .. } | IoError::Cell { line, .. } => {
                 Some(*line)
             }
+            IoError::Several { errors, .. } => errors.first().and_then(IoError::line_number),
             _ => None,
         }
     }

@@ -79,12 +79,15 @@ pub fn write_measurements(
     header.extend(data.schema.channels.iter().map(|channel| format!("{}[{}]", channel.name, channel.unit)));
 
     let mut table = TableWriter::create(path, &header)?;
+    let mut values = vec![0.0; data.joints.len()];
     for row in 0..data.len() {
         let lengths = |table: &mut TableWriter, values: &[f64]| {
             values.iter().for_each(|&value| table.number(units.length.from_si(value)));
         };
-        for (column, unit) in data.joints.iter().zip(&joint_units) {
-            table.number(unit.from_si(column[row]));
+        values.iter_mut().zip(&data.joints).for_each(|(value, column)| *value = column[row]);
+        chain.joints_to_controller(&mut values);
+        for (value, unit) in values.iter().zip(&joint_units) {
+            table.number(unit.from_si(*value));
         }
         if position {
             lengths(&mut table, &data.position[row]);

@@ -4,11 +4,13 @@ mod digest;
 mod error;
 mod export;
 mod fit;
+mod frame_names;
 mod history;
 mod map;
 mod measurements;
 mod model;
 mod nearest;
+mod parameters;
 mod plan;
 mod poses;
 mod predictions;
@@ -26,17 +28,19 @@ pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
 pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
-pub use map::{MapRow, write_map};
+pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
-    ColumnInfo, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, read_measurements,
-    sample_measurements,
+    ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, OrientationConvention,
+    read_measurements, sample_measurements,
 };
 pub use model::read_model;
+pub use parameters::{ParameterRow, parameters_file};
 pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, write_commands};
 pub use predictions::{Prediction, PredictionsWriter, write_predictions};
 pub use robot::{
-    RobotOptions, UrdfCorrection, corrected_urdf, read_robot, robot_files, robot_toml, robot_urdf,
+    Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
+    read_details, read_robot, robot_columns, robot_files, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
 pub use text::read_text;

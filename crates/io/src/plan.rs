@@ -1,7 +1,7 @@
 //! What to measure next as a CSV file, in the columns of measurements: the file of `truepose plan`.
 
 use crate::IoError;
-use crate::poses::si_unit;
+use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
 use std::path::Path;
 use truepose_kinematics::{Chain, Load};
@@ -9,7 +9,7 @@ use truepose_kinematics::{Chain, Load};
 /// One visit to make.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedVisit {
-    /// Movable joints, rad or m.
+    /// Variables of the movable joints, rad or m; written as the controller's values.
     pub joints: Vec<f64>,
     /// What is carried.
     pub load: Load,
@@ -41,7 +41,7 @@ pub fn write_plan(path: impl AsRef<Path>, chain: &Chain, visits: &[PlannedVisit]
     let mut table = TableWriter::create(path.as_ref(), &header)?;
     for (number, visit) in (1..).zip(visits) {
         table.integer(number);
-        visit.joints.iter().for_each(|&q| table.number(q));
+        controller_values(chain, &visit.joints).iter().for_each(|&q| table.number(q));
         if loaded {
             let (mass, com) = match visit.load {
                 Load::Payload(payload) => (payload.mass, payload.com.into()),

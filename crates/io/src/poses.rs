@@ -2,10 +2,11 @@
 
 use crate::measurements::{Needs, read_table};
 use crate::table::TableWriter;
-use crate::{CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
+use crate::{ColumnMap, CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
 use std::path::Path;
 use truepose_errormodel::{Dataset, DwellTolerance};
-use truepose_kinematics::{Chain, JointKind};
+use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, JointKind, Pose};
 
 /// Desired poses, with the conditions under which they are wanted.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +48,7 @@ impl CommandStatus {
 /// The command for one desired pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandRow {
-    /// Values of the movable joints, rad or m; written where the status is `ok`. NaN makes an empty cell.
+    /// Variables of the movable joints, rad or m; written as the controller's values, where the status is `ok`. NaN makes an empty cell.
     pub joints: Vec<f64>,
     /// What became of the pose.
     pub status: CommandStatus,
@@ -65,7 +66,8 @@ pub struct CommandRow {
 /// When the file cannot be read, lacks a position, or at the first cell that is wrong.
 pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: false, measured: false, position: true };
-    let table = read_table(path.as_ref(), chain, needs, DwellTolerance::default())?;
+    let columns = ColumnMap::default();
+    let table = read_table(path.as_ref(), chain, needs, DwellTolerance::default(), &columns)?;
     let joint_units = match &table.header.slots.joints {
         Some(slots) => slots.iter().map(|&k| table.header.columns[k].conversion).collect(),
         None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),
@@ -84,10 +86,11 @@ pub fn write_commands(
     poses: &Poses,
     commands: &[CommandRow],
 ) -> Result<(), IoError> {
-    commands_file(path, chain, poses, commands)?.finish()
+    commands_file(path, chain, poses, commands, None)?.finish()
 }
 
-/// The file that [`write_commands`] writes, under no name yet.
+/// The file that [`write_commands`] writes, under no name yet; with the pose (m) for a controller without the model, one for each command, where
+/// given.
 ///
 /// # Errors
 /// As [`write_commands`].
@@ -96,6 +99,7 @@ pub fn commands_file(
     chain: &Chain,
     poses: &Poses,
     commands: &[CommandRow],
+    corrected: Option<&[Pose]>,
 ) -> Result<WholeFile, IoError> {
     let path = path.as_ref();
     if commands.len() != poses.rows.len() || poses.joint_units.len() != chain.movable().len() {
@@ -109,10 +113,15 @@ pub fn commands_file(
         .map(|(&joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word))
         .collect();
     header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
+    if corrected.is_some() {
+        let names = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"];
+        header.extend(names.map(|name| format!("corrected_{name}")));
+    }
     let mut table = TableWriter::create(path, &header)?;
-    for command in commands {
+    for (row, command) in commands.iter().enumerate() {
+        let values = controller_values(chain, &command.joints);
         for (k, unit) in poses.joint_units.iter().enumerate() {
-            let written = command.joints.get(k).filter(|_| command.status == CommandStatus::Ok);
+            let written = values.get(k).filter(|_| command.status == CommandStatus::Ok);
             table.number(written.map_or(f64::NAN, |&value| unit.from_si(value)));
         }
         table.text(command.status.word());
@@ -124,9 +133,24 @@ pub fn commands_file(
         } else {
             (0..4).for_each(|_| table.text(""));
         }
+        if let Some(poses) = corrected {
+            let pose = poses.get(row).filter(|_| command.status == CommandStatus::Ok);
+            let numbers = pose.map(|pose| (pose.translation, pose.quaternion()));
+            let (place, turn) = numbers.unwrap_or((Vector3::repeat(f64::NAN), [f64::NAN; 4]));
+            place.iter().chain(&turn).for_each(|&value| table.number(value));
+        }
         table.end_row()?;
     }
     Ok(table.into_file())
+}
+
+/// The controller's values of these variables of the movable joints, rad or m; of fewer, none are coupled.
+pub(crate) fn controller_values(chain: &Chain, joints: &[f64]) -> Vec<f64> {
+    let mut values = joints.to_vec();
+    if values.len() == chain.movable().len() {
+        chain.joints_to_controller(&mut values);
+    }
+    values
 }
 
 pub(crate) fn si_unit(kind: JointKind) -> &'static Unit {
@@ -184,7 +208,9 @@ mod tests {
             "t.csv:1: no columns hold a position; add `x[mm]`, `y[mm]`, `z[mm]` (columns here: qw, qx, qy, qz)"
         );
         assert!(
-            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n").unwrap_err().contains("joint `d2` has no column")
+            read("d1[mm],x[mm],y[mm],z[mm]\n1,1,2,3\n")
+                .unwrap_err()
+                .contains("joints `d2`, `d3`, `theta`, `roll`, `pitch` have no columns")
         );
     }
 

@@ -30,6 +30,8 @@ pub struct PredictionsWriter<'a> {
     visits: bool,
     targets: bool,
     table: TableWriter,
+    /// The controller's values of the movable joints, of one row.
+    values: Vec<f64>,
 }
 
 impl<'a> PredictionsWriter<'a> {
@@ -57,7 +59,7 @@ impl<'a> PredictionsWriter<'a> {
         let said = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz", "within_95[m]", "extrapolates"];
         header.extend(said.map(String::from));
         let table = TableWriter::create(path.as_ref(), &header)?;
-        Ok(PredictionsWriter { chain, visits, targets, table })
+        Ok(PredictionsWriter { chain, visits, targets, table, values: vec![0.0; chain.movable().len()] })
     }
 
     /// One row for each row of the data. `labels` are the file's numbers of the data's visits.
@@ -70,9 +72,9 @@ impl<'a> PredictionsWriter<'a> {
             if self.visits {
                 table.integer(labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
             }
-            for column in &data.joints {
-                table.number(column[row]);
-            }
+            self.values.iter_mut().zip(&data.joints).for_each(|(value, column)| *value = column[row]);
+            self.chain.joints_to_controller(&mut self.values);
+            self.values.iter().for_each(|&value| table.number(value));
             if self.targets {
                 table.text(data.target[row].map_or("", |target| &self.chain.targets()[target.0].name));
             }

@@ -97,8 +97,13 @@ impl Unit {
     /// The unit that files call by this word.
     pub fn named(word: &str) -> Option<&'static Unit> {
         let word = match word {
-            "µm" | "μm" => "um",
-            "°" => "deg",
+            "µm" | "μm" | "micron" | "microns" => "um",
+            "MM" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => "mm",
+            "meter" | "meters" | "metre" | "metres" => "m",
+            "inch" | "inches" => "in",
+            "°" | "º" | "Deg" | "DEG" | "degree" | "degrees" | "Degrees" => "deg",
+            "Rad" | "RAD" | "radian" | "radians" | "Radians" => "rad",
+            "sec" | "second" | "seconds" => "s",
             "°C" => "degC",
             "Nm" | "N·m" | "N.m" => "N*m",
             other => other,

@@ -1,5 +1,6 @@
 //! The nominal robot.
 
+use crate::couplings::Couplings;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{
@@ -65,6 +66,8 @@ pub struct Chain {
     coordinates: Vec<Option<usize>>,
     /// The joints with their constants worked out.
     prepared: Vec<PreparedJoint>,
+    /// Between the controller's values and the joints' variables.
+    pub(crate) couplings: Couplings,
 }
 
 impl Chain {
@@ -105,6 +108,7 @@ impl Chain {
             gravity: Gravity::default(),
             movable,
             coordinates,
+            couplings: Couplings::default(),
         })
     }
 
@@ -200,6 +204,10 @@ impl Chain {
     #[inline]
     pub fn joint(&self, joint: JointId) -> &Joint {
         &self.joints[joint.index()]
+    }
+
+    pub(crate) fn joint_mut(&mut self, joint: JointId) -> &mut Joint {
+        &mut self.joints[joint.index()]
     }
 
     /// The joints that move, base to tip: the order of [`crate::Conditions::joints`].

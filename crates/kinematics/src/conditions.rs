@@ -5,7 +5,8 @@ use crate::{Chain, Load};
 /// Joints, load, approach, time and channels at one moment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Conditions {
-    /// Values of the movable joints in the order of [`Chain::movable`], rad or m.
+    /// Variables of the movable joints in the order of [`Chain::movable`], rad or m: the controller's values, but for coupled joints
+    /// ([`Chain::joints_from_controller`]).
     pub joints: Vec<f64>,
     /// What the tool carries.
     pub load: Load,

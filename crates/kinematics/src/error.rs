@@ -60,4 +60,15 @@ pub enum ChainError {
         /// Its mass.
         mass_kg: f64,
     },
+    /// Joints that drive each other.
+    #[error("the couplings form a circle")]
+    CouplingCircle,
+    /// A coupling that cannot be.
+    #[error("coupling {number}: {reason}")]
+    Coupling {
+        /// Its number, from 1.
+        number: usize,
+        /// Why.
+        reason: &'static str,
+    },
 }

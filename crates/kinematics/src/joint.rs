@@ -75,7 +75,7 @@ pub struct Joint {
     pub kind: JointKind,
     /// Where it sits.
     pub placement: Placement,
-    /// Lower and upper limit of the variable, rad or m.
+    /// Lower and upper limit of the variable, rad or m; of a coupled joint what the controller's values can add up to.
     pub limits: Option<(f64, f64)>,
     /// Mass and centre of mass of the link behind it, where known.
     pub link: Option<Link>,

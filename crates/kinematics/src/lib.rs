@@ -2,6 +2,8 @@
 
 mod chain;
 mod conditions;
+mod coupled;
+mod couplings;
 mod error;
 mod ids;
 mod jacobian;
@@ -19,6 +21,7 @@ mod target;
 
 pub use chain::{Chain, Gravity, GravityFrame, Placed};
 pub use conditions::{Conditions, Slot};
+pub use couplings::Coupling;
 pub use error::ChainError;
 pub use ids::{Axis, FrameId, JointId, Site, TargetId};
 pub use jacobian::joint_jacobian;

@@ -24,10 +24,11 @@ pub use gain::{ExtrapolationSummary, GainSummary, PartName};
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
-use crate::SpecificationSummary;
+use crate::{PositionStatistics, SpecificationSummary};
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Diagnosis, HeldOut, Termination, Verdict};
 use truepose_errormodel::{Dataset, Visits};
+use truepose_identify::AsFound;
 
 /// The report of a discovery: `discovery.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,15 +90,39 @@ pub struct DiscoverySummary {
     /// Nested cross-validation of the whole search.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nested: Option<NestedSummary>,
+    /// Errors before anything of the arm was fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub as_found: Option<AsFoundSummary>,
     /// Held-out poses against a specification, where one was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specification: Option<SpecificationSummary>,
+    /// The fitted robot in the numbers of its own description, where they were worked out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<crate::ParametersSummary>,
     /// Why the search was ended early, where it was: there may be more effects, competing hypotheses were not
     /// evaluated, and coefficients are those of the training part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub incomplete: Option<String>,
     /// Settings of the search.
     pub settings: DiscoverySettings,
+}
+
+/// Position errors before anything of the arm was fitted, on all rows that the fit uses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AsFoundSummary {
+    /// Of the robot as it is described; null where base, tool or targets are declared unknown.
+    pub as_described: Option<PositionStatistics>,
+    /// With the best base, tool and targets.
+    pub installation: PositionStatistics,
+}
+
+impl From<AsFound> for AsFoundSummary {
+    fn from(found: AsFound) -> Self {
+        AsFoundSummary {
+            as_described: found.nominal.map(Into::into),
+            installation: found.installation.into(),
+        }
+    }
 }
 
 /// Settings of a search that its result depends on.
@@ -156,7 +181,9 @@ impl DiscoverySummary {
             stopped: found.stopped,
             nested: None,
             incomplete: None,
+            as_found: None,
             specification: None,
+            parameters: None,
             settings,
         }
     }

@@ -5,11 +5,15 @@ mod text;
 
 pub use nonlinear_parameter::NonlinearParameterSummary;
 
+use crate::largest::{LargestError, largest_errors};
 use crate::{OrientationStatistics, PositionStatistics, advice_text, warning_text};
 use serde::Serialize;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::reduction::{Cause, group_words};
-use truepose_identify::{Identification, Observability, Repeats, Residuals, Stage};
+use truepose_identify::{Identification, LackOfFit, Observability, Repeats, Residuals, Stage};
+
+/// Pose measurements with the largest errors that are listed.
+const MOST_LARGEST: usize = 8;
 
 /// Everything that is shown of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,17 +70,22 @@ pub struct IdentificationSummary {
     pub advice: Vec<String>,
     /// Observability indices.
     pub observability: Observability,
-    /// Repeatability (pure error) from repeated pose measurements.
-    pub repeats: Option<Repeats>,
+    /// Repeatability (pure error) from repeated pose measurements; null without repeats.
+    pub repeats: Option<RepeatsSummary>,
+    /// Position error as found, after the best base and tool, and calibrated, in a sentence.
+    pub verdict: String,
     /// What limits the accuracy, in sentences.
     pub limit: String,
-    /// The pose measurements with the largest errors: label, row (from 1), distance in mm.
-    pub worst: Vec<(String, usize, f64)>,
+    /// The pose measurements with the largest errors; held-out errors where there are any.
+    pub worst: Vec<LargestError>,
     /// Warnings.
     pub warnings: Vec<String>,
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
+    /// The fitted robot in the numbers of its own description, where they were worked out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<crate::ParametersSummary>,
 }
 
 /// Estimated base, tool and target frames.
@@ -88,6 +97,33 @@ pub struct PlacementSummary {
     pub rms_mm: f64,
     /// What the data does not determine, and what would.
     pub undetermined: Vec<String>,
+}
+
+/// Repeatability from repeated pose measurements.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RepeatsSummary {
+    /// Configurations that were measured more than once.
+    pub groups: usize,
+    /// Effective degrees of freedom of the pure error.
+    pub freedom: usize,
+    /// 3-D RMS of one row around its expectation, mm.
+    pub rms_mm: f64,
+    /// Whether all repeats of a configuration came with the same directions of approach.
+    pub one_sided: bool,
+    /// Lack of fit of the model; null where it has no degrees of freedom.
+    pub lack_of_fit: Option<LackOfFit>,
+}
+
+impl RepeatsSummary {
+    fn new(repeats: &Repeats) -> Self {
+        RepeatsSummary {
+            groups: repeats.groups,
+            freedom: repeats.freedom,
+            rms_mm: 1e3 * repeats.rms,
+            one_sided: repeats.one_sided,
+            lack_of_fit: repeats.lack_of_fit,
+        }
+    }
 }
 
 /// Errors before, between and after.
@@ -178,15 +214,6 @@ impl IdentificationSummary {
             Vec::new()
         };
         let visits = Visits::of(data);
-        let largest = fit
-            .residuals
-            .worst_visits(&visits, 5)
-            .into_iter()
-            .map(|(visit, row, d)| {
-                let label = labels.get(visit).map_or_else(|| visit.to_string(), ToString::to_string);
-                (label, row + 1, d * 1e3)
-            })
-            .collect();
         let oriented = data.orientation.iter().any(Option::is_some);
         let summary = IdentificationSummary {
             robot: chain.name().into(),
@@ -217,15 +244,18 @@ impl IdentificationSummary {
             nonlinear_parameters: NonlinearParameterSummary::all(fit),
             advice: found.excitation.advice.iter().take(4).map(|a| advice_text(chain, a)).collect(),
             observability: found.observability.clone(),
-            repeats: found.repeats.clone(),
+            repeats: found.repeats.as_ref().map(RepeatsSummary::new),
             limit: String::new(),
-            worst: largest,
+            verdict: String::new(),
+            worst: largest_errors(found, data, labels, MOST_LARGEST),
             warnings: fit.warnings.iter().map(warning_text).collect(),
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,
+            parameters: None,
         };
-        IdentificationSummary { limit: limit(&summary), ..summary }
+        let summary = IdentificationSummary { limit: limit(&summary), ..summary };
+        IdentificationSummary { verdict: summary.sentence(), ..summary }
     }
 }
 
@@ -293,7 +323,7 @@ fn limit(summary: &IdentificationSummary) -> String {
     let Some(last) = summary.stages.last() else { return String::new() };
     let held_out = last.test_set.or(last.held_out).unwrap_or(last.train);
     if let Some(repeats) = &summary.repeats {
-        let repeatability = repeats.rms * 1e3;
+        let repeatability = repeats.rms_mm;
         let ratio = held_out.rms_mm / repeatability.max(1e-12);
         let conclusion = if repeats.lack_of_fit.is_none_or(|l| l.p_value > 0.05) {
             "The lack of fit is not significant: the model is adequate.".to_owned()

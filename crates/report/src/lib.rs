@@ -4,8 +4,10 @@ mod comparison;
 mod discovery;
 mod figure;
 mod identification;
+mod largest;
 mod layout;
 mod page;
+mod parameters;
 mod plan;
 mod poses;
 mod run;
@@ -18,7 +20,7 @@ mod wording;
 
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
-    AlternativeSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
+    AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
     ExtrapolationSummary, FindingSummary, GainSummary, LackOfFitSummary, NestedSummary, NoiseFloorSummary,
     NoiseReference, PartName, RefusedSummary, StatedScaleSummary, TooFewPoses, TrainAndHoldout,
     UnexplainedSummary, UntestableSummary, WithdrawnSummary,
@@ -27,11 +29,14 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
+pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandView, CommandsView, Report, commands_report, comparison_report, discovery_report,
-    identification_report,
+    CommandView, CommandsView, MapView, PlaceView, PlanView, PlannedView, PredictionView, Report,
+    commands_report, comparison_report, discovery_report, identification_report, map_report, plan_report,
+    prediction_report,
 };
+pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};

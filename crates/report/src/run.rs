@@ -18,6 +18,9 @@ pub struct RunRecord {
     pub inputs: Vec<FileRecord>,
     /// The file with the run's result, beside this one.
     pub result: FileRecord,
+    /// Head of the report: names and texts of `[certificate]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<Vec<(String, String)>>,
 }
 
 /// A file as it was.
@@ -39,6 +42,6 @@ impl RunRecord {
     /// Of a run.
     pub fn new(program: &str, arguments: Vec<String>, inputs: Vec<FileRecord>, result: FileRecord) -> Self {
         let (format, program) = (Self::FORMAT.into(), program.into());
-        RunRecord { format, version: 1, program, arguments, inputs, result }
+        RunRecord { format, version: 1, program, arguments, inputs, result, certificate: None }
     }
 }

@@ -167,6 +167,7 @@ pub(crate) fn with_columns(
             .with_domain(fitted.domain)
             .with_noise(fitted.noise)
             .with_repeatability(fitted.repeatability_sd)
+            .with_fallback(fitted.fallback)
             .with_loads(fitted.loads)
             .with_provenance(fitted.provenance);
     }

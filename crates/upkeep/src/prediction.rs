@@ -177,7 +177,8 @@ mod tests {
 
     #[test]
     fn a_root_is_a_root() {
-        let a = DMatrix::from_fn(5, 3, |i, j| ((3 * i + 5 * j) as f64).sin() * 10f64.powi(i as i32 - 3));
+        let a =
+            DMatrix::from_fn(5, 3, |i, j| ((3 * i + 5 * j + i * j) as f64).sin() * 10f64.powi(i as i32 - 3));
         let mut covariance = &a * a.transpose();
         covariance.fill_row(2, 0.0);
         covariance.fill_column(2, 0.0);

@@ -162,12 +162,14 @@ fn at(
     coefficients: Vec<f64>,
     covariance: DMatrix<f64>,
 ) -> Result<FittedModel, UpkeepError> {
+    let fallback = fitted.on(chain.clone())?.fallback;
     let moved = FittedModel::new(fitted.model().on(chain)?, coefficients, covariance)?;
     Ok(moved
         .with_channels(fitted.channels.clone())
         .with_domain(fitted.domain.clone())
         .with_noise(fitted.noise)
         .with_repeatability(fitted.repeatability_sd)
+        .with_fallback(fallback)
         .with_loads(fitted.loads.clone())
         .with_provenance(fitted.provenance.clone()))
 }

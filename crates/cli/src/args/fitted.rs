@@ -1,7 +1,7 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
 use super::Grouped;
-use super::values::{input, parse_position, parse_three, parse_whole};
+use super::values::{Place, input, parse_place, parse_position, parse_three, parse_whole};
 use std::path::PathBuf;
 
 /// `truepose plan`
@@ -21,6 +21,12 @@ pub struct Plan {
     /// Where to write the plan (CSV, with the columns of measurements)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Folder for the report: `index.html`, its figures, `plan.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// File with the head of the report, [certificate] (TOML)
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
     /// Number of pose measurements
     #[arg(long, default_value_t = 30, value_parser = parse_whole::<usize>)]
     pub count: usize,
@@ -55,6 +61,12 @@ pub struct Predict {
     /// Where to write the predictions
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Folder for the report: `index.html`, its figures, `prediction.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// File with the head of the report, [certificate] (TOML)
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
@@ -67,14 +79,34 @@ pub struct Compensate {
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
+    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "joints")]
+    pub poses: Option<PathBuf>,
+    /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there
+    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "tcp"])]
+    pub joints: Option<PathBuf>,
+    /// Frame of the poses: base, measurement, the name of a frame, or x,y,z,roll,pitch,yaw in the base, e.g. 900mm,0mm,50mm,0,0,90
+    /// (degrees) [default: measurement]
+    #[arg(long, value_name = "FRAME", value_parser = parse_place, allow_hyphen_values = true)]
+    pub frame: Option<Place>,
+    /// Tool centre point of the poses: flange, the name of a frame, or x,y,z,roll,pitch,yaw in the last joint's frame [default: the tool of
+    /// the measurements]
+    #[arg(long, value_name = "FRAME", value_parser = parse_place, allow_hyphen_values = true)]
+    pub tcp: Option<Place>,
+    /// File with [[frames]] (TOML) [default: those of the fit's robot file]
     #[arg(long, value_name = "FILE", value_parser = input())]
-    pub poses: PathBuf,
+    pub frames: Option<PathBuf>,
+    /// Also write the corrected pose that a controller without the model has to be given, in the frame of the poses
+    #[arg(long)]
+    pub cartesian: bool,
     /// Where to write the commands
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Folder for the report: `index.html`, its figures, `compensation.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// File with the head of the report, [certificate] (TOML)
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
@@ -122,6 +154,8 @@ pub enum ExportFormat {
     Ros,
     /// Component errors of each joint, named as in ISO 230-1 (CSV)
     Iso230,
+    /// Parameters in the convention and units of the robot file: nominal, calibrated, 95 % interval (CSV)
+    Parameters,
 }
 
 /// `truepose map`
@@ -133,6 +167,12 @@ pub struct Map {
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Folder for the report: `index.html`, its figures, `map.json` and `run.json`
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+    /// File with the head of the report, [certificate] (TOML)
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
     /// Corner of a box in the measurement frame, e.g. -500mm,0mm,200mm [default: a grid of joint values]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "to", allow_hyphen_values = true)]
     pub from: Option<[f64; 3]>,

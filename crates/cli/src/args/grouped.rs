@@ -1,16 +1,34 @@
-//! How rows of measurements are grouped into pose measurements and configurations.
+//! How tables of measurements are read: which column is which, and which rows form a pose measurement.
 
+use super::values::parse_whole;
+use std::path::Path;
 use truepose_errormodel::DwellTolerance;
-use truepose_io::{MeasurementsOptions, Quantity, Unit};
+use truepose_io::{
+    ColumnMap, IoError, MeasurementsOptions, OrientationConvention, Quantity, Unit, robot_columns,
+};
 
 /// How rows are grouped.
-#[derive(Debug, Clone, Copy, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub struct Grouped {
     /// Tolerance within which joint values belong to one dwell, and, ten times as wide, to repeats of one configuration: an angle for
     /// revolute joints, a length for prismatic joints, or both, e.g. 0.001deg or 0.001deg,20um; 0: exactly equal values
     /// [default: 1e-5rad,10um]
     #[arg(long, value_name = "ANGLE,LENGTH", allow_hyphen_values = true, value_parser = parse_tolerance)]
     pub dwell_tolerance: Option<DwellTolerance>,
+    /// A column of the data that holds a joint or another quantity under a name of its own, e.g. "A1=Joint 1[deg]"; repeat the option for
+    /// each (or list them in [columns] of the robot file)
+    #[arg(long, value_name = "NAME=COLUMN", value_parser = parse_map)]
+    pub map: Vec<(String, String)>,
+    /// A column of the data that is not read; repeat the option for each
+    #[arg(long, value_name = "COLUMN")]
+    pub ignore: Vec<String>,
+    /// Lines of the data file that are not read, e.g. 89,202 (the header is a line, too: numbers as in messages)
+    #[arg(long, value_name = "LINES", value_delimiter = ',', value_parser = parse_whole::<u64>)]
+    pub exclude: Vec<u64>,
+    /// Convention of measured orientations: rpy (roll pitch yaw, or rx ry rz, about fixed axes), abc (KUKA), wpr (FANUC), xyz (about
+    /// moving axes), zyz (oat, Kawasaki), q1q2q3q4 (ABB), rotation_vector
+    #[arg(long, value_name = "CONVENTION", value_parser = parse_orientation)]
+    pub orientation: Option<OrientationConvention>,
 }
 
 impl Grouped {
@@ -18,14 +36,43 @@ impl Grouped {
     pub fn measured(&self) -> MeasurementsOptions {
         MeasurementsOptions {
             dwell: self.dwell_tolerance.unwrap_or_default(),
+            columns: ColumnMap {
+                names: self.map.clone(),
+                ignore: self.ignore.clone(),
+                exclude: self.exclude.clone(),
+                orientation: self.orientation,
+            }
+            .with(&ColumnMap::default()),
             ..MeasurementsOptions::default()
         }
+    }
+
+    /// The same, with what the robot's file says about columns.
+    pub fn measured_on(&self, robot: &Path) -> Result<MeasurementsOptions, IoError> {
+        let own = self.measured();
+        Ok(MeasurementsOptions { columns: robot_columns(robot)?.with(&own.columns), ..own })
     }
 
     /// Options for rows without measured values.
     pub fn conditions(&self) -> MeasurementsOptions {
         MeasurementsOptions { measured_required: false, ..self.measured() }
     }
+}
+
+/// `A1=Joint 1[deg]`.
+fn parse_map(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=').map(|(name, column)| (name.trim(), column.trim())) {
+        Some((name, column)) if !name.is_empty() && !column.is_empty() => Ok((name.into(), column.into())),
+        _ => Err("a name and a column of the data are needed, as in \"A1=Joint 1[deg]\"".into()),
+    }
+}
+
+/// The word of a convention.
+fn parse_orientation(text: &str) -> Result<OrientationConvention, String> {
+    OrientationConvention::named(text).ok_or_else(|| {
+        let known: Vec<&str> = OrientationConvention::WORDS.iter().map(|(word, _)| *word).collect();
+        format!("unknown convention (known: {})", known.join(", "))
+    })
 }
 
 /// `0.001deg`, `20um`, `0.001deg,20um`, `0`.

@@ -1,9 +1,10 @@
 //! Options of the verbs that fit measurements: identify, discover, compare.
 
-use super::values::{input, parse_count, parse_length, parse_prior, parse_whole};
+use super::values::{input, parse_count, parse_fraction, parse_length, parse_prior, parse_whole};
 use super::{Grouped, Robot};
 use std::path::PathBuf;
 use truepose_identify::FitOptions;
+use truepose_io::{IoError, MeasurementsOptions};
 use truepose_solvers::SolverSpec;
 
 /// Robot, measurements and declared model.
@@ -21,6 +22,13 @@ pub struct Measured {
     pub grouped: Grouped,
 }
 
+impl Measured {
+    /// How the measurements are read.
+    pub fn reading(&self) -> Result<MeasurementsOptions, IoError> {
+        self.grouped.measured_on(&self.robot.robot)
+    }
+}
+
 /// `truepose identify`
 #[derive(Debug, clap::Args)]
 pub struct Identify {
@@ -29,6 +37,9 @@ pub struct Identify {
     /// Where to write the fit
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Where to write the parameters of the robot as it is described: nominal, calibrated, 95 % interval (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), ridge(gcv), huber(qr, k=1.345), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
@@ -47,8 +58,8 @@ pub struct Identify {
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]
     pub seed: u64,
-    /// Fraction of the configurations for a held-out test set, drawn before anything is fitted
-    #[arg(long, value_name = "FRACTION")]
+    /// Fraction of the configurations for a held-out test set, drawn before anything is fitted, e.g. 20%
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = parse_fraction)]
     pub holdout: Option<f64>,
     /// Use measured positions alone, even where orientations were measured
     #[arg(long)]
@@ -72,7 +83,10 @@ pub struct Identify {
     /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm
+    /// File with the head of the report, [certificate] (TOML) [default: the robot file]
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
+    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Fail with exit code 1 when the held-out RMS is above this, e.g. 0.15mm
@@ -120,18 +134,24 @@ pub struct Discover {
     /// Folder for the report: `index.html`, its figures, `discovery.json` and `run.json`
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm
+    /// File with the head of the report, [certificate] (TOML) [default: the robot file]
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
+    pub certificate: Option<PathBuf>,
+    /// Specification of the 3-D position error, compared with held-out poses, e.g. 0.5mm; exit code 1 when they fail
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]
     pub spec: Option<f64>,
     /// Folder for fits of the competing hypotheses that are not distinguishable from the findings, for `truepose plan --rival`
     #[arg(long, value_name = "DIR")]
     pub rivals: Option<PathBuf>,
+    /// Where to write the parameters of the robot as it is described: nominal, calibrated, 95 % interval (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
     pub solver: SolverSpec,
     /// Fraction of the configurations in the held-out test set, drawn before anything is fitted [default: 0.2;
     /// none where poses are few: then nested cross-validation takes its place]
-    #[arg(long, value_name = "FRACTION")]
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = parse_fraction)]
     pub holdout: Option<f64>,
     /// Seed of every random choice
     #[arg(long, default_value_t = 0, value_parser = parse_whole::<u64>)]

@@ -10,8 +10,9 @@ mod values;
 pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
-pub use other::{Check, Effects, Simulate, Verify};
+pub use other::{Check, Effects, Init, Simulate, Verify};
 pub use upkeep::{Monitor, Transfer};
+pub use values::Place;
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
@@ -87,6 +88,8 @@ pub enum Verb {
     Monitor(Monitor),
     /// Fit one model with several solver strategies, on the same folds, and test the differences
     Compare(Compare),
+    /// Write a robot description from the library of makers' published dimensions, and a table to fill in
+    Init(Init),
     /// Read files and list what they contain: every unit, range and count
     Check(Check),
     /// List the effects and solvers that can be declared

@@ -22,6 +22,23 @@ pub struct Check {
     pub json: bool,
 }
 
+/// `truepose init`
+#[derive(Debug, clap::Args)]
+pub struct Init {
+    /// A robot of the library, e.g. ur10e (`--list` lists them)
+    #[arg(required_unless_present = "list")]
+    pub name: Option<String>,
+    /// List the robots of the library
+    #[arg(long)]
+    pub list: bool,
+    /// Where to write the robot description [default: NAME.toml]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Where to write a table for the measurements (CSV, with its header alone)
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
 /// `truepose effects`
 #[derive(Debug, clap::Args)]
 pub struct Effects {

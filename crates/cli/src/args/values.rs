@@ -2,6 +2,7 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
+use truepose_kinematics::Pose;
 
 /// A file that is read; `-` is standard input, where the system has a file for it.
 pub(super) fn input() -> impl TypedValueParser<Value = PathBuf> {
@@ -20,6 +21,19 @@ pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength
             _ => Err("expected `evidence`, `none` or a number above 0".into()),
         },
     }
+}
+
+/// `0.2` or `20%`.
+pub(super) fn parse_fraction(text: &str) -> Result<f64, String> {
+    let (number, divide) = match text.trim().strip_suffix('%') {
+        Some(number) => (number.trim_end(), 100.0),
+        None => (text.trim(), 1.0),
+    };
+    let fraction = number.parse::<f64>().map(|value| value / divide);
+    fraction
+        .ok()
+        .filter(|value| value.is_finite())
+        .ok_or_else(|| "a fraction is needed, as in 0.2 or 20%".into())
 }
 
 /// A whole number, such as a count or a seed.
@@ -49,6 +63,32 @@ pub(super) fn parse_three(text: &str) -> Result<[f64; 3], String> {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("`{part}` is not a number")),
     })
+}
+
+/// A frame: a name, or a pose.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Place {
+    /// By its name.
+    Named(String),
+    /// In another frame, m.
+    At(Pose),
+}
+
+/// `base`, `fixture`, `900mm,0mm,50mm,0,0,90`.
+pub(super) fn parse_place(text: &str) -> Result<Place, String> {
+    if !text.contains(',') {
+        return match text.trim() {
+            "" => Err("a frame needs a name".into()),
+            name => Ok(Place::Named(name.into())),
+        };
+    }
+    let parts: Vec<&str> = text.split(',').collect();
+    let [_, _, _, _, _, _] = parts[..] else {
+        return Err(format!("six values are needed, x,y,z,roll,pitch,yaw, not {}", parts.len()));
+    };
+    let (xyz, rpy) = (parts[..3].join(","), parts[3..].join(","));
+    let rpy = parse_three(&rpy)?.map(f64::to_radians);
+    Ok(Place::At(Pose::from_xyz_rpy(parse_position(&xyz)?, rpy)))
 }
 
 fn three(text: &str, one: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 3], String> {
@@ -105,6 +145,20 @@ pub(super) fn parse_memory(text: &str) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frames_are_names_or_poses() {
+        assert_eq!(parse_place("fixture"), Ok(Place::Named("fixture".into())));
+        let Ok(Place::At(pose)) =
+            parse_place("900mm, 0mm,5cm,0,0,90").or_else(|_| parse_place("900mm,0mm,0.05m,0,0,90"))
+        else {
+            panic!("a pose")
+        };
+        assert!((pose.translation.x - 0.9).abs() < 1e-15 && (pose.rotation[(1, 0)] - 1.0).abs() < 1e-15);
+        for bad in ["", "1,2,3", "1mm,2mm,3mm,0,0", "1,2,3,4,5,6", "1mm,2mm,3mm,0,0,x"] {
+            assert!(parse_place(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn limits_are_read_with_their_units() {

@@ -1,14 +1,16 @@
 //! `truepose check`: read files and say what was understood.
 
-use super::{print_json, robot, suspected};
+use super::nominal::Nominal;
+use super::{print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_errormodel::{EffectRegistry, ErrorModel};
-use truepose_io::{CsvInfo, Grouping, read_measurements, read_model};
+use truepose_identify::suspicions;
+use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointKind};
 use truepose_report::Alignment::{Left, Right};
-use truepose_report::{count, significant, table};
+use truepose_report::{count, significant, suspicion_text, table};
 
 /// Runs the verb.
 pub fn run(args: &Check) -> Result<(), Failure> {
@@ -20,21 +22,37 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         }
         None => None,
     };
+    let mut nominal = Nominal::of(&chain, None, &[]);
     let data = match &args.data {
         Some(path) => {
-            let options = args.grouped.conditions();
+            let measured = args.grouped.measured_on(&args.robot.robot)?;
+            let options = MeasurementsOptions { measured_required: false, ..measured };
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
-            terminal::warn(suspected(&chain, &data, path).as_slice());
+            let suspicions = suspicions(&chain, &data);
+            let words: Vec<String> = suspicions
+                .iter()
+                .map(|found| format!("{}: {}", path.display(), suspicion_text(&chain, found, &data.line)))
+                .collect();
+            terminal::warn(words.as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
             }
+            nominal = Nominal::of(&chain, Some(&data), &suspicions);
+            let words: Vec<String> = nominal
+                .warnings(&chain)
+                .into_iter()
+                .map(|words| format!("{}: {words}", path.display()))
+                .collect();
+            terminal::warn(words.as_slice());
             Some(info)
         }
         None => None,
     };
     if args.json {
-        return print_json(&json(&chain, model.as_ref(), data.as_ref()));
+        let mut all = json(&chain, model.as_ref(), data.as_ref());
+        all["nominal"] = nominal.json(&chain);
+        return print_json(&all);
     }
     terminal::print(&robot_text(&chain));
     if let Some(model) = &model {
@@ -43,15 +61,18 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     if let Some(info) = &data {
         terminal::print(&data_text(info));
     }
+    terminal::print(&nominal.text());
     Ok(())
 }
 
-fn robot_text(chain: &Chain) -> String {
+/// Joints, base, tool, targets and gravity.
+pub(super) fn robot_text(chain: &Chain) -> String {
     let rows: Vec<Vec<String>> = chain
         .joints()
         .iter()
         .map(|joint| {
-            let limits = joint.limits.map_or_else(String::new, |(lower, upper)| match joint.kind {
+            let limits = chain.joint_named(&joint.name).and_then(|id| chain.controller_limits(id));
+            let limits = limits.map_or_else(String::new, |(lower, upper)| match joint.kind {
                 JointKind::Prismatic => {
                     format!("{} … {} mm", significant(lower * 1e3, 4), significant(upper * 1e3, 4))
                 }
@@ -67,6 +88,7 @@ fn robot_text(chain: &Chain) -> String {
         })
         .collect();
     let gravity = chain.gravity();
+    let name = |joint| &chain.joint(joint).name;
     let known = |known: bool| if known { "" } else { " (unknown, to be found from data)" };
     let place = |pose: &truepose_kinematics::Pose| {
         let (t, r) = (pose.translation * 1e3, pose.rpy().map(f64::to_degrees));
@@ -84,6 +106,12 @@ fn robot_text(chain: &Chain) -> String {
     text += &table(&["joint", "type", "limits", "link"], &[Left, Left, Left, Right], &rows);
     text += &format!(" base {}{}\n", place(&chain.base().pose), known(chain.base().known));
     text += &format!(" tool {}{}\n", place(&chain.tool().pose), known(chain.tool().known));
+    for coupling in chain.couplings() {
+        let (joint, driver) = (name(coupling.joint), name(coupling.driver));
+        let factor = coupling.factor;
+        text +=
+            &format!(" {joint} is coupled to {driver}: variable = value + {factor} × value of {driver}\n");
+    }
     for target in chain.targets() {
         let p = target.position * 1e3;
         text += &format!(
@@ -191,10 +219,11 @@ fn grouping_text(of: &Grouping) -> String {
 }
 
 fn json(chain: &Chain, model: Option<&ErrorModel>, data: Option<&CsvInfo>) -> serde_json::Value {
+    let limits = |name: &str| chain.joint_named(name).and_then(|id| chain.controller_limits(id));
     let joints: Vec<_> = chain
         .joints()
         .iter()
-        .map(|j| serde_json::json!({"name": j.name, "type": j.kind, "limits": j.limits, "mass_kg": j.link.map(|l| l.mass)}))
+        .map(|j| serde_json::json!({"name": j.name, "type": j.kind, "limits": limits(&j.name), "mass_kg": j.link.map(|l| l.mass)}))
         .collect();
     let columns = data.map(|info| {
         info.columns

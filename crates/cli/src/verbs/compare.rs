@@ -18,8 +18,7 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let folder = Folder::prepare(args.report.as_ref(), "comparison.json")?;
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
-    let (mut data, _, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+    let (mut data, _, warnings) = read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     if args.positions_only {

@@ -1,5 +1,6 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
+use super::frames::Placed;
 use super::reporting::Folder;
 use super::{about, beyond, print_json, status};
 use crate::args::Compensate;
@@ -8,14 +9,18 @@ use crate::progress::Progress;
 use crate::terminal;
 use crate::watch::Watch;
 use rayon::prelude::*;
+use std::path::{Path, PathBuf};
 use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
 };
 use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel, Signal, presliding_of};
-use truepose_io::{CommandRow, Poses, WholeFiles, check_writable, commands_file, read_fit, read_poses};
-use truepose_kinematics::Conditions;
+use truepose_io::{
+    CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
+    read_measurements, read_poses,
+};
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
+use truepose_kinematics::{Chain, Conditions, JointId, Pose};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
 /// Poses that one thread takes at a time.
@@ -26,19 +31,18 @@ const TOGETHER: usize = 64;
 /// Runs the verb.
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
-    let folder = Folder::prepare(args.report.as_ref(), "compensation.json")?;
+    let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
-    let (mut poses, _, warnings) = read_poses(&args.poses, fitted.chain())?;
-    terminal::warn(&warnings);
-    known(args, &fitted, &poses)?;
+    let file = file(args);
+    let placed = Placed::new(args, &fitted)?;
+    let mut poses = read(args, &fitted, &placed)?;
     let mut commands = commands(args, &fitted, &poses, watch)?;
     if winds_up(&fitted, &poses) {
         // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
         follow(&mut poses, &commands);
         commands = self::commands(args, &fitted, &poses, watch)?;
     }
-    let channels =
-        poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?.schema.channels.clone();
+    let channels = poses.rows.derived_for(fitted.model()).map_err(about(file))?.schema.channels.clone();
     let expected = expected(&fitted, &poses, &mut commands)?;
     let rows: Vec<CommandRow> = commands
         .iter()
@@ -52,7 +56,13 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         })
         .collect();
     let mut files = WholeFiles::default();
-    files.push(commands_file(&args.out, fitted.chain(), &poses, &rows)?)?;
+    let corrected: Option<Vec<Pose>> = args.cartesian.then(|| {
+        let one = |(row, command): (usize, &CommandRow)| {
+            placed.corrected(fitted.chain(), &command.joints, &poses, row)
+        };
+        rows.iter().enumerate().map(one).collect()
+    });
+    files.push(commands_file(&args.out, fitted.chain(), &poses, &rows, corrected.as_deref())?)?;
 
     let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
     let statuses = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];
@@ -62,17 +72,29 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     tally.warn("command", fitted.chain(), &channels);
     let nominal = ok.filter(|(_, expected)| !expected.corrected).count();
     if let Some(folder) = &folder {
+        let inputs: Vec<&Path> = [
+            Some(&args.fit),
+            args.poses.as_ref(),
+            args.joints.as_ref(),
+            args.frames.as_ref(),
+            args.certificate.as_ref(),
+        ]
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
         let view = CommandsView {
             robot: fitted.chain().name().into(),
+            joints: joint_names(fitted.chain()),
             status: statuses
                 .iter()
                 .map(|s| (s.word().into(), of(*s)))
                 .filter(|s: &(String, usize)| s.1 > 0)
                 .collect(),
             extrapolating: tally.beyond(),
-            commands: views(&poses, &commands, &expected),
+            commands: views(fitted.chain(), &poses, &commands, &expected),
         };
-        folder.add(&mut files, &view, &[&args.fit, &args.poses], |run| Ok(commands_report(&view, run)))?;
+        folder.add(&mut files, &view, &inputs, |run| Ok(commands_report(&view, run)))?;
     }
     files.finish()?;
     if let Some(folder) = &folder {
@@ -134,11 +156,35 @@ fn follow(poses: &mut Poses, commands: &[Command]) {
     }
 }
 
+/// The file of poses or joints.
+fn file(args: &Compensate) -> &Path {
+    args.poses.as_ref().or(args.joints.as_ref()).unwrap_or(&args.fit)
+}
+
+/// Desired poses of the measurements' tool, in the measurement frame.
+fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Poses, Failure> {
+    let chain = fitted.chain();
+    if let Some(joints) = &args.joints {
+        let options = MeasurementsOptions { measured_required: false, ..MeasurementsOptions::default() };
+        let (rows, info, warnings) = read_measurements(joints, chain, &options)?;
+        terminal::warn(&warnings);
+        return Ok(placed.programme(chain, rows, &info));
+    }
+    let file = file(args);
+    let (mut poses, _, warnings) = read_poses(file, chain)?;
+    terminal::warn(&warnings);
+    if !placed.of_the_flange() {
+        known(args, fitted, &poses)?;
+    }
+    placed.place(&mut poses, &file.display().to_string())?;
+    Ok(poses)
+}
+
 /// Rejects poses whose target or orientation is unknown to the fit, and warns of those that were only declared.
 fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), Failure> {
     let refused = |row: usize, words: String| {
         let line = poses.rows.line.get(row).map_or(String::new(), |line| format!("line {line}: "));
-        Failure::Input(format!("{}: {line}{words}", args.poses.display()))
+        Failure::Input(format!("{}: {line}{words}", file(args).display()))
     };
     let mut done = Vec::new();
     for (row, &target) in poses.rows.target.iter().enumerate() {
@@ -224,16 +270,37 @@ fn expected(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Re
     Ok(parts.into_iter().flatten().collect())
 }
 
+/// Joint values in degrees and mm.
+pub(super) fn in_units(chain: &Chain, joints: &[f64]) -> Vec<f64> {
+    let unit = |joint: &JointId| if chain.joint(*joint).unit() == "m" { 1e3 } else { 1f64.to_degrees() };
+    chain.movable().iter().zip(joints).map(|(joint, value)| value * unit(joint)).collect()
+}
+
+/// Names of the joints with degrees or mm.
+pub(super) fn joint_names(chain: &Chain) -> Vec<String> {
+    let name = |joint: &JointId| {
+        let joint = chain.joint(*joint);
+        format!("{}, {}", joint.name, if joint.unit() == "m" { "mm" } else { "°" })
+    };
+    chain.movable().iter().map(name).collect()
+}
+
+fn ok(command: &Command) -> bool {
+    command.status == Status::Ok
+}
+
 /// Commands as page and JSON show them.
-fn views(poses: &Poses, commands: &[Command], expected: &[Expected]) -> Vec<CommandView> {
+fn views(chain: &Chain, poses: &Poses, commands: &[Command], expected: &[Expected]) -> Vec<CommandView> {
     let one = |(row, (command, expected)): (usize, (&Command, &Expected))| CommandView {
         row: row + 1,
+        line: poses.rows.line.get(row).copied(),
         status: command.status.word().into(),
         at_mm: (poses.rows.measured_position(row) * 1e3).into(),
         left_mm: command.position_error * 1e3,
-        correction_mm: expected.correction * 1e3,
-        within_95_mm: expected.within_95 * 1e3,
-        extrapolates: !expected.beyond.is_empty(),
+        correction_mm: ok(command).then_some(expected.correction * 1e3),
+        within_95_mm: ok(command).then_some(expected.within_95 * 1e3),
+        extrapolates: ok(command).then_some(!expected.beyond.is_empty()),
+        joints: ok(command).then(|| in_units(chain, &command.joints)),
     };
     commands.iter().zip(expected).enumerate().map(one).collect()
 }
@@ -253,10 +320,10 @@ fn commands(
     watch: &Watch,
 ) -> Result<Vec<Command>, Failure> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
-    let inputs = poses.rows.derived_for(fitted.model()).map_err(about(&args.poses))?;
+    let inputs = poses.rows.derived_for(fitted.model()).map_err(about(file(args)))?;
     let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default()).map_err(
         |error| match error {
-            CompensateError::Model(error) => about(&args.poses)(error),
+            CompensateError::Model(error) => about(file(args))(error),
             error => Failure::Input(format!("{}: {error}", args.fit.display())),
         },
     )?;

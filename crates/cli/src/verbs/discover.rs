@@ -1,8 +1,9 @@
 //! `truepose discover`: find effects that the declared model lacks, add them, and test the enlarged model.
 
+use super::identified::conforms;
 use super::identify::{different, split, split_words};
 use super::reporting::Folder;
-use super::{declared, print_json, read_files, robot, suspected};
+use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::Discover;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
@@ -13,7 +14,7 @@ use truepose_discover::{
     CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
 };
 use truepose_errormodel::{Dataset, FittedModel, ModelError};
-use truepose_identify::IdentifyError;
+use truepose_identify::{FitOptions, IdentifyError, as_found};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
@@ -21,10 +22,13 @@ use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discov
 
 /// Runs the verb.
 pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
-    if let Some(out) = &args.out {
+    for out in args.out.iter().chain(&args.parameters) {
         check_writable(out)?;
     }
-    let folder = Folder::prepare(args.report.as_ref(), "discovery.json")?;
+    let robot_file = Some(&args.measured.robot.robot);
+    let folder = Folder::with_head(args.report.as_ref(), "discovery.json", robot_file)?
+        .map(|folder| folder.certified(args.certificate.as_ref()))
+        .transpose()?;
     if let Some(rivals) = &args.rivals {
         make_folder(rivals)?;
         check_writable(rivals.join("rival.json"))?;
@@ -32,7 +36,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let chain = robot(&args.measured.robot)?;
     let declared = declared(&args.measured, &chain)?;
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     terminal::warn(repeated(&data, &args.measured.data).as_slice());
@@ -89,12 +93,23 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         })?;
         summary.nested = Some(NestedSummary::new(&judged, split_words(&split)));
     }
+    if let Ok(found) = as_found(&found.placement, &found.data, &FitOptions::default()) {
+        summary.as_found = Some(found.into());
+    }
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, &data);
     }
+    parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
+    if args.parameters.is_some() || args.report.is_some() || args.json {
+        summary.parameters = Some(parameters::parameters(&found.fit.fitted));
+    }
     let mut files = WholeFiles::default();
+    if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
+        files.push(parameters::file(path, summary)?)?;
+    }
     if let Some(folder) = &folder {
-        let inputs = read_files(&args.measured);
+        let mut inputs = read_files(&args.measured);
+        inputs.extend(args.certificate.as_deref());
         folder.add(&mut files, &summary, &inputs, |run| {
             Ok(discovery_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
@@ -113,12 +128,15 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         print_json(&summary)?;
     } else {
         terminal::print(&summary.to_string());
+        if let Some((_, parameters)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
+            terminal::print(&parameters.to_string());
+        }
     }
-    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out) {
+    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out).chain(&args.parameters) {
         terminal::log(&format!("wrote {}", file.display()));
     }
     rivals.iter().for_each(|line| terminal::log(line));
-    Ok(())
+    conforms(summary.specification.as_ref())
 }
 
 /// Channels that the search tests as one.

@@ -1,17 +1,17 @@
 //! `truepose export`: the fitted geometry in forms that other controllers take.
 
-use super::{print_json, target};
+use super::{parameters, print_json, target};
 use crate::args::{Export, ExportFormat};
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{
     Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
-    RemainingError, axis_table, error_tables, joint_origins,
+    ParameterTable, RemainingError, axis_table, error_tables, joint_origins, parameter_table,
 };
 use truepose_errormodel::{EffectRegistry, FittedModel, TargetKnown};
 use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
-use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::Vector3;
+use truepose_kinematics::{Chain, Coupling, Pose};
 
 /// The text of a file, with its statement of accuracy.
 struct Written {
@@ -46,6 +46,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
             let notes = notes(&fitted, &tables);
             written(tables.value.to_csv(fitted.chain(), &notes), tables, notes)
         }
+        ExportFormat::Parameters => return as_described(args, &fitted, &options),
     };
     write_whole(&args.out, written.text.as_bytes())?;
     if args.json {
@@ -80,6 +81,7 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
         fitted.chain().name()
     )];
     notes.extend(exported.statement());
+    notes.extend(couplings(fitted.chain()));
     match fitted.orientation_known() {
         TargetKnown::Measured => {}
         TargetKnown::Declared => {
@@ -95,6 +97,19 @@ fn notes<T>(fitted: &FittedModel, exported: &Exported<T>) -> Vec<String> {
         c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
     };
     notes.iter().map(|note| note.replace(ends, "\u{fffd}")).collect()
+}
+
+/// How the variables of the file follow from the controller's values, which the formats cannot hold.
+fn couplings(chain: &Chain) -> Vec<String> {
+    let name = |joint| &chain.joint(joint).name;
+    let words = |c: &Coupling| {
+        let (joint, driver) = (name(c.joint), name(c.driver));
+        format!(
+            "the variable of {joint} contains {:?} times the controller's value of {driver}, besides its own",
+            c.factor
+        )
+    };
+    chain.couplings().iter().map(words).collect()
 }
 
 /// Estimated positions of targets on the tool, which the formats cannot hold.
@@ -114,11 +129,41 @@ fn axes(
     options: &ExportOptions,
     convention: AxisConvention,
 ) -> Result<Written, Failure> {
+    // A robot that is described in this convention keeps the branch of its rows.
+    if !args.no_hayati
+        && let Ok(table) = parameter_table(fitted, options)
+    {
+        let mut notes = notes(fitted, &table);
+        notes.extend(targets(fitted, &positions(&table.value)));
+        if let Some(text) = table.value.to_axes_csv(convention, &notes) {
+            return Ok(written(text, table, notes));
+        }
+    }
     let allow = AxisTableOptions { hayati: !args.no_hayati, ..AxisTableOptions::default() };
     let table = axis_table(fitted, options, &allow)?;
     let mut notes = notes(fitted, &table);
     notes.extend(targets(fitted, &table.value.targets));
     Ok(written(table.value.to_csv(convention, fitted.chain(), &notes), table, notes))
+}
+
+/// Positions of the targets on the tool, m.
+fn positions(table: &ParameterTable) -> Vec<Vector3<f64>> {
+    table.corrected_robot().targets().iter().map(|target| target.position).collect()
+}
+
+/// The parameters of the robot's own description.
+fn as_described(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<(), Failure> {
+    let exported = parameter_table(fitted, options)?;
+    let summary = parameters::summary(fitted, &exported.value, &exported.left_out);
+    parameters::file(&args.out, &summary)?.finish()?;
+    if args.json {
+        return print_json(&summary);
+    }
+    terminal::print(&format!("written to {}\n{summary}", args.out.display()));
+    for line in exported.statement().iter().skip(1) {
+        terminal::print(&format!("{line}\n"));
+    }
+    Ok(())
 }
 
 fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {

@@ -105,13 +105,17 @@ fn may_be_written(option: &str, folder: &Path, file: &Path) -> bool {
 }
 
 /// Files of a report, whichever verb writes it.
-const PAGE: [&str; 6] = [
+const PAGE: [&str; 10] = [
     "index.html",
+    "summary.html",
     "run.json",
     "identification.json",
     "discovery.json",
     "comparison.json",
     "compensation.json",
+    "map.json",
+    "plan.json",
+    "prediction.json",
 ];
 
 fn refused(option: &str, words: String) -> Result<(), Failure> {
@@ -130,35 +134,64 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             ("--model", of.model.as_ref()),
         ])
     }
+    fn with<'a>(mut read: Vec<Named<'a>>, certificate: Option<&'a PathBuf>) -> Vec<Named<'a>> {
+        read.extend(certificate.map(|file| ("--certificate", file.as_path())));
+        read
+    }
     match verb {
-        Verb::Identify(of) => {
-            (measured(&of.measured), list(&[("--report", of.report.as_ref()), ("--out", of.out.as_ref())]))
-        }
+        Verb::Identify(of) => (
+            with(measured(&of.measured), of.certificate.as_ref()),
+            list(&[
+                ("--report", of.report.as_ref()),
+                ("--out", of.out.as_ref()),
+                ("--parameters", of.parameters.as_ref()),
+            ]),
+        ),
         Verb::Discover(of) => (
-            measured(&of.measured),
+            with(measured(&of.measured), of.certificate.as_ref()),
             list(&[
                 ("--report", of.report.as_ref()),
                 ("--rivals", of.rivals.as_ref()),
                 ("--out", of.out.as_ref()),
+                ("--parameters", of.parameters.as_ref()),
             ]),
         ),
         Verb::Compare(of) => (measured(&of.measured), list(&[("--report", of.report.as_ref())])),
         Verb::Plan(of) => (
-            list(&[("--fit", Some(&of.fit)), ("--rival", of.rival.as_ref()), ("--at", of.at.as_ref())]),
-            list(&[("--out", Some(&of.out))]),
+            list(&[
+                ("--fit", Some(&of.fit)),
+                ("--rival", of.rival.as_ref()),
+                ("--at", of.at.as_ref()),
+                ("--certificate", of.certificate.as_ref()),
+            ]),
+            list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
-        Verb::Predict(of) => {
-            (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
-        }
+        Verb::Predict(of) => (
+            list(&[
+                ("--fit", Some(&of.fit)),
+                ("--data", Some(&of.data)),
+                ("--certificate", of.certificate.as_ref()),
+            ]),
+            list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
+        ),
         Verb::Compensate(of) => (
-            list(&[("--fit", Some(&of.fit)), ("--poses", Some(&of.poses))]),
+            list(&[
+                ("--fit", Some(&of.fit)),
+                ("--poses", of.poses.as_ref()),
+                ("--joints", of.joints.as_ref()),
+                ("--frames", of.frames.as_ref()),
+                ("--certificate", of.certificate.as_ref()),
+            ]),
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
         Verb::Export(of) => (
             list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref())]),
             list(&[("--out", Some(&of.out))]),
         ),
-        Verb::Map(of) => (list(&[("--fit", Some(&of.fit))]), list(&[("--out", Some(&of.out))])),
+        Verb::Map(of) => (
+            list(&[("--fit", Some(&of.fit)), ("--certificate", of.certificate.as_ref())]),
+            list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
+        ),
         Verb::Transfer(of) => {
             (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
         }
@@ -176,6 +209,7 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             ]),
             Vec::new(),
         ),
+        Verb::Init(of) => (Vec::new(), list(&[("--out", of.out.as_ref()), ("--csv", of.csv.as_ref())])),
         Verb::Effects(_) | Verb::Verify(_) => (Vec::new(), Vec::new()),
     }
 }

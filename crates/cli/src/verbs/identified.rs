@@ -4,7 +4,7 @@ use crate::args::Identify;
 use crate::failure::Failure;
 use truepose_errormodel::ModelError;
 use truepose_identify::IdentifyError;
-use truepose_report::millimetres;
+use truepose_report::{SpecificationSummary, Verdict, millimetres};
 
 /// Where a fit comes from.
 pub(super) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
@@ -23,6 +23,14 @@ pub(super) fn refused(args: &Identify, error: IdentifyError) -> Failure {
             Failure::Input(format!("{}: {error}", args.measured.data.display()))
         }
         _ => error.into(),
+    }
+}
+
+/// Fails where the held-out poses fail the specification of `--spec`.
+pub(super) fn conforms(specification: Option<&SpecificationSummary>) -> Result<(), Failure> {
+    match specification {
+        Some(of) if of.verdict == Verdict::Fail => Err(Failure::Criterion(of.sentence())),
+        _ => Ok(()),
     }
 }
 

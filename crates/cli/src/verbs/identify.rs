@@ -1,8 +1,8 @@
 //! `truepose identify`: fit a declared error model, and estimate its accuracy on held-out data.
 
-use super::identified::{origin, refused, require};
+use super::identified::{conforms, origin, refused, require};
 use super::reporting::Folder;
-use super::{declared, print_json, read_files, robot, suspected};
+use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -15,17 +15,20 @@ use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
 pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
-    if let Some(out) = &args.out {
+    for out in args.out.iter().chain(&args.parameters) {
         check_writable(out)?;
     }
-    let folder = Folder::prepare(args.report.as_ref(), "identification.json")?;
+    let robot_file = Some(&args.measured.robot.robot);
+    let folder = Folder::with_head(args.report.as_ref(), "identification.json", robot_file)?
+        .map(|folder| folder.certified(args.certificate.as_ref()))
+        .transpose()?;
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
     if args.stream {
         return super::stream::identify(args, &chain, &effects, watch);
     }
     let (mut data, info, warnings) =
-        read_measurements(&args.measured.data, &chain, &args.measured.grouped.measured())?;
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
     if args.positions_only {
         data.orientation.fill(None);
@@ -63,9 +66,17 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, &data);
     }
+    parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
+    if args.parameters.is_some() || args.report.is_some() || args.json {
+        summary.parameters = Some(parameters::parameters(&found.fit.fitted));
+    }
     let mut files = WholeFiles::default();
+    if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
+        files.push(parameters::file(path, summary)?)?;
+    }
     if let Some(folder) = &folder {
-        let inputs = read_files(&args.measured);
+        let mut inputs = read_files(&args.measured);
+        inputs.extend(args.certificate.as_deref());
         folder.add(&mut files, &summary, &inputs, |run| {
             Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
         })?;
@@ -82,10 +93,14 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         print_json(&summary)?;
     } else {
         terminal::print(&summary.to_string());
+        if let Some((_, parameters)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
+            terminal::print(&parameters.to_string());
+        }
     }
-    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out) {
+    for file in folder.as_ref().map(Folder::page).iter().chain(&args.out).chain(&args.parameters) {
         terminal::log(&format!("wrote {}", file.display()));
     }
+    conforms(summary.specification.as_ref())?;
     let Some(last) = summary.stages.last() else { return Ok(()) };
     require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
 }

@@ -1,20 +1,25 @@
 //! `truepose map`: accuracy over the workspace, before and after compensation.
 
+use super::reporting::Folder;
 use super::{beyond, print_json, status, target};
 use crate::args::Map;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use truepose_compensate::{AccuracyMap, MapGrid, MapOptions, Status, accuracy_map, middle_conditions};
+use std::path::{Path, PathBuf};
+use truepose_compensate::{
+    AccuracyMap, MapGrid, MapNode, MapOptions, Status, accuracy_map, middle_conditions,
+};
 use truepose_errormodel::{EffectRegistry, FittedModel};
-use truepose_io::{MapRow, check_writable, read_fit, write_map};
+use truepose_io::{MapRow, WholeFiles, check_writable, map_file, read_fit};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload, Pose};
-use truepose_report::{count, millimetres};
+use truepose_report::{MapView, PlaceView, count, map_report, millimetres};
 
 /// Runs the verb.
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
+    let folder = Folder::with_head(args.report.as_ref(), "map.json", args.certificate.as_ref())?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
@@ -54,13 +59,84 @@ pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
             joints: node.joints.to_vec(),
             status: status(node.status),
             before: node.before,
+            before_95: node.before_95,
             after_95: node.after_95,
             extrapolates: node.extrapolates(),
             beyond: beyond::words(&node.beyond, chain, &fitted.channels),
         })
         .collect();
-    write_map(&args.out, chain, &rows)?;
+    let mut files = WholeFiles::default();
+    files.push(map_file(&args.out, chain, &rows)?)?;
+    if let Some(folder) = &folder {
+        let view = MapView {
+            robot: chain.name().into(),
+            sentences: sentences(&map),
+            places: map.nodes.iter().map(place).collect(),
+        };
+        let inputs: Vec<&Path> = [Some(&args.fit), args.certificate.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+        folder.add(&mut files, &view, &inputs, |run| Ok(map_report(&view, run)))?;
+    }
+    files.finish()?;
+    if let Some(folder) = &folder {
+        terminal::log(&format!("wrote {}", folder.page().display()));
+    }
     say(args, &fitted, &map)
+}
+
+/// A node as the page and JSON have it.
+fn place(node: &MapNode) -> PlaceView {
+    let reached = node.status == Status::Ok;
+    let mm = |v: f64| reached.then_some(1e3 * v);
+    PlaceView {
+        at_mm: (1e3 * node.position).into(),
+        status: status(node.status).word().into(),
+        before_mm: mm(node.before),
+        before_95_mm: mm(node.before_95),
+        after_95_mm: mm(node.after_95),
+        extrapolates: reached.then(|| node.extrapolates()),
+    }
+}
+
+/// What the map shows, a sentence a line: for the terminal and the page.
+fn sentences(map: &AccuracyMap) -> Vec<String> {
+    let reached = (map.reachable() * map.nodes.len() as f64).round().max(1.0);
+    let within = map.within();
+    let mut lines = vec![format!(
+        "{}, {:.0} % of them reachable",
+        count(map.nodes.len(), "place"),
+        100.0 * map.reachable()
+    )];
+    if map.reachable() > 0.0 {
+        lines.push(format!(
+            "{} of the reachable places ({:.0} %) are within the range of the data of the fit",
+            within.nodes.len(),
+            100.0 * within.nodes.len() as f64 / reached
+        ));
+    }
+    let bounds = |map: &AccuracyMap, where_: &str| {
+        [
+            ("before", map.before_95_rms(), map.before_95_max()),
+            ("after", map.after_95_rms(), map.after_95_max()),
+        ]
+        .map(|(when, rms, max)| {
+            format!(
+                "{where_}{when} compensation (95 % bound of each place): RMS {}, max {}",
+                millimetres(rms),
+                millimetres(max)
+            )
+        })
+    };
+    if !within.nodes.is_empty() {
+        lines.extend(bounds(&within, ""));
+    }
+    if map.nodes.iter().any(|node| node.status == Status::Ok && node.extrapolates()) {
+        lines.extend(bounds(map, "including extrapolated places (not verified by data): "));
+    }
+    lines
 }
 
 fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failure> {
@@ -71,10 +147,16 @@ fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failur
     let not_helped = reached.filter(|node| !node.helps).count();
     let within = map.within();
     let figures = |map: &AccuracyMap| {
+        // Of no place there is no error.
+        let of = |rms: f64, max: f64| {
+            let any = map.reachable() > 0.0;
+            serde_json::json!({"rms_mm": any.then_some(1e3 * rms), "max_mm": any.then_some(1e3 * max)})
+        };
         serde_json::json!({
             "places": map.nodes.len(),
-            "before": {"rms_mm": 1e3 * map.before_rms(), "max_mm": 1e3 * map.before_max()},
-            "after_95": {"rms_mm": 1e3 * map.after_95_rms(), "max_mm": 1e3 * map.after_95_max()},
+            "before": of(map.before_rms(), map.before_max()),
+            "before_95": of(map.before_95_rms(), map.before_95_max()),
+            "after_95": of(map.after_95_rms(), map.after_95_max()),
         })
     };
     if args.json {
@@ -85,34 +167,10 @@ fn say(args: &Map, fitted: &FittedModel, map: &AccuracyMap) -> Result<(), Failur
         json["within"] = figures(&within);
         return print_json(&json);
     }
-    let reached = (map.reachable() * map.nodes.len() as f64).round().max(1.0);
-    terminal::print(&format!(
-        "{}, {:.0} % of them reachable; written to {}\n",
-        count(map.nodes.len(), "place"),
-        100.0 * map.reachable(),
-        args.out.display()
-    ));
-    if map.reachable() > 0.0 {
-        terminal::print(&format!(
-            "{} of the reachable places ({:.0} %) are within the range of the data of the fit\n",
-            within.nodes.len(),
-            100.0 * within.nodes.len() as f64 / reached
-        ));
-    }
-    let print = |map: &AccuracyMap, where_: &str| {
-        terminal::print(&format!(
-            "{where_}before compensation: RMS {}, max {}\n{where_}after compensation (95 % bound of each place): RMS {}, max {}\n",
-            millimetres(map.before_rms()),
-            millimetres(map.before_max()),
-            millimetres(map.after_95_rms()),
-            millimetres(map.after_95_max()),
-        ));
-    };
-    if !within.nodes.is_empty() {
-        print(&within, "");
-    }
-    if tally.beyond() > 0 {
-        print(map, "including extrapolated places (not verified by data): ");
+    let lines = sentences(map);
+    terminal::print(&format!("{}; written to {}\n", lines[0], args.out.display()));
+    for line in &lines[1..] {
+        terminal::print(&format!("{line}\n"));
     }
     if not_helped > 0 {
         terminal::print(&format!(

@@ -8,10 +8,14 @@ mod discover;
 mod effects;
 mod export;
 mod files;
+mod frames;
 mod identified;
 mod identify;
+mod init;
 mod map;
 mod monitor;
+mod nominal;
+mod parameters;
 mod plan;
 mod predict;
 mod repeated;
@@ -48,6 +52,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Transfer(verb) => transfer::run(verb, watch),
         Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
+        Verb::Init(verb) => init::run(verb),
         Verb::Check(verb) => check::run(verb),
         Verb::Effects(verb) => effects::run(verb),
         Verb::Simulate(verb) => simulate::run(verb),

@@ -1,20 +1,24 @@
 //! `truepose plan`: further measurements.
 
+use super::compensate::{in_units, joint_names};
 use super::print_json;
+use super::reporting::Folder;
 use crate::args::Plan;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use truepose_errormodel::EffectRegistry;
+use std::path::{Path, PathBuf};
+use truepose_errormodel::{DatasetBuilder, EffectRegistry, FittedModel, Measurement};
 use truepose_identify::{PlanOptions, plan};
-use truepose_io::{PlannedVisit, check_writable, read_fit, read_measurements, write_plan};
+use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, read_measurements, write_plan};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload};
-use truepose_report::PlanSummary;
+use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
+    let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
     let registry = EffectRegistry::builtin();
     let fitted = read_fit(&args.fit, &registry)?;
     let rival = args.rival.as_ref().map(|file| read_fit(file, &registry)).transpose()?;
@@ -55,11 +59,56 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
         .collect();
     write_plan(&args.out, fitted.chain(), &visits)?;
     let summary = PlanSummary::new(&made);
+    if let Some(folder) = &folder {
+        write_page(args, folder, &fitted, &visits, &summary)?;
+    }
     if args.json {
         print_json(&summary)?;
     } else {
         terminal::print(&summary.to_string());
     }
     terminal::log(&format!("wrote {}", args.out.display()));
+    Ok(())
+}
+
+/// The page of the plan.
+fn write_page(
+    args: &Plan,
+    folder: &Folder,
+    fitted: &FittedModel,
+    visits: &[PlannedVisit],
+    summary: &PlanSummary,
+) -> Result<(), Failure> {
+    let chain = fitted.chain();
+    let mut rows = DatasetBuilder::new(chain);
+    for visit in visits {
+        rows.push(Measurement::at(visit.joints.clone()))?;
+    }
+    let data = rows.finish();
+    let pose = |visit: &PlannedVisit| PlannedView {
+        joints: in_units(chain, &visit.joints),
+        payload_kg: match visit.load {
+            Load::Payload(payload) => Some(payload.mass),
+            _ => None,
+        },
+        why: visit.why.into(),
+        worth: visit.worth,
+    };
+    let view = PlanView {
+        robot: chain.name().into(),
+        summary: summary.clone(),
+        joints: joint_names(chain),
+        poses: visits.iter().map(pose).collect(),
+    };
+    let mut files = WholeFiles::default();
+    let inputs: Vec<&Path> =
+        [Some(&args.fit), args.rival.as_ref(), args.at.as_ref(), args.certificate.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+    folder.add(&mut files, &view, &inputs, |run| Ok(plan_report(&view, chain, &data, run)))?;
+    files.finish()?;
+    terminal::log(&format!("wrote {}", folder.page().display()));
     Ok(())
 }

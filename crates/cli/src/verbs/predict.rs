@@ -1,5 +1,6 @@
 //! `truepose predict`: the position of the real robot, from a fit.
 
+use super::reporting::Folder;
 use super::{about, beyond, print_json};
 use crate::args::Predict;
 use crate::failure::Failure;
@@ -8,16 +9,19 @@ use crate::terminal;
 use crate::watch::Watch;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 use truepose_compensate::radius_95;
 use truepose_errormodel::{Coverage, Dataset, EffectRegistry, FittedModel};
 use truepose_identify::{Residuals, Spread, Tally};
 use truepose_io::{
-    MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, check_writable, read_fit,
-    read_measurements, write_predictions,
+    MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, WholeFiles, check_writable,
+    read_fit, read_measurements, write_predictions,
 };
 use truepose_kinematics::nalgebra::Matrix3;
 use truepose_kinematics::{Chain, Conditions};
-use truepose_report::{OrientationStatistics, PositionStatistics, count, significant};
+use truepose_report::{
+    OrientationStatistics, PositionStatistics, PredictionView, count, prediction_report, significant,
+};
 
 /// Files from this size on, bytes, are read block by block where the model allows it.
 const LARGE: u64 = 32 << 20;
@@ -31,9 +35,13 @@ const CHUNK: usize = 256;
 /// Runs the verb.
 pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
+    let folder = Folder::with_head(args.report.as_ref(), "prediction.json", args.certificate.as_ref())?;
     let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
     let options = args.grouped.conditions();
-    if let Some(done) = by_blocks(args, &fitted, &options, watch) {
+    // The page shows every row.
+    if folder.is_none()
+        && let Some(done) = by_blocks(args, &fitted, &options, watch)
+    {
         return done;
     }
     let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
@@ -44,9 +52,28 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     let inputs = data.derived_for(fitted.model()).map_err(about(&args.data))?;
     let coverage = Coverage::new(&fitted, &inputs.schema).map_err(about(&args.data))?;
     let (predicted, beyond) = predict(&fitted, &coverage, &inputs);
-    write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     let residuals = Residuals::of(&fitted, &data)?;
     let (position, orientation) = (residuals.positions(), residuals.orientations());
+    if let Some(folder) = &folder {
+        let view = PredictionView {
+            robot: fitted.chain().name().into(),
+            rows: data.len(),
+            extrapolating: beyond.beyond(),
+            position: (position.count > 0).then(|| position.into()),
+            within_95_mm: predicted.iter().map(|p| 1e3 * p.within_95).collect(),
+            error_mm: (0..data.len()).map(|row| residuals.distance(row).map(|d| 1e3 * d)).collect(),
+        };
+        let mut files = WholeFiles::default();
+        let inputs: Vec<&Path> = [Some(&args.fit), Some(&args.data), args.certificate.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+            .collect();
+        folder.add(&mut files, &view, &inputs, |run| Ok(prediction_report(&view, run)))?;
+        files.finish()?;
+        terminal::log(&format!("wrote {}", folder.page().display()));
+    }
+    write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &inputs)
 }
 

@@ -23,13 +23,14 @@ impl Repeated {
         let report = Some(own.to_path_buf());
         let (verb, result) = match args.verb {
             Verb::Identify(mut verb) => {
-                (verb.report, verb.out) = (report, None);
+                (verb.report, verb.out, verb.parameters) = (report, None, None);
                 (Verb::Identify(verb), "identification.json")
             }
             Verb::Discover(mut verb) => {
                 // Fits of competing hypotheses are work that the result shows.
                 let rivals = verb.rivals.map(|_| own.join("rivals"));
                 (verb.report, verb.out, verb.rivals) = (report, None, rivals);
+                verb.parameters = None;
                 (Verb::Discover(verb), "discovery.json")
             }
             Verb::Compare(mut verb) => {
@@ -40,11 +41,27 @@ impl Repeated {
                 (verb.report, verb.out) = (report, own.join("commands.csv"));
                 (Verb::Compensate(verb), "compensation.json")
             }
-            _ => return Err("only discover, identify, compare and compensate can be repeated".into()),
+            Verb::Map(mut verb) => {
+                (verb.report, verb.out) = (report, own.join("map.csv"));
+                (Verb::Map(verb), "map.json")
+            }
+            Verb::Plan(mut verb) => {
+                (verb.report, verb.out) = (report, own.join("plan.csv"));
+                (Verb::Plan(verb), "plan.json")
+            }
+            Verb::Predict(mut verb) => {
+                (verb.report, verb.out) = (report, own.join("predictions.csv"));
+                (Verb::Predict(verb), "prediction.json")
+            }
+            _ => return Err(NOT_REPEATED.into()),
         };
         Ok(Repeated { verb, result })
     }
 }
+
+/// What is said of other verbs.
+const NOT_REPEATED: &str =
+    "only discover, identify, compare, compensate, map, plan and predict can be repeated";
 
 #[cfg(test)]
 mod tests {
@@ -74,7 +91,7 @@ mod tests {
     #[test]
     fn what_is_no_such_run_is_refused() {
         let simulate = of(&["simulate", "--plant", "p.toml", "--out", "o.csv"]).unwrap_err();
-        assert_eq!(simulate, "only discover, identify, compare and compensate can be repeated");
+        assert_eq!(simulate, NOT_REPEATED);
         let unknown = of(&["compare", "--robot", "r", "--data", "d", "--write", "x"]).unwrap_err();
         assert!(
             unknown.starts_with("its arguments are not valid: unexpected argument '--write'"),

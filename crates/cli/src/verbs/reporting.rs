@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use truepose_io::{WholeFiles, check_writable, file_digest, make_folder, sha256};
+use truepose_io::{WholeFiles, check_writable, file_digest, make_folder, read_details, sha256};
 use truepose_report::{FileRecord, Report, RunRecord};
 
 /// The program with its version.
@@ -14,6 +14,7 @@ pub const PROGRAM: &str = concat!("truepose ", env!("CARGO_PKG_VERSION"));
 pub struct Folder {
     path: PathBuf,
     result: &'static str,
+    certificate: Option<Vec<(String, String)>>,
 }
 
 impl Folder {
@@ -21,10 +22,26 @@ impl Folder {
     pub fn prepare(path: Option<&PathBuf>, result: &'static str) -> Result<Option<Self>, Failure> {
         let Some(path) = path else { return Ok(None) };
         make_folder(path)?;
-        for file in [result, "index.html", "run.json"] {
+        for file in [result, "index.html", "summary.html", "run.json"] {
             check_writable(path.join(file))?;
         }
-        Ok(Some(Folder { path: path.clone(), result }))
+        Ok(Some(Folder { path: path.clone(), result, certificate: None }))
+    }
+
+    /// [`Folder::prepare`], with the head of the report of a file.
+    pub fn with_head(
+        path: Option<&PathBuf>,
+        result: &'static str,
+        certificate: Option<&PathBuf>,
+    ) -> Result<Option<Self>, Failure> {
+        Folder::prepare(path, result)?.map(|folder| folder.certified(certificate)).transpose()
+    }
+
+    /// With the head of the report of a file.
+    pub fn certified(self, file: Option<&PathBuf>) -> Result<Self, Failure> {
+        let Some(file) = file else { return Ok(self) };
+        let certificate = read_details(file)?.certificate.map(|of| of.entries).or(self.certificate);
+        Ok(Folder { certificate, ..self })
     }
 
     /// The file of the result.
@@ -59,13 +76,17 @@ impl Folder {
         let arguments = arguments.iter().map(|argument| argument.to_string_lossy().into_owned()).collect();
         let record =
             FileRecord { file: self.result.into(), bytes: bytes.len() as u64, sha256: sha256(&bytes) };
-        let run = RunRecord::new(PROGRAM, arguments, inputs, record);
+        let certificate = self.certificate.clone();
+        let run = RunRecord { certificate, ..RunRecord::new(PROGRAM, arguments, inputs, record) };
         let report = page(&run)?;
         files.add(self.path.join(self.result), &bytes)?;
         for (name, svg) in &report.figures {
             files.add(self.path.join(name), svg.as_bytes())?;
         }
         files.add(self.path.join("run.json"), (serde_json::to_string_pretty(&run)? + "\n").as_bytes())?;
+        if !report.summary.is_empty() {
+            files.add(self.path.join("summary.html"), report.summary.as_bytes())?;
+        }
         files.add(self.path.join("index.html"), report.html.as_bytes())?;
         Ok(())
     }

@@ -41,7 +41,7 @@ pub fn identify(
     let mut file = Table {
         path: &args.measured.data,
         chain,
-        reading: args.measured.grouped.measured(),
+        reading: args.measured.reading()?,
         positions_only: args.positions_only,
         passes: 0,
         watch,

@@ -7,16 +7,21 @@
 )]
 
 mod bad_input;
+mod coupled;
 mod determinism;
 mod dwell;
 mod example;
 mod export;
 mod folder;
+mod handover;
 mod hardened;
 mod harm;
 mod hostile;
+mod init;
 mod invariance;
 mod limits;
+mod mistakes;
+mod one_voice;
 mod output;
 mod page;
 #[cfg(feature = "parquet")]

@@ -1,14 +1,14 @@
 //! Accuracy over the workspace, before and after compensation.
 //!
 //! ```text
-//! before   |f_real(q_nominal) − x|        the robot commanded by its nominal description
+//! before   |f_real(q_nominal) − x|, and r_95 of it     the robot commanded by its nominal description
 //! after    r_95 at the compensated command
 //! ```
 //!
 //! On a grid of positions q_nominal is the nominal inverse kinematics; on a grid of joints x is where the nominal
 //! robot is, and the band is taken there.
 
-use super::prediction_interval::{correction_helps, radius_95};
+use super::prediction_interval::{correction_helps, radius_95, radius_95_about};
 use crate::command::{Status, Target, Values};
 use crate::{CompensateError, Compensator, CompensatorOptions};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -94,6 +94,8 @@ pub struct MapNode {
     pub status: Status,
     /// Distance by which the uncompensated robot misses, m.
     pub before: f64,
+    /// With 95 % the uncompensated robot misses by no more, m.
+    pub before_95: f64,
     /// With 95 % the compensated robot misses by no more, m.
     pub after_95: f64,
     /// What of the place lies beyond the data of the fit, and by how much.
@@ -126,6 +128,18 @@ impl AccuracyMap {
     /// Largest error before, m.
     pub fn before_max(&self) -> f64 {
         self.reached().map(|node| node.before).fold(0.0, f64::max)
+    }
+
+    /// Root of the mean square of the band before, m.
+    pub fn before_95_rms(&self) -> f64 {
+        let (sum, count) =
+            self.reached().fold((0.0, 0.0), |(s, n), node| (s + node.before_95.powi(2), n + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    }
+
+    /// Largest band before, m.
+    pub fn before_95_max(&self) -> f64 {
+        self.reached().map(|node| node.before_95).fold(0.0, f64::max)
     }
 
     /// Root of the mean square of the band after, m.
@@ -196,6 +210,7 @@ pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<Accura
                     joints: Values::of(&conditions.joints),
                     status: Status::Ok,
                     before: displacement.norm(),
+                    before_95: radius_95_about(&displacement, &(found.covariance + noise)),
                     after_95: radius_95(&(found.covariance + noise)),
                     beyond: found.beyond,
                     helps: correction_helps(&displacement, &found.covariance),
@@ -222,17 +237,20 @@ pub fn accuracy_map(fitted: &FittedModel, options: &MapOptions) -> Result<Accura
                     joints: command.joints,
                     status: command.status,
                     before: f64::NAN,
+                    before_95: f64::NAN,
                     after_95: f64::NAN,
                     beyond: Vec::new(),
                     helps: true,
                 };
                 if command.status == Status::Ok {
                     conditions.joints.copy_from_slice(&first.joints);
-                    let missed = coverage.judge(&conditions, options.target).pose.translation - position;
+                    let uncorrected = coverage.judge(&conditions, options.target);
+                    let missed = uncorrected.pose.translation - position;
                     conditions.joints.copy_from_slice(&command.joints);
                     let found = coverage.judge(&conditions, options.target);
                     let nominal = coverage.nominal(&conditions, options.target).translation;
                     node.before = missed.norm();
+                    node.before_95 = radius_95_about(&missed, &(uncorrected.covariance + noise));
                     node.after_95 = radius_95(&(found.covariance + noise));
                     node.helps = correction_helps(&(found.pose.translation - nominal), &found.covariance);
                     node.beyond = found.beyond;

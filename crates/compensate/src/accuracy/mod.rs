@@ -5,4 +5,6 @@ mod prediction_interval;
 
 pub(crate) use map::everything;
 pub use map::{AccuracyMap, MapGrid, MapNode, MapOptions, accuracy_map};
-pub use prediction_interval::{PredictedError, correction_helps, predicted_error, radius_95};
+pub use prediction_interval::{
+    PredictedError, correction_helps, predicted_error, radius_95, radius_95_about,
+};

@@ -69,11 +69,18 @@ pub fn correction_helps(displacement: &Vector3<f64>, covariance: &Matrix3<f64>) 
 
 /// The radius within which a normal vector of this covariance lies with 95 %.
 pub fn radius_95(covariance: &Matrix3<f64>) -> f64 {
+    radius_95_about(&Vector3::zeros(), covariance)
+}
+
+/// The radius within which a normal vector of this mean and covariance lies with 95 %: as [`radius_95`], with the mean and the variance of
+/// |v|² that a mean d adds, `|d|²` and `4 dᵀ C d` (Patnaik 1949).
+pub fn radius_95_about(mean: &Vector3<f64>, covariance: &Matrix3<f64>) -> f64 {
     // Σλ and Σλ² without the eigenvalues: the traces of C and of C².
-    let sum = covariance.trace();
-    let squares = covariance.component_mul(&covariance.transpose()).sum();
+    let sum = covariance.trace() + mean.norm_squared();
+    let squares =
+        covariance.component_mul(&covariance.transpose()).sum() + 2.0 * mean.dot(&(covariance * mean));
     if sum <= 0.0 || squares <= 0.0 {
-        return 0.0;
+        return sum.max(0.0).sqrt();
     }
     let freedom = sum * sum / squares;
     let spread = 2.0 / (9.0 * freedom);
@@ -113,5 +120,29 @@ mod tests {
             assert!((share - 0.95).abs() < 0.01, "{shape:?}: {share}");
         }
         assert!(radius_95(&Matrix3::zeros()).abs() < f64::MIN_POSITIVE);
+    }
+
+    #[test]
+    fn the_radius_about_a_mean_holds_95_percent() {
+        let mut state = 9;
+        for (mean, shape) in [
+            ([0.0, 0.0, 3.0], [1.0, 1.0, 1.0]),
+            ([1.0, 0.0, 0.0], [1.0, 0.5, 0.5]),
+            ([0.0, 2.0, 0.0], [1.0, 0.3, 0.05]),
+            ([10.0, 0.0, 0.0], [1.0, 1.0, 0.2]),
+        ] {
+            let (mean, root) = (Vector3::from(mean), Matrix3::from_diagonal(&Vector3::from(shape)));
+            let radius = radius_95_about(&mean, &(root * root.transpose()));
+            let count = 40_000;
+            let inside = (0..count)
+                .filter(|_| {
+                    let z = Vector3::new(normal(&mut state), normal(&mut state), normal(&mut state));
+                    (mean + root * z).norm() <= radius
+                })
+                .count();
+            let share = inside as f64 / f64::from(count);
+            assert!((share - 0.95).abs() < 0.012, "{mean:?} {shape:?}: {share}");
+        }
+        assert!((radius_95_about(&Vector3::new(3.0, 4.0, 0.0), &Matrix3::zeros()) - 5.0).abs() < 1e-12);
     }
 }

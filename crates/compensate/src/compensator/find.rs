@@ -1,7 +1,7 @@
 //! Where a search begins, and where it goes on when that leads nowhere.
 
 use super::Compensator;
-use crate::command::{MOST, Status};
+use crate::command::{MOST, Status, Values};
 use crate::lanes::Block;
 use crate::position_first::walk_position_first;
 use crate::search::{Ending, Walk, walk};
@@ -33,22 +33,23 @@ impl Compensator<'_> {
             // Position only: with the seed's orientation if that can be, else as near to it as it goes.
             let whole = Task { rotation: Some(*rotation), ..*task };
             let found = walk(&mut self.exact(), &whole, x, &limits, most);
-            if found.ending == Ending::There {
+            if self.there(&found) {
                 return Found::ok(found, rounds);
             }
             rounds += found.rounds;
             let ended = walk_position_first(&mut self.exact(), &whole, x, &limits, most);
-            if ended.ending == Ending::There {
+            if self.there(&ended) {
                 return Found::ok(ended, rounds);
             }
             rounds += ended.rounds;
         }
-        if let Some(found) = seed.and_then(|x| self.straight(task, x)) {
+        let straight = seed.and_then(|x| self.straight(task, x));
+        if let Some(found) = straight.filter(|found| self.fits(&found.x)) {
             return Found::ok(found, rounds);
         }
         if let Some(x) = seed {
             let found = walk(&mut self.exact(), task, x, &limits, most);
-            if found.ending == Ending::There {
+            if self.there(&found) {
                 return Found::ok(found, rounds);
             }
             rounds += found.rounds;
@@ -70,7 +71,7 @@ impl Compensator<'_> {
             let nominal = walk(&mut self.ideal(&point), &rough, &start, &limits, NOMINAL_ROUNDS);
             if nominal.gap.cost < WORTH_A_TRY {
                 let found = walk(&mut self.exact(), task, &nominal.x, &limits, most);
-                if found.ending == Ending::There {
+                if self.there(&found) {
                     return Found::ok(found, rounds);
                 }
                 rounds += found.rounds;
@@ -84,7 +85,7 @@ impl Compensator<'_> {
             && let Some(nominal) = nearest_nominal
         {
             let found = walk(&mut self.exact(), task, &nominal.x, &limits, most);
-            if found.ending == Ending::There {
+            if self.there(&found) {
                 return Found::ok(found, rounds);
             }
             rounds += found.rounds;
@@ -100,7 +101,7 @@ impl Compensator<'_> {
             // Such a robot cannot have every orientation: the position comes first.
             let found = walk_position_first(&mut self.exact(), task, &best.x, &limits, most);
             rounds += found.rounds;
-            if found.ending == Ending::There {
+            if self.there(&found) {
                 best = found;
                 if task.reached(&best.gap) {
                     return Found::ok(best, rounds);
@@ -114,7 +115,7 @@ impl Compensator<'_> {
                 x[k / 2] += if k.is_multiple_of(2) { NUDGE } else { -NUDGE };
                 let x = self.within(&x);
                 let found = walk(&mut self.exact(), task, &x, &limits, most);
-                if found.ending == Ending::There {
+                if self.there(&found) {
                     return Found::ok(found, rounds);
                 }
                 rounds += found.rounds;
@@ -146,7 +147,7 @@ impl Compensator<'_> {
             // The same posture a turn further may lie within the limits.
             let turned = self.within(&self.wrapped(&free.x));
             let inside = walk(&mut self.exact(), task, &turned, &limits, most);
-            if inside.ending == Ending::There {
+            if self.there(&inside) {
                 return Found::ok(inside, rounds);
             }
             rounds += inside.rounds;
@@ -171,6 +172,22 @@ impl Compensator<'_> {
     /// what can be reached. A robot of fewer joints than six may have to try all its postures: each tilts otherwise.
     fn enough(&self) -> usize {
         if self.nominal.joints() < 6 { usize::MAX } else { 6 }
+    }
+
+    /// Whether a search ended at the pose, with values that the controller takes.
+    fn there(&self, found: &Walk) -> bool {
+        found.ending == Ending::There && self.fits(&found.x)
+    }
+
+    /// Whether the controller's values are within their limits; without couplings those of the search are all there is.
+    pub(super) fn fits(&self, x: &[f64; MOST]) -> bool {
+        let chain = self.fitted.chain();
+        if chain.couplings().is_empty() {
+            return true;
+        }
+        let mut joints = Values::zeros(self.nominal.joints());
+        joints.iter_mut().enumerate().for_each(|(k, joint)| *joint = self.joint(k, x[k]));
+        chain.within_controller_limits(&joints)
     }
 
     fn at_a_limit(&self, x: &[f64; MOST]) -> bool {

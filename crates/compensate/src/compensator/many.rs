@@ -12,10 +12,16 @@ impl Compensator<'_> {
         for some in wanted.chunks(WIDTH) {
             let (block, lanes) = self.together(some);
             for (one, lane) in some.iter().zip(lanes) {
-                out.push(match lane.and_then(|lane| block.found(lane)) {
+                let found = lane.and_then(|lane| block.found(lane));
+                out.push(match found.filter(|walk| self.fits(&walk.x)) {
                     Some(walk) => {
                         self.take_over(one.conditions);
-                        self.answer(one.target.orientation.is_some(), &walk, Status::Ok, walk.rounds, true)
+                        let oriented = one.target.orientation.is_some();
+                        let found = self.answer(oriented, &walk, Status::Ok, walk.rounds, true);
+                        match &mut self.beyond {
+                            Some(beyond) => beyond.fallen_back(found, &one.target, one.conditions),
+                            None => found,
+                        }
                     }
                     None => self.command(&one.target, one.conditions, one.seed),
                 });

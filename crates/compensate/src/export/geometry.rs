@@ -35,15 +35,22 @@ pub fn corrected_chain(
     fitted: &FittedModel,
     options: &ExportOptions,
 ) -> Result<Exported<Chain>, CompensateError> {
-    let reference = Reference::of(fitted, options)?;
+    Ok(corrected(fitted, &Reference::of(fitted, options)?)?.0)
+}
+
+/// [`corrected_chain`] at these configurations, with the constants that are in it.
+pub(super) fn corrected(
+    fitted: &FittedModel,
+    reference: &Reference,
+) -> Result<(Exported<Chain>, GeneralizedErrors), CompensateError> {
     let left_out = not_constant(fitted);
     let mut constants = constant_errors(fitted)?;
     if !left_out.is_empty() {
-        constants = project(fitted.chain(), &reference, &constants, None)?.constants;
+        constants = project(fitted.chain(), reference, &constants, None)?.constants;
     }
     let chain = with_errors(fitted.chain(), &constants)?;
-    let (remaining_error, comparison) = judged(fitted, &reference, |row| of_chain(&chain, row))?;
-    Ok(Exported { value: chain, left_out, remaining_error, comparison })
+    let (remaining_error, comparison) = judged(fitted, reference, |row| of_chain(&chain, row))?;
+    Ok((Exported { value: chain, left_out, remaining_error, comparison }, constants))
 }
 
 /// The sum of all effects that are constant generalized errors and nothing else.
@@ -93,6 +100,7 @@ pub(super) fn with_errors(chain: &Chain, errors: &GeneralizedErrors) -> Result<C
         ..target.clone()
     });
     Ok(Chain::new(chain.name(), joints)?
+        .coupled_as(chain)?
         .with_base(base)?
         .with_tool(tool)?
         .with_gravity(*chain.gravity())?

@@ -59,6 +59,7 @@ impl JointOrigins {
             ..described.clone()
         });
         Ok(Chain::new(like.name(), joints.collect())?
+            .coupled_as(like)?
             .with_base(Placed { pose: self.base, known: true })?
             .with_tool(Placed { pose: self.tool, known: true })?
             .with_gravity(*like.gravity())?

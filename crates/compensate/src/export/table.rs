@@ -123,6 +123,7 @@ impl AxisTable {
             before = row.link.map_or(Pose::IDENTITY, |link| link.pose());
         }
         Ok(Chain::new(like.name(), joints)?
+            .coupled_as(like)?
             .with_base(Placed { pose: self.base, known: true })?
             .with_tool(Placed { pose: before * self.tool, known: true })?
             .with_targets(placed(like, &self.targets))?)

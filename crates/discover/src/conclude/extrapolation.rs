@@ -11,6 +11,7 @@
 //! The structure of the final model (effects, periods) was selected with these rows; only its coefficients do not know them.
 
 use crate::conclude::held_out::{clusters, of_pair};
+use crate::conclude::reach::{UnseenPart, UnseenRow, usual, variances};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
@@ -60,6 +61,8 @@ pub struct Extrapolation {
     pub after: Spread,
     /// 95 % intervals of the RMS of both, m.
     pub ci95: Option<[[f64; 2]; 2]>,
+    /// 3-D RMS of the final model where it falls back to the declared one beyond its data, m: with the scale that suits these parts best.
+    pub fallen_back: Option<f64>,
 }
 
 /// Which pose measurements are predicted, and which are left out of the fit without being predicted.
@@ -69,14 +72,14 @@ struct Parted {
     left_out: Vec<bool>,
 }
 
-/// Errors on the parts for which the data is enough. `fits` are the declared and the final model; `out` are outliers.
+/// Errors on the parts for which the data is enough, with their rows. `fits` are the declared and the final model; `out` are outliers.
 pub(crate) fn extrapolations(
     context: &Context<'_>,
     fits: [&Fit; 2],
     found: &[Candidate],
     data: &Dataset,
     out: &[usize],
-) -> Vec<Extrapolation> {
+) -> Vec<(Extrapolation, UnseenPart)> {
     let data = without(data, out);
     let parts = [last_in_time(&data), region(context, &data)];
     let each = parts.into_iter().flatten();
@@ -90,7 +93,7 @@ fn judged(
     found: &[Candidate],
     data: &Dataset,
     parted: &Parted,
-) -> Result<Option<Extrapolation>, DiscoverError> {
+) -> Result<Option<(Extrapolation, UnseenPart)>, DiscoverError> {
     let kept: Vec<bool> =
         parted.predicted.iter().zip(&parted.left_out).map(|(predicted, out)| !predicted && !out).collect();
     let mut of_target = BTreeMap::<_, BTreeSet<usize>>::new();
@@ -114,22 +117,33 @@ fn judged(
     }
     let part = data.select(&part);
     let mut residuals = Vec::new();
+    let mut reach = (Vec::new(), 0.0);
+    let all: Vec<usize> = (0..part.len()).collect();
     for (fit, found) in fits.into_iter().zip([&[], found]) {
         let options = FitOptions { noise: NoiseSource::Fixed(fit.noise), ..context.fit.clone() };
-        let again = fit_again(fit, &with_loads(&rest, found), context.solver, &options)?;
-        residuals.push(Residuals::of(&again.fitted, &with_loads(&part, found))?);
+        let (rest, part) = (with_loads(&rest, found), with_loads(&part, found));
+        let again = fit_again(fit, &rest, context.solver, &options)?;
+        residuals.push(Residuals::of(&again.fitted, &part)?);
+        if !found.is_empty() {
+            reach = (variances(&again.fitted, &part, &all)?, usual(&again.fitted, &rest)?);
+        }
     }
     let [before, after] = [&residuals[0], &residuals[1]];
-    let all: Vec<usize> = (0..part.len()).collect();
+    let rows = reach.0.into_iter().zip(before.position.iter().zip(&after.position));
+    let rows = rows.map(|(variance, (&declared, &found))| UnseenRow { declared, found, variance });
+    let unseen =
+        UnseenPart { rows: rows.filter(|row| row.declared.norm().is_finite()).collect(), usual: reach.1 };
     let draws = context.budget().bootstrap;
-    Ok(Some(Extrapolation {
+    let figures = Extrapolation {
         part: parted.part,
         poses: Visits::of(&part).len(),
         before: before.positions(),
         after: after.positions(),
         ci95: of_pair([before, after], &clusters(&part, None), &all, draws, context.options.seed)
             .map(|i| i.rms),
-    }))
+        fallen_back: None,
+    };
+    Ok(Some((figures, unseen)))
 }
 
 /// The last pose measurements in time.

@@ -10,6 +10,7 @@ use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::NoiseFloor;
 use crate::conclude::held_out::{HeldOutIntervals, clusters};
 use crate::conclude::partition::{HeldOut, Partition};
+use crate::conclude::reach::fallback;
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
 use crate::conclude::verdict::{Variances, verdict};
@@ -22,7 +23,7 @@ use crate::hypotheses::outlier::Outlying;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
-use crate::model::prepared::with_loads;
+use crate::model::prepared::{with_loads, without};
 use crate::problem::dependence::dependence;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
@@ -34,7 +35,9 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, Domain, LoadCorrection, Sample, Visits};
-use truepose_identify::{Fit, FittedNonlinear, ResidualVariance, Residuals, repeats, student_quantile};
+use truepose_identify::{
+    Fit, FittedNonlinear, ResidualVariance, Residuals, fit_again, repeats, student_quantile,
+};
 
 /// Forms the result.
 pub(crate) fn conclude(
@@ -159,10 +162,20 @@ pub(crate) fn conclude(
     let clusters = clusters(&held, dependence.as_ref());
     let intervals =
         HeldOutIntervals::of(&before, &after, &clusters, context.budget().bootstrap, context.options.seed);
-    let extrapolations = match declared_fit.full_report {
+    let unseen = match declared_fit.full_report {
         true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
         false => Vec::new(),
     };
+    let (mut extrapolations, parts): (Vec<_>, Vec<_>) = unseen.into_iter().unzip();
+    if declared_fit.full_report && !found.is_empty() {
+        let as_declared = without(partition.data, &outside.suspects);
+        let alone = fit_again(&declared, &as_declared, context.solver, &context.fit)?;
+        let fallback = fallback((&alone.fitted, &as_declared), (&fit.fitted, &data), &parts)?;
+        for (figures, part) in extrapolations.iter_mut().zip(&parts) {
+            figures.fallen_back = Some(part.mean_square(fallback.scale).sqrt());
+        }
+        fit.fitted.fallback = Some(fallback);
+    }
     Ok(Diagnosis {
         placement: partition.placement.clone(),
         findings,

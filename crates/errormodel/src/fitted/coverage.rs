@@ -15,7 +15,7 @@
 //! Ranges of single inputs do not see gaps and corners between them; the leverage does (regressor variable hull: Montgomery, Peck and
 //! Vining, *Introduction to Linear Regression Analysis*, section 3.8; Cook 1977). A joint counts as beyond from [`SAME_JOINT`] on.
 
-use super::model::{FittedModel, Predictor};
+use super::model::{FittedModel, Predicted, Predictor};
 use crate::{ModelError, Schema, Signal};
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Conditions, Load, Pose, TargetId};
@@ -99,12 +99,12 @@ impl<'m> Coverage<'m> {
 
     /// The prediction under these conditions, and what of them lies beyond the data of the fit.
     pub fn judge(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Judged {
-        let (pose, covariance) = self.predictor.with_covariance(conditions, target);
+        let Predicted { pose, covariance, open, .. } = self.predictor.judged(conditions, target);
         let mut beyond = self.out_of_range(conditions);
         if let Some(widest) = self.widest
-            && covariance.trace() > widest * (1.0 + 1e-9)
+            && open > widest * (1.0 + 1e-9)
         {
-            beyond.push((Beyond::Leverage, (covariance.trace() / widest.max(f64::MIN_POSITIVE)).sqrt()));
+            beyond.push((Beyond::Leverage, (open / widest.max(f64::MIN_POSITIVE)).sqrt()));
         }
         Judged { pose, covariance, beyond }
     }
@@ -165,7 +165,7 @@ fn widest(fitted: &FittedModel) -> Result<Option<f64>, ModelError> {
     let mut widest: f64 = 0.0;
     for row in (0..rows.len()).filter(|&row| rows.seen(row).position.contains(&true)) {
         rows.conditions_into(row, &mut conditions);
-        let variance = predictor.with_covariance(&conditions, rows.target[row]).1.trace();
+        let variance = predictor.judged(&conditions, rows.target[row]).open;
         let leverage = if noise > 0.0 { (variance / noise).min(MOST_LEVERAGE) } else { 0.0 };
         widest = widest.max(variance / (1.0 - leverage));
     }

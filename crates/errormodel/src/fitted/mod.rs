@@ -2,10 +2,12 @@
 
 mod coverage;
 mod domain;
+mod fallback;
 mod model;
 mod sample;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
+pub use fallback::Fallback;
 pub use model::{FittedModel, LoadCorrection, Predictor};
 pub use sample::Sample;

@@ -1,6 +1,7 @@
 //! A fitted model: evaluated without the data, the solver or the reduction that made it.
 
 use super::domain::Domain;
+use super::fallback::{Fallback, between};
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
@@ -25,6 +26,8 @@ pub struct FittedModel {
     pub noise: NoiseModel,
     /// The part of `noise.position_sd` that rows of one visit share, the robot's repeatability, m; zero where it is not known.
     pub repeatability_sd: f64,
+    /// The declared model, where findings were added to it: predictions beyond their data fall back to it.
+    pub fallback: Option<Fallback>,
     /// Payloads that are declared wrongly: what is declared, and what is carried.
     pub loads: Vec<LoadCorrection>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
@@ -83,6 +86,7 @@ impl FittedModel {
             domain: Domain::default(),
             noise: NoiseModel::none(),
             repeatability_sd: 0.0,
+            fallback: None,
             loads: Vec::new(),
             provenance: serde_json::Map::new(),
         })
@@ -106,6 +110,11 @@ impl FittedModel {
     /// With the part of the noise that rows of one visit share, m.
     pub fn with_repeatability(self, repeatability_sd: f64) -> Self {
         FittedModel { repeatability_sd, ..self }
+    }
+
+    /// With a model to which predictions fall back beyond the data of the fit.
+    pub fn with_fallback(self, fallback: Option<Fallback>) -> Self {
+        FittedModel { fallback, ..self }
     }
 
     /// With payloads that are declared wrongly.
@@ -149,12 +158,19 @@ impl FittedModel {
     /// # Errors
     /// When an effect does not fit it, or it has other unknowns.
     pub fn on(&self, chain: Chain) -> Result<Self, ModelError> {
+        let fallback = match &self.fallback {
+            Some(known) => {
+                let declared = std::sync::Arc::new(known.declared.on(chain.clone())?);
+                Some(Fallback { declared, ..known.clone() })
+            }
+            None => None,
+        };
         let model = self.model.on(chain)?;
         let need = model.columns().len();
         if need != self.coefficients.len() {
             return Err(ModelError::Shape { what: "coefficients", have: self.coefficients.len(), need });
         }
-        Ok(FittedModel { model, ..self.clone() })
+        Ok(FittedModel { model, fallback, ..self.clone() })
     }
 
     /// The model.
@@ -209,8 +225,24 @@ impl FittedModel {
             nominal: PostureBuffer::new(self.chain()),
             rest: Equilibrium::new(&self.model),
             conditions: Conditions::default(),
+            declared: match &self.fallback {
+                Some(fallback) => Some(Box::new(fallback.declared.bind(schema)?)),
+                None => None,
+            },
         })
     }
+}
+
+/// A prediction and what it is worth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Predicted {
+    pub pose: Pose,
+    /// Of the position, m².
+    pub covariance: Matrix3<f64>,
+    /// Variance that the coefficients leave open of the position with every finding, m².
+    pub open: f64,
+    /// Share of the findings.
+    pub weight: f64,
 }
 
 /// Evaluates a fitted model, posture after posture, without allocating.
@@ -222,16 +254,52 @@ pub struct Predictor<'m> {
     rest: Equilibrium,
     /// Used where a declared load is wrong.
     conditions: Conditions,
+    /// Of the fallback.
+    declared: Option<Box<Predictor<'m>>>,
 }
 
 impl Predictor<'_> {
     /// The real robot under these conditions: orientation of the tool, position of the target (none: of the tool's
-    /// origin), in the measurement frame.
+    /// origin), in the measurement frame. Beyond the data of the fit it falls back to the declared model, where the fit has one.
     pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
+        if self.fitted.fallback.is_some() {
+            return self.judged(conditions, target).pose;
+        }
         self.settle(conditions);
+        self.found(target)
+    }
+
+    /// With every finding, at the last conditions.
+    fn found(&self, target: Option<TargetId>) -> Pose {
         let real = self.rest.real();
         let point = real.point(self.fitted.chain(), self.rest.errors(), target);
         Pose::new(real.tool().rotation, point)
+    }
+
+    /// The prediction with its covariance, and what the coefficients leave open of it with every finding.
+    pub(super) fn judged(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Predicted {
+        let rows = self.sensitivity(conditions, target);
+        let found = self.found(target);
+        let rows = rows.rows(0, 3);
+        let spread = rows * &self.fitted.covariance * rows.transpose();
+        let covariance = Matrix3::from_iterator(spread.iter().copied());
+        let open = covariance.trace();
+        let weight = self.fitted.fallback.as_ref().map_or(1.0, |fallback| fallback.weight(open));
+        let (Some(declared), Some(fallback)) = (&mut self.declared, &self.fitted.fallback) else {
+            return Predicted { pose: found, covariance, open, weight };
+        };
+        if weight >= 1.0 {
+            return Predicted { pose: found, covariance, open, weight };
+        }
+        let pose = between(&declared.predict(conditions, target), &found, weight);
+        let missed = (1.0 - weight).powi(2) * fallback.size / 3.0;
+        let covariance = covariance * (weight * weight) + Matrix3::identity() * missed;
+        Predicted { pose, covariance, open, weight }
+    }
+
+    /// The share of the findings in the prediction under these conditions: one within the data of the fit.
+    pub fn share_of_findings(&mut self, conditions: &Conditions, target: Option<TargetId>) -> f64 {
+        if self.fitted.fallback.is_some() { self.judged(conditions, target).weight } else { 1.0 }
     }
 
     /// The same pose as the nominal robot has it.
@@ -243,7 +311,7 @@ impl Predictor<'_> {
         Pose::new(tool.rotation, point)
     }
 
-    /// How the prediction moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
+    /// How the prediction with every finding moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
     /// of the coefficient; 6 × p.
     pub fn sensitivity(&mut self, conditions: &Conditions, target: Option<TargetId>) -> DMatrix<f64> {
         self.settle(conditions);
@@ -261,7 +329,7 @@ impl Predictor<'_> {
         rows
     }
 
-    /// How well the prediction is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
+    /// How well the prediction with every finding is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes
     /// from the coefficients alone, `J_e Φ C (J_e Φ)ᵀ`.
     pub fn covariance(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Matrix6<f64> {
         let rows = self.sensitivity(conditions, target);
@@ -269,19 +337,15 @@ impl Predictor<'_> {
         Matrix6::from_iterator(spread.iter().copied())
     }
 
-    /// [`Predictor::predict`], and the covariance of its position (m²) that comes from the coefficients alone.
+    /// [`Predictor::predict`], and the covariance of its position (m²) that comes from the coefficients, and from the findings that it lacks
+    /// where it falls back.
     pub fn with_covariance(
         &mut self,
         conditions: &Conditions,
         target: Option<TargetId>,
     ) -> (Pose, Matrix3<f64>) {
-        let rows = self.sensitivity(conditions, target);
-        let real = self.rest.real();
-        let pose =
-            Pose::new(real.tool().rotation, real.point(self.fitted.chain(), self.rest.errors(), target));
-        let rows = rows.rows(0, 3);
-        let spread = rows * &self.fitted.covariance * rows.transpose();
-        (pose, Matrix3::from_iterator(spread.iter().copied()))
+        let Predicted { pose, covariance, .. } = self.judged(conditions, target);
+        (pose, covariance)
     }
 
     /// The generalized errors under these conditions.

@@ -38,6 +38,8 @@ pub struct Fit {
     pub solution: Solution,
     /// Parameters in which effects are not linear, where they were looked for; the model of `fitted` holds their values.
     pub shapes: Vec<FittedNonlinear>,
+    /// What their uncertainty adds to the variance of each coefficient of the model; empty without any.
+    pub unknown_shapes: Vec<f64>,
     /// What was left to scatter where the noise was estimated; none where it was given, or comes from other rows.
     pub scatter: Option<Freedom>,
     /// Things that a user should know.
@@ -59,7 +61,8 @@ impl Fit {
     pub fn half_widths(&self) -> Vec<f64> {
         let quantile = student_quantile(0.975, self.degrees_of_freedom());
         let covariance = self.fitted.covariance();
-        (0..covariance.nrows()).map(|k| quantile * covariance[(k, k)].max(0.0).sqrt()).collect()
+        let more = |k: usize| self.unknown_shapes.get(k).copied().unwrap_or(0.0);
+        (0..covariance.nrows()).map(|k| quantile * (covariance[(k, k)].max(0.0) + more(k)).sqrt()).collect()
     }
 
     /// Statistics of the 3-D position error on the data of the fit, m.

@@ -22,15 +22,16 @@ pub(super) fn everywhere(fitted: &FittedModel, count: usize, seed: u64) -> Vec<C
 fn drawn(fitted: &FittedModel, load: Load, random: &mut ChaCha8Rng) -> Conditions {
     let chain = fitted.chain();
     let mut unit = || f64::from(random.next_u32()) / f64::from(u32::MAX);
-    let joints: Vec<f64> = chain
+    let mut joints: Vec<f64> = chain
         .movable()
         .iter()
         .enumerate()
         .map(|(k, &joint)| {
-            let range = range(chain.joint(joint).limits, fitted.domain.joints.get(k));
+            let range = range(chain.controller_limits(joint), fitted.domain.joints.get(k));
             range.lower + (range.upper - range.lower) * unit()
         })
         .collect();
+    chain.joints_from_controller(&mut joints);
     let mut conditions = Conditions::at(chain, &joints).with_load(load);
     conditions.approach = joints.iter().map(|_| if unit() < 0.5 { -1.0 } else { 1.0 }).collect();
     conditions.channels = fitted.domain.channels.iter().map(|r| 0.5 * (r.lower + r.upper)).collect();

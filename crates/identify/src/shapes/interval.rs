@@ -4,6 +4,10 @@
 //! D_k = (∂X/∂θ_k) b        D̃ = D − A Z, Z = A⁺ D        cov θ = (D̃ᵀ D̃)⁻¹        cov c = (AᵀA)⁻¹ + Z cov θ Zᵀ
 //! ```
 //!
+//! The second part of cov c widens the intervals of the coefficients ([`Fit::half_widths`]) and is no part of the covariance of the fit: where
+//! the robot was measured, an error of θ and what it does to c cancel in a prediction, whose band would be many times too wide with one
+//! of the two alone.
+//!
 //! | symbol | here | shape |
 //! | --- | --- | --- |
 //! | A | all kept columns at the solution, with the rows of the prior | m × r |
@@ -132,7 +136,7 @@ pub(super) fn deviations(
     Ok(all)
 }
 
-/// Writes intervals into a fit, and what the parameters' uncertainty adds to the covariance.
+/// Writes intervals into a fit, and what the parameters' uncertainty adds to the variances of the coefficients.
 pub(super) fn judge(
     picture: &Picture<'_>,
     free: &[(usize, NonlinearParameter)],
@@ -212,13 +216,10 @@ pub(super) fn judge(
         }
         more += &late * late.transpose();
     }
-    let mut covariance = fit.fitted.covariance().clone();
-    for (i, &a) in fit.reduction.kept.iter().enumerate() {
-        for (j, &b) in fit.reduction.kept.iter().enumerate() {
-            covariance[(a, b)] += more[(i, j)];
-        }
+    fit.unknown_shapes = vec![0.0; fit.fitted.coefficients().len()];
+    for (i, &column) in fit.reduction.kept.iter().enumerate() {
+        fit.unknown_shapes[column] = more[(i, i)].max(0.0);
     }
-    fit.fitted = fit.fitted.clone().with_covariance(covariance)?;
     Ok(())
 }
 

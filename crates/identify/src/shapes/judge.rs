@@ -27,7 +27,7 @@ pub fn descend_nonlinear(
     refine::descend(&picture, &shapes, &theta, &every, false)
 }
 
-/// A fit whose shape parameters were found elsewhere, each with its interval, and with what their uncertainty adds to the covariance.
+/// A fit whose shape parameters were found elsewhere, each with its interval, and with what their uncertainty adds to the variances of the coefficients.
 /// `found` are (effect, parameter at its value with the range in which it was looked for); those of which the data says nothing beside
 /// the others are taken as they stand, with their whole range. Of much data a part is looked at, for as much as the whole is worth.
 ///

@@ -189,7 +189,10 @@ impl<'a> Sample<'a> {
             };
             let (mut measured, mut target) = (row.measured, row.target);
             if let Some(cause) = cause {
+                // Columns hold the controller's values.
+                self.chain.joints_to_controller(&mut q);
                 hypotheses::joints(cause, self.chain, &mut q);
+                self.chain.joints_from_controller(&mut q);
                 measured = hypotheses::position(cause, measured);
                 target = hypotheses::target(cause, target);
             }

@@ -5,7 +5,7 @@ mod constants;
 mod detect;
 mod hypotheses;
 mod outlying;
-mod registration;
+pub(crate) mod registration;
 
 pub use cause::{Cause, Suspicion};
 pub use detect::{suspicion, suspicions};

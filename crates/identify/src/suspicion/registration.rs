@@ -22,7 +22,7 @@ const TURNS: usize = 60;
 
 /// A measured position, and where the robot as described was.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
+pub(crate) struct Point {
     /// p_k.
     pub measured: Vector3<f64>,
     /// F_k, f_k.
@@ -33,7 +33,7 @@ pub(super) struct Point {
 
 /// An offset y_τ of a target from the flange, and whether it may be changed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Offset {
+pub(crate) struct Offset {
     /// m.
     pub at: Vector3<f64>,
     /// False: found from the data.
@@ -41,7 +41,7 @@ pub(super) struct Offset {
 }
 
 /// Root of the mean square of what is left with the base where it fits best, m.
-pub(super) fn anywhere(points: &[Point], offsets: &[Offset]) -> f64 {
+pub(crate) fn anywhere(points: &[Point], offsets: &[Offset]) -> f64 {
     let (base, offsets) = placed(points, offsets);
     at(points, &offsets, &base)
 }

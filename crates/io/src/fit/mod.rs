@@ -4,6 +4,7 @@
 //! their fixed order, so that equal models make equal bytes.
 
 mod check;
+mod fallback_v1;
 mod read;
 mod robot_v1;
 mod sample_v1;

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::{Matrix3, Unit, Vector3};
 use truepose_kinematics::{
-    Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
+    Chain, ChainError, Coupling, Gravity, GravityFrame, Joint, JointId, JointKind, Link, Placed, Placement,
+    Pose, Target,
 };
 
 /// Rows of a rotation matrix are orthonormal to this.
@@ -17,6 +18,16 @@ pub(super) struct RobotV1 {
     joints: Vec<JointV1>,
     tool: PlacedV1,
     targets: Vec<TargetV1>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    couplings: Vec<CouplingV1>,
+}
+
+/// Joints by number, from 1.
+#[derive(Debug, Serialize, Deserialize)]
+struct CouplingV1 {
+    joint: usize,
+    driver: usize,
+    factor: f64,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -96,19 +107,26 @@ impl From<&Chain> for RobotV1 {
             position: target.position.into(),
             known: target.known,
         };
+        let coupling = |c: &Coupling| CouplingV1 { joint: c.joint.0, driver: c.driver.0, factor: c.factor };
         RobotV1 {
             name: chain.name().into(),
             gravity: GravityV1 { vector: chain.gravity().vector.into(), frame },
             base: chain.base().into(),
-            joints: chain.joints().iter().map(JointV1::from).collect(),
+            joints: (1..)
+                .map(JointId)
+                .zip(chain.joints())
+                .map(|(id, joint)| JointV1::of(joint, chain.controller_limits(id)))
+                .collect(),
             tool: chain.tool().into(),
             targets: chain.targets().iter().map(target).collect(),
+            couplings: chain.couplings().iter().map(coupling).collect(),
         }
     }
 }
 
-impl From<&Joint> for JointV1 {
-    fn from(joint: &Joint) -> Self {
+impl JointV1 {
+    /// Of a joint with these limits of the controller's values.
+    fn of(joint: &Joint, limits: Option<(f64, f64)>) -> Self {
         let placement = match joint.placement {
             Placement::Dh { theta, d, a, alpha } => PlacementV1::Dh { theta, d, a, alpha },
             Placement::Mdh { alpha, a, theta, d } => PlacementV1::Mdh { alpha, a, theta, d },
@@ -124,8 +142,7 @@ impl From<&Joint> for JointV1 {
                 JointKind::Fixed => KindV1::Fixed,
             },
             placement,
-            limits: joint
-                .limits
+            limits: limits
                 .filter(|(lower, upper)| lower.is_finite() && upper.is_finite())
                 .map(|(lower, upper)| [lower, upper]),
             link: joint.link.map(|link| LinkV1 { mass: link.mass, com: link.com.into() }),
@@ -160,7 +177,10 @@ impl TryFrom<RobotV1> for Chain {
             position: Vector3::from(target.position),
             known: target.known,
         };
+        let coupling =
+            |c: CouplingV1| Coupling { joint: JointId(c.joint), driver: JointId(c.driver), factor: c.factor };
         Chain::new(robot.name, joints)?
+            .with_couplings(robot.couplings.into_iter().map(coupling).collect())?
             .with_base(placed(robot.base, "base")?)?
             .with_tool(placed(robot.tool, "tool")?)?
             .with_targets(robot.targets.into_iter().map(target).collect())?

@@ -1,12 +1,13 @@
 //! The fit file, format 1, in JSON. This schema does not change; a new format is a new file.
 
 use super::check;
+use super::fallback_v1::FallbackV1;
 use super::robot_v1::RobotV1;
 use super::sample_v1::{self, RowV1, SampleOfV1};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use truepose_errormodel::{
-    Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, NoiseModel,
+    AnyEffect, Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, NoiseModel,
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, TargetId};
@@ -26,6 +27,9 @@ pub(super) struct FitV1 {
     /// Payloads that are declared wrongly.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<LoadCorrection>,
+    /// The declared model, where findings were added to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fallback: Option<FallbackV1>,
     #[serde(default)]
     pub provenance: Map<String, Value>,
     /// What the rows of `sample` have in common.
@@ -79,6 +83,31 @@ pub(super) struct NoiseV1 {
     repeatability_sd: Option<f64>,
 }
 
+impl EffectV1 {
+    /// The effects of a model.
+    pub fn all(model: &ErrorModel) -> Vec<Self> {
+        let one = |effect: &Box<dyn AnyEffect>| EffectV1 {
+            family: effect.kind().into(),
+            parameters: effect.parameters(),
+        };
+        model.effects().iter().map(one).collect()
+    }
+}
+
+impl CoefficientV1 {
+    /// The coefficients of a fitted model.
+    pub fn all(fit: &FittedModel) -> Vec<Self> {
+        let columns = fit.model().columns().iter().zip(fit.coefficients());
+        columns
+            .map(|(column, &value)| CoefficientV1 {
+                name: column.name.clone(),
+                unit: column.unit.clone(),
+                value,
+            })
+            .collect()
+    }
+}
+
 impl From<&FittedModel> for FitV1 {
     fn from(fit: &FittedModel) -> Self {
         let model = fit.model();
@@ -88,21 +117,8 @@ impl From<&FittedModel> for FitV1 {
             format: super::FIT_FORMAT,
             program: super::PROGRAM.into(),
             robot: fit.chain().into(),
-            effects: model
-                .effects()
-                .iter()
-                .map(|effect| EffectV1 { family: effect.kind().into(), parameters: effect.parameters() })
-                .collect(),
-            coefficients: model
-                .columns()
-                .iter()
-                .zip(fit.coefficients())
-                .map(|(column, &value)| CoefficientV1 {
-                    name: column.name.clone(),
-                    unit: column.unit.clone(),
-                    value,
-                })
-                .collect(),
+            effects: EffectV1::all(model),
+            coefficients: CoefficientV1::all(fit),
             covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
             channels: fit
                 .channels
@@ -126,6 +142,7 @@ impl From<&FittedModel> for FitV1 {
                 repeatability_sd: (fit.repeatability_sd > 0.0).then_some(fit.repeatability_sd),
             },
             loads: fit.loads.clone(),
+            fallback: fit.fallback.as_ref().map(FallbackV1::from),
             provenance: fit.provenance.clone(),
             sample_of,
             sample,
@@ -185,6 +202,7 @@ impl FitV1 {
             ));
         }
         let fit = FittedModel::new(model, coefficients, covariance).map_err(|error| error.to_string())?;
+        let fallback = self.fallback.map(|file| file.into_fallback(fit.chain(), registry)).transpose()?;
         let (joints, targets) = (fit.chain().movable().len(), fit.chain().targets().len());
         if let Some(target) = self.domain.targets.iter().flatten().find(|&&target| target >= targets) {
             return Err(format!(
@@ -218,6 +236,7 @@ impl FitV1 {
             .with_domain(domain)
             .with_noise(noise)
             .with_repeatability(repeatability)
+            .with_fallback(fallback)
             .with_loads(self.loads)
             .with_provenance(self.provenance))
     }

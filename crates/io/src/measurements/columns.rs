@@ -1,5 +1,6 @@
 //! What the columns of a table mean.
 
+use crate::frame_names::joint_called;
 use crate::nearest::{meant, nearest};
 use crate::table::unprefixed;
 use crate::{Quantity, Unit};
@@ -12,6 +13,8 @@ pub(crate) enum Role {
     Position(usize),
     Quaternion(usize),
     RotationVector(usize),
+    /// One of the three angles of an orientation, in the order of its convention.
+    Angle(usize),
     Target,
     Visit,
     PayloadMass,
@@ -24,6 +27,10 @@ pub(crate) enum Role {
     OrientationSd(usize),
     /// Why a visit was planned: a word of `truepose plan`, for people.
     Note,
+    /// Whether the row is used.
+    Use,
+    /// A column that is not read: left out by the user, a text, or empty.
+    Nothing,
     Channel(usize),
 }
 
@@ -42,6 +49,10 @@ pub(crate) enum Cells {
     Target,
     /// Anything; not read.
     Note,
+    /// Nothing: the column has no name.
+    Blank,
+    /// Yes or no in every row.
+    Use,
 }
 
 /// A column with its unit.
@@ -61,7 +72,7 @@ pub(crate) struct Column {
 }
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
-pub(crate) const FIXED: [(&str, Role); 30] = [
+pub(crate) const FIXED: [(&str, Role); 31] = [
     ("x", Role::Position(0)),
     ("y", Role::Position(1)),
     ("z", Role::Position(2)),
@@ -92,6 +103,7 @@ pub(crate) const FIXED: [(&str, Role); 30] = [
     ("sry", Role::OrientationSd(1)),
     ("srz", Role::OrientationSd(2)),
     ("why", Role::Note),
+    ("use", Role::Use),
 ];
 
 impl Role {
@@ -100,7 +112,7 @@ impl Role {
     /// # Errors
     /// Why a column cannot bear this name.
     pub fn of(name: &str, chain: &Chain, channels: usize) -> Result<Role, String> {
-        if let Some(joint) = chain.joint_named(name) {
+        if let Some(joint) = joint_called(chain, name) {
             return match chain.coordinate(joint) {
                 Some(k) => Ok(Role::Joint(k)),
                 None => Err(format!("joint `{name}` is fixed and has no values; remove the column")),
@@ -110,7 +122,7 @@ impl Role {
             return Ok(*role);
         }
         if let Some(joint) = name.strip_prefix("approach_") {
-            return match chain.joint_named(joint).and_then(|j| chain.coordinate(j)) {
+            return match joint_called(chain, joint).and_then(|j| chain.coordinate(j)) {
                 Some(k) => Ok(Role::Approach(k)),
                 None => {
                     let joints = || joint_names(chain);
@@ -128,10 +140,14 @@ impl Role {
         match self {
             Role::Joint(k) => Some(joint_quantity(chain, k)),
             Role::Position(_) | Role::PayloadCentre(_) | Role::PositionSd(_) => Some(Quantity::Length),
-            Role::RotationVector(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
-            Role::Quaternion(_) | Role::Approach(_) | Role::Target | Role::Visit | Role::Note => {
-                Some(Quantity::Ratio)
-            }
+            Role::RotationVector(_) | Role::Angle(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
+            Role::Quaternion(_)
+            | Role::Approach(_)
+            | Role::Target
+            | Role::Visit
+            | Role::Note
+            | Role::Use
+            | Role::Nothing => Some(Quantity::Ratio),
             Role::PayloadMass => Some(Quantity::Mass),
             Role::Force(_) => Some(Quantity::Force),
             Role::Moment(_) => Some(Quantity::Moment),
@@ -146,7 +162,8 @@ impl Role {
             Role::Visit => Cells::Integer,
             Role::Approach(_) => Cells::Direction,
             Role::Target => Cells::Target,
-            Role::Note => Cells::Note,
+            Role::Note | Role::Nothing => Cells::Note,
+            Role::Use => Cells::Use,
             _ => Cells::Maybe,
         }
     }
@@ -163,6 +180,7 @@ impl Role {
             Role::Position(k) => format!("measured position, {}", xyz(k)),
             Role::Quaternion(k) => format!("measured orientation, quaternion {}", ["w", "x", "y", "z"][k]),
             Role::RotationVector(k) => format!("measured orientation, rotation vector {}", xyz(k)),
+            Role::Angle(k) => format!("measured orientation, angle {} of its convention", k + 1),
             Role::Target => "measured target".into(),
             Role::Visit => "visit".into(),
             Role::PayloadMass => "mass carried".into(),
@@ -176,19 +194,50 @@ impl Role {
             Role::PositionSd(k) => format!("stated standard deviation of the position, {}", xyz(k)),
             Role::OrientationSd(k) => format!("stated standard deviation of the orientation, {}", xyz(k)),
             Role::Note => "a word for people, not read".into(),
+            Role::Use => "whether the row is used".into(),
+            Role::Nothing => "not read".into(),
             Role::Channel(_) => "channel".into(),
         }
     }
 }
 
 impl Column {
-    /// A column from its header cell; the second value is a warning.
+    /// A column from a header cell in our own spelling.
+    #[cfg(test)]
+    pub fn parse(header: &str, chain: &Chain, channels: usize) -> Result<(Column, Option<String>), String> {
+        Column::named(header, header, (chain, None), channels)
+    }
+
+    /// A column that is not read.
+    pub fn unread(header: &str, cells: Cells) -> Column {
+        Column {
+            header: header.into(),
+            name: header.into(),
+            unit: "1".into(),
+            unit_given: false,
+            conversion: *Quantity::Ratio.si(),
+            role: Role::Nothing,
+            cells,
+            meaning: "not read".into(),
+        }
+    }
+
+    /// A column from its header cell in the file and the name and unit that this stands for, on a robot and in a role where that is known
+    /// otherwise than by the name; the second value is a warning.
     ///
     /// # Errors
     /// What is wrong with the header, and what to do.
-    pub fn parse(header: &str, chain: &Chain, channels: usize) -> Result<(Column, Option<String>), String> {
+    pub fn named(
+        shown: &str,
+        header: &str,
+        (chain, role): (&Chain, Option<Role>),
+        channels: usize,
+    ) -> Result<(Column, Option<String>), String> {
         let (name, unit) = name_and_unit(header)?;
-        let role = Role::of(name, chain, channels)?;
+        let role = match role {
+            Some(role) => role,
+            None => Role::of(name, chain, channels)?,
+        };
         let mut warning = None;
         let (unit, unit_given, conversion, meaning) = match (role.quantity(chain), unit) {
             (Some(quantity), Some(word)) => {
@@ -220,7 +269,7 @@ impl Column {
         };
         let cells = role.cells();
         let column = Column {
-            header: header.into(),
+            header: shown.into(),
             name: name.into(),
             unit,
             unit_given,
@@ -309,66 +358,4 @@ pub(crate) fn joint_names(chain: &Chain) -> impl Iterator<Item = &str> + Clone {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use truepose_kinematics::samples;
-
-    fn parse(header: &str) -> Result<(Column, Option<String>), String> {
-        Column::parse(header, &samples::pps(), 0)
-    }
-
-    #[test]
-    fn headers_are_understood() {
-        let (column, warning) = parse(" theta [ deg ] ").unwrap();
-        assert_eq!(
-            (column.name.as_str(), column.unit.as_str(), column.role),
-            ("theta", "deg", Role::Joint(3))
-        );
-        assert_eq!(warning, None);
-        assert_eq!(parse("d1[mm]").unwrap().0.meaning, "value of prismatic joint 1");
-        assert_eq!(parse("approach_roll").unwrap().0.role, Role::Approach(4));
-        let (channel, warning) = parse("temperature[K]").unwrap();
-        assert_eq!((channel.role, channel.unit.as_str(), warning), (Role::Channel(0), "K", None));
-        assert_eq!(channel.meaning, "channel, a temperature");
-        assert_eq!(parse("humidity[%]").unwrap().0.unit, "%");
-        let say = |header: &str| parse(header).unwrap().1.unwrap();
-        assert_eq!(say("x"), "has no unit and is taken as [m]; write `x[m]`");
-        assert_eq!(say("paylod[kg]"), "is taken as a channel; did you mean `payload`?");
-    }
-
-    #[test]
-    fn bad_headers_are_reported() {
-        for (header, message) in [
-            ("", "has no name; name the column in the header, or remove it"),
-            ("[mm]", "has no name; name the column in the header, or remove it"),
-            ("x[mm", "a header is `name` or `name[unit]`; close the bracket at its end"),
-            ("x mm]", "a header is `name` or `name[unit]`; open the bracket"),
-            ("x[]", "the unit is empty; write `x[1]` for a plain number"),
-            ("x[deg]", "[deg] is the unit of an angle, but `x` is a length; its unit can be: m, mm, um, in"),
-            (
-                "d1[rad]",
-                "[rad] is the unit of an angle, but `d1` is a length; its unit can be: m, mm, um, in",
-            ),
-            (
-                "theta[Deg]",
-                "unknown unit [Deg]; did you mean [deg]? (`theta` is an angle; its unit can be: rad, deg, mrad)",
-            ),
-            ("payload[t]", "unknown unit [t] (`payload` is a mass; its unit can be: kg, lb)"),
-            (
-                "d4[mm]",
-                "the robot has no moving joint `d4` (its joints: d1, d2, d3, theta, roll, pitch); remove the column, or \
-                 give it another name if it is a channel",
-            ),
-            (
-                "approach_rol",
-                "the robot has no moving joint `rol`; did you mean `roll`? (its joints: d1, d2, d3, theta, roll, pitch)",
-            ),
-        ] {
-            assert_eq!(parse(header).unwrap_err(), message);
-        }
-        assert_eq!(
-            Column::parse("flange[rad]", &samples::skewed(), 0).unwrap_err(),
-            "joint `flange` is fixed and has no values; remove the column"
-        );
-    }
-}
+mod tests;

@@ -2,6 +2,9 @@
 
 use super::cells::cells;
 use super::columns::{Column, FIXED, Role, joint_names, joint_quantity};
+use super::names::Names;
+use super::orientation::OrientationConvention;
+use super::sampled::Sample;
 use crate::nearest::{listed, meant};
 use crate::{IoError, Warning};
 use std::collections::HashMap;
@@ -30,6 +33,8 @@ pub(crate) struct Slots {
     pub position: Option<[usize; 3]>,
     pub quaternion: Option<[usize; 4]>,
     pub rotation_vector: Option<[usize; 3]>,
+    /// Angles in the order of the convention, and the convention.
+    pub angles: Option<([usize; 3], OrientationConvention)>,
     pub visit: Option<usize>,
     pub payload: Option<usize>,
     pub centre: Option<[usize; 3]>,
@@ -55,10 +60,12 @@ impl Header {
         file: &Path,
         line: u64,
         text: &[u8],
-        chain: &Chain,
+        names: &Names<'_>,
+        sample: &Sample,
         needs: Needs,
         warnings: &mut Vec<Warning>,
     ) -> Result<Header, IoError> {
+        let resolver = names;
         if let [b'{' | b'[', ..] = text {
             return Err(IoError::line(
                 file,
@@ -74,9 +81,14 @@ impl Header {
                 format!("{} columns are more than a table of measurements has ({MOST_COLUMNS})", names.len());
             return Err(IoError::line(file, line, message));
         }
+        let headers: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+        for message in resolver.unmatched(&headers, needs.measured) {
+            warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
+        }
         let mut header = Header { file: file.into(), line, columns: Vec::new(), slots: Slots::default() };
         let mut seen: HashMap<String, usize> = HashMap::new();
         let mut channels = 0;
+        let mut errors = Vec::new();
         for (k, name) in names.iter().enumerate() {
             let at = |message: String| IoError::Cell {
                 file: file.into(),
@@ -85,19 +97,30 @@ impl Header {
                 number: k + 1,
                 message,
             };
-            let (column, warning) = Column::parse(name, chain, channels).map_err(at)?;
+            let (column, warning) = match sample.column(k, name, resolver, channels) {
+                Ok(found) => found,
+                Err(message) => {
+                    errors.push(at(message));
+                    continue;
+                }
+            };
             if let Some(message) = warning {
                 let column = Some((column.header.clone(), k + 1));
                 warnings.push(Warning { file: file.into(), line: Some(line), column, message });
             }
-            if let Some(first) = seen.insert(column.name.clone(), k + 1) {
+            if column.role != Role::Nothing
+                && let Some(first) = seen.insert(column.name.clone(), k + 1)
+            {
                 let message = format!("column {first} is called `{}`, too; remove one of them", column.name);
-                return Err(at(message));
+                errors.push(at(message));
             }
             channels += usize::from(matches!(column.role, Role::Channel(_)));
             header.columns.push(column);
         }
-        header.slots = header.slots(chain, needs)?;
+        if !errors.is_empty() {
+            return Err(IoError::several(errors, 0));
+        }
+        header.slots = header.slots(resolver, needs)?;
         if header.slots.payload.is_some() && header.slots.centre.is_none() {
             header.warn(
                 warnings,
@@ -158,13 +181,15 @@ impl Header {
         IoError::line(&self.file, self.line, message)
     }
 
-    fn slots(&self, chain: &Chain, needs: Needs) -> Result<Slots, IoError> {
+    fn slots(&self, names: &Names<'_>, needs: Needs) -> Result<Slots, IoError> {
+        let chain = names.chain;
         let joints = self.joints(chain, needs)?;
         let slots = Slots {
             joints,
             position: self.group([0, 1, 2].map(Role::Position))?,
             quaternion: self.group([0, 1, 2, 3].map(Role::Quaternion))?,
             rotation_vector: self.group([0, 1, 2].map(Role::RotationVector))?,
+            angles: self.group([0, 1, 2].map(Role::Angle))?.zip(names.map.orientation),
             visit: self.find(Role::Visit),
             payload: self.find(Role::PayloadMass),
             centre: self.group([0, 1, 2].map(Role::PayloadCentre))?,
@@ -184,6 +209,12 @@ impl Header {
                 .filter(|&k| matches!(self.columns[k].role, Role::Channel(_)))
                 .collect(),
         };
+        let angles = slots.angles.map(|(angles, _)| angles);
+        let twice = (slots.quaternion.is_some(), slots.rotation_vector, angles);
+        if let (_, Some(_), Some(second)) | (true, None, Some(second)) = twice {
+            let message = "the orientation is given twice, once as angles; remove one of them";
+            return Err(self.cell_error(self.line, second[0], message));
+        }
         if let (Some(_), Some(second)) = (slots.quaternion, slots.rotation_vector) {
             let message = "the orientation is given twice, as a quaternion and as a rotation vector; remove one of them";
             return Err(self.cell_error(self.line, second[0], message));
@@ -192,12 +223,15 @@ impl Header {
             let message = "a centre of gravity needs a mass; add `payload[kg]`";
             return Err(self.cell_error(self.line, centre[0], message));
         }
-        let seen = slots.position.is_some() || slots.quaternion.is_some() || slots.rotation_vector.is_some();
+        let oriented = slots.quaternion.is_some() || slots.rotation_vector.is_some() || angles.is_some();
+        let seen = slots.position.is_some() || oriented;
         if (needs.position && slots.position.is_none()) || (needs.measured && !seen) {
             let what = if needs.position { "a position" } else { "anything measured" };
             let columns = self.listed();
-            let message =
-                format!("no columns hold {what}; add `x[mm]`, `y[mm]`, `z[mm]` (columns here: {columns})");
+            let map = self.suggested(["x", "y", "z"].map(|name| (name, None)));
+            let message = format!(
+                "no columns hold {what}; add `x[mm]`, `y[mm]`, `z[mm]`{map} (columns here: {columns})"
+            );
             return Err(self.error(message));
         }
         Ok(slots)
@@ -214,8 +248,9 @@ impl Header {
             match found {
                 Some(k) => *slot = *k,
                 None => {
-                    let word = |role: Role| {
-                        FIXED.iter().find(|(_, other)| *other == role).map_or("?", |(word, _)| word)
+                    let word = |role: Role| match role {
+                        Role::Angle(k) => ["first angle", "second angle", "third angle"][k],
+                        role => FIXED.iter().find(|(_, other)| *other == role).map_or("?", |(word, _)| word),
                     };
                     let all: Vec<&str> = roles.iter().map(|&role| word(role)).collect();
                     let message = format!(
@@ -236,36 +271,47 @@ impl Header {
         if !needs.joints && found.iter().all(Option::is_none) {
             return Ok(None);
         }
-        let mut slots = Vec::with_capacity(found.len());
-        for (k, (found, name)) in found.iter().zip(joint_names(chain)).enumerate() {
-            match found {
-                Some(slot) => slots.push(*slot),
-                None => {
-                    let units: Vec<String> = joint_quantity(chain, k)
-                        .units()
-                        .take(2)
-                        .map(|unit| format!("`{name}[{unit}]`"))
-                        .collect();
-                    let others = self
-                        .columns
-                        .iter()
-                        .filter(|column| matches!(column.role, Role::Channel(_)))
-                        .map(|column| column.name.as_str());
-                    if self.columns.iter().filter(|c| c.name.parse::<f64>().is_ok()).count() > 2 {
-                        return Err(self.error(
-                            "the first line holds numbers; put a line above it that names the columns, such as `theta[deg],x[mm]`",
-                        ));
-                    }
-                    let hint = meant(name, others).replace("did you mean", "is it called");
-                    return Err(self.error(format!(
-                        "joint `{name}` has no column{hint}; add {} (columns here: {})",
-                        units.join(" or "),
-                        self.listed()
-                    )));
-                }
-            }
+        if found.iter().all(Option::is_some) {
+            return Ok(Some(found.into_iter().flatten().collect()));
         }
-        Ok(Some(slots))
+        if self.columns.iter().filter(|c| c.name.parse::<f64>().is_ok()).count() > 2 {
+            return Err(self.error(
+                "the first line holds numbers; put a line above it that names the columns, such as `theta[deg],x[mm]`",
+            ));
+        }
+        Err(self.error(self.missing_joints(chain, &found, needs)))
+    }
+
+    /// What to do about joints without a column: all of them at once.
+    fn missing_joints(&self, chain: &Chain, found: &[Option<usize>], needs: Needs) -> String {
+        let missing: Vec<(usize, &str)> =
+            joint_names(chain).enumerate().filter(|(k, _)| found[*k].is_none()).collect();
+        let columns = self.listed();
+        let mut wanted: Vec<(&str, Option<usize>)> =
+            missing.iter().map(|&(k, name)| (name, Some(k))).collect();
+        if needs.measured && self.find(Role::Position(0)).is_none() {
+            wanted.extend(["x", "y", "z"].map(|name| (name, None)));
+        }
+        let map = self.suggested(wanted);
+        if let [(k, name)] = missing[..] {
+            let units: Vec<String> =
+                joint_quantity(chain, k).units().take(2).map(|unit| format!("`{name}[{unit}]`")).collect();
+            let others = self
+                .columns
+                .iter()
+                .filter(|column| matches!(column.role, Role::Channel(_)))
+                .map(|column| column.name.as_str());
+            let hint = meant(name, others).replace("did you mean", "is it called");
+            let units = units.join(" or ");
+            // A mapping says the same, and more.
+            let hint = if map.is_empty() { hint } else { String::new() };
+            return format!("joint `{name}` has no column{hint}; add {units}{map} (columns here: {columns})");
+        }
+        let names: Vec<String> = missing.iter().map(|(_, name)| format!("`{name}`")).collect();
+        format!(
+            "joints {} have no columns{map} (columns here: {columns})",
+            listed(names.iter().map(String::as_str))
+        )
     }
 
     fn listed(&self) -> String {
@@ -296,78 +342,4 @@ fn separated_by_commas(file: &Path, line: u64, text: &[u8], count: usize) -> Res
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use truepose_kinematics::samples;
-
-    const NEEDS: Needs = Needs { joints: true, measured: true, position: false };
-
-    fn parse(text: &str) -> Result<(Header, Vec<String>), String> {
-        let mut warnings = Vec::new();
-        Header::parse(Path::new("d.csv"), 1, text.as_bytes(), &samples::scara(), NEEDS, &mut warnings)
-            .map(|header| (header, warnings.iter().map(Warning::to_string).collect()))
-            .map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn columns_that_belong_together() {
-        let joints = "r1[rad],r2[deg],slide[mm],r4[rad]";
-        let with = |rest: &str| parse(&format!("{joints},{rest}"));
-        let (header, warnings) = with("x[mm],y[mm],z[mm],temp[K],payload[kg]").unwrap();
-        assert_eq!(header.slots.joints, Some(vec![0, 1, 2, 3]));
-        assert_eq!(header.schema(&samples::scara()).channels[0].unit, "degC");
-        assert_eq!(
-            warnings,
-            [
-                "d.csv:1: column `payload[kg]` (9): has no centre of gravity: the tool's origin is assumed; add `cx[mm]`, `cy[mm]`, `cz[mm]`"
-            ]
-        );
-        for (rest, message) in [
-            (
-                "x[mm],y[mm]",
-                "d.csv:1: column `x[mm]` (5): column `z` is missing; x y z belong together (a cell may be empty where \
-                 nothing was measured)",
-            ),
-            (
-                "x[mm],y[mm],z[mm],x[m]",
-                "d.csv:1: column `x[m]` (8): column 5 is called `x`, too; remove one of them",
-            ),
-            (
-                "qw,qx,qy,qz,rx[rad],ry[rad],rz[rad]",
-                "d.csv:1: column `rx[rad]` (9): the orientation is given twice, as a quaternion and as a rotation vector; \
-                 remove one of them",
-            ),
-            (
-                "x[mm],y[mm],z[mm],cx[mm],cy[mm],cz[mm]",
-                "d.csv:1: column `cx[mm]` (8): a centre of gravity needs a mass; add `payload[kg]`",
-            ),
-            (
-                "temp[K]",
-                "d.csv:1: no columns hold anything measured; add `x[mm]`, `y[mm]`, `z[mm]` (columns here: r1[rad], \
-                 r2[deg], slide[mm], r4[rad], temp[K])",
-            ),
-        ] {
-            assert_eq!(with(rest).unwrap_err(), message);
-        }
-    }
-
-    #[test]
-    fn a_missing_joint_is_reported() {
-        assert_eq!(
-            parse("r1[rad],r2[deg],slyde[mm],r4[rad],x[m],y[m],z[m]").unwrap_err(),
-            "d.csv:1: joint `slide` has no column; is it called `slyde`?; add `slide[m]` or `slide[mm]` (columns here: \
-             r1[rad], r2[deg], slyde[mm], r4[rad], x[m], y[m], z[m])"
-        );
-    }
-
-    #[test]
-    fn other_separators_are_reported() {
-        assert_eq!(
-            parse("r1[rad];r2[deg]").unwrap_err(),
-            "d.csv:1: columns are separated by `;`; separate them by commas and write decimals with a point"
-        );
-        assert!(parse("r1\tr2").unwrap_err().contains("separated by tabs"));
-        assert!(parse("r1,r2\rx").unwrap_err().contains("lone carriage return"));
-        assert!(parse("r1,\"r2").unwrap_err().contains("a quote in the header does not end"));
-    }
-}
+mod tests;

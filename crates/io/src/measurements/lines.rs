@@ -7,7 +7,7 @@ use crate::IoError;
 use crate::text::other_encoding;
 use memchr::{memchr, memrchr};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 const BLOCK: usize = 256 << 10;
@@ -15,11 +15,42 @@ const BLOCK: usize = 256 << 10;
 /// No line of a table is longer.
 const LONGEST_LINE: usize = 1 << 20;
 
+/// Where the bytes are.
+#[derive(Debug)]
+enum Bytes {
+    /// In a file, of which the first ones were looked at.
+    File { head: Cursor<Vec<u8>>, rest: File },
+    /// A table that was written anew.
+    Memory(Cursor<Vec<u8>>),
+}
+
+impl Bytes {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        match self {
+            Bytes::File { head, rest } => match head.read(into)? {
+                0 => rest.read(into),
+                count => Ok(count),
+            },
+            Bytes::Memory(bytes) => bytes.read(into),
+        }
+    }
+
+    fn seek(&mut self, to: u64) -> std::io::Result<u64> {
+        match self {
+            Bytes::File { head, rest } => {
+                head.set_position(head.get_ref().len() as u64);
+                rest.seek(SeekFrom::Start(to))
+            }
+            Bytes::Memory(bytes) => bytes.seek(SeekFrom::Start(to)),
+        }
+    }
+}
+
 /// A file, line by line.
 #[derive(Debug)]
 pub(crate) struct Lines {
     file: PathBuf,
-    source: File,
+    source: Bytes,
     buffer: Vec<u8>,
     /// The next line begins here.
     start: usize,
@@ -37,8 +68,14 @@ pub(crate) struct Lines {
 
 impl Lines {
     pub fn open(path: &Path) -> Result<Self, IoError> {
-        let source = File::open(path).map_err(|error| IoError::read(path, error))?;
-        Ok(Lines {
+        let mut rest = File::open(path).map_err(|error| IoError::read(path, error))?;
+        let mut head = Vec::new();
+        (&mut rest).take(BLOCK as u64).read_to_end(&mut head).map_err(|error| IoError::read(path, error))?;
+        Ok(Lines::over(path, Bytes::File { head: Cursor::new(head), rest }))
+    }
+
+    fn over(path: &Path, source: Bytes) -> Self {
+        Lines {
             file: path.into(),
             source,
             buffer: vec![0; BLOCK],
@@ -49,7 +86,43 @@ impl Lines {
             line: 0,
             ended: false,
             first: true,
-        })
+        }
+    }
+
+    /// The first bytes, before a line is read, and whether they are all.
+    pub fn head(&self) -> (&[u8], bool) {
+        match &self.source {
+            Bytes::File { head, .. } => (head.get_ref(), head.get_ref().len() < BLOCK),
+            Bytes::Memory(bytes) => (bytes.get_ref(), true),
+        }
+    }
+
+    /// All bytes, before a line is read; at most so many.
+    ///
+    /// # Errors
+    /// When the file cannot be read or has more.
+    pub fn all(&mut self, most: u64) -> Result<Vec<u8>, IoError> {
+        match &mut self.source {
+            Bytes::Memory(bytes) => Ok(std::mem::take(bytes.get_mut())),
+            Bytes::File { head, rest } => {
+                let mut all = std::mem::take(head.get_mut());
+                rest.take(most).read_to_end(&mut all).map_err(|error| IoError::read(&self.file, error))?;
+                if all.len() as u64 > most {
+                    let message = format!(
+                        "is larger than {} MiB, and not a comma-separated table in UTF-8 with decimal points; export it as one",
+                        most >> 20
+                    );
+                    return Err(IoError::file(&self.file, message));
+                }
+                Ok(all)
+            }
+        }
+    }
+
+    /// Lines of a text in place of the file's.
+    #[must_use]
+    pub fn replaced(self, text: Vec<u8>) -> Self {
+        Lines::over(&self.file, Bytes::Memory(Cursor::new(text)))
     }
 
     pub fn file(&self) -> &Path {
@@ -58,7 +131,10 @@ impl Lines {
 
     /// Size of the file, bytes; zero where it has none.
     pub fn size(&self) -> u64 {
-        self.source.metadata().map_or(0, |metadata| metadata.len())
+        match &self.source {
+            Bytes::File { rest, .. } => rest.metadata().map_or(0, |metadata| metadata.len()),
+            Bytes::Memory(bytes) => bytes.get_ref().len() as u64,
+        }
     }
 
     /// How many bytes of the file have been handed out.
@@ -68,7 +144,7 @@ impl Lines {
 
     /// Goes on behind the line that this byte belongs to. Numbers of lines mean nothing from here on.
     pub fn jump(&mut self, to: u64) -> Result<(), IoError> {
-        self.source.seek(SeekFrom::Start(to)).map_err(|error| IoError::read(&self.file, error))?;
+        self.source.seek(to).map_err(|error| IoError::read(&self.file, error))?;
         (self.start, self.whole, self.filled) = (0, 0, 0);
         (self.read, self.ended, self.first) = (to, false, false);
         self.next().map(|_| ())

@@ -6,27 +6,39 @@
 //! ```
 
 pub(crate) mod cells;
+mod clock;
 pub(crate) mod columns;
 mod copies;
+mod dialect;
 pub(crate) mod header;
 mod info;
 mod lines;
 mod lost;
+mod mapping;
 mod mixed;
+mod names;
+mod orientation;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod plausible;
+mod problems;
 mod reader;
 mod row;
 mod sample;
+mod sampled;
 mod source;
+mod suggested;
 mod suspicious;
+mod texts;
 mod together;
 mod visits;
 mod whole;
+mod workbook;
 
 pub(crate) use header::Needs;
 pub use info::{ColumnInfo, CsvInfo, Grouping};
+pub use mapping::ColumnMap;
+pub use orientation::OrientationConvention;
 pub use reader::{MeasurementsOptions, MeasurementsReader};
 pub use sample::sample_measurements;
 pub use whole::read_measurements;

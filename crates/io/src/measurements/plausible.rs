@@ -2,7 +2,7 @@
 
 use super::columns::Column;
 use std::f64::consts::PI;
-use truepose_kinematics::{Joint, JointKind};
+use truepose_kinematics::{Chain, Joint, JointId, JointKind};
 
 /// Nobody turns a joint without limits further than two turns to either side.
 const TWO_TURNS: f64 = 4.0 * PI;
@@ -18,6 +18,11 @@ pub(crate) struct Plausible {
 }
 
 impl Plausible {
+    /// Of the values that the controller reports of a joint.
+    pub fn of(chain: &Chain, joint: JointId) -> Self {
+        Plausible::new(&Joint { limits: chain.controller_limits(joint), ..chain.joint(joint).clone() })
+    }
+
     pub fn new(joint: &Joint) -> Self {
         let limits = joint.limits.filter(|(lower, upper)| lower.is_finite() && upper.is_finite());
         let (lower, upper) = match (limits, joint.kind) {

@@ -3,6 +3,9 @@
 use super::columns::Cells;
 use super::header::{Header, Needs};
 use super::info::{ColumnInfo, CsvInfo};
+use super::mapping::ColumnMap;
+use super::names::Names;
+use super::problems::Problems;
 use super::row::RowReader;
 use super::source::Source;
 use super::suspicious::{ReadSoFar, look_at_columns};
@@ -13,17 +16,23 @@ use truepose_errormodel::{Dataset, Dwell, DwellTolerance, Schema};
 use truepose_kinematics::Chain;
 
 /// What a file of measurements has to have, and how its rows are grouped.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasurementsOptions {
     /// Whether something has to be measured; a prediction needs the conditions only.
     pub measured_required: bool,
     /// Joint values within this tolerance are those of one dwell, and of one configuration.
     pub dwell: DwellTolerance,
+    /// Which column is which, and what is left out.
+    pub columns: ColumnMap,
 }
 
 impl Default for MeasurementsOptions {
     fn default() -> Self {
-        MeasurementsOptions { measured_required: true, dwell: DwellTolerance::default() }
+        MeasurementsOptions {
+            measured_required: true,
+            dwell: DwellTolerance::default(),
+            columns: ColumnMap::default(),
+        }
     }
 }
 
@@ -58,7 +67,7 @@ impl MeasurementsReader {
         options: &MeasurementsOptions,
     ) -> Result<Self, IoError> {
         let needs = Needs { joints: true, measured: options.measured_required, position: false };
-        MeasurementsReader::open_for(path.as_ref(), chain, needs, options.dwell)
+        MeasurementsReader::open_for(path.as_ref(), chain, needs, options.dwell, &options.columns)
     }
 
     pub(crate) fn open_for(
@@ -66,11 +75,14 @@ impl MeasurementsReader {
         chain: &Chain,
         needs: Needs,
         dwell: DwellTolerance,
+        columns: &ColumnMap,
     ) -> Result<Self, IoError> {
-        let mut source = Source::open(path)?;
-        let mut warnings = Vec::new();
+        let names = Names { chain, map: columns };
+        let (mut source, sample, remarks) = Source::open(path, &names)?;
+        let remark = |message| Warning { file: path.into(), line: None, column: None, message };
+        let mut warnings: Vec<Warning> = remarks.into_iter().map(remark).collect();
         let header = match source.header()? {
-            Some((line, text)) => Header::parse(path, line, &text, chain, needs, &mut warnings)?,
+            Some((line, text)) => Header::parse(path, line, &text, &names, &sample, needs, &mut warnings)?,
             None => {
                 return Err(IoError::file(
                     path,
@@ -81,7 +93,7 @@ impl MeasurementsReader {
         let schema = header.schema(chain);
         Ok(MeasurementsReader {
             source,
-            rows: RowReader::new(header, chain, needs.position),
+            rows: RowReader::new(header, chain, needs.position, columns.exclude.clone()),
             schema,
             dwell: Dwell::of(chain, dwell),
             joints: chain.movable().len(),
@@ -228,8 +240,14 @@ impl MeasurementsReader {
     }
 
     fn next_row(&mut self) -> Result<bool, IoError> {
-        let Some(bytes) = self.source.row(&mut self.rows)? else {
-            return Ok(false);
+        let bytes = loop {
+            match self.source.row(&mut self.rows) {
+                Ok(Some(_)) if self.rows.row.skipped => {}
+                Ok(Some(bytes)) => break bytes,
+                Ok(None) => return Ok(false),
+                Err(error) if self.rows.failed => return Err(self.all_problems(error)),
+                Err(error) => return Err(error),
+            }
         };
         if self.count == 0 {
             self.first_bytes = bytes;
@@ -242,6 +260,27 @@ impl MeasurementsReader {
         }
         self.last_time = time;
         Ok(true)
+    }
+
+    /// The first error of a row, and what is wrong with the rows behind it.
+    #[cold]
+    fn all_problems(&mut self, first: IoError) -> IoError {
+        let mut problems = Problems::default();
+        problems.add(first);
+        while !problems.enough() {
+            self.rows.problems.drain(..).for_each(|error| problems.add(error));
+            match self.source.row(&mut self.rows) {
+                Ok(Some(_)) => {}
+                Ok(None) => break,
+                Err(error) => {
+                    problems.add(error);
+                    if !self.rows.failed {
+                        break;
+                    }
+                }
+            }
+        }
+        problems.into_error()
     }
 
     fn number_visit(&mut self, consecutive: bool) -> Result<usize, IoError> {

@@ -1,14 +1,13 @@
 //! One row of a table: its cells as numbers in SI units.
 
-use super::cells::{cell, number, plain_number, shown};
-use super::columns::{Cells, Column, joint_names};
+use super::cells::{cell, number, plain_number};
+use super::clock;
+use super::columns::{Cells, Column, Role, joint_names};
 use super::header::Header;
 use super::info::Seen;
 use super::lost::Lost;
 use super::plausible::Plausible;
 use crate::IoError;
-use crate::nearest::{listed, meant};
-use crate::table::unprefixed;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Load, TargetId};
 
@@ -28,9 +27,9 @@ pub(crate) enum Cell<'a> {
 pub(crate) struct RowReader {
     pub header: Header,
     /// Of each column: what its cells hold, and whether they are in the unit of memory already.
-    kinds: Vec<(Cells, bool)>,
+    pub(super) kinds: Vec<(Cells, bool)>,
     pub(super) plausible: Vec<Plausible>,
-    targets: Vec<String>,
+    pub(super) targets: Vec<String>,
     pub(super) position_needed: bool,
     /// The cells of the row in SI units, NaN where they are empty.
     pub(super) numbers: Vec<f64>,
@@ -41,6 +40,14 @@ pub(crate) struct RowReader {
     pub beyond: Vec<Option<(u64, usize)>>,
     /// Rows that an instrument marks as not measured.
     pub lost: Lost,
+    /// Lines that are left out, ascending.
+    exclude: Vec<u64>,
+    /// The robot, where its joints are coupled: columns hold the controller's values.
+    coupled: Option<Box<Chain>>,
+    /// Whether the last error was about a row, and not about the file.
+    pub failed: bool,
+    /// What else is wrong with the row of the last error.
+    pub problems: Vec<IoError>,
 }
 
 /// Values of a row, apart from those still in its cells.
@@ -49,6 +56,8 @@ pub(crate) struct Row {
     pub line: u64,
     /// The instrument had lost its target.
     pub lost: bool,
+    /// Left out by the user.
+    pub skipped: bool,
     pub visit: Option<i64>,
     pub time: f64,
     pub(super) target: Option<TargetId>,
@@ -57,11 +66,11 @@ pub(crate) struct Row {
 }
 
 impl RowReader {
-    pub fn new(header: Header, chain: &Chain, position_needed: bool) -> Self {
+    pub fn new(header: Header, chain: &Chain, position_needed: bool, exclude: Vec<u64>) -> Self {
         let kind = |column: &Column| (column.cells, column.conversion.is_si());
         RowReader {
             kinds: header.columns.iter().map(kind).collect(),
-            plausible: chain.movable().iter().map(|&joint| Plausible::new(chain.joint(joint))).collect(),
+            plausible: chain.movable().iter().map(|&joint| Plausible::of(chain, joint)).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
             position_needed,
             numbers: vec![f64::NAN; header.columns.len()],
@@ -69,6 +78,10 @@ impl RowReader {
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
+            exclude,
+            coupled: (!chain.couplings().is_empty()).then(|| Box::new(chain.clone())),
+            failed: false,
+            problems: Vec::new(),
             header,
         }
     }
@@ -79,7 +92,22 @@ impl RowReader {
 
     /// Reads a line of the file.
     pub fn read(&mut self, line: u64, text: &[u8]) -> Result<(), IoError> {
+        let read = self.read_cells(line, text);
+        self.failed = read.is_err();
+        read
+    }
+
+    /// Begins a row; whether it is read.
+    fn begin(&mut self, line: u64) -> bool {
         self.row = Row { line, ..Row::default() };
+        self.row.skipped = !self.exclude.is_empty() && self.exclude.binary_search(&line).is_ok();
+        !self.row.skipped
+    }
+
+    fn read_cells(&mut self, line: u64, text: &[u8]) -> Result<(), IoError> {
+        if !self.begin(line) {
+            return Ok(());
+        }
         let mut at = 0;
         for k in 0..self.kinds.len() {
             if k > 0 {
@@ -89,12 +117,8 @@ impl RowReader {
                 at += 1; // the comma
             }
             let cells = self.kinds[k].0;
-            if cells == Cells::Target {
-                at = self.read_target(line, text, at, k)?;
-                continue;
-            }
-            if cells == Cells::Note {
-                at = self.cell(line, text, at, k)?.1;
+            if matches!(cells, Cells::Target | Cells::Note | Cells::Blank | Cells::Use) {
+                at = self.read_text(line, text, at, k)?;
                 continue;
             }
             let raw = match plain_number(text, at) {
@@ -109,19 +133,37 @@ impl RowReader {
                         Ok(Some(raw)) => raw,
                         Ok(None) => {
                             if cells != Cells::Maybe {
-                                return Err(self.empty(line, k));
+                                let error = self.empty(line, k);
+                                self.problems.push(error);
                             }
                             self.numbers[k] = f64::NAN;
                             continue;
                         }
-                        Err(message) => return Err(self.no_number(line, text, k, &content, message)),
+                        Err(message) => {
+                            self.no_number(line, text, k, &content, message)?;
+                            continue;
+                        }
                     }
                 }
             };
-            self.put(line, k, raw)?;
+            if let Err(error) = self.put(line, k, raw) {
+                self.problems.push(error);
+            }
         }
-        if at < text.len() {
+        if at < text.len() && text[at..].iter().any(|byte| !matches!(byte, b',' | b' ' | b'\t')) {
             return Err(self.too_many(line, text));
+        }
+        self.judge()
+    }
+
+    /// What all cells of the row come to.
+    fn judge(&mut self) -> Result<(), IoError> {
+        if self.row.skipped {
+            self.problems.clear();
+            return Ok(());
+        }
+        if !self.problems.is_empty() {
+            return Err(self.problems.remove(0));
         }
         self.understand()
     }
@@ -145,16 +187,29 @@ impl RowReader {
     /// Takes a row whose cells stand in columns.
     #[cfg(feature = "parquet")]
     pub fn take<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
-        self.row = Row { line, ..Row::default() };
+        let taken = self.take_cells(line, cell);
+        self.failed = taken.is_err();
+        taken
+    }
+
+    #[cfg(feature = "parquet")]
+    fn take_cells<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
+        if !self.begin(line) {
+            return Ok(());
+        }
         for k in 0..self.kinds.len() {
             let cells = self.kinds[k].0;
-            if cells == Cells::Note {
+            if matches!(cells, Cells::Note | Cells::Blank) {
                 continue;
             }
             let raw = match (cells, cell(k)) {
                 (Cells::Target, Cell::Number(value)) => {
                     let message = format!("a target has a name, and not a number ({value})");
                     return Err(self.header.cell_error(line, k, message));
+                }
+                (Cells::Use, Cell::Number(value)) => {
+                    self.use_row(line, k, if value.abs() < f64::MIN_POSITIVE { "0" } else { "1" })?;
+                    continue;
                 }
                 (_, Cell::Number(value)) if value.is_finite() => Some(value),
                 (_, Cell::Number(_)) => {
@@ -180,7 +235,7 @@ impl RowReader {
                 None => return Err(self.empty(line, k)),
             }
         }
-        self.understand()
+        self.judge()
     }
 
     /// Appends the row to a data set.
@@ -192,6 +247,9 @@ impl RowReader {
             Some(slots) => {
                 for (column, &k) in into.joints.iter_mut().zip(slots) {
                     column.push(self.numbers[k]);
+                }
+                if let Some(chain) = &self.coupled {
+                    uncoupled(chain, &mut into.joints);
                 }
             }
             None => into.joints.iter_mut().for_each(|column| column.push(0.0)),
@@ -213,37 +271,7 @@ impl RowReader {
         into.line.push(self.row.line);
     }
 
-    fn read_target(&mut self, line: u64, text: &[u8], at: usize, k: usize) -> Result<usize, IoError> {
-        let (name, end) = self.cell(line, text, at, k)?;
-        self.row.target = match self.target(&name) {
-            Ok(target) => target,
-            Err(message) => {
-                let other = self.miscounted(line, text);
-                return Err(other.unwrap_or_else(|| self.header.cell_error(line, k, message)));
-            }
-        };
-        self.seen[k].filled += usize::from(self.row.target.is_some());
-        Ok(end)
-    }
-
-    /// The target of this name; none for an empty one.
-    fn target(&self, name: &str) -> Result<Option<TargetId>, String> {
-        let name = unprefixed(name);
-        if name.is_empty() {
-            return Ok(None);
-        }
-        if let Some(index) = self.targets.iter().position(|target| target == name) {
-            return Ok(Some(TargetId(index)));
-        }
-        let known = || self.targets.iter().map(String::as_str);
-        let name = shown(name);
-        let (hint, known) = (meant(&name, known()), listed(known()));
-        Err(format!(
-            "the robot has no target `{name}`{hint}; declare it in [[targets]] (its targets: {known})"
-        ))
-    }
-
-    fn cell<'t>(
+    pub(super) fn cell<'t>(
         &self,
         line: u64,
         text: &'t [u8],
@@ -256,7 +284,6 @@ impl RowReader {
 
     #[cold]
     fn empty(&self, line: u64, k: usize) -> IoError {
-        use super::columns::Role;
         let message = match self.header.columns[k].role {
             Role::Joint(_) => "is empty; every row needs all joint values",
             Role::PayloadMass => "is empty; write 0 where nothing is carried",
@@ -269,24 +296,49 @@ impl RowReader {
         self.header.cell_error(line, k, message)
     }
 
-    /// A cell that is no number: most often because the row is none of this table.
+    /// A cell that is no number: a date, or most often because the row is none of this table.
     #[cold]
-    fn no_number(&self, line: u64, text: &[u8], k: usize, content: &str, message: String) -> IoError {
+    fn no_number(
+        &mut self,
+        line: u64,
+        text: &[u8],
+        k: usize,
+        content: &str,
+        message: String,
+    ) -> Result<(), IoError> {
         if let Some(error) = self.miscounted(line, text) {
-            return error;
+            return Err(error);
         }
         if content == self.header.columns[k].header {
             let message = "the header stands here again; join tables below one header".to_owned();
-            return IoError::line(&self.header.file, line, message);
+            return Err(IoError::line(&self.header.file, line, message));
         }
-        self.header.cell_error(line, k, message)
+        let role = self.header.columns[k].role;
+        let message = match (role, clock::seconds(content)) {
+            (Role::Time, Ok(Some(seconds))) => {
+                self.seen[k].see(seconds);
+                self.numbers[k] = seconds;
+                return Ok(());
+            }
+            (Role::Time, Err(message)) => message,
+            (Role::Channel(_), _) if !self.header.columns[k].unit_given => {
+                format!("{message}; `--ignore \"{}\"` leaves the column out", self.header.columns[k].header)
+            }
+            _ => message,
+        };
+        self.problems.push(self.header.cell_error(line, k, message));
+        Ok(())
     }
 
     /// A row with another number of cells than the header has.
     #[cold]
-    fn miscounted(&self, line: u64, text: &[u8]) -> Option<IoError> {
-        let have = super::cells::cells(text).ok()?.len();
+    pub(super) fn miscounted(&self, line: u64, text: &[u8]) -> Option<IoError> {
         let need = self.header.columns.len();
+        let mut cells = super::cells::cells(text).ok()?;
+        while cells.len() > need && cells.last().is_some_and(|cell| cell.is_empty()) {
+            cells.pop();
+        }
+        let have = cells.len();
         match have.cmp(&need) {
             std::cmp::Ordering::Less => Some(self.too_few(line, have)),
             std::cmp::Ordering::Equal => None,
@@ -304,13 +356,7 @@ impl RowReader {
     fn too_many(&self, line: u64, text: &[u8]) -> IoError {
         let cells = super::cells::cells(text).unwrap_or_default();
         let (have, need) = (cells.len(), self.header.columns.len());
-        let hint = if 2 * have >= 3 * need {
-            "; write decimals with a point, not a comma"
-        } else if cells.iter().skip(need).all(|cell| cell.is_empty()) {
-            "; it ends in a comma"
-        } else {
-            ""
-        };
+        let hint = if 2 * have >= 3 * need { "; write decimals with a point, not a comma" } else { "" };
         IoError::line(&self.header.file, line, format!("the row has {have} cells, the header {need}{hint}"))
     }
 
@@ -328,6 +374,17 @@ impl RowReader {
                 format!("the number of a visit is an integer, not {raw}"),
             )),
             _ => Ok(()),
+        }
+    }
+}
+
+/// Turns the last row of these columns from the controller's values into the joints' variables.
+fn uncoupled(chain: &Chain, columns: &mut [Vec<f64>]) {
+    let mut values: Vec<f64> = columns.iter().filter_map(|column| column.last().copied()).collect();
+    chain.joints_from_controller(&mut values);
+    for (column, value) in columns.iter_mut().zip(values) {
+        if let Some(last) = column.last_mut() {
+            *last = value;
         }
     }
 }

@@ -1,9 +1,13 @@
 //! Where the rows of a table come from: lines of text, or a Parquet file (feature `parquet`), which is recognised by its first bytes.
 
+use super::dialect::{self, Dialect};
 use super::lines::Lines;
+use super::names::Names;
 #[cfg(feature = "parquet")]
 use super::parquet::ParquetRows;
 use super::row::RowReader;
+use super::sampled::Sample;
+use super::workbook;
 use crate::IoError;
 use std::borrow::Cow;
 use std::path::Path;
@@ -20,12 +24,30 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    pub fn open(path: &Path) -> Result<Self, IoError> {
+    /// Opens a file, whatever its dialect; with its first rows and what was remarkable about it.
+    pub fn open(path: &Path, names: &Names<'_>) -> Result<(Self, Sample, Vec<String>), IoError> {
         #[cfg(feature = "parquet")]
         if super::parquet::is_parquet(path)? {
-            return Ok(Source::Parquet(Box::new(ParquetRows::open(path)?)));
+            return Ok((Source::Parquet(Box::new(ParquetRows::open(path)?)), Sample::default(), Vec::new()));
         }
-        Ok(Source::Text(Lines::open(path)?))
+        let mut lines = Lines::open(path)?;
+        let mut remarks = Vec::new();
+        if workbook::is_workbook(lines.head().0) {
+            let bytes = lines.all(dialect::LARGEST)?;
+            let (text, said) = workbook::lines(path, bytes, names)?;
+            remarks.extend(said);
+            lines = lines.replaced(text);
+        }
+        let (head, whole) = lines.head();
+        if let Some(dialect) = Dialect::seen(head, whole, names) {
+            let bytes = lines.all(dialect::LARGEST)?;
+            let rewritten = dialect.rewrite(path, &bytes, names)?;
+            remarks.extend(rewritten.remarks);
+            lines = lines.replaced(rewritten.text);
+        }
+        let (head, whole) = lines.head();
+        let sample = Sample::of(head, whole);
+        Ok((Source::Text(lines), sample, remarks))
     }
 
     /// The names of the columns as a line of text, and its number; none in an empty file.

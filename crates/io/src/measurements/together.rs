@@ -50,6 +50,12 @@ impl RowReader {
         if let Some(slots) = self.header.slots.rotation_vector {
             self.row.orientation = self.rotation_vector(slots)?;
         }
+        if let Some((slots, convention)) = self.header.slots.angles {
+            self.row.orientation = self
+                .all_or_none(slots, "the orientation")?
+                .and_then(|angles| convention.rotation(angles))
+                .map(|rotation| Pose::new(rotation, Vector3::zeros()).quaternion());
+        }
         for slots in [self.header.slots.position_sd, self.header.slots.orientation_sd].into_iter().flatten() {
             if let Some(&k) = slots.iter().find(|&&k| self.numbers[k] <= 0.0) {
                 let message =

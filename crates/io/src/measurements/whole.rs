@@ -2,6 +2,7 @@
 
 use super::header::{Header, Needs};
 use super::info::CsvInfo;
+use super::mapping::ColumnMap;
 use super::reader::{MeasurementsOptions, MeasurementsReader};
 use super::suspicious;
 use super::visits::{check_standstills, grouping};
@@ -22,7 +23,7 @@ pub fn read_measurements(
     options: &MeasurementsOptions,
 ) -> Result<(Dataset, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: true, measured: options.measured_required, position: false };
-    let mut table = read_table(path.as_ref(), chain, needs, options.dwell)?;
+    let mut table = read_table(path.as_ref(), chain, needs, options.dwell, &options.columns)?;
     let data = &mut table.data;
     if !data.schema.approach {
         let derived = approach_from_order(data);
@@ -51,8 +52,9 @@ pub(crate) fn read_table(
     chain: &Chain,
     needs: Needs,
     dwell: DwellTolerance,
+    columns: &ColumnMap,
 ) -> Result<Table, IoError> {
-    let mut reader = MeasurementsReader::open_for(path, chain, needs, dwell)?;
+    let mut reader = MeasurementsReader::open_for(path, chain, needs, dwell, columns)?;
     let mut data = reader.read_all()?;
     let mut info = reader.info();
     let numbered = reader.rows.header.slots.visit.is_some();
@@ -171,7 +173,7 @@ mod tests {
 
     #[test]
     fn every_bad_cell_is_reported() {
-        let cases: [(usize, &str, &str); 21] = [
+        let cases: [(usize, &str, &str); 20] = [
             (3, "abc", "column `theta[deg]` (4): `abc` is not a number"),
             (3, "", "column `theta[deg]` (4): is empty; every row needs all joint values"),
             (
@@ -185,7 +187,6 @@ mod tests {
                 "column `x[mm]` (7): `inf` is not a finite number; leave the cell empty if nothing was measured",
             ),
             (6, "1e999", "column `x[mm]` (7): `1e999` is too large for a number"),
-            (6, "\"1,5\"", "column `x[mm]` (7): `1,5` is not a number; write decimals with a point"),
             (
                 6,
                 "1 234.5",
@@ -279,8 +280,8 @@ mod tests {
              is stated"
         );
         assert_eq!(
-            error(format!("{HEAD},note\n{row},fine\n")),
-            "d.csv:2: column `note` (10): `fine` is not a number"
+            error(format!("{HEAD},note\n{row},3\n{row},fine\n")),
+            "d.csv:3: column `note` (10): `fine` is not a number; `--ignore \"note\"` leaves the column out"
         );
     }
 

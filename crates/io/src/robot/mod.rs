@@ -1,5 +1,8 @@
 //! Robot descriptions: TOML and URDF in, TOML out.
 
+mod columns;
+mod couplings;
+mod details;
 pub(crate) mod names;
 mod toml_form;
 mod urdf;
@@ -9,11 +12,12 @@ mod urdf_path;
 mod write;
 mod xml_places;
 
+pub use details::{Certificate, FrameParent, NamedFrame, RobotDetails, read_details};
 pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
 pub use urdf_form::robot_urdf;
 pub use write::robot_toml;
 
-use crate::{IoError, Warning};
+use crate::{ColumnMap, IoError, Warning};
 use std::path::{Path, PathBuf};
 use truepose_kinematics::Chain;
 
@@ -64,4 +68,14 @@ pub fn read_robot(path: impl AsRef<Path>, options: &RobotOptions) -> Result<(Cha
         _ => return Err(IoError::file(path, "a robot description ends in .toml or .urdf")),
     };
     Ok((chain, warnings))
+}
+
+/// Which columns of tables of measurements are which, as `[columns]` of a robot description says; nothing where it says nothing.
+///
+/// # Errors
+/// When the description cannot be read, or its `[columns]` does not make sense.
+pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
+    let path = path.as_ref();
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
+    if toml { toml_form::column_map(path) } else { Ok(ColumnMap::default()) }
 }

@@ -1,5 +1,6 @@
 //! Names that a joint or a target can bear.
 
+use crate::frame_names::FRAMES;
 use crate::table::unprefixed;
 
 /// Columns of measurements that have a meaning of their own.
@@ -19,7 +20,7 @@ pub(crate) fn unprintable(c: char) -> bool {
 
 /// Why a joint cannot bear this name, if it cannot.
 pub(crate) fn joint_name_problem(name: &str) -> Option<String> {
-    if matches!(name, "base" | "tool" | "targets") {
+    if FRAMES.contains(&name) {
         return Some(format!("a joint cannot be called `{name}`, which is the name of a frame; rename it"));
     }
     if COLUMNS.contains(&name) || name.starts_with("approach_") {

@@ -1,10 +1,12 @@
 //! The TOML form of a robot description.
 
 use super::names::{cell_problem, joint_name_problem};
-use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
+use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, details, urdf};
+use super::{columns, couplings};
+use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
-use crate::{IoError, Unit, Warning};
+use crate::{ColumnMap, IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
@@ -51,8 +53,15 @@ pub(super) fn read(
         "targets",
         "urdf",
         "tip",
+        "columns",
+        "couplings",
+        details::KEYS[0],
+        details::KEYS[1],
     ])?;
+    let mut errors = Vec::new();
+    errors.extend(columns::read(&root).err());
     let units = units(&root)?;
+    details::of(&root)?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
@@ -76,22 +85,62 @@ pub(super) fn read(
             let joints = joints.ok_or_else(|| {
                 IoError::file(path, "has neither [[joints]] nor `urdf`; a robot needs one of them")
             })?;
-            (String::from("robot"), self::joints(&joints, units)?)
+            (String::from("robot"), self::joints(&joints, units, &mut errors)?)
         }
     };
     let name = root.get("name").map(|value| value.string().map(String::from)).transpose()?.unwrap_or(name);
     let whole = |error: ChainError| IoError::file(path, error.to_string());
+    let at = |key: &str, table: &str| -> Result<Option<Placed>, IoError> {
+        let value = root.get(key).filter(|value| !value.is_string() || key != "base");
+        value.map(|value| placed(&value.table(table)?, units)).transpose()
+    };
+    // What is wrong with one table says nothing about the others: all of it at once.
+    let base = kept(at("base", "[base]"), &mut errors).flatten();
+    let tool = kept(at("tool", "[tool]"), &mut errors).flatten();
+    let targets = match root.get("targets") {
+        Some(targets) => self::targets(&targets, units, &mut errors)?,
+        None => Vec::new(),
+    };
+    let gravity = kept(gravity(&root), &mut errors).unwrap_or_default();
+    some(errors)?;
     let mut chain = Chain::new(name, joints).map_err(whole)?;
-    if let Some(base) = root.get("base").filter(|base| !base.is_string()) {
-        chain = chain.with_base(placed(&base.table("[base]")?, units)?).map_err(whole)?;
+    let mut errors = Vec::new();
+    let couplings = couplings::read(&root, &chain, &mut errors)?;
+    some(errors)?;
+    chain = chain.with_couplings(couplings).map_err(whole)?;
+    if let Some(base) = base {
+        chain = chain.with_base(base).map_err(whole)?;
     }
-    if let Some(tool) = root.get("tool") {
-        chain = chain.with_tool(placed(&tool.table("[tool]")?, units)?).map_err(whole)?;
+    if let Some(tool) = tool {
+        chain = chain.with_tool(tool).map_err(whole)?;
     }
-    if let Some(targets) = root.get("targets") {
-        chain = chain.with_targets(self::targets(&targets, units)?).map_err(whole)?;
+    chain.with_targets(targets).and_then(|chain| chain.with_gravity(gravity)).map_err(whole)
+}
+
+/// Errors of a description that are listed.
+const LISTED: usize = 20;
+
+/// Errors in the order of the file, where there are any.
+fn some(mut errors: Vec<IoError>) -> Result<(), IoError> {
+    if errors.is_empty() {
+        return Ok(());
     }
-    chain.with_gravity(gravity(&root)?).map_err(whole)
+    errors.sort_by_key(IoError::line_number);
+    let more = errors.len().saturating_sub(LISTED);
+    errors.truncate(LISTED);
+    Err(IoError::several(errors, more))
+}
+
+/// The value; its error joins the others.
+fn kept<T>(value: Result<T, IoError>, errors: &mut Vec<IoError>) -> Option<T> {
+    value.map_err(|error| errors.push(error)).ok()
+}
+
+/// What `[columns]` of a description says about tables of measurements.
+pub(super) fn column_map(path: &Path) -> Result<ColumnMap, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    columns::read(&document.root("the robot"))
 }
 
 /// The URDF that a description names.
@@ -158,18 +207,20 @@ fn units(root: &Table<'_>) -> Result<Units, IoError> {
     }
 }
 
-fn joints(value: &Value<'_>, units: Units) -> Result<Vec<Joint>, IoError> {
+fn joints(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<Vec<Joint>, IoError> {
     let tables = value.tables("joints")?;
     if let Some(table) = tables.get(MOST_JOINTS) {
         return Err(table.error(format!("a robot has at most {MOST_JOINTS} joints")));
     }
     let mut joints: Vec<Joint> = Vec::with_capacity(tables.len());
     for table in &tables {
-        let joint = joint(table, units)?;
+        let Some(joint) = kept(joint(table, units), errors) else { continue };
         if joints.iter().any(|other| other.name == joint.name) {
-            return Err(table
-                .require("name")?
-                .error(format!("two joints have the name `{}`; names must be different", joint.name)));
+            errors.push(
+                table
+                    .require("name")?
+                    .error(format!("two joints have the name `{}`; names must be different", joint.name)),
+            );
         }
         joints.push(joint);
     }
@@ -179,15 +230,14 @@ fn joints(value: &Value<'_>, units: Units) -> Result<Vec<Joint>, IoError> {
 fn joint(table: &Table<'_>, units: Units) -> Result<Joint, IoError> {
     table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com"])?;
     let name = table.require("name")?;
-    if let Some(problem) = joint_name_problem(name.string()?) {
+    let called = joint_name(name.string()?);
+    if let Some(problem) = joint_name_problem(&called) {
         return Err(name.error(problem));
     }
-    let kind = table.require("type")?.word(&[
-        ("revolute", JointKind::Revolute),
-        ("prismatic", JointKind::Prismatic),
-        ("fixed", JointKind::Fixed),
-    ])?;
-    let mut joint = Joint::new(name.string()?, kind, placement(table, kind, units)?);
+    let kinds =
+        [("revolute", JointKind::Revolute), ("prismatic", JointKind::Prismatic), ("fixed", JointKind::Fixed)];
+    let kind = table.get("type").map_or(Ok(JointKind::Revolute), |word| word.word(&kinds))?;
+    let mut joint = Joint::new(called, kind, placement(table, kind, units)?);
     if let Some(limits) = table.get("limits") {
         let unit = match kind {
             JointKind::Revolute => units.angle,
@@ -251,8 +301,9 @@ fn placement(table: &Table<'_>, kind: JointKind, units: Units) -> Result<Placeme
     }
     inner.only(&["theta", "d", "a", "alpha"])?;
     let number = |key: &str| inner.require(key)?.number();
-    let theta = units.angle.to_si(number("theta")?);
-    let d = units.length.to_si(number("d")?);
+    let offset = |key: &str| inner.get(key).map_or(Ok(0.0), |value| value.number());
+    let theta = units.angle.to_si(offset("theta")?);
+    let d = units.length.to_si(offset("d")?);
     let a = units.length.to_si(number("a")?);
     let alpha = units.angle.to_si(number("alpha")?);
     Ok(if key == "dh" { Placement::Dh { theta, d, a, alpha } } else { Placement::Mdh { alpha, a, theta, d } })
@@ -270,33 +321,37 @@ fn placed(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
     Ok(Placed { pose: pose(table, units)?, known })
 }
 
-fn targets(value: &Value<'_>, units: Units) -> Result<Vec<Target>, IoError> {
+fn targets(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<Vec<Target>, IoError> {
     let mut targets: Vec<Target> = Vec::new();
     let tables = value.tables("targets")?;
     if let Some(table) = tables.get(MOST_TARGETS) {
         return Err(table.error(format!("a robot has at most {MOST_TARGETS} targets")));
     }
-    for table in tables {
-        table.only(&["name", "xyz", "known"])?;
-        let name = table.require("name")?;
-        if let Some(problem) = cell_problem(name.string()?) {
-            return Err(name.error(problem));
-        }
-        if targets.iter().any(|other| Ok(other.name.as_str()) == name.string().as_deref().map_err(|_| ())) {
-            return Err(name
-                .error(format!("two targets have the name `{}`; names must be different", name.string()?)));
-        }
-        let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
-        let position = match table.get("xyz") {
-            Some(value) => Vector3::from(units.lengths(value.numbers::<3>()?)),
-            None if !known => Vector3::zeros(),
-            None => {
-                return Err(table.error(format!("{} lacks `xyz`; add it, or `known = false`", table.name())));
-            }
-        };
-        targets.push(Target { name: name.string()?.into(), position, known });
+    for table in &tables {
+        targets.extend(kept(target(table, units, &targets), errors));
     }
     Ok(targets)
+}
+
+fn target(table: &Table<'_>, units: Units, others: &[Target]) -> Result<Target, IoError> {
+    table.only(&["name", "xyz", "known"])?;
+    let name = table.require("name")?;
+    if let Some(problem) = cell_problem(name.string()?) {
+        return Err(name.error(problem));
+    }
+    let word = name.string()?;
+    if others.iter().any(|other| other.name == word) {
+        return Err(name.error(format!("two targets have the name `{word}`; names must be different")));
+    }
+    let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
+    let position = match table.get("xyz") {
+        Some(value) => Vector3::from(units.lengths(value.numbers::<3>()?)),
+        None if !known => Vector3::zeros(),
+        None => {
+            return Err(table.error(format!("{} lacks `xyz`; add it, or `known = false`", table.name())));
+        }
+    };
+    Ok(Target { name: word.into(), position, known })
 }
 
 fn gravity(root: &Table<'_>) -> Result<Gravity, IoError> {

@@ -29,7 +29,8 @@ fn write(chain: &Chain, out: &mut String) -> std::fmt::Result {
             JointKind::Fixed => "fixed",
         };
         writeln!(out, "\n[[joints]]\nname = {}\ntype = \"{kind}\"", quoted(&joint.name))?;
-        if let Some((lower, upper)) = joint.limits
+        if let Some((lower, upper)) =
+            chain.joint_named(&joint.name).and_then(|id| chain.controller_limits(id))
             && joint.moves()
         {
             writeln!(out, "limits = {}", array(&[lower, upper]))?;
@@ -49,6 +50,11 @@ fn write(chain: &Chain, out: &mut String) -> std::fmt::Result {
         if let Some(link) = &joint.link {
             writeln!(out, "mass = {:?}\ncom = {}", link.mass, array(link.com.as_slice()))?;
         }
+    }
+    for coupling in chain.couplings() {
+        let name = |joint| quoted(&chain.joint(joint).name);
+        let (joint, driver) = (name(coupling.joint), name(coupling.driver));
+        writeln!(out, "\n[[couplings]]\njoint = {joint}\ndriver = {driver}\nfactor = {:?}", coupling.factor)?;
     }
     placed("tool", chain.tool(), out)?;
     for target in chain.targets() {

@@ -70,6 +70,9 @@ pub struct ExtrapolationSummary {
     pub before: PositionStatistics,
     /// With the findings.
     pub after: PositionStatistics,
+    /// RMS of the fit as it is written, which falls back to the declared model beyond its data, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_with_fallback_mm: Option<f64>,
 }
 
 impl ExtrapolationSummary {
@@ -88,6 +91,7 @@ impl ExtrapolationSummary {
             poses: of.poses,
             before: PositionStatistics::from(of.before).with_interval(of.ci95.map(|ends| ends[0])),
             after: PositionStatistics::from(of.after).with_interval(of.ci95.map(|ends| ends[1])),
+            rms_with_fallback_mm: of.fallen_back.map(|rms| 1e3 * rms),
         }
     }
 
@@ -102,9 +106,17 @@ impl ExtrapolationSummary {
             count(self.poses, "pose measurement"),
             self.after.rms_text()
         );
+        let fallback = match self.rms_with_fallback_mm.filter(|rms| *rms < 0.98 * self.after.rms_mm) {
+            Some(rms) => format!(
+                " Beyond its data the fit falls back to the declared model ({} mm there): {} mm.",
+                significant(self.before.rms_mm, 3),
+                significant(rms, 3)
+            ),
+            None => String::new(),
+        };
         match self.exceeds(random) {
             true => format!(
-                "{figure} That is {} times the error of random poses: the model interpolates better than it extrapolates.",
+                "{figure} That is {} times the error of random poses: the model interpolates better than it extrapolates.{fallback}",
                 significant(self.after.rms_mm / random.rms_mm, 2)
             ),
             false => figure,

@@ -89,6 +89,17 @@ impl Plot {
         }
     }
 
+    /// A line through points, dashed where neighbours are farther apart than `gap`: there are no data between them.
+    pub(crate) fn line_over_data(&mut self, class: &str, points: &[(f64, f64)], gap: f64) {
+        for (k, piece) in points.chunk_by(|a, b| (b.0 - a.0).abs() <= gap).enumerate() {
+            if k > 0 {
+                let begin = points.iter().position(|p| p.0.total_cmp(&piece[0].0).is_eq()).unwrap_or(0);
+                self.line(&format!("{class} dash"), &points[begin.saturating_sub(1)..=begin]);
+            }
+            self.line(class, piece);
+        }
+    }
+
     /// An area between two lines: (x, lower, upper).
     pub(crate) fn band(&mut self, points: &[(f64, f64, f64)]) {
         let mut path = String::new();
@@ -114,15 +125,31 @@ impl Plot {
         self.outside
     }
 
-    /// A cell between two corners, the stronger the larger `strength` (0…1).
-    pub(crate) fn cell(&mut self, class: &str, [low, high]: [[f64; 2]; 2], strength: f64) {
+    /// Points with a text each, shown where the pointer rests.
+    pub(crate) fn named_dots(&mut self, class: &str, points: impl Iterator<Item = (f64, f64, String)>) {
+        for (x, y, name) in points.filter(|(x, y, _)| x.is_finite() && y.is_finite()) {
+            self.outside += usize::from(y < self.y[0] || y > self.y[1]);
+            let y = y.clamp(self.y[0], self.y[1]);
+            let _ = write!(
+                self.body,
+                "<path class=\"{class}\" d=\"M{:.1} {:.1}h0\"><title>{}</title></path>",
+                self.across(x),
+                self.down(y),
+                escape(&name)
+            );
+        }
+    }
+
+    /// A cell between two corners, the stronger the larger `strength` (0…1), with the text of its value.
+    pub(crate) fn cell(&mut self, class: &str, [low, high]: [[f64; 2]; 2], strength: f64, words: &str) {
         let (left, right) = (self.across(low[0]), self.across(high[0]));
         let (bottom, top) = (self.down(low[1]), self.down(high[1]));
         let _ = write!(
             self.body,
-            "<rect class=\"{class}\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" opacity=\"{strength:.2}\"/>",
+            "<rect class=\"{class}\" x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" opacity=\"{strength:.2}\"><title>{}</title></rect>",
             right - left,
-            bottom - top
+            bottom - top,
+            escape(words)
         );
     }
 
@@ -211,6 +238,17 @@ mod tests {
             let count = ticks(range, 3).len();
             assert!((2..=5).contains(&count), "{range:?}: {count}");
         }
+    }
+
+    #[test]
+    fn a_line_is_dashed_where_there_are_no_data() {
+        let mut plot = Plot::new(300.0, 200.0, [0.0, 10.0], [0.0, 1.0]);
+        plot.line_over_data("curve", &[(0.0, 0.1), (1.0, 0.2), (8.0, 0.5), (9.0, 0.4)], 2.0);
+        let svg = plot.finish("about");
+        assert_eq!(
+            (svg.matches("class=\"curve\"").count(), svg.matches("class=\"curve dash\"").count()),
+            (2, 1)
+        );
     }
 
     #[test]

@@ -47,12 +47,13 @@ fn drawn(about: &str, list: &[Bar], level: Option<(f64, String)>, steps: bool) -
             "<text x=\"0\" y=\"{0:.1}\" style=\"font-size:14px\">{1}</text>\
              <text x=\"{WIDTH}\" y=\"{0:.1}\" style=\"font-size:14px\" text-anchor=\"end\" font-weight=\"600\">{2}</text>\
              <rect class=\"tile\" x=\"0\" y=\"{top:.1}\" width=\"{WIDTH}\" height=\"{BAR}\"/>\
-             <rect class=\"{3}\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{4:.1}\" height=\"{BAR}\" rx=\"2\"/>",
+             <rect class=\"{3}\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{4:.1}\" height=\"{BAR}\" rx=\"2\"><title>{5}</title></rect>",
             top - 6.0,
             escape(&name),
             escape(&bar.label),
             bar.class,
             (to - from).max(1.5),
+            escape(&format!("{}: {}", bar.name, bar.label)),
         );
         if steps && k + 1 < list.len() {
             let end = across(bar.range[1]);
@@ -99,7 +100,12 @@ mod tests {
         };
         for level in [0.0, 0.2, 1.0] {
             let svg = waterfall("about", &[bar(1.0), bar(0.2)], Some((level, "noise floor".into())));
-            assert!(svg.contains('…') && !svg.contains("<name>") && svg.contains("noise floor"));
+            assert!(
+                svg.contains('…')
+                    && !svg.contains("<name>")
+                    && svg.contains("</title></rect>")
+                    && svg.contains("noise floor")
+            );
             let anchor = if level > 0.5 { "end\">noise" } else { "start\">noise" };
             assert!(svg.contains(anchor), "{svg}");
         }

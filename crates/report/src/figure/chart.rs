@@ -77,7 +77,12 @@ pub(crate) fn chart(
         let Some(value) = value else { continue };
         let (row, column) = (k / of.along, k % of.along);
         let corners = [[step(of.x, column), step(of.y, row)], [step(of.x, column + 1), step(of.y, row + 1)]];
-        plot.cell(class, corners, (value / most.max(f64::MIN_POSITIVE)).clamp(0.05, 1.0));
+        plot.cell(
+            class,
+            corners,
+            (value / most.max(f64::MIN_POSITIVE)).clamp(0.05, 1.0),
+            &format!("{} mm", significant(*value, 3)),
+        );
     }
     let mut body = plot.panel([0.0, 0.0]);
     for k in 0..5 {

@@ -5,6 +5,7 @@ mod bars;
 mod chart;
 mod cloud;
 mod heat;
+mod sticks;
 mod thin;
 mod trace;
 
@@ -13,6 +14,7 @@ pub(crate) use bars::{Bar, bars, waterfall};
 pub(crate) use chart::{Chart, cell, cells_for, chart, range};
 pub(crate) use cloud::cloud;
 pub(crate) use heat::heat_map;
+pub(crate) use sticks::sticks;
 pub(crate) use thin::{bins, quantile, thin};
 pub(crate) use trace::trace_figure;
 

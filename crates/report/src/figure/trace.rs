@@ -165,7 +165,11 @@ fn curve(plot: &mut Plot, trace: &Trace, xs: &[f64], factor: f64, class: usize) 
         })
         .collect();
     plot.band(&band);
-    plot.line("ink curve", &line.iter().map(|b| (b.x, b.y)).collect::<Vec<_>>());
+    // Data are missing where a twentieth of the range holds none.
+    let ends = xs.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |e, x| [e[0].min(*x), e[1].max(*x)]);
+    let gap = ((ends[1] - ends[0]) / 20.0)
+        .max(1.6 * (ends[1] - ends[0]) / if loose { MEANS } else { STEPS } as f64);
+    plot.line_over_data("ink curve", &line.iter().map(|b| (b.x, b.y)).collect::<Vec<_>>(), gap);
     loose
 }
 

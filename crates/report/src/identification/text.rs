@@ -8,12 +8,17 @@ use std::fmt;
 
 /// Grouped errors beyond this many are not printed one by one (they are all in the JSON).
 const MOST_GROUPS: usize = 60;
+/// Pose measurements with the largest errors that are printed (the JSON has more).
+const MOST_WORST: usize = 5;
 
 impl fmt::Display for IdentificationSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let heading = heading(&self.robot, self.rows, self.visits);
         writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
-        writeln!(f, "\n{}", self.verdict())?;
+        writeln!(f, "\n{}\n{}", self.verdict, self.limit)?;
+        if let Some(specification) = &self.specification {
+            writeln!(f, "{}", specification.sentence())?;
+        }
         if !self.converged {
             writeln!(
                 f,
@@ -39,15 +44,9 @@ impl fmt::Display for IdentificationSummary {
         self.noise(f)?;
         self.reduction(f)?;
         if !self.worst.is_empty() {
-            let largest = self
-                .worst
-                .iter()
-                .map(|(visit, row, d)| format!("{visit} (row {row}) {} mm", significant(*d, 3)));
-            writeln!(
-                f,
-                "\npose measurements with the largest errors: {}",
-                largest.collect::<Vec<_>>().join(", ")
-            )?;
+            let largest: Vec<String> =
+                self.worst.iter().take(MOST_WORST).map(super::LargestError::text).collect();
+            writeln!(f, "\npose measurements with the largest errors: {}", largest.join(", "))?;
         }
         Ok(())
     }
@@ -161,7 +160,7 @@ impl IdentificationSummary {
                 f,
                 "repeated pose measurements: {}, pure error {} mm RMS (3-D)",
                 count(repeats.groups, "group"),
-                significant(repeats.rms * 1e3, 3)
+                significant(repeats.rms_mm, 3)
             )?;
             match &repeats.lack_of_fit {
                 Some(l) => {
@@ -244,26 +243,23 @@ impl IdentificationSummary {
         Ok(())
     }
 
-    /// Position error before and after, and what limits the accuracy.
-    pub fn verdict(&self) -> String {
-        let stage = |stage: &StageSummary| {
-            let rms = stage.test_set.or(stage.held_out).unwrap_or(stage.train).rms_mm;
-            format!("{} mm ({})", significant(rms, 3), stage.name)
-        };
+    /// Position error as found, after the best base and tool, and calibrated.
+    pub(super) fn sentence(&self) -> String {
+        let judged = |stage: &StageSummary| stage.test_set.or(stage.held_out).unwrap_or(stage.train);
         let rows = match self.stages.last() {
-            Some(s) if s.test_set.is_some() => "on the held-out test set",
-            Some(s) if s.held_out.is_some() => "on held-out configurations",
-            _ => "on the data of the fit",
+            Some(last) if last.test_set.is_some() => "on the held-out test set",
+            Some(last) if last.held_out.is_some() => "on held-out configurations",
+            _ => "on the rows of the fit (no rows were held out)",
         };
         let prefix = if self.converged { "" } else { "NOT CONVERGED: " };
-        match (self.stages.first(), self.stages.last()) {
-            (Some(before), Some(after)) => format!(
-                "{prefix}Position error (3-D RMS) {rows}: {} → {}.\n{}",
-                stage(before),
-                stage(after),
-                self.limit
-            ),
-            _ => format!("{prefix}{}", self.limit),
-        }
+        let Some(last) = self.stages.last().map(judged) else { return prefix.trim_end().into() };
+        let stage =
+            |stage: &StageSummary| format!("{} mm ({})", significant(judged(stage).rms_mm, 3), stage.name);
+        format!(
+            "{prefix}Position error (3-D RMS) {rows}: {}; 95th percentile {} mm, largest {} mm.",
+            self.stages.iter().map(stage).collect::<Vec<_>>().join(" → "),
+            significant(last.p95_mm, 3),
+            significant(last.max_mm, 3)
+        )
     }
 }

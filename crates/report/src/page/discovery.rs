@@ -1,9 +1,10 @@
 //! The page of a discovery: verdict, position errors, error budget, each finding, residuals, identifiability.
 
 use super::rows::{Rows, complement, merged};
+use super::sheet::SheetStage;
 use super::{Page, Report};
 use crate::discovery::{DiscoverySummary, FindingSummary};
-use crate::figure::{Bar, escape, trace_figure, unit_text, waterfall};
+use crate::figure::{Bar, escape, range, trace_figure, unit_text, waterfall};
 use crate::{RunRecord, SpecificationSummary, count, parameter_text, significant};
 use truepose_discover::{Diagnosis, Family, HeldOut};
 use truepose_errormodel::Dataset;
@@ -23,11 +24,16 @@ pub fn discovery_report(
     run: &RunRecord,
 ) -> Result<Report, IdentifyError> {
     let mut page = Page::new(&format!("{}: what the declared model lacks", summary.robot));
+    let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
+    page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
     verdict(&mut page, summary);
+    page.end_of_sheet();
+    residual(&mut page, summary);
     let rows = rows(found, data, labels);
     page.section("Position errors");
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
+    page.robot(found.fit.fitted.chain(), data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
     if !summary.effects.is_empty() {
         page.section("Error budget");
@@ -48,6 +54,7 @@ pub fn discovery_report(
     page.section("Identifiability");
     page.identifiability(&found.fit, &found.data)?;
     untestable(&mut page, summary);
+    page.parameters(summary.parameters.as_ref());
     page.section("Candidates not added, settings, files");
     not_added(&mut page, summary);
     settings(&mut page, summary);
@@ -117,6 +124,19 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
         }
     });
     specification(page, summary.specification.as_ref());
+    let stage = |name: &str, fitted, verified| SheetStage { name: name.into(), fitted, verified };
+    let mut stages = Vec::new();
+    if let Some(found) = &summary.as_found {
+        stages.extend(found.as_described.map(|s| stage("as found (nominal)", Some(s), None)));
+        stages.push(stage("best base, tool and targets", Some(found.installation), None));
+    }
+    stages.push(stage("calibrated (declared model)", Some(summary.before.train), Some(before)));
+    stages.push(stage("with the effects found", Some(summary.after.train), Some(after)));
+    page.stages(&stages, &rows);
+}
+
+/// The residual of the declared model, the number of poses, and the nested cross-validation.
+fn residual(page: &mut Page, summary: &DiscoverySummary) {
     page.text(&summary.residual());
     if let Some(few) = &summary.too_few_poses {
         page.text(&few.sentence());
@@ -185,7 +205,13 @@ fn finding(page: &mut Page, number: usize, effect: &FindingSummary, found: &Diag
         page.text(&format!("Rows {}{rest}; no fit uses them.", rows.join(", ")));
         return;
     }
-    if let Some(trace) = found.findings.get(number - 1).and_then(|f| f.trace.as_ref()) {
+    // Over an input that never changes there is nothing to see.
+    let varies = |trace: &&truepose_discover::Trace| {
+        let drivers: Vec<f64> = trace.points.iter().map(|p| p.driver).collect();
+        let [low, high] = range(&drivers);
+        high - low > 1e-9 * low.abs().max(high.abs())
+    };
+    if let Some(trace) = found.findings.get(number - 1).and_then(|f| f.trace.as_ref()).filter(varies) {
         // Folding over one period needs harmonics of that period alone.
         let commensurate =
             |p: &f64| effect.periods.iter().all(|q| (p / q - (p / q).round()).abs() < 0.01 && p / q > 0.5);

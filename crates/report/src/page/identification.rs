@@ -2,9 +2,12 @@
 
 use super::discovery::specification;
 use super::rows::{Rows, complement, merged};
+use super::sheet::SheetStage;
 use super::{Page, Report};
 use crate::figure::{Bar, bars, escape, unit_text};
-use crate::{IdentificationSummary, NonlinearParameterSummary, RunRecord, SpecificationSummary, significant};
+use crate::{
+    IdentificationSummary, NonlinearParameterSummary, RunRecord, SpecificationSummary, count, significant,
+};
 use truepose_errormodel::Dataset;
 use truepose_identify::{Identification, IdentifyError, Residuals, Stage};
 
@@ -37,8 +40,11 @@ pub fn identification_report(
     run: &RunRecord,
 ) -> Result<Report, IdentifyError> {
     let mut page = Page::new(&format!("{}: identification", summary.robot));
+    let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
+    page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
     verdict(&mut page, summary);
+    page.end_of_sheet();
     let rows = rows(found, data, labels);
     page.section("Position errors");
     page.note(match found.declared.held_out {
@@ -46,6 +52,7 @@ pub fn identification_report(
         None => "Errors on the rows of the fit: no rows were held out.",
     });
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
+    page.robot(&found.placement.chain, data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
     page.section("Residuals");
     page.by_axis(&rows, TITLES);
@@ -58,6 +65,7 @@ pub fn identification_report(
     page.section("Identifiability");
     nonlinear_parameters(&mut page, &summary.nonlinear_parameters);
     page.identifiability(&found.fit, data)?;
+    page.parameters(summary.parameters.as_ref());
     page.section("Settings, files");
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let settings = [
@@ -131,25 +139,24 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
             label: format!("{} mm", mm(judged(stage).rms_mm)),
         })
         .collect();
-    if let [.., before, after] = &summary.stages[..] {
-        let (from, to) = (&before.name, &after.name);
-        let (before, after) = (judged(before), judged(after));
-        let word = if summary.converged { "" } else { "NOT CONVERGED, no figure is final. " };
-        page.raw(&format!(
-            "<p class=\"verdict\">{}</p>",
-            escape(&format!(
-                "{word}Position error (3-D RMS) {seen}: {} mm ({from}) → {} mm ({to}); 95th percentile {} mm, largest {} mm.",
-                mm(before.rms_mm),
-                mm(after.rms_mm),
-                mm(after.p95_mm),
-                mm(after.max_mm)
-            ))
-        ));
-    }
+    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.verdict)));
     specification(page, summary.specification.as_ref());
     page.text(&summary.limit);
     let svg = bars("RMS of the 3-D position error by model", &list, None);
     page.figure("models", &svg, &format!("RMS of the 3-D position error, {seen}."));
+    let names = ["as found (nominal)", "best base, tool and targets", "calibrated"];
+    let first = names.len().saturating_sub(summary.stages.len());
+    let stages: Vec<SheetStage> = summary
+        .stages
+        .iter()
+        .zip(&names[first..])
+        .map(|(stage, name)| SheetStage {
+            name: (*name).into(),
+            fitted: Some(stage.train),
+            verified: stage.test_set.or(stage.held_out),
+        })
+        .collect();
+    page.stages(&stages, seen);
     let all: Vec<String> = summary.warnings.clone();
     if !all.is_empty() {
         page.list(&all);

@@ -6,27 +6,36 @@ mod discovery;
 mod identifiability;
 mod identification;
 mod joint_space;
+mod parameters;
+mod places;
 mod residuals;
+mod robot;
 mod rows;
+mod sheet;
 mod space;
 
 pub use commands::{CommandView, CommandsView, commands_report};
 pub use comparison::comparison_report;
 pub use discovery::discovery_report;
 pub use identification::identification_report;
+pub use places::{
+    MapView, PlaceView, PlanView, PlannedView, PredictionView, map_report, plan_report, prediction_report,
+};
 
 use crate::RunRecord;
 use crate::figure::{COLOURS, escape, standalone};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("script.js");
+const SCRIPT: &str = concat!(include_str!("script.js"), include_str!("robot.js"));
 
 /// A page and its figures, ready to be written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// `index.html`.
     pub html: String,
+    /// `summary.html`: the first sheet alone, which prints to one page; empty where the page has none.
+    pub summary: String,
     /// Names and contents of the figures' files (SVG).
     pub figures: Vec<(String, String)>,
 }
@@ -37,12 +46,20 @@ pub(crate) struct Page {
     body: String,
     contents: Vec<(String, String)>,
     figures: Vec<(String, String)>,
+    /// Where the first sheet ends in the body.
+    sheet: Option<usize>,
 }
 
 impl Page {
     /// With this title (text).
     pub(crate) fn new(title: &str) -> Self {
-        Page { title: title.into(), body: String::new(), contents: Vec::new(), figures: Vec::new() }
+        Page {
+            title: title.into(),
+            body: String::new(),
+            contents: Vec::new(),
+            figures: Vec::new(),
+            sheet: None,
+        }
     }
 
     /// A part of the page, which is in its contents.
@@ -179,17 +196,31 @@ impl Page {
         for (id, name) in &self.contents {
             let _ = write!(contents, "<a href=\"#{id}\">{}</a>", escape(name));
         }
-        let html = format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-             <meta name=\"color-scheme\" content=\"light dark\">\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\
-             <link rel=\"icon\" href=\"data:,\"><title>{title}</title><style>{COLOURS}\n{STYLE}</style></head>\
-             <body><header><h1>{title}</h1><nav aria-label=\"Parts\">{contents}</nav></header><main>{}</main>\
-             <script>{SCRIPT}</script></body></html>\n",
-            self.body
-        );
-        Report { html, figures: self.figures }
+        let whole = |class: &str, main: &str, nav: &str| {
+            format!(
+                "<!doctype html>\n<html lang=\"en\"{class}><head><meta charset=\"utf-8\">\
+                 <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+                 <meta name=\"color-scheme\" content=\"light dark\">\
+                 <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:\">\
+                 <link rel=\"icon\" href=\"data:,\"><title>{title}</title><style>{COLOURS}\n{STYLE}</style></head>\
+                 <body><header><h1>{title}</h1><nav aria-label=\"Parts\">{nav}</nav></header><main>{main}</main>\
+                 <script>{SCRIPT}</script></body></html>\n"
+            )
+        };
+        let Some(end) = self.sheet else {
+            return Report {
+                html: whole("", &self.body, &contents),
+                summary: String::new(),
+                figures: self.figures,
+            };
+        };
+        let (sheet, rest) = self.body.split_at(end);
+        let first = "<a href=\"summary.html\">one-page summary</a>";
+        let html =
+            whole("", &format!("<div class=\"sheet\">{sheet}</div>{rest}"), &format!("{contents}{first}"));
+        let back = "<a href=\"index.html\">whole report</a>";
+        let summary = whole(" class=\"one-sheet\"", &format!("<div class=\"sheet\">{sheet}</div>"), back);
+        Report { html, summary, figures: self.figures }
     }
 }
 

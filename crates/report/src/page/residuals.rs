@@ -7,6 +7,10 @@ use crate::significant;
 
 /// Points of a panel that are drawn.
 const DRAWN: usize = 1500;
+/// Columns of inputs beside each other.
+const BESIDE: usize = 8;
+/// Points, up to so many, that show their row and value where the pointer rests.
+const NAMED: usize = 400;
 
 impl Page {
     /// Statistics and pictures by axis.
@@ -56,10 +60,24 @@ impl Page {
                 "row, in the order of the data",
                 "mm",
             );
+            let mut add = |class: &str, list: &[[f64; 3]]| {
+                let place = |&r: &usize| (r as f64 + 1.0, list[r][k]);
+                if drawn.len() > NAMED {
+                    plot.dots(class, drawn.iter().map(place));
+                    return;
+                }
+                plot.named_dots(
+                    class,
+                    drawn.iter().map(|r| {
+                        let (x, y) = place(r);
+                        (x, y, format!("row {}: {} mm", rows.row[*r] + 1, significant(y, 3)))
+                    }),
+                );
+            };
             if !rows.same {
-                plot.dots("before dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.before[r][k])));
+                add("before dots", &rows.before);
             }
-            plot.dots("after dots", drawn.iter().map(|&r| (r as f64 + 1.0, rows.after[r][k])));
+            add("after dots", &rows.after);
             let about = format!("Errors in {name} of every row, before and after");
             self.figure(&format!("errors_{name}"), &plot.finish(&about), "");
         }
@@ -81,7 +99,7 @@ impl Page {
             self.input(number, input, if rows.same { &errors[1..] } else { &errors }, top, &drawn);
         }
         self.raw("</div>");
-        self.note("Lines: RMS in bins of equal width. The residual of an adequate model shows no trend; a periodic pattern, a slope or a step indicates an \
+        self.note("Lines: RMS in bins of equal width, dashed across bins without data. The residual of an adequate model shows no trend; a periodic pattern, a slope or a step indicates an \
              effect that the model lacks.");
         self.legend(rows, titles, drawn.len());
     }
@@ -103,7 +121,8 @@ impl Page {
                 .collect();
             let line: Vec<(f64, f64)> =
                 bins(&squares, 16).iter().filter(|b| b.count > 1).map(|b| (b.x, b.y.sqrt())).collect();
-            plot.line(&format!("{class} curve"), &line);
+            let [low, high] = range(&input.values);
+            plot.line_over_data(&format!("{class} curve"), &line, 1.6 * (high - low) / 16.0);
         }
         let about = format!("3-D position errors against {}, before and after", input.name);
         self.figure(&format!("against_input_{number}"), &plot.finish(&about), "");
@@ -171,47 +190,50 @@ impl Page {
                 break;
             }
         }
-        self.raw("<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Pose measurements with the largest errors\"><table class=\"numbers\"><caption>Pose measurements with the largest errors; mm</caption><thead><tr>");
-        let heads = ["pose measurement", "row", "before", "after", "held out"];
-        for head in heads.iter().filter(|head| !rows.same || **head != "before") {
-            self.raw(&format!("<th scope=\"col\">{head}</th>"));
+        let mut head = vec![
+            "pose measurement",
+            "row",
+            "line",
+            "before, mm",
+            "after, mm",
+            "x, mm",
+            "y, mm",
+            "z, mm",
+            "held out",
+        ];
+        head.retain(|head| !rows.same || *head != "before, mm");
+        let row = |&k: &usize| {
+            let error = length(&rows.after[k]);
+            let mut cells = vec![
+                rows.visit[k].clone(),
+                (rows.row[k] + 1).to_string(),
+                rows.line[k].map_or_else(|| "–".into(), |line| line.to_string()),
+            ];
+            if !rows.same {
+                cells.push(significant(length(&rows.before[k]), 3));
+            }
+            cells.push(significant(error, 3));
+            // Components with the decimals of the whole.
+            let decimals = (2.0 - error.max(1e-9).log10().floor()).clamp(0.0, 9.0) as usize;
+            cells.extend(rows.after[k].map(|v| rounded(v, decimals)));
+            cells.push(if rows.held_out[k] { "yes" } else { "no" }.into());
+            cells
+        };
+        let cells: Vec<Vec<String>> = largest.iter().map(row).collect();
+        self.table("Pose measurements with the largest errors, with their components", &head, &cells, true);
+        let names: Vec<String> = rows.inputs.iter().map(Input::title).collect();
+        // As many inputs beside each other as a sheet is wide.
+        for (part, names) in names.chunks(BESIDE).enumerate() {
+            let mut head = vec!["row"];
+            head.extend(names.iter().map(String::as_str));
+            let inputs = rows.inputs.iter().skip(part * BESIDE).take(BESIDE);
+            let row = |&k: &usize| {
+                let mut cells = vec![(rows.row[k] + 1).to_string()];
+                cells.extend(inputs.clone().map(|input| input.shown(k)));
+                cells
+            };
+            self.table("Inputs of these rows", &head, &largest.iter().map(row).collect::<Vec<_>>(), true);
         }
-        self.raw("</tr></thead><tbody>");
-        for &k in &largest {
-            let number = rows.row[k] + 1;
-            self.raw(&format!(
-                "<tr><th scope=\"row\">{}</th><td><a href=\"#row-{number}\">{number}</a></td>{}<td>{}</td><td>{}</td></tr>",
-                crate::figure::escape(&rows.visit[k]),
-                if rows.same {
-                    String::new()
-                } else {
-                    format!("<td>{}</td>", significant(length(&rows.before[k]), 3))
-                },
-                significant(length(&rows.after[k]), 3),
-                if rows.held_out[k] { "yes" } else { "no" }
-            ));
-        }
-        self.raw("</tbody></table></div><ul>");
-        for &k in &largest {
-            let inputs: Vec<String> = rows
-                .inputs
-                .iter()
-                .map(|i| {
-                    format!("{} {} {}", i.name, significant(i.values[k], 5), i.unit).trim_end().to_owned()
-                })
-                .collect();
-            let error = rows.after[k].map(|v| significant(v, 3)).join(", ");
-            self.raw(&format!(
-                "<li id=\"row-{}\">{}</li>",
-                rows.row[k] + 1,
-                crate::figure::escape(&format!(
-                    "row {}: error ({error}) mm; {}",
-                    rows.row[k] + 1,
-                    inputs.join(", ")
-                ))
-            ));
-        }
-        self.raw("</ul>");
     }
 }
 

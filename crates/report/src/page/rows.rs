@@ -1,6 +1,7 @@
 //! What a page shows of every row: its errors before and after, and the inputs under which it was measured.
 
-use crate::figure::unit_text;
+use crate::figure::{range, unit_text};
+use crate::largest::label;
 use std::collections::BTreeSet;
 use truepose_errormodel::{Dataset, is_derived};
 use truepose_identify::Residuals;
@@ -19,6 +20,8 @@ pub(crate) struct Rows {
     pub held_out: Vec<bool>,
     /// Number of the row in the data (0-based).
     pub row: Vec<usize>,
+    /// Line of the file, where the data came from one.
+    pub line: Vec<Option<u64>>,
     /// Label of the pose measurement in the file.
     pub visit: Vec<String>,
     /// Joints, load, time, channels.
@@ -41,6 +44,19 @@ pub(crate) struct Input {
 }
 
 impl Input {
+    /// Name and unit.
+    pub(crate) fn title(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.name, self.unit) }
+    }
+
+    /// Value of a row, rounded to a thousandth of the range.
+    pub(crate) fn shown(&self, k: usize) -> String {
+        let [low, high] = range(&self.values);
+        let decimals = (3.0 - (high - low).max(1e-9).log10().ceil()).clamp(0.0, 6.0) as usize;
+        let value = self.values[k];
+        if value.is_finite() { format!("{:.decimals$}", value + 0.0) } else { "–".into() }
+    }
+
     /// Whether the input takes more than one value.
     fn varies(&self) -> bool {
         let mut values = self.values.iter().filter(|v| v.is_finite());
@@ -61,10 +77,6 @@ impl Rows {
         after: &Residuals,
     ) -> Self {
         let mm = |r: &Residuals| r.position.iter().map(|v| [v.x * 1e3, v.y * 1e3, v.z * 1e3]).collect();
-        let visit = |row: usize| {
-            let k = data.visit[row];
-            labels.get(k).map_or_else(|| (k + 1).to_string(), ToString::to_string)
-        };
         let (before, after): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (mm(before), mm(after));
         let bits = |list: &[[f64; 3]]| list.iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>();
         let same = bits(&before) == bits(&after);
@@ -75,7 +87,8 @@ impl Rows {
             place: rows.iter().map(|&row| data.position[row].map(|v| v * 1e3)).collect(),
             held_out: held_out.to_vec(),
             row: rows.to_vec(),
-            visit: rows.iter().map(|&row| visit(row)).collect(),
+            line: rows.iter().map(|&row| data.line.get(row).copied()).collect(),
+            visit: rows.iter().map(|&row| label(data, labels, row)).collect(),
             inputs,
             joints,
             same,

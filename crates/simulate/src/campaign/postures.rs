@@ -23,7 +23,7 @@ impl Campaign {
                 posture.push(lower + u * (upper - lower));
             }
         }
-        Ok(Campaign::of(postures))
+        Ok(Campaign::of(variables(chain, postures)))
     }
 
     /// Halton's sequence in the bases 2, 3, 5, …: evenly spread, without a seed, and longer ones contain shorter ones.
@@ -39,7 +39,7 @@ impl Campaign {
                 .zip(&bases)
                 .map(move |((lower, upper), &base)| lower + radical_inverse(k, base) * (upper - lower))
         };
-        Ok(Campaign::of((1..=count).map(|k| posture(k).collect()).collect()))
+        Ok(Campaign::of(variables(chain, (1..=count).map(|k| posture(k).collect()).collect())))
     }
 
     /// All combinations of `points` values of each joint, evenly between its limits, ends included; the last
@@ -62,7 +62,7 @@ impl Campaign {
                 })
                 .collect();
         }
-        Ok(Campaign::of(postures))
+        Ok(Campaign::of(variables(chain, postures)))
     }
 
     /// One joint alone goes through `values` while the others stay at `home` (movable joints, rad or m).
@@ -104,15 +104,24 @@ impl Campaign {
     /// # Errors
     /// [`SimulateError::NoLimits`] for a slide without limits.
     pub fn middle(chain: &Chain) -> Result<Vec<f64>, SimulateError> {
-        Ok(limits(chain)?.into_iter().map(|(lower, upper)| (lower + upper) / 2.0).collect())
+        let mut middle: Vec<f64> =
+            limits(chain)?.into_iter().map(|(lower, upper)| (lower + upper) / 2.0).collect();
+        chain.joints_from_controller(&mut middle);
+        Ok(middle)
     }
 }
 
-/// Lower and upper limit of each movable joint; a turn without limits has ±π.
+/// Controller's values as the joints' variables.
+pub(super) fn variables(chain: &Chain, mut postures: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    postures.iter_mut().for_each(|posture| chain.joints_from_controller(posture));
+    postures
+}
+
+/// Lower and upper limit of the controller's value of each movable joint; a turn without limits has ±π.
 pub(super) fn limits(chain: &Chain) -> Result<Vec<(f64, f64)>, SimulateError> {
     let range = |&id: &JointId| {
         let joint = chain.joint(id);
-        match (joint.limits, joint.kind) {
+        match (chain.controller_limits(id), joint.kind) {
             (Some((lower, upper)), _) if lower.is_finite() && upper.is_finite() => Ok((lower, upper)),
             (_, JointKind::Revolute) => Ok((-std::f64::consts::PI, std::f64::consts::PI)),
             _ => Err(SimulateError::NoLimits { joint: joint.name.clone() }),

@@ -2,7 +2,7 @@
 //! seems to change with a joint.
 
 use super::Campaign;
-use super::postures::limits;
+use super::postures::{limits, variables};
 use crate::SimulateError;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -63,7 +63,7 @@ impl Campaign {
                 postures.push(posture);
             }
         }
-        Ok(Campaign::of(postures))
+        Ok(Campaign::of(variables(chain, postures)))
     }
 }
 

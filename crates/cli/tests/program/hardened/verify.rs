@@ -94,14 +94,14 @@ fn verify_refuses_arguments_and_inputs_that_are_not_of_a_run() {
     refused(&|a| *a = vec!["--help".into()], "its arguments are not valid");
     refused(
         &|a| *a = ["simulate", "--plant", "plant.toml", "--out", "planted.csv"].map(Into::into).to_vec(),
-        "only discover, identify, compare and compensate can be repeated",
+        "only discover, identify, compare, compensate, map, plan and predict can be repeated",
     );
     // A word of another option is no verb.
     refused(
         &|a| {
             *a = ["predict", "--fit", "identify", "--data", "d", "--out", "planted"].map(Into::into).to_vec()
         },
-        "only discover, identify, compare and compensate can be repeated",
+        "the result of this run is `prediction.json`",
     );
     refused(&|a| a.extend(["--model", "other.toml"].map(Into::into)), "is not among the inputs");
     std::fs::remove_file(folder.file("data.csv")).unwrap();

@@ -51,6 +51,7 @@ impl State<'_> {
             chi_square,
             solution: outcome.solution,
             shapes: Vec::new(),
+            unknown_shapes: Vec::new(),
             scatter: self.freedom.map(|known| known.2),
             warnings,
         };

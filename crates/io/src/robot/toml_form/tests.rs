@@ -113,8 +113,8 @@ fn what_is_wrong_is_reported() {
             "r.toml:19:1: [[joints]] 2 needs one of `dh`, `mdh` and `origin`",
         ),
         (
-            change("theta = 0, d = 0, a = 0, alpha", "theta = 0, a = 0, alpha"),
-            "r.toml:16:6: `dh` of [[joints]] 1 lacks `d`; add it",
+            change("theta = 0, d = 0, a = 0, alpha", "theta = 0, d = 0, alpha"),
+            "r.toml:16:6: `dh` of [[joints]] 1 lacks `a`; add it",
         ),
         (
             change("com = [0, 0, 350]\n", ""),
@@ -167,4 +167,64 @@ fn what_is_wrong_is_reported() {
         read("urdf = \"none.urdf\"").unwrap_err(),
         "r.toml:1:8: there is no file `none.urdf`; the path counts from this file's folder"
     );
+}
+
+#[test]
+fn defaults_of_a_joint() {
+    let short = GOOD
+        .replace("type = \"revolute\"\n", "")
+        .replace("dh = { theta = 0, d = 0, a = 0, alpha = -90 }", "dh = { a = 0, alpha = -90 }");
+    assert_ne!(short, GOOD);
+    assert_eq!(read(&short).unwrap(), read(GOOD).unwrap());
+}
+
+#[test]
+fn every_error_in_one_run() {
+    let bad = GOOD
+        .replace("type = \"prismatic\"", "type = \"linear\"")
+        .replace("mdh = {", "origin = {}\nmdh = {")
+        .replace("xyz = [250, 100, -840]\n", "");
+    let error = read(&bad).unwrap_err();
+    assert_eq!(
+        error.lines().map(|line| line.split(": ").next().unwrap()).collect::<Vec<_>>(),
+        ["r.toml:14:8", "r.toml:23:10", "r.toml:35:1"],
+        "{error}"
+    );
+}
+
+#[test]
+fn columns_of_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.toml");
+    let with = |columns: &str| {
+        std::fs::write(&path, format!("{GOOD}\n[columns]\n{columns}")).unwrap();
+        let robot = crate::read_robot(&path, &RobotOptions::default());
+        crate::robot_columns(&path).and_then(|map| robot.map(|_| map))
+    };
+    let map = with("d1 = \"Axis 1[mm]\"\norientation = \"abc\"\nignore = [\"Operator\"]\n").unwrap();
+    assert_eq!(map.names, [("d1".to_string(), "Axis 1[mm]".to_string())]);
+    assert_eq!(map.ignore, ["Operator"]);
+    assert_eq!(map.orientation, Some(crate::OrientationConvention::KukaAbc));
+    for (bad, words) in [("d1 = 3", "has to be a text in quotes"), ("orientation = \"kuka\"", "known: rpy")] {
+        let error = with(bad).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn a_joint_may_be_called_base() {
+    let chain = read(&GOOD.replace("name = \"d1\"", "name = \"base\"")).unwrap();
+    assert_eq!(chain.joints()[0].name, "base_joint");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("d.csv");
+    let names: Vec<String> = chain.movable()[1..].iter().map(|&j| chain.joint(j).name.clone()).collect();
+    for called in ["base", "base_joint"] {
+        let rest = vec!["0"; names.len()].join(",");
+        let text =
+            format!("{called}[mm],{},x[m],y[m],z[m],approach_{called}\n7,{rest},1,2,3,1\n", names.join(","));
+        std::fs::write(&path, text).unwrap();
+        let (data, ..) =
+            crate::read_measurements(&path, &chain, &crate::MeasurementsOptions::default()).unwrap();
+        assert_eq!((data.joints[0][0], data.approach[0][0]), (0.007, 1.0));
+    }
 }

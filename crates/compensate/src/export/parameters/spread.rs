@@ -1,0 +1,121 @@
+//! How well the constants of an export are known: the covariance of the fit, through the projection.
+//!
+//! ```text
+//! ε = argmin Σ_i w |p_i(c) − p_i(ε)|²  from  ε_0 = S c        D = S + (Jᵀ W J)⁺ Jᵀ W (J_c − J S)        cov ε = D C Dᵀ
+//! ```
+//!
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | S | constants of the fit itself | sites × p | m or rad per unit of a coefficient |
+//! | J | how rows move with the constants | 3 or 6 × sites | m, rad |
+//! | J_c | how the whole model moves with its coefficients | 3 or 6 × p | m, rad |
+//! | w | one over the mean square that the projection leaves | | 1/m², 1/rad² |
+//!
+//! Without other effects the projection is not made, and D = S. Directions that the configurations do not fix stay where the fit has them.
+
+use super::super::reference::Reference;
+use crate::CompensateError;
+use nalgebra::{DMatrix, DVector, Vector3};
+use truepose_errormodel::effects::Geometric;
+use truepose_errormodel::{Effect, Emission, ErrorJacobian, FittedModel, GeneralizedErrors, RealPosture};
+use truepose_kinematics::{Conditions, PostureBuffer, Site, rotation_log};
+
+/// What is left below this, m and rad, is below the resolution of any instrument.
+const NEGLIGIBLE: f64 = 1e-6;
+/// Curvature, of the largest one in expected sizes, below which the configurations do not fix a direction: there the projection has
+/// not moved.
+const UNFIXED: f64 = 1e-8;
+
+/// D: how the constants of every site move with the coefficients.
+pub(super) fn sensitivity(
+    fitted: &FittedModel,
+    reference: &Reference,
+    constants: &GeneralizedErrors,
+    projected: bool,
+) -> Result<DMatrix<f64>, CompensateError> {
+    let chain = fitted.chain();
+    let sites: Vec<Site> = (0..chain.site_count()).map(|k| chain.site_at(k)).collect();
+    let own = own(fitted);
+    if !projected {
+        return Ok(own);
+    }
+    let expected = Geometric::default().columns(chain);
+    let scale = DVector::from_iterator(
+        sites.len(),
+        sites.iter().map(|site| {
+            expected.iter().find(|column| column.site == Some(*site)).map_or(1e-3, |column| column.scale)
+        }),
+    );
+    let (schema, _) = crate::accuracy::everything(fitted, &super::super::options::middle_conditions(fitted))?;
+    let sample = &fitted.domain.sample;
+    let schema = if reference.drawn_from.is_some() { sample.rows().schema.clone() } else { schema };
+    let mut predictor = fitted.bind(&schema)?;
+    let (mut buffer, mut real) = (PostureBuffer::new(chain), RealPosture::new(chain));
+    let n = sites.len();
+    let mut gram = [DMatrix::zeros(n, n), DMatrix::zeros(n, n)];
+    let mut pull = [DMatrix::zeros(n, own.ncols()), DMatrix::zeros(n, own.ncols())];
+    let mut squares = [0.0; 2];
+    for row in &reference.rows {
+        let nominal = buffer.update(chain, &row.conditions);
+        real.update(&nominal, constants);
+        let jacobian = ErrorJacobian::new(chain, &real, constants, row.target);
+        let whole = predictor.sensitivity(&row.conditions, row.target);
+        let left: [Vector3<f64>; 2] = [
+            row.point - jacobian.point(),
+            rotation_log(&(row.tool.rotation * real.tool().rotation.transpose())),
+        ];
+        for part in 0..if reference.turned { 2 } else { 1 } {
+            let of = |site: Site| if part == 0 { jacobian.position(site) } else { jacobian.rotation(site) };
+            let mut rows = DMatrix::zeros(3, n);
+            for (k, &site) in sites.iter().enumerate() {
+                rows.set_column(k, &(of(site) * scale[k]));
+            }
+            let mut more = whole.rows(3 * part, 3).into_owned();
+            let unscaled = DMatrix::from_fn(3, n, |a, k| rows[(a, k)] / scale[k]);
+            more -= unscaled * &own;
+            gram[part].gemm_tr(1.0, &rows, &rows, 1.0);
+            pull[part].gemm_tr(1.0, &rows, &more, 1.0);
+            squares[part] += left[part].norm_squared();
+        }
+    }
+    let count = 3.0 * reference.rows.len().max(1) as f64;
+    let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, own.ncols()));
+    for part in 0..if reference.turned { 2 } else { 1 } {
+        let weight = 1.0 / (squares[part] / count).max(NEGLIGIBLE * NEGLIGIBLE);
+        a += &gram[part] * weight;
+        b += &pull[part] * weight;
+    }
+    let eigen = a.symmetric_eigen();
+    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let mut along = eigen.eigenvectors.transpose() * b;
+    for (k, &curvature) in eigen.eigenvalues.iter().enumerate() {
+        let factor = if curvature > UNFIXED * largest { 1.0 / curvature } else { 0.0 };
+        along.row_mut(k).scale_mut(factor);
+    }
+    let mut moved = eigen.eigenvectors * along;
+    for (k, scale) in scale.iter().enumerate() {
+        moved.row_mut(k).scale_mut(*scale);
+    }
+    Ok(own + moved)
+}
+
+/// S: the constants of the fit itself, as `constant_errors` adds them up.
+fn own(fitted: &FittedModel) -> DMatrix<f64> {
+    let (model, chain) = (fitted.model(), fitted.chain());
+    let mut own = DMatrix::zeros(chain.site_count(), fitted.coefficients().len());
+    let conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
+    let mut buffer = PostureBuffer::new(chain);
+    let posture = buffer.update(chain, &conditions);
+    let mut emission = Emission::new();
+    for (k, effect) in model.effects().iter().enumerate() {
+        let columns = model.columns_of(k);
+        if model.columns()[columns.clone()].iter().all(|c| c.site.is_some()) {
+            emission.clear();
+            effect.eval(&posture, &mut emission);
+            for entry in emission.entries() {
+                own[(chain.site_index(entry.site), columns.start + entry.column)] += entry.value;
+            }
+        }
+    }
+    own
+}

@@ -1,0 +1,62 @@
+//! Tables as other programs write them: another encoding, separator or decimal mark, titles above the header, a row of units.
+//!
+//! ```text
+//! first block of the file ──► Dialect::seen ──► none: the file is read as it is, line by line
+//!                                          └──► some: the whole file is written anew in memory, line for line
+//! ```
+//!
+//! Only what has one reading is written anew; a number such as `1.234` beside decimal commas is left to an error. Lines keep their numbers.
+
+mod encoding;
+mod numbers;
+mod rewrite;
+mod sniff;
+
+use super::names::Names;
+use crate::IoError;
+use std::path::Path;
+
+/// A rewritten table is held in memory; no campaign in a spreadsheet's dialect comes near this size.
+pub(super) const LARGEST: u64 = 512 << 20;
+
+/// How a file is written.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Dialect {
+    encoding: encoding::Encoding,
+    /// What separates cells.
+    separator: char,
+    /// Line of the header, from 0.
+    header: usize,
+    /// Line of a row of units below the header, from 0.
+    units: Option<usize>,
+    /// Whether cells may hold decimal commas.
+    commas: bool,
+}
+
+/// A table written anew, and what was remarkable about the file.
+pub(super) struct Rewritten {
+    pub text: Vec<u8>,
+    pub remarks: Vec<String>,
+}
+
+impl Dialect {
+    /// How a file is written that begins like this; none where the plain reader reads it.
+    pub fn seen(head: &[u8], whole: bool, names: &Names<'_>) -> Option<Dialect> {
+        let encoding = encoding::Encoding::of(head, whole)?;
+        sniff::dialect(&encoding.decode(head), encoding, whole, names)
+    }
+
+    /// The whole file as comma-separated text in UTF-8 with decimal points.
+    ///
+    /// # Errors
+    /// Where a number has two readings.
+    pub fn rewrite(&self, file: &Path, bytes: &[u8], names: &Names<'_>) -> Result<Rewritten, IoError> {
+        rewrite::rewrite(self, file, &self.encoding.decode(bytes), names)
+    }
+}
+
+/// Blank lines and comments.
+pub(super) fn skipped(line: &str) -> bool {
+    let line = line.trim_matches([' ', '\t']);
+    line.is_empty() || line.starts_with('#')
+}

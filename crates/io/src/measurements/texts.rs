@@ -1,0 +1,78 @@
+//! Cells of a row that hold no number: targets, whether the row is used, and nothing.
+
+use super::cells::shown;
+use super::columns::Cells;
+use super::row::RowReader;
+use crate::IoError;
+use crate::nearest::{listed, meant};
+use crate::table::unprefixed;
+use truepose_kinematics::TargetId;
+
+impl RowReader {
+    /// Reads a cell that holds no number; where it ends.
+    pub(super) fn read_text(
+        &mut self,
+        line: u64,
+        text: &[u8],
+        at: usize,
+        k: usize,
+    ) -> Result<usize, IoError> {
+        let (content, end) = self.cell(line, text, at, k)?;
+        match self.kinds[k].0 {
+            Cells::Target => match self.target(&content) {
+                Ok(target) => {
+                    self.row.target = target;
+                    self.seen[k].filled += usize::from(target.is_some());
+                }
+                Err(message) => {
+                    if let Some(error) = self.miscounted(line, text) {
+                        return Err(error);
+                    }
+                    self.problems.push(self.header.cell_error(line, k, message));
+                }
+            },
+            Cells::Blank if !content.is_empty() => {
+                let message = format!(
+                    "`{}` stands in a column without a name; name the column in the header, or remove it",
+                    shown(&content)
+                );
+                self.problems.push(self.header.cell_error(line, k, message));
+            }
+            Cells::Use => self.use_row(line, k, &content)?,
+            _ => {}
+        }
+        Ok(end)
+    }
+
+    /// Whether the row is used.
+    pub(super) fn use_row(&mut self, line: u64, k: usize, content: &str) -> Result<(), IoError> {
+        match content.to_lowercase().as_str() {
+            "1" | "yes" | "true" | "x" => {}
+            "0" | "no" | "false" => self.row.skipped = true,
+            _ => {
+                let message = format!("`{}` has to be 1 (the row is used) or 0", shown(content));
+                self.problems.push(self.header.cell_error(line, k, message));
+                return Ok(());
+            }
+        }
+        self.seen[k].filled += 1;
+        Ok(())
+    }
+
+    /// The target of this name; none for an empty one.
+    pub(super) fn target(&self, name: &str) -> Result<Option<TargetId>, String> {
+        let name = unprefixed(name);
+        if name.is_empty() {
+            return Ok(None);
+        }
+        if let Some(index) = self.targets.iter().position(|target| target == name) {
+            return Ok(Some(TargetId(index)));
+        }
+        let known = || self.targets.iter().map(String::as_str);
+        let name = shown(name);
+        let (hint, known) = (meant(&name, known()), listed(known()));
+        Err(format!(
+            "the robot has no target `{name}`{hint}; declare it in [[targets]] (its targets: {known})"
+        ))
+    }
+}
