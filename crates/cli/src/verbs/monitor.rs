@@ -15,7 +15,7 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     if let Some(file) = &args.history {
         check_writable(file)?;
     }
-    let fitted = read_fit(&args.fit, crate::extensions::effects())?;
+    let fitted = read_fit(&args.fit, effects())?;
     let (_, digest) = file_digest(&args.fit)?;
     let mut history = match &args.history {
         Some(file) if file.exists() => MonitorHistory::read(file, &digest)?,

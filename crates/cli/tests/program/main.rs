@@ -31,6 +31,6 @@ mod report;
 mod round_trip;
 mod spoiled;
 mod stream;
-mod upkeep;
 mod surface;
+mod upkeep;
 mod wording;

@@ -25,7 +25,11 @@ fn looks_at_a_robot_share_one_error_rate_and_a_change_has_its_exit_code() {
     let folder = identified();
     let look = ["monitor", "--fit", "fit.json", "--data", "today.csv", "--history", "looks.json"];
     let first = folder.run(&look).ended(0);
-    assert!(first.out.contains("No change: p = ") && first.out.contains("level of this look 0.0050"), "{}", first.out);
+    assert!(
+        first.out.contains("No change: p = ") && first.out.contains("level of this look 0.0050"),
+        "{}",
+        first.out
+    );
     let second = folder.run(&look).ended(0);
     assert!(second.out.contains("level of this look 0.0017 (look 2"), "{}", second.out);
     // Another robot of the same type.
@@ -40,9 +44,13 @@ fn looks_at_a_robot_share_one_error_rate_and_a_change_has_its_exit_code() {
     assert_eq!(looks["looks"][2]["changed"], true);
     // The history of one fit is not that of another.
     folder.run(&["identify", "--robot", "robot.toml", "--data", "today.csv", "--out", "fit2.json"]).ended(0);
-    let other = folder.run(&["monitor", "--fit", "fit2.json", "--data", "data.csv", "--history", "looks.json"]).ended(2);
+    let other = folder
+        .run(&["monitor", "--fit", "fit2.json", "--data", "data.csv", "--history", "looks.json"])
+        .ended(2);
     assert!(other.log.contains("looks.json: these looks were held against another fit"), "{}", other.log);
-    let over = folder.run(&["monitor", "--fit", "fit.json", "--data", "today.csv", "--history", "fit.json"]).ended(2);
+    let over = folder
+        .run(&["monitor", "--fit", "fit.json", "--data", "today.csv", "--history", "fit.json"])
+        .ended(2);
     assert!(over.log.contains("is what --fit reads"), "{}", over.log);
 }
 
@@ -55,11 +63,14 @@ fn an_arm_is_carried_into_another_installation() {
     // Six poses of two targets.
     let few: Vec<&str> = all.lines().take(13).collect();
     folder.write("few.csv", &(few.join("\n") + "\n"));
-    let made = folder.run(&["transfer", "--fit", "fit.json", "--data", "few.csv", "--out", "moved.json"]).ended(0);
+    let made =
+        folder.run(&["transfer", "--fit", "fit.json", "--data", "few.csv", "--out", "moved.json"]).ended(0);
     assert!(made.out.contains("The arm as identified fits in this installation"), "{}", made.out);
     assert!(made.out.contains("Found: base.") && made.out.contains("Measure next: j1 "), "{}", made.out);
     let error = |fit: &str| {
-        let ran = folder.run(&["predict", "--fit", fit, "--data", "fresh.csv", "--out", "p.csv", "--json"]).ended(0);
+        let ran = folder
+            .run(&["predict", "--fit", fit, "--data", "fresh.csv", "--out", "p.csv", "--json"])
+            .ended(0);
         let json: Value = serde_json::from_str(&ran.out).unwrap();
         json["position"]["rms_mm"].as_f64().unwrap_or_else(|| panic!("{json}"))
     };
@@ -67,7 +78,8 @@ fn an_arm_is_carried_into_another_installation() {
     assert!(there < 0.1 && before > 100.0, "{there} {before}");
     // One pose of one target determines nothing, and leaves no file behind.
     folder.write("one.csv", &(few[..2].join("\n") + "\n"));
-    let none = folder.run(&["transfer", "--fit", "fit.json", "--data", "one.csv", "--out", "none.json"]).ended(2);
+    let none =
+        folder.run(&["transfer", "--fit", "fit.json", "--data", "one.csv", "--out", "none.json"]).ended(2);
     assert!(none.log.contains("one.csv: the data does not determine"), "{}", none.log);
     assert!(!folder.file("none.json").exists());
     // The fit of another installation is a fit like any other.
