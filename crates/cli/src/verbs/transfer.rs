@@ -2,6 +2,7 @@
 
 use super::print_json;
 use crate::args::Transfer;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
