@@ -3,7 +3,6 @@
 use crate::plants::with_three_targets;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::TAU;
 use truepose_discover::{Diagnosis, DiscoverOptions, concrete, diagnose};
 use truepose_errormodel::effects::{
     Backlash, Geometric, Instrument, JointCompliance, Side, Transmission, TransmissionMode,
@@ -243,64 +242,6 @@ fn a_wave_that_grows_with_the_load_is_a_transmission_error_by_load() {
     let wave = concrete::<Transmission>(&*diagnosis.findings[0].candidate.effects()[0]).expect("a wave");
     assert!(wave.by_load);
     assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
-}
-
-/// A heavy arm whose drives deflect by a milliradian and more, and whose links weigh something else than declared.
-fn misweighed(chain: &Chain, scatter: f64, seed: u64) -> Plant {
-    let stiffness = [4e6, 2e6, 1e6, 3e5, 2e5, 1e5];
-    let drive = |(joint, stiffness)| flaws::JointCompliance {
-        joint: chain.joint(joint).name.clone(),
-        stiffness: Some(stiffness),
-        ..flaws::JointCompliance::default()
-    };
-    let geometric =
-        flaws::Geometric { position_mm: 0.4, angle_mrad: 0.3, target_mm: 0.0, ..flaws::Geometric::default() };
-    let errors = Flaws {
-        geometric: Some(geometric),
-        joint_compliance: chain.movable().iter().copied().zip(stiffness).map(drive).collect(),
-        mass_scatter: scatter,
-        ..Flaws::default()
-    };
-    let options = PlantOptions {
-        errors,
-        instrument: InstrumentSize { sd_um: 10.0, ..InstrumentSize::default() },
-        repeatability: RepeatabilitySize { sd_um: 20.0, ..RepeatabilitySize::default() },
-        ..PlantOptions::default()
-    };
-    Plant::random(chain, &options, seed).unwrap()
-}
-
-#[test]
-fn wrong_masses_of_links_are_weights_that_load_a_joint() {
-    let chain = with_three_targets(&samples::heavy());
-    let plant = misweighed(&chain, 0.15, 4);
-    let data = plant.measure(&loaded(wandering(&chain, 150, 7), 150.0), 5).unwrap();
-    let diagnosis = found(&chain, &elastic(), &data);
-    assert!(words(&diagnosis).iter().all(|words| words.starts_with("joint_compliance weight")));
-    assert!(!words(&diagnosis).is_empty());
-    assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
-}
-
-#[test]
-fn lines_of_an_encoder_are_whole_parts_of_a_turn() {
-    let chain = with_three_targets(&samples::ur10());
-    // Its magnets, and their interpolation: finer than what the screen looks for at a joint without an error.
-    let waves = [(128.0, 2.5e-4, 0.4), (512.0, 1.5e-4, 1.9)];
-    let wave = |(cycles, amplitude, phase)| Wave { amplitude, cycles, phase };
-    let plant = plant(&chain, 5, |truth| {
-        let waves = waves.map(wave).to_vec();
-        truth.joints[1].waves = Some(LoadedWaves { waves, edge: 0.6, by_load: 0.0, load: 1.0 });
-    });
-    let data = plant.measure(&wandering(&chain, 150, 7), 5).unwrap();
-    let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
-    let diagnosis = found(&chain, &declared, &data);
-    assert_eq!(words(&diagnosis), ["transmission j2"]);
-    let effects = diagnosis.findings[0].candidate.effects();
-    let waves = effects.iter().map(|effect| concrete::<Transmission>(&**effect).expect("a wave"));
-    let cycles: Vec<f64> =
-        waves.map(|wave| f64::from(wave.harmonics[0]) * TAU / wave.period.unwrap_or(TAU)).collect();
-    assert_eq!(cycles, [128.0, 512.0]);
-    assert!(over_noise(&diagnosis) < 1.2, "{}", over_noise(&diagnosis));
 }
 
 #[test]

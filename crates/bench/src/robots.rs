@@ -4,7 +4,7 @@ use crate::table::Table;
 use crate::workload::Failure;
 use serde_json::Value;
 use std::path::Path;
-use truepose_errormodel::{Dataset, Dwell, Schema};
+use truepose_errormodel::{Dataset, Schema};
 use truepose_kinematics::nalgebra::{Matrix3, Unit, Vector3};
 use truepose_kinematics::{
     Chain, Gravity, GravityFrame, Joint, JointKind, Link, Load, Payload, Placed, Placement, Pose, Target,
@@ -127,8 +127,6 @@ pub fn dataset(table: &Table, joints: usize, used: impl Fn(usize) -> bool) -> Re
         load,
         time: vec![0.0; count],
         approach: vec![vec![0.0; count]; joints],
-        channels: Vec::new(),
-        dwell: Dwell::default(),
-        line: Vec::new(),
+        ..Dataset::default()
     })
 }

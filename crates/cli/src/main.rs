@@ -1,45 +1,8 @@
-#![doc = include_str!("../README.md")]
+//! The program `truepose`.
 
-mod args;
-mod failure;
-mod library;
-mod progress;
-mod space;
-mod terminal;
-mod verbs;
-mod watch;
-
-use args::Args;
-use failure::Failure;
-use space::granted;
 use std::process::ExitCode;
-use watch::{Limits, watched};
+use truepose_cli::Extensions;
 
 fn main() -> ExitCode {
-    match run(Args::typed()) {
-        Ok(code) => code,
-        Err(failure) => {
-            terminal::log(&failure.to_string());
-            ExitCode::from(match failure {
-                Failure::Criterion(_) => 1,
-                Failure::Input(_) => 2,
-                Failure::Changed => 3,
-            })
-        }
-    }
-}
-
-fn run(args: Args) -> Result<ExitCode, Failure> {
-    let threads = args.threads.map_or_else(available, usize::from);
-    let space = granted(threads)?;
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    let limits = Limits { time: args.time_limit, memory: args.memory_limit, space };
-    watched(limits, move |watch| verbs::run(&args.verb, watch))
-}
-
-/// As many threads as rayon takes by itself.
-fn available() -> usize {
-    let wanted =
-        std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok()).filter(|&n| n > 0);
-    wanted.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1)
+    truepose_cli::run(Extensions::builtin())
 }

@@ -191,6 +191,6 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
         (true, false) => format!("complete, and written before: {}", written.join(", ")),
         (false, _) => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
-    terminal::log(&format!("error: {why}; {files}"));
+    terminal::error(&format!("error: {why}; {files}"));
     ExitCode::from(code)
 }

@@ -140,10 +140,8 @@ constants! {
         /// Unexplained RMS, in units of the noise, that an adequate model does not have. Convention.
         adequate_margin: f64 = 2.0;
 
-        /// Shortest period looked for: parts of a turn. Two waves a motor turn behind a ratio of 160, the highest of usual strain wave gears.
-        cycles_per_turn: f64 = 320.0;
-        /// Shortest further period of a joint with a transmission error: parts of a turn. Convention.
-        further_cycles_per_turn: f64 = 1024.0;
+        /// Shortest period looked for: parts of a turn. Convention.
+        cycles_per_turn: f64 = 256.0;
         /// Shortest period looked for: parts of a linear axis' visited travel. Convention.
         cycles_per_travel: f64 = 400.0;
         /// Step of the frequency grid, cycles over the visited range: a quarter, so that no peak is missed by more than

@@ -2,10 +2,10 @@
 
 use super::values::{input, parse_count, parse_fraction, parse_length, parse_prior, parse_whole};
 use super::{Grouped, Robot};
+use crate::extensions::SolverChoice;
 use std::path::PathBuf;
 use truepose_identify::FitOptions;
 use truepose_io::{IoError, MeasurementsOptions};
-use truepose_solvers::SolverSpec;
 
 /// Robot, measurements and declared model.
 #[derive(Debug, clap::Args)]
@@ -42,7 +42,7 @@ pub struct Identify {
     pub parameters: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), ridge(gcv), huber(qr, k=1.345), …
     #[arg(long, default_value = "qr")]
-    pub solver: SolverSpec,
+    pub solver: SolverChoice,
     /// Folds of the cross-validation; 0 for none
     #[arg(long, default_value_t = 5, value_parser = parse_whole::<usize>)]
     pub folds: usize,
@@ -78,7 +78,7 @@ pub struct Identify {
     #[arg(long, value_name = "ROUNDS", default_value_t = FitOptions::default().max_iterations, value_parser = parse_count)]
     pub rounds: usize,
     /// Read the data block by block, for files larger than memory
-    #[arg(long, conflicts_with_all = ["split", "repeat", "fold_by", "holdout", "report", "spec"])]
+    #[arg(long, conflicts_with_all = ["split", "repeat", "fold_by", "holdout", "report", "spec", "parameters"])]
     pub stream: bool,
     /// Folder for the report: `index.html`, its figures, `identification.json` and `run.json`
     #[arg(long, value_name = "DIR")]
@@ -148,7 +148,7 @@ pub struct Discover {
     pub parameters: Option<PathBuf>,
     /// Solver, with its options in brackets: normal, qr, svd(rcond=1e-10), …
     #[arg(long, default_value = "qr")]
-    pub solver: SolverSpec,
+    pub solver: SolverChoice,
     /// Fraction of the configurations in the held-out test set, drawn before anything is fitted [default: 0.2;
     /// none where poses are few: then nested cross-validation takes its place]
     #[arg(long, value_name = "FRACTION", allow_hyphen_values = true, value_parser = parse_fraction)]
@@ -187,7 +187,7 @@ pub struct Compare {
     /// A solver strategy; repeat the option for each
     #[arg(long = "solver", value_name = "SOLVER",
           default_values = ["qr", "svd", "normal", "ridge(gcv)", "ridge(map)", "lasso(cv)", "huber(qr)", "tukey(qr)"])]
-    pub solvers: Vec<SolverSpec>,
+    pub solvers: Vec<SolverChoice>,
     /// Folds of the cross-validation
     #[arg(long, default_value_t = 5, value_parser = parse_whole::<usize>)]
     pub folds: usize,

@@ -10,7 +10,7 @@ mod values;
 pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
-pub use other::{Check, Effects, Init, Simulate, Verify};
+pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
 pub use upkeep::{Monitor, Transfer};
 pub use values::Place;
 
@@ -30,6 +30,9 @@ pub struct Args {
     /// End the run when it uses more memory, and keep the findings so far, e.g. 2GB (exit code 3)
     #[arg(long, global = true, display_order = 902, value_name = "SIZE", allow_hyphen_values = true, value_parser = values::parse_memory)]
     pub memory_limit: Option<u64>,
+    /// Print results and errors alone: no progress, no warnings
+    #[arg(long, short, global = true, display_order = 903)]
+    pub quiet: bool,
     /// The verb
     #[command(subcommand)]
     pub verb: Verb,
@@ -40,6 +43,11 @@ impl Args {
     pub fn typed() -> Self {
         let command = negative(Args::command());
         Args::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+    }
+
+    /// The command line, for completions and the manual page.
+    pub fn whole() -> Command {
+        negative(Args::command())
     }
 
     /// Parses arguments that were recorded; the words behind the program's name.
@@ -98,6 +106,9 @@ pub enum Verb {
     Simulate(Simulate),
     /// Repeat a run from the run.json of its report, and compare the results
     Verify(Verify),
+    /// Write completions for a shell, or the manual page, to standard output
+    #[command(hide = true)]
+    Completions(Completions),
 }
 
 /// The robot.

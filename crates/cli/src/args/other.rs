@@ -71,3 +71,28 @@ pub struct Verify {
     #[arg(value_name = "FILE")]
     pub run: PathBuf,
 }
+
+/// `truepose completions`
+#[derive(Debug, clap::Args)]
+pub struct Completions {
+    /// The shell, or `man`
+    #[arg(value_enum)]
+    pub of: CompletionsOf,
+}
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum CompletionsOf {
+    /// For bash
+    Bash,
+    /// For zsh
+    Zsh,
+    /// For fish
+    Fish,
+    /// For PowerShell
+    Powershell,
+    /// For elvish
+    Elvish,
+    /// The manual page, in roff
+    Man,
+}

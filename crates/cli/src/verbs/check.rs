@@ -5,7 +5,7 @@ use super::{print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
-use truepose_errormodel::{EffectRegistry, ErrorModel};
+use truepose_errormodel::ErrorModel;
 use truepose_identify::suspicions;
 use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointKind};
@@ -17,7 +17,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     let chain = robot(&args.robot)?;
     let model = match &args.model {
         Some(path) => {
-            let effects = read_model(path, &chain, &EffectRegistry::builtin())?;
+            let effects = read_model(path, &chain, crate::extensions::effects())?;
             Some(ErrorModel::new(chain.clone(), effects)?)
         }
         None => None,

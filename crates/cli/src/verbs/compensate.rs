@@ -4,6 +4,7 @@ use super::frames::Placed;
 use super::reporting::Folder;
 use super::{about, beyond, print_json, status};
 use crate::args::Compensate;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
@@ -14,7 +15,7 @@ use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
 };
-use truepose_errormodel::{Beyond, Coverage, EffectRegistry, ErrorModel, FittedModel, Signal, presliding_of};
+use truepose_errormodel::{Beyond, Coverage, ErrorModel, FittedModel, Signal, presliding_of};
 use truepose_io::{
     CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
     read_measurements, read_poses,
@@ -32,7 +33,7 @@ const TOGETHER: usize = 64;
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
+    let fitted = read_fit(&args.fit, effects())?.of_robot();
     let file = file(args);
     let placed = Placed::new(args, &fitted)?;
     let mut poses = read(args, &fitted, &placed)?;
@@ -132,30 +133,6 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether some effect depends on the way of a joint, and the poses do not state its channel.
-fn winds_up(fitted: &FittedModel, poses: &Poses) -> bool {
-    let needs = fitted.model().effects().iter().flat_map(|effect| effect.needs());
-    needs.into_iter().any(|need| {
-        matches!(need, Signal::Channel(name)
-            if presliding_of(&name).is_some() && poses.rows.schema.channel(&name).is_none())
-    })
-}
-
-/// The joints of the poses as commanded; where there is no command a joint stays where it was.
-fn follow(poses: &mut Poses, commands: &[Command]) {
-    // Without joint values in the file all rows are one dwell.
-    poses.rows.visit = (0..poses.rows.len()).collect();
-    for (joint, column) in poses.rows.joints.iter_mut().enumerate() {
-        let mut here = column.first().copied().unwrap_or(0.0);
-        for (value, command) in column.iter_mut().zip(commands) {
-            if command.status == Status::Ok {
-                here = command.joints[joint];
-            }
-            *value = here;
-        }
-    }
-}
-
 /// The file of poses or joints.
 fn file(args: &Compensate) -> &Path {
     args.poses.as_ref().or(args.joints.as_ref()).unwrap_or(&args.fit)
@@ -178,6 +155,30 @@ fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Pose
     }
     placed.place(&mut poses, &file.display().to_string())?;
     Ok(poses)
+}
+
+/// Whether some effect depends on the way of a joint, and the poses do not state its channel.
+fn winds_up(fitted: &FittedModel, poses: &Poses) -> bool {
+    let needs = fitted.model().effects().iter().flat_map(|effect| effect.needs());
+    needs.into_iter().any(|need| {
+        matches!(need, Signal::Channel(name)
+            if presliding_of(&name).is_some() && poses.rows.schema.channel(&name).is_none())
+    })
+}
+
+/// The joints of the poses as commanded; where there is no command a joint stays where it was.
+fn follow(poses: &mut Poses, commands: &[Command]) {
+    // Without joint values in the file all rows are one dwell.
+    poses.rows.visit = (0..poses.rows.len()).collect();
+    for (joint, column) in poses.rows.joints.iter_mut().enumerate() {
+        let mut here = column.first().copied().unwrap_or(0.0);
+        for (value, command) in column.iter_mut().zip(commands) {
+            if command.status == Status::Ok {
+                here = command.joints[joint];
+            }
+            *value = here;
+        }
+    }
 }
 
 /// Rejects poses whose target or orientation is unknown to the fit, and warns of those that were only declared.
@@ -273,6 +274,9 @@ fn expected(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Re
 /// Joint values in degrees and mm.
 pub(super) fn in_units(chain: &Chain, joints: &[f64]) -> Vec<f64> {
     let unit = |joint: &JointId| if chain.joint(*joint).unit() == "m" { 1e3 } else { 1f64.to_degrees() };
+    // As the controller has them.
+    let mut joints = joints.to_vec();
+    chain.joints_to_controller(&mut joints);
     chain.movable().iter().zip(joints).map(|(joint, value)| value * unit(joint)).collect()
 }
 

@@ -5,6 +5,7 @@ use super::identify::{different, split, split_words};
 use super::reporting::Folder;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::Discover;
+use crate::extensions::library;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
 use crate::terminal;
@@ -50,6 +51,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         alpha: args.alpha,
         most: args.most,
         competing_fits: args.rivals.is_some(),
+        library: library(),
         ..DiscoverOptions::default()
     };
     let solver = args.solver.build();
@@ -101,7 +103,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     }
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
-        summary.parameters = Some(parameters::parameters(&found.fit.fitted));
+        summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {

@@ -2,17 +2,18 @@
 
 use super::print_json;
 use crate::args::Effects;
+use crate::extensions::{effects, own_solvers};
 use crate::failure::Failure;
 use crate::terminal;
-use truepose_errormodel::EffectRegistry;
 use truepose_report::Alignment::Left;
 use truepose_report::table;
 use truepose_solvers::SolverSpec;
 
 /// Runs the verb.
 pub fn run(args: &Effects) -> Result<(), Failure> {
-    let registry = EffectRegistry::builtin();
-    let solvers = SolverSpec::known();
+    let registry = effects();
+    let mut solvers = SolverSpec::known();
+    solvers.extend(own_solvers().map(|name| (name, "a solver of this program's own")));
     if args.json {
         let effects: Vec<_> =
             registry.kinds().map(|(k, about)| serde_json::json!({"family": k, "about": about})).collect();

@@ -2,13 +2,14 @@
 
 use super::{parameters, print_json, target};
 use crate::args::{Export, ExportFormat};
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{
     Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
     ParameterTable, RemainingError, axis_table, error_tables, joint_origins, parameter_table,
 };
-use truepose_errormodel::{EffectRegistry, FittedModel, TargetKnown};
+use truepose_errormodel::{FittedModel, TargetKnown};
 use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Coupling, Pose};
@@ -28,7 +29,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
     }
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
+    let fitted = read_fit(&args.fit, effects())?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let written = match args.format {

@@ -210,6 +210,6 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             Vec::new(),
         ),
         Verb::Init(of) => (Vec::new(), list(&[("--out", of.out.as_ref()), ("--csv", of.csv.as_ref())])),
-        Verb::Effects(_) | Verb::Verify(_) => (Vec::new(), Vec::new()),
+        Verb::Effects(_) | Verb::Verify(_) | Verb::Completions(_) => (Vec::new(), Vec::new()),
     }
 }

@@ -98,7 +98,7 @@ impl Placed {
                     "{file}:{line}{what}; with --tcp it has to be that of the tool centre point"
                 )));
             }
-            let given = Pose::new(rotation.unwrap_or_else(|| Pose::IDENTITY.rotation), position);
+            let given = Pose::new(rotation.unwrap_or(Pose::IDENTITY.rotation), position);
             let desired = self.frame * given * behind;
             // A position alone is moved as a point.
             put(&mut poses.rows, row, &desired, rotation.is_some());

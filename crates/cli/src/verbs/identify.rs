@@ -68,7 +68,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     }
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
-        summary.parameters = Some(parameters::parameters(&found.fit.fitted));
+        summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {

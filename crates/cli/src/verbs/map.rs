@@ -3,6 +3,7 @@
 use super::reporting::Folder;
 use super::{beyond, print_json, status, target};
 use crate::args::Map;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 use truepose_compensate::{
     AccuracyMap, MapGrid, MapNode, MapOptions, Status, accuracy_map, middle_conditions,
 };
-use truepose_errormodel::{EffectRegistry, FittedModel};
+use truepose_errormodel::FittedModel;
 use truepose_io::{MapRow, WholeFiles, check_writable, map_file, read_fit};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload, Pose};
@@ -20,7 +21,7 @@ use truepose_report::{MapView, PlaceView, count, map_report, millimetres};
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "map.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?.of_robot();
+    let fitted = read_fit(&args.fit, effects())?.of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
     if let Some(mass) = args.payload {

@@ -4,6 +4,7 @@ mod beyond;
 mod check;
 mod compare;
 mod compensate;
+mod completions;
 mod discover;
 mod effects;
 mod export;
@@ -25,6 +26,8 @@ mod stream;
 mod transfer;
 mod verify;
 
+pub use completions::write as completions;
+
 use crate::args::{Measured, Robot, Verb};
 use crate::failure::Failure;
 use crate::terminal;
@@ -32,7 +35,7 @@ use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 use truepose_compensate::Status;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, FittedModel, ModelError};
+use truepose_errormodel::{AnyEffect, Dataset, FittedModel, ModelError};
 use truepose_identify::suspicions;
 use truepose_io::{CommandStatus, RobotOptions, read_model, read_robot};
 use truepose_kinematics::{Chain, TargetId};
@@ -57,6 +60,8 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Effects(verb) => effects::run(verb),
         Verb::Simulate(verb) => simulate::run(verb),
         Verb::Verify(verb) => verify::run(verb, watch),
+        // Written before anything runs.
+        Verb::Completions(_) => Ok(()),
     }
 }
 
@@ -98,7 +103,7 @@ fn read_files(measured: &Measured) -> Vec<&Path> {
 /// The declared effects; without a model file constant errors of every frame and target.
 fn declared(measured: &Measured, chain: &Chain) -> Result<Vec<Box<dyn AnyEffect>>, Failure> {
     Ok(match &measured.model {
-        Some(model) => read_model(model, chain, &EffectRegistry::builtin())?,
+        Some(model) => read_model(model, chain, crate::extensions::effects())?,
         None => vec![Box::new(Geometric::default())],
     })
 }

@@ -2,10 +2,10 @@
 
 use super::print_json;
 use crate::args::Monitor;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use truepose_errormodel::EffectRegistry;
 use truepose_io::{LookRecord, MonitorHistory, check_writable, file_digest, read_fit, read_measurements};
 use truepose_report::MonitorSummary;
 use truepose_upkeep::{Installation, MonitorOptions, monitor};
@@ -15,7 +15,7 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     if let Some(file) = &args.history {
         check_writable(file)?;
     }
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, effects())?;
     let (_, digest) = file_digest(&args.fit)?;
     let mut history = match &args.history {
         Some(file) if file.exists() => MonitorHistory::read(file, &digest)?,

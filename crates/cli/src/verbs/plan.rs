@@ -4,11 +4,12 @@ use super::compensate::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
 use crate::args::Plan;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{DatasetBuilder, EffectRegistry, FittedModel, Measurement};
+use truepose_errormodel::{DatasetBuilder, FittedModel, Measurement};
 use truepose_identify::{PlanOptions, plan};
 use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, read_measurements, write_plan};
 use truepose_kinematics::nalgebra::Vector3;
@@ -19,9 +20,9 @@ use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
-    let registry = EffectRegistry::builtin();
-    let fitted = read_fit(&args.fit, &registry)?;
-    let rival = args.rival.as_ref().map(|file| read_fit(file, &registry)).transpose()?;
+    let registry = effects();
+    let fitted = read_fit(&args.fit, registry)?;
+    let rival = args.rival.as_ref().map(|file| read_fit(file, registry)).transpose()?;
     let goals = match &args.at {
         Some(file) => {
             let options = args.grouped.conditions();

@@ -3,6 +3,7 @@
 use super::reporting::Folder;
 use super::{about, beyond, print_json};
 use crate::args::Predict;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use truepose_compensate::radius_95;
-use truepose_errormodel::{Coverage, Dataset, EffectRegistry, FittedModel};
+use truepose_errormodel::{Coverage, Dataset, FittedModel};
 use truepose_identify::{Residuals, Spread, Tally};
 use truepose_io::{
     MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, Repeated, WholeFiles,
@@ -36,7 +37,7 @@ const CHUNK: usize = 256;
 pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "prediction.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, effects())?;
     let options = args.grouped.conditions();
     // The page shows every row.
     if folder.is_none()
@@ -218,16 +219,16 @@ impl Outcome {
         if position.count > 0 {
             terminal::print(&format!(
                 "error against the measured positions: RMS {} mm, 95th percentile {} mm, max {} mm ({})\n",
-                significant(position.rms_mm, 4),
-                significant(position.p95_mm, 4),
-                significant(position.max_mm, 4),
+                significant(position.rms_mm, 3),
+                significant(position.p95_mm, 3),
+                significant(position.max_mm, 3),
                 count(position.count, "row")
             ));
         }
         if orientation.count > 0 {
             terminal::print(&format!(
                 "error against the measured orientations: RMS {} mrad\n",
-                significant(orientation.rms_mrad, 4)
+                significant(orientation.rms_mrad, 3)
             ));
         }
         Ok(())

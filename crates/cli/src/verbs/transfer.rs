@@ -2,10 +2,10 @@
 
 use super::print_json;
 use crate::args::Transfer;
+use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use truepose_errormodel::EffectRegistry;
 use truepose_io::{check_writable, read_fit, read_measurements, write_fit};
 use truepose_report::TransferSummary;
 use truepose_upkeep::{Installation, TransferOptions, transfer};
@@ -13,7 +13,7 @@ use truepose_upkeep::{Installation, TransferOptions, transfer};
 /// Runs the verb.
 pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, &EffectRegistry::builtin())?;
+    let fitted = read_fit(&args.fit, effects())?;
     let (data, _, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
     terminal::warn(&warnings);
     watch.doing("finding the installation");

@@ -24,10 +24,13 @@ mod mistakes;
 mod one_voice;
 mod output;
 mod page;
+mod pages;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod report;
 mod round_trip;
 mod spoiled;
 mod stream;
+mod surface;
+mod upkeep;
 mod wording;

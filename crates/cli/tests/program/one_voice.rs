@@ -105,6 +105,7 @@ fn rows_have_one_number_and_one_line() {
             (error["pose"].as_str().unwrap(), &error["row"], error["line"].as_u64().unwrap());
         assert_eq!(cells[..3], [pose.to_owned(), row.to_string(), line.to_string()]);
         assert_eq!(cells[4], three(&error["error_mm"]));
+        assert_eq!(cells.last().unwrap() == "yes", error["held_out"].as_bool().unwrap());
         // The line of the file is that of the row, and of the pose measurement.
         assert_eq!(line, row.as_u64().unwrap() + 1);
         let cell = data.lines().nth(line as usize - 1).unwrap().split(',').nth(visit).unwrap();

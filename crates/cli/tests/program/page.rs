@@ -53,14 +53,14 @@ window.addEventListener("load", function () {
 });
 </script></body>"#;
 
-fn browser() -> Option<&'static str> {
+pub fn browser() -> Option<&'static str> {
     ["chromium", "chromium-browser", "google-chrome"]
         .into_iter()
         .find(|name| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success()))
 }
 
 /// The checker's script, fetched once by npm into the tests' own folder; none, and said, where that fails.
-fn axe() -> Option<String> {
+pub fn axe() -> Option<String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("axe");
     let script = folder.join("node_modules/axe-core/axe.min.js");
     let read = || std::fs::read_to_string(&script).ok().filter(|text| text.contains(&format!("axe v{AXE}")));
@@ -90,7 +90,7 @@ fn axe() -> Option<String> {
 }
 
 /// Chromium without a window, on a page of the folder.
-fn chromium(browser: &str, folder: &Folder, page: &str, arguments: &[String]) -> (String, String) {
+pub fn chromium(browser: &str, folder: &Folder, page: &str, arguments: &[String]) -> (String, String) {
     let out = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr"])
         .args(["--disable-background-networking", "--virtual-time-budget=20000"])

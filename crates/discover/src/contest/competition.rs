@@ -105,16 +105,10 @@ fn refined_variants(
         }
         sizes.push(size);
         let variant = refined(linearisation, &screen.projection, candidate);
-        if let Some(simple) = variant.simplified(linearisation.chain()) {
-            competitors.extend(competitor(linearisation, screen, visits, simple)?);
-        }
         competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
     if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| candidate.richer()) {
         let more = refined(linearisation, &screen.projection, &more);
-        if let Some(simple) = more.simplified(linearisation.chain()) {
-            competitors.extend(competitor(linearisation, screen, visits, simple)?);
-        }
         competitors.extend(competitor(linearisation, screen, visits, more)?);
     }
     Ok(competitors)
@@ -137,7 +131,7 @@ fn add_periods(
     let grown: Vec<Option<Competitor>> = transmissions
         .par_iter()
         .map(|&k| {
-            let best = preferred(&found[k], linearisation.policy);
+            let best = found[k].iter().min_by(|a, b| a.score.total_cmp(&b.score));
             match best.and_then(|best| more_periods(linearisation, &screen.projection, &best.candidate)) {
                 Some(candidate) => competitor(linearisation, screen, visits, candidate),
                 None => Ok(None),
@@ -151,23 +145,9 @@ fn add_periods(
 /// The simplest variant of a cause that is not distinguishable from the best one.
 fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> {
     shapes.retain(|r| plausible(r, policy) && r.score.is_finite());
-    let tied = tied(&shapes, policy);
-    shapes.into_iter().filter(|r| r.score < tied).min_by(simpler)
-}
-
-/// The same of all variants, where they are.
-fn preferred<'a>(shapes: &'a [Competitor], policy: &Policy) -> Option<&'a Competitor> {
-    let tied = tied(shapes, policy);
-    shapes.iter().filter(|r| r.score < tied).min_by(|a, b| simpler(a, b))
-}
-
-/// The score below which variants of a cause are not distinguishable from the best one.
-fn tied(shapes: &[Competitor], policy: &Policy) -> f64 {
-    least(shapes) + policy.variant_ties * policy.tie
-}
-
-fn simpler(a: &Competitor, b: &Competitor) -> std::cmp::Ordering {
-    a.unknowns().cmp(&b.unknowns()).then(a.score.total_cmp(&b.score))
+    let best = least(&shapes);
+    let tied = shapes.into_iter().filter(|r| r.score < best + policy.variant_ties * policy.tie);
+    tied.min_by(|a, b| a.unknowns().cmp(&b.unknowns()).then(a.score.total_cmp(&b.score)))
 }
 
 /// Best first; of those that are not distinguishable from the best one, the simplest.
@@ -220,29 +200,6 @@ fn with_best_components(
     }
 }
 
-/// The candidate with the simplest value of each nonlinear parameter in turn, where the data cannot distinguish it from the value that was
-/// found: what the other periods took away may have displaced that.
-fn all_simplified(
-    linearisation: &Linearisation<'_>,
-    present: &Projection,
-    mut candidate: Candidate,
-) -> Candidate {
-    let policy = linearisation.policy;
-    let gain = |candidate: &Candidate| present.judge(linearisation, candidate).map(|score| score.gain);
-    let Some(mut reached) = gain(&candidate) else { return candidate };
-    for k in 0..candidate.effects().len() {
-        let mut effects = candidate.effects().to_vec();
-        let alone = candidate.with_effects(vec![effects[k].clone()]);
-        let Some(simple) = alone.simplified(linearisation.chain()) else { continue };
-        effects.splice(k..=k, simple.effects().to_vec());
-        let simple = candidate.with_effects(effects);
-        if let Some(gain) = gain(&simple).filter(|gain| *gain > reached - policy.variant_ties * policy.tie) {
-            (candidate, reached) = (simple, gain);
-        }
-    }
-    candidate
-}
-
 /// The same transmission with further periods, added by forward selection as long as each is significant on
 /// the grid of periods and exceeds its penalty.
 fn more_periods(
@@ -251,7 +208,7 @@ fn more_periods(
     candidate: &Candidate,
 ) -> Option<Candidate> {
     let joint = candidate.periodic_in(linearisation.chain())?;
-    let grid = periodogram::grid(linearisation, joint, linearisation.policy.further_cycles_per_turn);
+    let grid = periodogram::grid(linearisation, joint);
     let log_tests = (grid.len().max(2) as f64).ln();
     let threshold =
         2.0 * log_tests + 2.0 * penalty_per_coefficient(linearisation.len()) + linearisation.policy.tie;
@@ -267,7 +224,6 @@ fn more_periods(
             break;
         }
         let one = refined(linearisation, &projection, &candidate.at_period(joint, period)?);
-        let one = all_simplified(linearisation, &projection, one);
         let more = projection.with(&linearisation.columns_of(&one).ok()?);
         if let (Change::Add(effects), Change::Add(more)) = (&mut grown.change, one.change) {
             effects.extend(more);
@@ -276,5 +232,5 @@ fn more_periods(
         let Some(more) = more else { break };
         projection = more;
     }
-    (added > 0).then(|| all_simplified(linearisation, present, grown))
+    (added > 0).then_some(grown)
 }

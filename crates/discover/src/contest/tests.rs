@@ -6,7 +6,6 @@ use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::synthetic::{data_of, fitted, normal};
 use crate::screen::candidates::Screen;
-use std::f64::consts::TAU;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::Chain;
 
@@ -38,9 +37,8 @@ fn a_transmission_error_wins_at_its_joint_with_its_period() {
             (first.candidate.family, first.candidate.words()),
             (Family::Transmission, "transmission j3".into())
         );
-        // Nine cycles: a whole part of a turn, which is known where the data cannot distinguish it from the period that fits best.
-        let wave = first.candidate.effects()[0].parameters();
-        assert_eq!((&wave["harmonics"], wave["period"].as_f64()), (&serde_json::json!([9]), Some(TAU)));
+        let period = first.candidate.effects()[0].parameters()["period"].as_f64().unwrap();
+        assert!((period / (std::f64::consts::TAU / 9.0) - 1.0).abs() < 0.01, "{period}");
         assert!(first.score < contest.present.deviance);
         // Best first.
         assert!(contest.competitors[1..].windows(2).all(|pair| pair[0].score <= pair[1].score + 6.0));

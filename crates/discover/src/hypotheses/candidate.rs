@@ -98,16 +98,6 @@ impl Candidate {
         Some(Candidate { width: None, ..self.with_effects(vec![effect]) })
     }
 
-    /// The candidate, of one effect, with the simplest value next to its nonlinear parameter, which is then known.
-    pub(crate) fn simplified(&self, chain: &Chain) -> Option<Candidate> {
-        let [effect] = self.effects() else { return None };
-        let slides = self.periodic_in(chain).is_some_and(|joint| chain.joint(joint).unit() != "rad");
-        if slides {
-            return None;
-        }
-        Some(self.with_effects(vec![self.hypothesis.simplified(&**effect)?]))
-    }
-
     /// The joint whose motion it is periodic in, where a cause may have further periods.
     pub(crate) fn periodic_in(&self, chain: &Chain) -> Option<JointId> {
         let joint = chain.joint_named(self.place.joint.as_deref()?)?;

@@ -12,7 +12,7 @@ use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{
     BaseCompliance, JointCompliance, LinkCompliance, OwnWeight, Section, Tilt,
 };
-use truepose_kinematics::{Chain, FrameId, JointId};
+use truepose_kinematics::{Chain, FrameId};
 
 /// Whether the weights of all links are known.
 fn weights_declared(chain: &Chain) -> bool {
@@ -62,57 +62,6 @@ impl Hypothesis for OfJoints {
 
     fn limits(&self) -> &[Limit] {
         &[Limit::FirstNotNegative]
-    }
-}
-
-/// Declared weights of links are not the true ones, where a joint yields under them.
-#[derive(Debug)]
-pub(crate) struct OfWeights;
-
-impl Hypothesis for OfWeights {
-    fn family(&self) -> Family {
-        Family::JointCompliance
-    }
-
-    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
-        let chain = setting.chain;
-        let loaded = |joint: &&JointId| setting.load_range(**joint).is_some();
-        if !weights_declared(chain)
-            || chain.joints().iter().all(|joint| joint.link.is_none_or(|l| l.mass == 0.0))
-        {
-            return Vec::new();
-        }
-        let mut all = Vec::new();
-        for &joint in chain.movable().iter().filter(loaded) {
-            let place = Place { mode: Some("weight".into()), ..Place::joint(chain, joint) };
-            for links in [1, 2, 3] {
-                let own_weight = OwnWeight::Corrected;
-                let effect = JointCompliance { own_weight, links, ..JointCompliance::of(joint) };
-                all.push(Variant::new(place.clone(), effect));
-            }
-        }
-        all
-    }
-
-    fn meaning(&self, place: &Place) -> String {
-        format!(
-            "{} deflects under other weights than those declared for the links that it carries. Check their masses and centres, hoses, \
-             cables, and the counterbalance.",
-            place.part()
-        )
-    }
-
-    fn drivers(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
-        vec![Driver::Wrench]
-    }
-
-    fn view(&self, place: &Place, _: &[Box<dyn AnyEffect>]) -> TraceView {
-        TraceView::of_motion(place.joint.clone().map(Driver::JointLoad))
-    }
-
-    // As a declared payload that is wrong.
-    fn rank(&self) -> Family {
-        Family::Payload
     }
 }
 

@@ -79,12 +79,6 @@ pub trait Hypothesis: Debug + Send + Sync {
         None
     }
 
-    /// The effect with the simplest value next to that parameter, which then is known rather than found (a period that is a whole part of a
-    /// turn); none where no value is simpler than others. Only of turning joints where it is a period.
-    fn simplified(&self, _effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
-        None
-    }
-
     /// The effect of a change point that is known to lie between two instants, s; none of an effect without change point.
     fn between(&self, _effect: &dyn AnyEffect, _instants: [f64; 2]) -> Option<Box<dyn AnyEffect>> {
         None

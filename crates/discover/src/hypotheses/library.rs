@@ -5,7 +5,7 @@
 
 use crate::hypotheses::backlash::LostMotion;
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::compliance::{OfBase, OfJoints, OfLinks, OfWeights};
+use crate::hypotheses::compliance::{OfBase, OfJoints, OfLinks};
 use crate::hypotheses::constant::{OfFrames, OfTargets};
 use crate::hypotheses::coupling::Drag;
 use crate::hypotheses::family::Family;
@@ -45,7 +45,6 @@ impl Library {
             vec![
                 Arc::new(OfJoints),
                 Arc::new(OfMeasuredTorque),
-                Arc::new(OfWeights),
                 Arc::new(CurvedSpring),
                 Arc::new(OfLinks),
                 Arc::new(OfBase),

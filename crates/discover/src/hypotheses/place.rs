@@ -23,7 +23,7 @@ pub struct Place {
     /// The target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
-    /// What of the place errs: `lag` of the joint log, `scale` of the instrument, `weight` that a joint carries.
+    /// What of the instrument errs: `lag` (of the joint log) or `scale`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<String>,
     /// What an unmodelled structure depends on.

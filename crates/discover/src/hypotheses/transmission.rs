@@ -90,16 +90,6 @@ impl Hypothesis for Drive {
         Some(Box::new(Transmission { by_load: true, ..wave }))
     }
 
-    // Teeth, waves, lines and magnets are whole numbers in a turn, as far as there is one turning part.
-    fn simplified(&self, effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
-        let wave = concrete::<Transmission>(effect)?;
-        let parts = (TAU / free_period(wave)?).round();
-        let whole = wave.harmonics == [1] && parts >= 1.0 && parts < f64::from(u16::MAX);
-        let turning =
-            Transmission { by_load: wave.by_load, ..Transmission::turning(wave.joint, vec![parts as u32]) };
-        whole.then(|| Transmission { period: Some(TAU), ..turning }.boxed())
-    }
-
     fn at_period(&self, joint: JointId, period: f64) -> Option<Box<dyn AnyEffect>> {
         Some(Box::new(Transmission::of(joint, period)))
     }
@@ -129,9 +119,5 @@ mod tests {
         let free = Drive.with_value(&*wave, 0.3, Some([0.1, 0.4])).unwrap();
         assert_eq!((free.shape()[0].value, free.shape()[0].lower), (0.3, 0.1));
         assert_eq!(Drive.nonlinear(&*Drive.at_period(joint, TAU).unwrap()), None);
-        let whole = Drive.simplified(&*Drive.at_period(joint, TAU / 128.02).unwrap()).unwrap();
-        let expected = Transmission { period: Some(TAU), ..Transmission::turning(joint, vec![128]) };
-        assert_eq!(concrete::<Transmission>(&*whole), Some(&expected));
-        assert!(Drive.nonlinear(&*whole).is_none() && Drive.simplified(&*whole).is_none());
     }
 }

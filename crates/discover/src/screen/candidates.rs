@@ -117,8 +117,7 @@ impl Screen {
             .iter()
             .filter(|&&joint| library.periodic(joint).next().is_some())
             .filter_map(|&joint| {
-                let grid = periodogram::grid(linearisation, joint, linearisation.policy.cycles_per_turn);
-                periodogram::scan(linearisation, &projection, joint, &grid)
+                periodogram::scan(linearisation, &projection, joint, &periodogram::grid(linearisation, joint))
             })
             .collect();
         Screen {

@@ -53,7 +53,7 @@ fn functions_and_periods_score_as_whole_matrices_do() {
     assert!(compared > 30, "{compared}");
 
     let joint = chain.movable()[2];
-    let periods: Vec<f64> = grid(&linearisation, joint, 320.0).into_iter().step_by(29).collect();
+    let periods: Vec<f64> = grid(&linearisation, joint).into_iter().step_by(29).collect();
     let periodogram = scan(&linearisation, &projection, joint, &periods).expect("a joint that moves");
     assert!(periods.len() > 10);
     for (&period, &fast) in periods.iter().zip(&periodogram.gains) {

@@ -33,15 +33,15 @@ pub(crate) fn turns(linearisation: &Linearisation<'_>, joint: JointId) -> bool {
     linearisation.chain().joint(joint).unit() == "rad"
 }
 
-/// The grid of periods of one joint, longest first, down to so many cycles in a turn; rad or m.
-pub(crate) fn grid(linearisation: &Linearisation<'_>, joint: JointId, cycles_per_turn: f64) -> Vec<f64> {
+/// The grid of periods of one joint, longest first; rad or m.
+pub(crate) fn grid(linearisation: &Linearisation<'_>, joint: JointId) -> Vec<f64> {
     let Some(range) = linearisation.travel(joint) else { return Vec::new() };
     if range.is_nan() || range < 1e-6 {
         return Vec::new();
     }
     let policy = linearisation.policy;
     let turns = turns(linearisation, joint);
-    let (first, last) = if turns { (2.5, cycles_per_turn) } else { (2.0, policy.cycles_per_travel) };
+    let (first, last) = if turns { (2.5, policy.cycles_per_turn) } else { (2.0, policy.cycles_per_travel) };
     let unit = if turns { TAU } else { range };
     let step = policy.frequency_step * unit / range;
     let first = f64::max(first, unit / range);

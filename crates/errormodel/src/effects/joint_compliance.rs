@@ -14,9 +14,6 @@
 //! | a_j, g | axis of joint j, gravity | 1, m/s² | turned into link k |
 //! | c_j h_k | the unknowns: compliance × first moment of link k | rad·kg·m/(N·m) | link k, across its axis |
 //!
-//! With `own_weight = "corrected"` there are these terms alone, as corrections of declared weights: masses and centres of the description are
-//! often those of a drawing. The compliance that they act on is declared beside them.
-//!
 //! A joint whose torque is measured (by its motor's current, or a sensor) yields with that: `δq_j = c_j u`, u the channel in its unit. Its
 //! sign is the sensor's: c_j may be negative.
 //!
@@ -84,8 +81,8 @@ impl JointCompliance {
         let slides = chain.joint(joint).kind == JointKind::Prismatic;
         let count = match self.own_weight {
             OwnWeight::Declared => 0,
-            OwnWeight::Free | OwnWeight::Corrected if slides => 1,
-            OwnWeight::Free | OwnWeight::Corrected => self.links,
+            OwnWeight::Free if slides => 1,
+            OwnWeight::Free => self.links,
         };
         let from = chain.movable().iter().copied().filter(move |&k| k >= joint).take(count);
         from.map(|k| (k, if chain.joint(k).kind == JointKind::Prismatic { 1 } else { 2 }))
@@ -121,9 +118,7 @@ impl Effect for JointCompliance {
                 _ => ("rad/(N*m)", 1e-5),
             };
             let yields = Column::new(format!("compliance {}", joint.name), unit, scale);
-            if self.own_weight != OwnWeight::Corrected {
-                columns.push(yields.within(0.0, f64::INFINITY));
-            }
+            columns.push(yields.within(0.0, f64::INFINITY));
             for (k, numbers) in self.free(id, chain) {
                 let (unit, scale) = match (joint.kind, numbers) {
                     (JointKind::Prismatic, _) => ("kg*m/N", 1e-5),
@@ -147,10 +142,8 @@ impl Effect for JointCompliance {
             if self.channel.is_some() {
                 return out.along(0, &motion, at.signal(0));
             }
-            if self.own_weight != OwnWeight::Corrected {
-                out.along(column, &motion, at.joint_load(joint));
-                column += 1;
-            }
+            out.along(column, &motion, at.joint_load(joint));
+            column += 1;
             if self.own_weight == OwnWeight::Declared {
                 continue;
             }
@@ -234,10 +227,8 @@ mod tests {
             check_effect(&JointCompliance::default(), &chain);
             check_effect(&JointCompliance::measured(chain.movable()[0], "torque"), &chain);
             for links in [1, 2, 9] {
-                for own_weight in [OwnWeight::Free, OwnWeight::Corrected] {
-                    let effect = JointCompliance { own_weight, links, ..JointCompliance::default() };
-                    check_effect(&effect, &chain);
-                }
+                let own_weight = OwnWeight::Free;
+                check_effect(&JointCompliance { own_weight, links, ..JointCompliance::default() }, &chain);
             }
         }
     }
@@ -273,20 +264,6 @@ mod tests {
                 assert!(left < 1e-9, "{} {}: {left}", chain.name(), chain.joint(joint).name);
             }
         }
-    }
-
-    #[test]
-    fn corrections_are_the_free_weights_without_the_compliance() {
-        let chain = samples::heavy();
-        let conditions = Conditions::at(&chain, &vec![0.4; chain.movable().len()]);
-        let all = |own_weight| {
-            let effect = JointCompliance { own_weight, ..JointCompliance::of(JointId(2)) };
-            emitted(&effect, &chain, &conditions)
-        };
-        let free = all(OwnWeight::Free).into_iter().filter(|e| e.column > 0);
-        let expected: Vec<_> = free.map(|e| (e.column - 1, e.site, e.value.to_bits())).collect();
-        let found = all(OwnWeight::Corrected).into_iter().map(|e| (e.column, e.site, e.value.to_bits()));
-        assert_eq!(found.collect::<Vec<_>>(), expected);
     }
 
     #[test]

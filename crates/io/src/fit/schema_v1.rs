@@ -86,11 +86,11 @@ pub(super) struct NoiseV1 {
 impl EffectV1 {
     /// The effects of a model.
     pub fn all(model: &ErrorModel) -> Vec<Self> {
-        let one = |effect: &Box<dyn AnyEffect>| EffectV1 {
+        let one = |effect: &dyn AnyEffect| EffectV1 {
             family: effect.kind().into(),
             parameters: effect.parameters(),
         };
-        model.effects().iter().map(one).collect()
+        model.effects().iter().map(|effect| one(&**effect)).collect()
     }
 }
 

@@ -1,8 +1,8 @@
 //! The TOML form of a robot description.
 
 use super::names::{cell_problem, joint_name_problem};
-use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, details, urdf};
-use super::{columns, couplings};
+use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
+use super::{columns, couplings, details};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};

@@ -132,7 +132,7 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     }
     stages.push(stage("calibrated (declared model)", Some(summary.before.train), Some(before)));
     stages.push(stage("with the effects found", Some(summary.after.train), Some(after)));
-    page.stages(&stages, &rows);
+    page.stages(&stages, rows);
 }
 
 /// The residual of the declared model, the number of poses, and the nested cross-validation.

@@ -180,7 +180,9 @@ fn rows(found: &Identification, data: &Dataset, labels: &[i64]) -> Rows {
     order.extend(test.iter().enumerate().map(|(k, &row)| (row, true, k)));
     order.sort_unstable();
     let chosen: Vec<usize> = order.iter().map(|o| o.0).collect();
-    let held: Vec<bool> = order.iter().map(|o| o.1).collect();
+    // In cross-validation every row has a fit without it.
+    let folds = found.declared.held_out.is_some();
+    let held: Vec<bool> = order.iter().map(|o| o.1 || folds).collect();
     Rows::new(
         &found.placement.chain,
         data,

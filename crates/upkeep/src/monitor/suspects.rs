@@ -54,10 +54,9 @@ fn moves_with(chain: &Chain, site: Site) -> Option<&str> {
         let direction = Axis::ALL.iter().position(|a| *a == axis).unwrap_or(0) % 3;
         motion.frame == frame && turning == axis.is_rotation() && motion.axis[direction].abs() > 1.0 - 1e-9
     };
-    let joints = chain.movable().iter().copied();
-    let joint =
-        joints.filter(|&joint| chain.joint_motion(joint).is_some_and(|motion| along(&motion))).last()?;
-    Some(&chain.joint(joint).name)
+    let mut joints = chain.movable().iter().rev();
+    let joint = joints.find(|&&joint| chain.joint_motion(joint).is_some_and(|motion| along(&motion)))?;
+    Some(&chain.joint(*joint).name)
 }
 
 /// The words that all names begin with.

@@ -35,7 +35,7 @@ mod wide;
 
 pub use section::{OwnWeight, Section};
 
-use super::checks::{joint_moves, listed_once, refused};
+use super::checks::{joint_moves, listed_once};
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use beam::{Beam, NO_LENGTH};
@@ -226,12 +226,6 @@ impl Effect for LinkCompliance {
                 let reason = format!("the link behind joint `{name}` has no length, so that it cannot bend");
                 return Err(ModelError::Parameters { kind: Self::FAMILY.into(), reason });
             }
-        }
-        if self.own_weight == OwnWeight::Corrected {
-            return Err(refused(
-                Self::FAMILY,
-                "`own_weight` is `declared` or `free`; `corrected` belongs to joints",
-            ));
         }
         listed_once(Self::FAMILY, self.joints.as_deref(), chain)
     }

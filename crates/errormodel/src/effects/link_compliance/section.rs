@@ -24,8 +24,6 @@ pub enum OwnWeight {
     Declared,
     /// Unknown: found from the data.
     Free,
-    /// Those of the description, corrected by what is found from the data; of joints only, whose compliance is declared on its own.
-    Corrected,
 }
 
 impl OwnWeight {

@@ -1,0 +1,37 @@
+//! `truepose completions`: completions for shells, and the manual page.
+
+use crate::args::{Args, Completions, CompletionsOf};
+use crate::terminal;
+use clap_complete::Shell;
+use std::process::ExitCode;
+
+/// Writes them to standard output.
+pub fn write(args: &Completions) -> ExitCode {
+    let mut command = Args::whole();
+    let mut text = Vec::new();
+    let shell = match args.of {
+        CompletionsOf::Bash => Shell::Bash,
+        CompletionsOf::Zsh => Shell::Zsh,
+        CompletionsOf::Fish => Shell::Fish,
+        CompletionsOf::Powershell => Shell::PowerShell,
+        CompletionsOf::Elvish => Shell::Elvish,
+        CompletionsOf::Man => {
+            command.build();
+            let mut done = clap_mangen::Man::new(command.clone()).render(&mut text);
+            for verb in
+                command.get_subcommands().filter(|verb| !verb.is_hide_set() && verb.get_name() != "help")
+            {
+                let name = format!("truepose-{}", verb.get_name());
+                done = done.and_then(|()| clap_mangen::Man::new(verb.clone()).title(name).render(&mut text));
+            }
+            if done.is_err() {
+                return ExitCode::FAILURE;
+            }
+            terminal::print_bytes(&text);
+            return ExitCode::SUCCESS;
+        }
+    };
+    clap_complete::generate(shell, &mut command, "truepose", &mut text);
+    terminal::print_bytes(&text);
+    ExitCode::SUCCESS
+}

@@ -1,0 +1,87 @@
+//! The fit elsewhere and later: `transfer` and `monitor`.
+
+use crate::folder::{Folder, ROBOT};
+use serde_json::Value;
+
+/// A robot that was identified from forty poses, with further measurements of the same robot.
+fn identified() -> Folder {
+    let folder = Folder::with_data();
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    let again = ["simulate", "--plant", "plant.toml", "--campaign-seed", "9", "--out", "today.csv"];
+    folder.run(&again).ended(0);
+    folder
+}
+
+/// Measurements of the plant with something else in its file.
+fn simulated(folder: &Folder, name: &str, from: &str, to: &str) {
+    let plant = folder.read("plant.toml");
+    assert!(plant.contains(from), "{from}");
+    folder.write("other.toml", &plant.replace(from, to));
+    folder.run(&["simulate", "--plant", "other.toml", "--campaign-seed", "11", "--out", name]).ended(0);
+}
+
+#[test]
+fn looks_at_a_robot_share_one_error_rate_and_a_change_has_its_exit_code() {
+    let folder = identified();
+    let look = ["monitor", "--fit", "fit.json", "--data", "today.csv", "--history", "looks.json"];
+    let first = folder.run(&look).ended(0);
+    assert!(
+        first.out.contains("No change: p = ") && first.out.contains("level of this look 0.0050"),
+        "{}",
+        first.out
+    );
+    let second = folder.run(&look).ended(0);
+    assert!(second.out.contains("level of this look 0.0017 (look 2"), "{}", second.out);
+    // Another robot of the same type.
+    simulated(&folder, "other.csv", "seed = 3", "seed = 4");
+    let run = ["monitor", "--fit", "fit.json", "--data", "other.csv", "--history", "looks.json", "--json"];
+    let changed = folder.run(&run).ended(3);
+    let json: Value = serde_json::from_str(&changed.out).unwrap();
+    assert_eq!((&json["changed"], &json["look"]), (&true.into(), &3.into()));
+    assert!(json["changes"][0]["coefficients"][0]["ci95"].is_array(), "{json}");
+    let looks: Value = serde_json::from_str(&folder.read("looks.json")).unwrap();
+    assert_eq!(looks["looks"].as_array().unwrap().len(), 3);
+    assert_eq!(looks["looks"][2]["changed"], true);
+    // The history of one fit is not that of another.
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "today.csv", "--out", "fit2.json"]).ended(0);
+    let other = folder
+        .run(&["monitor", "--fit", "fit2.json", "--data", "data.csv", "--history", "looks.json"])
+        .ended(2);
+    assert!(other.log.contains("looks.json: these looks were held against another fit"), "{}", other.log);
+    let over = folder
+        .run(&["monitor", "--fit", "fit.json", "--data", "today.csv", "--history", "fit.json"])
+        .ended(2);
+    assert!(over.log.contains("is what --fit reads"), "{}", over.log);
+}
+
+#[test]
+fn an_arm_is_carried_into_another_installation() {
+    let folder = identified();
+    folder.write("there.toml", &format!("{ROBOT}\n[base]\nxyz = [1500, -400, 100]\nrpy = [0, 0, 120]\n"));
+    simulated(&folder, "fresh.csv", "robot = \"robot.toml\"", "robot = \"there.toml\"");
+    let all = folder.read("fresh.csv");
+    // Six poses of two targets.
+    let few: Vec<&str> = all.lines().take(13).collect();
+    folder.write("few.csv", &(few.join("\n") + "\n"));
+    let made =
+        folder.run(&["transfer", "--fit", "fit.json", "--data", "few.csv", "--out", "moved.json"]).ended(0);
+    assert!(made.out.contains("The arm as identified fits in this installation"), "{}", made.out);
+    assert!(made.out.contains("Found: base.") && made.out.contains("Measure next: j1 "), "{}", made.out);
+    let error = |fit: &str| {
+        let ran = folder
+            .run(&["predict", "--fit", fit, "--data", "fresh.csv", "--out", "p.csv", "--json"])
+            .ended(0);
+        let json: Value = serde_json::from_str(&ran.out).unwrap();
+        json["position"]["rms_mm"].as_f64().unwrap_or_else(|| panic!("{json}"))
+    };
+    let (there, before) = (error("moved.json"), error("fit.json"));
+    assert!(there < 0.1 && before > 100.0, "{there} {before}");
+    // One pose of one target determines nothing, and leaves no file behind.
+    folder.write("one.csv", &(few[..2].join("\n") + "\n"));
+    let none =
+        folder.run(&["transfer", "--fit", "fit.json", "--data", "one.csv", "--out", "none.json"]).ended(2);
+    assert!(none.log.contains("one.csv: the data does not determine"), "{}", none.log);
+    assert!(!folder.file("none.json").exists());
+    // The fit of another installation is a fit like any other.
+    folder.run(&["monitor", "--fit", "moved.json", "--data", "fresh.csv"]).ended(0);
+}
