@@ -37,7 +37,7 @@ pub use model::read_model;
 pub use parameters::{ParameterRow, parameters_file};
 pub use plan::{PlannedVisit, write_plan};
 pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, write_commands};
-pub use predictions::{Prediction, PredictionsWriter, write_predictions};
+pub use predictions::{Prediction, PredictionsWriter, Repeated, write_predictions};
 pub use robot::{
     Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
     read_details, read_robot, robot_columns, robot_files, robot_toml, robot_urdf,

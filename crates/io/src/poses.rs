@@ -18,6 +18,8 @@ pub struct Poses {
     pub seeded: bool,
     /// The unit of each movable joint in the file, in which commands are written.
     pub joint_units: Vec<Unit>,
+    /// What the file calls each row (column `id`), repeated in the commands; empty without such a column.
+    pub ids: Vec<String>,
 }
 
 /// What became of a desired pose.
@@ -73,7 +75,8 @@ pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvIn
         None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),
     };
     let seeded = table.header.slots.joints.is_some();
-    Ok((Poses { rows: table.data, seeded, joint_units }, table.info, table.warnings))
+    let ids = table.info.ids.clone();
+    Ok((Poses { rows: table.data, seeded, joint_units, ids }, table.info, table.warnings))
 }
 
 /// Writes the command of each pose, in the order of the poses and in their units.
@@ -106,12 +109,10 @@ pub fn commands_file(
         let message = format!("there are {} commands for {} poses", commands.len(), poses.rows.len());
         return Err(IoError::Write { file: path.into(), message });
     }
-    let mut header: Vec<String> = chain
-        .movable()
-        .iter()
-        .zip(&poses.joint_units)
-        .map(|(&joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word))
-        .collect();
+    let joints = chain.movable().iter().zip(&poses.joint_units);
+    let joints = joints.map(|(&joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word));
+    let named = poses.ids.len() == commands.len() && !commands.is_empty();
+    let mut header: Vec<String> = named.then(|| "id".to_owned()).into_iter().chain(joints).collect();
     header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
     if corrected.is_some() {
         let names = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"];
@@ -119,6 +120,9 @@ pub fn commands_file(
     }
     let mut table = TableWriter::create(path, &header)?;
     for (row, command) in commands.iter().enumerate() {
+        if named {
+            table.text(&poses.ids[row]);
+        }
         let values = controller_values(chain, &command.joints);
         for (k, unit) in poses.joint_units.iter().enumerate() {
             let written = values.get(k).filter(|_| command.status == CommandStatus::Ok);

@@ -20,62 +20,78 @@ pub struct Prediction {
     pub extrapolates: bool,
 }
 
+/// What a file of predictions repeats of the rows that were predicted, besides their joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Repeated {
+    /// Names of the rows (`id`).
+    pub ids: bool,
+    /// Numbers of visits.
+    pub visits: bool,
+    /// Targets.
+    pub targets: bool,
+}
+
 /// Predicted rows, block after block, in the order of the data. The file appears with [`PredictionsWriter::finish`].
 ///
-/// Besides `x[m],y[m],z[m]`, `qw,qx,qy,qz`, `within_95[m]` and `extrapolates` each row repeats its visit (by the file's own number), its joints in rad and m, and its
+/// Besides `x[m],y[m],z[m]`, `qw,qx,qy,qz`, `within_95[m]` and `extrapolates` each row repeats its name, its visit (by the file's own number), its joints in rad and m, and its
 /// target, where the data has them.
 #[derive(Debug)]
 pub struct PredictionsWriter<'a> {
     chain: &'a Chain,
-    visits: bool,
-    targets: bool,
+    repeated: Repeated,
     table: TableWriter,
     /// The controller's values of the movable joints, of one row.
     values: Vec<f64>,
 }
 
 impl<'a> PredictionsWriter<'a> {
-    /// Begins a file, with visits and targets or without.
+    /// Begins a file.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn create(
-        path: impl AsRef<Path>,
-        chain: &'a Chain,
-        visits: bool,
-        targets: bool,
-    ) -> Result<Self, IoError> {
+    pub fn create(path: impl AsRef<Path>, chain: &'a Chain, repeated: Repeated) -> Result<Self, IoError> {
         let mut header: Vec<String> = Vec::new();
-        if visits {
+        if repeated.ids {
+            header.push("id".into());
+        }
+        if repeated.visits {
             header.push("visit".into());
         }
         header.extend(chain.movable().iter().map(|&joint| {
             let joint = chain.joint(joint);
             format!("{}[{}]", joint.name, si_unit(joint.kind).word)
         }));
-        if targets {
+        if repeated.targets {
             header.push("target".into());
         }
         let said = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz", "within_95[m]", "extrapolates"];
         header.extend(said.map(String::from));
         let table = TableWriter::create(path.as_ref(), &header)?;
-        Ok(PredictionsWriter { chain, visits, targets, table, values: vec![0.0; chain.movable().len()] })
+        Ok(PredictionsWriter { chain, repeated, table, values: vec![0.0; chain.movable().len()] })
     }
 
-    /// One row for each row of the data. `labels` are the file's numbers of the data's visits.
+    /// One row for each row of the data. `labels` are the file's numbers of the data's visits, `ids` its names of the rows.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(&mut self, data: &Dataset, labels: &[i64], predicted: &[Prediction]) -> Result<(), IoError> {
+    pub fn write(
+        &mut self,
+        data: &Dataset,
+        (labels, ids): (&[i64], &[String]),
+        predicted: &[Prediction],
+    ) -> Result<(), IoError> {
         let table = &mut self.table;
         for (row, prediction) in predicted.iter().enumerate() {
-            if self.visits {
+            if self.repeated.ids {
+                table.text(ids.get(row).map_or("", String::as_str));
+            }
+            if self.repeated.visits {
                 table.integer(labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
             }
             self.values.iter_mut().zip(&data.joints).for_each(|(value, column)| *value = column[row]);
             self.chain.joints_to_controller(&mut self.values);
             self.values.iter().for_each(|&value| table.number(value));
-            if self.targets {
+            if self.repeated.targets {
                 table.text(data.target[row].map_or("", |target| &self.chain.targets()[target.0].name));
             }
             prediction.pose.translation.iter().for_each(|&v| table.number(v));
@@ -114,9 +130,13 @@ pub fn write_predictions(
         let message = format!("there are {} predictions for {} rows", predicted.len(), data.len());
         return Err(IoError::Write { file: path.into(), message });
     }
-    let (visits, targets) = (!info.visit_labels.is_empty(), data.target.iter().any(Option::is_some));
-    let mut file = PredictionsWriter::create(path, chain, visits, targets)?;
-    file.write(data, &info.visit_labels, predicted)?;
+    let repeated = Repeated {
+        ids: info.ids.len() == data.len(),
+        visits: !info.visit_labels.is_empty(),
+        targets: data.target.iter().any(Option::is_some),
+    };
+    let mut file = PredictionsWriter::create(path, chain, repeated)?;
+    file.write(data, (&info.visit_labels, &info.ids), predicted)?;
     file.finish()
 }
 

@@ -298,7 +298,59 @@ fn a_workbook() {
             "d.csv:3: column `Operator` (9): holds text, and is not read",
         ]
     );
+    // Whatever happened to a byte, nothing panics.
+    for at in (0..bytes.len()).step_by(11) {
+        let mut other = bytes.to_vec();
+        other[at] ^= 0x55;
+        let _ = read(&other);
+    }
     // A workbook that ends early is refused.
     let error = read(&bytes[..bytes.len() / 2]).unwrap_err();
     assert!(error.contains("d.csv: is no workbook that can be read"), "{error}");
+}
+
+#[test]
+fn names_of_rows_are_passed_through() {
+    use truepose_io::{
+        CommandRow, CommandStatus, MeasurementsReader, Prediction, read_poses, write_commands,
+        write_predictions,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let (path, out) = (folder.path().join("d.csv"), folder.path().join("o.csv"));
+    let named =
+        PLAIN.replacen("r1", "id,r1", 1).replace("\n10.5", "\nP-07,10.5").replace("\n11.5", "\n12,11.5");
+    std::fs::write(&path, &named).unwrap();
+    let chain = robot();
+    let (data, info, warnings) = read_measurements(&path, &chain, &MeasurementsOptions::default()).unwrap();
+    is_right(&data);
+    // It is no channel, and nothing to remark upon.
+    assert_eq!(
+        (info.ids.as_slice(), data.schema.channels.len(), warnings.len()),
+        (&["P-07".to_owned(), "12".into()][..], 0, 0)
+    );
+    let predicted =
+        vec![Prediction { pose: Pose::IDENTITY, oriented: false, within_95: 0.0, extrapolates: false }; 2];
+    write_predictions(&out, &chain, &data, &info, &predicted).unwrap();
+    let first_cells = || -> Vec<String> {
+        let text = std::fs::read_to_string(&out).unwrap();
+        text.lines().map(|line| line.split(',').next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(first_cells(), ["id", "P-07", "12"]);
+    let (poses, ..) = read_poses(&path, &chain).unwrap();
+    let command = CommandRow {
+        joints: vec![0.0; 4],
+        status: CommandStatus::Ok,
+        within_95: 0.0,
+        corrected: true,
+        beyond: String::new(),
+    };
+    write_commands(&out, &chain, &poses, &[command.clone(), command]).unwrap();
+    assert_eq!(first_cells(), ["id", "P-07", "12"]);
+    // Row by row, where a block ends between visits.
+    let mut reader = MeasurementsReader::open(&path, &chain, &MeasurementsOptions::default()).unwrap();
+    let mut block = Dataset::default();
+    for name in ["P-07", "12"] {
+        assert_eq!(reader.read_block(1, &mut block).unwrap(), 1);
+        assert_eq!(reader.block_ids(), [name]);
+    }
 }

@@ -15,8 +15,8 @@ use truepose_compensate::radius_95;
 use truepose_errormodel::{Coverage, Dataset, FittedModel};
 use truepose_identify::{Residuals, Spread, Tally};
 use truepose_io::{
-    MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, WholeFiles, check_writable,
-    read_fit, read_measurements, write_predictions,
+    MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, Repeated, WholeFiles,
+    check_writable, read_fit, read_measurements, write_predictions,
 };
 use truepose_kinematics::nalgebra::Matrix3;
 use truepose_kinematics::{Chain, Conditions};
@@ -153,7 +153,8 @@ fn by_blocks(
     let progress = Progress::bytes(size, watch);
     progress.show("predicting");
     let (visits, targets) = reader.names();
-    let mut file = PredictionsWriter::create(&args.out, chain, visits, targets).ok()?;
+    let repeated = Repeated { ids: reader.has_ids(), visits, targets };
+    let mut file = PredictionsWriter::create(&args.out, chain, repeated).ok()?;
     let (mut position, mut orientation) = (Tally::keeping(EXACT), Tally::keeping(EXACT));
     let (mut block, mut rows) = (Dataset::default(), 0);
     let (mut beyond, mut warnings) = (beyond::Tally::default(), Vec::new());
@@ -165,7 +166,7 @@ fn by_blocks(
         }
         let (predicted, some) = predict(fitted, &coverage, &block);
         beyond.join(&some);
-        file.write(&block, reader.block_labels(), &predicted).ok()?;
+        file.write(&block, (reader.block_labels(), reader.block_ids()), &predicted).ok()?;
         let residuals = Residuals::of(fitted, &block).ok()?;
         position.add((0..block.len()).filter_map(|row| residuals.distance(row)));
         orientation.add(residuals.orientation.iter().flatten().map(|turn| turn.norm()));

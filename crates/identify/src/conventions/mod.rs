@@ -26,6 +26,9 @@ use truepose_kinematics::Chain;
 /// Configurations below which base and tool fit anything.
 const CONFIGURATIONS: usize = 8;
 
+/// Rows that are looked at: as many as a placement refines on.
+const ROWS: usize = 3000;
+
 /// What the nominal robot leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NominalResidual {
@@ -52,7 +55,7 @@ impl NominalResidual {
 /// When the data does not fit the robot.
 pub fn nominal_residual(chain: &Chain, data: &Dataset) -> Result<Option<NominalResidual>, IdentifyError> {
     data.validate(chain)?;
-    let rows = placed::some(data, usize::MAX);
+    let rows = placed::some(data, ROWS);
     if rows.is_empty() || configurations(&rows).iter().max().is_none_or(|last| last + 1 < CONFIGURATIONS) {
         return Ok(None);
     }

@@ -237,7 +237,9 @@ mod tests {
 
     #[test]
     fn every_sample_robot_comes_back_to_the_bit() {
-        for chain in samples::all() {
+        let coupling = Coupling { joint: JointId(3), driver: JointId(2), factor: 0.3 };
+        let coupled = samples::ur10().with_couplings(vec![coupling]).unwrap();
+        for chain in samples::all().into_iter().chain([coupled]) {
             let text = serde_json::to_string(&RobotV1::from(&chain)).unwrap();
             let again = Chain::try_from(serde_json::from_str::<RobotV1>(&text).unwrap()).unwrap();
             assert_eq!(again, chain);

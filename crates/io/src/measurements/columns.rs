@@ -16,6 +16,8 @@ pub(crate) enum Role {
     /// One of the three angles of an orientation, in the order of its convention.
     Angle(usize),
     Target,
+    /// What people call the row: passed through to outputs.
+    Id,
     Visit,
     PayloadMass,
     PayloadCentre(usize),
@@ -47,6 +49,8 @@ pub(crate) enum Cells {
     Direction,
     /// A target's name or nothing.
     Target,
+    /// Any text or number, or nothing; passed through.
+    Id,
     /// Anything; not read.
     Note,
     /// Nothing: the column has no name.
@@ -72,7 +76,7 @@ pub(crate) struct Column {
 }
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
-pub(crate) const FIXED: [(&str, Role); 31] = [
+pub(crate) const FIXED: [(&str, Role); 32] = [
     ("x", Role::Position(0)),
     ("y", Role::Position(1)),
     ("z", Role::Position(2)),
@@ -84,6 +88,7 @@ pub(crate) const FIXED: [(&str, Role); 31] = [
     ("ry", Role::RotationVector(1)),
     ("rz", Role::RotationVector(2)),
     ("target", Role::Target),
+    ("id", Role::Id),
     ("visit", Role::Visit),
     ("payload", Role::PayloadMass),
     ("cx", Role::PayloadCentre(0)),
@@ -144,6 +149,7 @@ impl Role {
             Role::Quaternion(_)
             | Role::Approach(_)
             | Role::Target
+            | Role::Id
             | Role::Visit
             | Role::Note
             | Role::Use
@@ -162,6 +168,7 @@ impl Role {
             Role::Visit => Cells::Integer,
             Role::Approach(_) => Cells::Direction,
             Role::Target => Cells::Target,
+            Role::Id => Cells::Id,
             Role::Note | Role::Nothing => Cells::Note,
             Role::Use => Cells::Use,
             _ => Cells::Maybe,
@@ -182,6 +189,7 @@ impl Role {
             Role::RotationVector(k) => format!("measured orientation, rotation vector {}", xyz(k)),
             Role::Angle(k) => format!("measured orientation, angle {} of its convention", k + 1),
             Role::Target => "measured target".into(),
+            Role::Id => "name of the row, passed through to outputs".into(),
             Role::Visit => "visit".into(),
             Role::PayloadMass => "mass carried".into(),
             Role::PayloadCentre(k) => format!("centre of gravity of the mass, tool frame, {}", xyz(k)),

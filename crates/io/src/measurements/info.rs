@@ -19,6 +19,8 @@ pub struct CsvInfo {
     pub grouping: Option<Grouping>,
     /// The file's own number of each visit; empty when the file numbers none.
     pub visit_labels: Vec<i64>,
+    /// What the file calls each row (column `id`), of a file that was read whole; empty without such a column.
+    pub ids: Vec<String>,
 }
 
 /// How rows were grouped into pose measurements (visits), and visits into configurations.

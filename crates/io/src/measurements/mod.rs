@@ -9,6 +9,7 @@ pub(crate) mod cells;
 mod clock;
 pub(crate) mod columns;
 mod copies;
+mod coupled;
 mod dialect;
 pub(crate) mod header;
 mod info;

@@ -46,6 +46,8 @@ pub struct MeasurementsReader {
     joints: usize,
     pub(super) visits: VisitNumbers,
     labels: Vec<i64>,
+    /// What the file calls the rows of the block (or file) that was read last; empty without a column `id`.
+    ids: Vec<String>,
     /// A row that was read and belongs to the next block.
     pub(super) pending: bool,
     pub(super) count: usize,
@@ -99,6 +101,7 @@ impl MeasurementsReader {
             joints: chain.movable().len(),
             visits: VisitNumbers::default(),
             labels: Vec::new(),
+            ids: Vec::new(),
             pending: false,
             count: 0,
             first_bytes: 0,
@@ -121,6 +124,22 @@ impl MeasurementsReader {
     /// The file's own numbers of the visits of the block that was read last; none where it numbers none.
     pub fn block_labels(&self) -> &[i64] {
         &self.labels
+    }
+
+    /// What the file calls the rows of the block that was read last (column `id`); none where it has no such column.
+    pub fn block_ids(&self) -> &[String] {
+        &self.ids
+    }
+
+    /// Whether the file has names of its rows, in a column `id`.
+    pub fn has_ids(&self) -> bool {
+        self.rows.header.columns.iter().any(|column| column.cells == Cells::Id)
+    }
+
+    fn keep_id(&mut self, has_ids: bool) {
+        if has_ids {
+            self.ids.push(self.rows.id.clone());
+        }
     }
 
     /// What was suspicious so far: about the header, and about the rows read as far as no row has to be remembered for that.
@@ -152,6 +171,8 @@ impl MeasurementsReader {
         let mut labels = std::mem::take(&mut self.labels);
         labels.clear();
         let (mut visit, mut first) = (0, 0);
+        let has_ids = self.has_ids();
+        self.ids.clear();
         loop {
             if !self.pending && !self.next_row()? {
                 break;
@@ -160,6 +181,7 @@ impl MeasurementsReader {
             let label = self.rows.row.visit;
             // Pushed first: whether a row without a number continues the visit shows only beside the one before.
             self.rows.push(visit, block);
+            self.keep_id(has_ids);
             let row = block.visit.len() - 1;
             if row > 0 {
                 let same = match label {
@@ -168,6 +190,7 @@ impl MeasurementsReader {
                 };
                 if !same && row >= rows {
                     self.take_back(block);
+                    self.ids.pop();
                     self.pending = true;
                     break;
                 }
@@ -214,6 +237,7 @@ impl MeasurementsReader {
             configurations: 0,
             grouping: None,
             visit_labels,
+            ids: self.ids.clone(),
         }
     }
 
@@ -221,9 +245,12 @@ impl MeasurementsReader {
     pub(super) fn read_all(&mut self) -> Result<Dataset, IoError> {
         let mut data = Dataset::default();
         self.clear(&mut data);
+        let has_ids = self.has_ids();
+        self.ids.clear();
         while self.next_row()? {
             let visit = self.number_visit(false)?;
             self.rows.push(visit, &mut data);
+            self.keep_id(has_ids);
             if self.count == 1 {
                 let rows = self.source.size() as usize / self.first_bytes.max(8) + 1;
                 reserve(&mut data, rows.min(1 << 26));

@@ -3,6 +3,7 @@
 use super::cells::{cell, number, plain_number};
 use super::clock;
 use super::columns::{Cells, Column, Role, joint_names};
+use super::coupled;
 use super::header::Header;
 use super::info::Seen;
 use super::lost::Lost;
@@ -34,6 +35,8 @@ pub(crate) struct RowReader {
     /// The cells of the row in SI units, NaN where they are empty.
     pub(super) numbers: Vec<f64>,
     pub row: Row,
+    /// What the file calls the row, where it has a column for that.
+    pub id: String,
     /// What was seen in each column, in the units of the file.
     pub seen: Vec<Seen>,
     /// Of each joint, the first line beyond its limits and how many lines are.
@@ -75,6 +78,7 @@ impl RowReader {
             position_needed,
             numbers: vec![f64::NAN; header.columns.len()],
             row: Row::default(),
+            id: String::new(),
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
@@ -117,7 +121,7 @@ impl RowReader {
                 at += 1; // the comma
             }
             let cells = self.kinds[k].0;
-            if matches!(cells, Cells::Target | Cells::Note | Cells::Blank | Cells::Use) {
+            if matches!(cells, Cells::Target | Cells::Note | Cells::Blank | Cells::Use | Cells::Id) {
                 at = self.read_text(line, text, at, k)?;
                 continue;
             }
@@ -147,7 +151,7 @@ impl RowReader {
                 }
             };
             if let Err(error) = self.put(line, k, raw) {
-                self.problems.push(error);
+                self.keep(error);
             }
         }
         if at < text.len() && text[at..].iter().any(|byte| !matches!(byte, b',' | b' ' | b'\t')) {
@@ -177,11 +181,17 @@ impl RowReader {
         }
         self.seen[k].see(raw);
         self.numbers[k] = if si { raw } else { self.header.columns[k].conversion.to_si(raw) };
-        if self.numbers[k].abs() > LARGEST {
-            let message = format!("{raw:e} cannot be meant; check the number");
-            return Err(self.header.cell_error(line, k, message));
-        }
-        Ok(())
+        if self.numbers[k].abs() > LARGEST { Err(self.too_large(line, k, raw)) } else { Ok(()) }
+    }
+
+    #[cold]
+    fn keep(&mut self, error: IoError) {
+        self.problems.push(error);
+    }
+
+    #[cold]
+    fn too_large(&self, line: u64, k: usize, raw: f64) -> IoError {
+        self.header.cell_error(line, k, format!("{raw:e} cannot be meant; check the number"))
     }
 
     /// Takes a row whose cells stand in columns.
@@ -211,6 +221,10 @@ impl RowReader {
                     self.use_row(line, k, if value.abs() < f64::MIN_POSITIVE { "0" } else { "1" })?;
                     continue;
                 }
+                (Cells::Id, Cell::Number(value)) => {
+                    self.take_id(k, &value.to_string());
+                    continue;
+                }
                 (_, Cell::Number(value)) if value.is_finite() => Some(value),
                 (_, Cell::Number(_)) => {
                     let message = "is not a finite number; leave the cell empty if nothing was measured";
@@ -219,6 +233,10 @@ impl RowReader {
                 (_, Cell::Text(text)) => {
                     let text = String::from_utf8_lossy(text);
                     let text = text.trim();
+                    if cells == Cells::Id {
+                        self.take_id(k, text);
+                        continue;
+                    }
                     if cells == Cells::Target {
                         self.row.target =
                             self.target(text).map_err(|message| self.header.cell_error(line, k, message))?;
@@ -231,7 +249,9 @@ impl RowReader {
             };
             match raw {
                 Some(raw) => self.put(line, k, raw)?,
-                None if matches!(cells, Cells::Maybe | Cells::Target) => self.numbers[k] = f64::NAN,
+                None if matches!(cells, Cells::Maybe | Cells::Target | Cells::Id) => {
+                    self.numbers[k] = f64::NAN
+                }
                 None => return Err(self.empty(line, k)),
             }
         }
@@ -249,7 +269,7 @@ impl RowReader {
                     column.push(self.numbers[k]);
                 }
                 if let Some(chain) = &self.coupled {
-                    uncoupled(chain, &mut into.joints);
+                    coupled::variables(chain, &mut into.joints);
                 }
             }
             None => into.joints.iter_mut().for_each(|column| column.push(0.0)),
@@ -374,17 +394,6 @@ impl RowReader {
                 format!("the number of a visit is an integer, not {raw}"),
             )),
             _ => Ok(()),
-        }
-    }
-}
-
-/// Turns the last row of these columns from the controller's values into the joints' variables.
-fn uncoupled(chain: &Chain, columns: &mut [Vec<f64>]) {
-    let mut values: Vec<f64> = columns.iter().filter_map(|column| column.last().copied()).collect();
-    chain.joints_from_controller(&mut values);
-    for (column, value) in columns.iter_mut().zip(values) {
-        if let Some(last) = column.last_mut() {
-            *last = value;
         }
     }
 }

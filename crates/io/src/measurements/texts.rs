@@ -39,9 +39,17 @@ impl RowReader {
                 self.problems.push(self.header.cell_error(line, k, message));
             }
             Cells::Use => self.use_row(line, k, &content)?,
+            Cells::Id => self.take_id(k, &content),
             _ => {}
         }
         Ok(end)
+    }
+
+    /// What the row is called.
+    pub(super) fn take_id(&mut self, k: usize, content: &str) {
+        self.id.clear();
+        self.id.push_str(unprefixed(content));
+        self.seen[k].filled += usize::from(!content.is_empty());
     }
 
     /// Whether the row is used.

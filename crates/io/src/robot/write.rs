@@ -97,18 +97,21 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::{RobotOptions, read_robot};
-    use truepose_kinematics::samples;
+    use truepose_kinematics::{Coupling, JointId, samples};
 
     #[test]
     fn every_sample_robot_comes_back() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.toml");
-        for chain in samples::all() {
+        let coupling = Coupling { joint: JointId(3), driver: JointId(2), factor: 0.3 };
+        let coupled = samples::ur10().with_couplings(vec![coupling]).unwrap();
+        for chain in samples::all().into_iter().chain([coupled]) {
             std::fs::write(&path, robot_toml(&chain)).unwrap();
             let (again, _) = read_robot(&path, &RobotOptions::default()).unwrap();
             assert_eq!(again.name(), chain.name());
             assert_eq!(again.targets(), chain.targets());
             assert_eq!(again.gravity(), chain.gravity());
+            assert_eq!(again.couplings(), chain.couplings());
             for (a, b) in again.joints().iter().zip(chain.joints()) {
                 assert_eq!((&a.name, a.kind, a.limits, a.link), (&b.name, b.kind, b.limits, b.link));
             }

@@ -1,0 +1,14 @@
+//! Columns of joints hold the controller's values; a data set holds the joints' variables.
+
+use truepose_kinematics::Chain;
+
+/// Turns the last row of these columns from the controller's values into the joints' variables.
+pub(super) fn variables(chain: &Chain, columns: &mut [Vec<f64>]) {
+    let mut values: Vec<f64> = columns.iter().filter_map(|column| column.last().copied()).collect();
+    chain.joints_from_controller(&mut values);
+    for (column, value) in columns.iter_mut().zip(values) {
+        if let Some(last) = column.last_mut() {
+            *last = value;
+        }
+    }
+}
