@@ -9,36 +9,19 @@
 //! | --- | --- | --- | --- |
 //! | p_0, p_1 | declared model alone; model with findings | m, rad | orientations along the shortest rotation |
 //! | V | tr J C Jᵀ at x | m² | what the coefficients leave open of a position |
-//! | V_95 | [`Fallback::usual`] | m² | 95 % of the rows of the fit are below |
-//! | s² | [`Fallback::scale`] | m² | set where the model predicted parts of the data that it had not seen |
-//! | b² | [`Fallback::size`] | m² | mean square by which the findings move the rows of the fit |
+//! | V_95 | [`Fallback::usual`](super::Fallback) | m² | 95 % of the rows of the fit are below |
+//! | s² | [`Fallback::scale`](super::Fallback) | m² | set where the model predicted parts of the data that it had not seen |
+//! | b² | [`Fallback::size`](super::Fallback) | m² | mean square by which the findings move the rows of the fit |
 //!
 //! A curve or a gear that explains every measured pose may say anything at all where none was measured. Two predictions, the one of
 //! variance V and the other wrong by b, are best combined with w = b²/(b² + V); V is that of the model's own form, so that s² is smaller
 //! than b² where forms differ from the truth. Among the rows of the fit w is one.
 
-use super::model::FittedModel;
-use std::sync::Arc;
 use truepose_kinematics::{Pose, rotation_log, rotation_vector};
 
-/// The declared model as a fallback, and when it counts.
-#[derive(Debug, Clone)]
-pub struct Fallback {
-    /// The declared model, fitted alone to the same data.
-    pub declared: Arc<FittedModel>,
-    /// V_95, m².
-    pub usual: f64,
-    /// s², m²; infinite: the findings count everywhere.
-    pub scale: f64,
-    /// b², m².
-    pub size: f64,
-}
-
-impl Fallback {
-    /// w, of the variance of a predicted position, m².
-    pub fn weight(&self, variance: f64) -> f64 {
-        1.0 / (1.0 + (variance - self.usual).max(0.0) / self.scale)
-    }
+/// w, of the variance of a predicted position, V_95 and s², m².
+pub(super) fn share(variance: f64, usual: f64, scale: f64) -> f64 {
+    1.0 / (1.0 + (variance - usual).max(0.0) / scale)
 }
 
 /// `declared` moved by this share of the way to `found`.
@@ -50,10 +33,12 @@ pub(super) fn between(declared: &Pose, found: &Pose, share: f64) -> Pose {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Fallback, FittedModel};
     use super::*;
     use crate::ErrorModel;
     use crate::effects::{Expansion, Geometric, Place};
     use nalgebra::DMatrix;
+    use std::sync::Arc;
     use truepose_kinematics::{Conditions, JointId, samples};
 
     fn declared() -> FittedModel {

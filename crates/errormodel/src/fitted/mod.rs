@@ -8,6 +8,5 @@ mod sample;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
-pub use fallback::Fallback;
-pub use model::{FittedModel, LoadCorrection, Predictor};
+pub use model::{Fallback, FittedModel, LoadCorrection, Predictor};
 pub use sample::Sample;

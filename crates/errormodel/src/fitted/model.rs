@@ -1,7 +1,7 @@
 //! A fitted model: evaluated without the data, the solver or the reduction that made it.
 
 use super::domain::Domain;
-use super::fallback::{Fallback, between};
+use super::fallback::{between, share};
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
@@ -32,6 +32,26 @@ pub struct FittedModel {
     pub loads: Vec<LoadCorrection>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
     pub provenance: serde_json::Map<String, serde_json::Value>,
+}
+
+/// The declared model as a fallback, and when it counts; the formulas are in `fitted/fallback.rs`.
+#[derive(Debug, Clone)]
+pub struct Fallback {
+    /// The declared model, fitted alone to the same data.
+    pub declared: std::sync::Arc<FittedModel>,
+    /// Variance of a predicted position up to which the findings count in full, m²; 95 % of the rows of the fit are below.
+    pub usual: f64,
+    /// By how much more they count half, m²; infinite: they count everywhere.
+    pub scale: f64,
+    /// Mean square by which the findings move the rows of the fit, m².
+    pub size: f64,
+}
+
+impl Fallback {
+    /// Share of the findings, of the variance of a predicted position, m².
+    pub fn weight(&self, variance: f64) -> f64 {
+        share(variance, self.usual, self.scale)
+    }
 }
 
 /// A payload whose declared mass is wrong, wherever it is declared.

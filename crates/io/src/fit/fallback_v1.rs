@@ -1,7 +1,7 @@
 //! The declared model of a fit with findings: predictions beyond the data of the fit fall back to it.
 
 use super::check;
-use super::schema_v1::{CoefficientV1, EffectV1};
+use super::parts_v1::{CoefficientV1, EffectV1};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use truepose_errormodel::{EffectRegistry, ErrorModel, Fallback, FittedModel};

@@ -5,6 +5,7 @@
 
 mod check;
 mod fallback_v1;
+mod parts_v1;
 mod read;
 mod robot_v1;
 mod sample_v1;

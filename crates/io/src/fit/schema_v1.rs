@@ -2,12 +2,13 @@
 
 use super::check;
 use super::fallback_v1::FallbackV1;
+use super::parts_v1::{CoefficientV1, EffectV1};
 use super::robot_v1::RobotV1;
 use super::sample_v1::{self, RowV1, SampleOfV1};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use truepose_errormodel::{
-    AnyEffect, Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, NoiseModel,
+    Channel, Domain, EffectRegistry, ErrorModel, FittedModel, Interval, LoadCorrection, NoiseModel,
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, TargetId};
@@ -41,20 +42,6 @@ pub(super) struct FitV1 {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct EffectV1 {
-    pub family: String,
-    pub parameters: Value,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(expecting = "a coefficient: a table of name, unit and value")]
-pub(super) struct CoefficientV1 {
-    pub name: String,
-    pub unit: String,
-    pub value: f64,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct ChannelV1 {
     name: String,
     unit: String,
@@ -81,31 +68,6 @@ pub(super) struct NoiseV1 {
     /// The part of `position_sd` that rows of one visit share, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     repeatability_sd: Option<f64>,
-}
-
-impl EffectV1 {
-    /// The effects of a model.
-    pub fn all(model: &ErrorModel) -> Vec<Self> {
-        let one = |effect: &dyn AnyEffect| EffectV1 {
-            family: effect.kind().into(),
-            parameters: effect.parameters(),
-        };
-        model.effects().iter().map(|effect| one(&**effect)).collect()
-    }
-}
-
-impl CoefficientV1 {
-    /// The coefficients of a fitted model.
-    pub fn all(fit: &FittedModel) -> Vec<Self> {
-        let columns = fit.model().columns().iter().zip(fit.coefficients());
-        columns
-            .map(|(column, &value)| CoefficientV1 {
-                name: column.name.clone(),
-                unit: column.unit.clone(),
-                value,
-            })
-            .collect()
-    }
 }
 
 impl From<&FittedModel> for FitV1 {
