@@ -26,7 +26,8 @@ fn copied() -> Folder {
 /// Arguments of every `truepose …` line in the fenced blocks of a document; a line may end in a backslash.
 fn commands(document: &str) -> Vec<Vec<String>> {
     let mut found = Vec::new();
-    for block in document.split("```").skip(1).step_by(2) {
+    // Lines of a file are no commands.
+    for block in document.split("```").skip(1).step_by(2).filter(|block| !block.starts_with("toml")) {
         let joined = block.replace("\\\n", " ");
         for line in joined.lines().map(|line| line.trim().trim_start_matches("$ ")) {
             let line = line.split(" #").next().unwrap_or(line);
