@@ -327,7 +327,7 @@ driver = "d2"
             (
                 error("family = \"geometrc\""),
                 "m.toml:2:10: unknown effect family `geometrc`; did you mean `geometric`? \
-                 (known: backlash, base_compliance, coupling, drift, expansion, geometric, guideway, joint_compliance, \
+                 (known: backlash, base_compliance, coupling, drift, expansion, geometric, guideway, instrument, joint_compliance, \
                  link_compliance, load_nonlinearity, polynomial, shift, thermal, transmission)",
             ),
             (error("frames = [\"base\"]"), "m.toml:1:1: [[effects]] 1 lacks `family`; add it"),
@@ -343,7 +343,7 @@ driver = "d2"
             ),
             (
                 error("family = \"joint_compliance\"\njonts = [\"roll\"]"),
-                "m.toml:3:1: effect `joint_compliance`: unknown field `jonts`, expected one of `joints`, `own_weight`, `links`; did you mean `joints`?",
+                "m.toml:3:1: effect `joint_compliance`: unknown field `jonts`, expected one of `joints`, `own_weight`, `links`, `channel`; did you mean `joints`?",
             ),
             (
                 error("family = \"geometric\"\ncomponents = [\"x\", \"rq\"]"),

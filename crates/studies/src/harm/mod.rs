@@ -173,6 +173,8 @@ mod tests {
         (38, "identify ridge(map)"),  // 1.159
         (9, "discover"), // 1.440: an unnamed curve over time, in a swept campaign whose station wanders
         (9, "compensate (discover)"), // 1.401
+        (28, "export"),  // 1.051: constants alone in place of a gear of 31 poses
+        (28, "export as written"), // 1.054
         (5, "discover"), // 1.241
         (5, "export as written"), // 1.241
         (5, "compensate (discover)"), // 1.243
