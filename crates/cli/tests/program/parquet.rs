@@ -21,6 +21,13 @@ fn identify<'a>(data: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["identify", "--robot", "robot.toml", "--data", data, "--folds", "4"], more].concat()
 }
 
+/// Without the lines of rows: a CSV has one more, its header.
+fn without_lines(text: &str) -> String {
+    let mut parts = text.split(", line ");
+    let first = parts.next().unwrap_or("").to_owned();
+    parts.fold(first, |all, part| all + part.trim_start_matches(|c: char| c.is_ascii_digit()))
+}
+
 #[test]
 fn the_answer_of_a_csv() {
     let folder = corpus();
@@ -28,7 +35,11 @@ fn the_answer_of_a_csv() {
         let csv = folder.run(&identify("good.csv", &[more, &["--out", "csv.json"]].concat()));
         let parquet = folder.run(&identify("good.parquet", &[more, &["--out", "parquet.json"]].concat()));
         assert_eq!((csv.code, parquet.code), (Some(0), Some(0)), "{}", remarks(&parquet));
-        assert_eq!(csv.out.replace("csv", "parquet"), parquet.out, "{more:?}");
+        assert_eq!(
+            without_lines(&csv.out.replace("csv", "parquet")),
+            without_lines(&parquet.out),
+            "{more:?}"
+        );
         let written = |name: &str| std::fs::read_to_string(folder.file(name)).unwrap();
         assert_eq!(
             written("csv.json").replace("good.csv", "good.parquet"),
