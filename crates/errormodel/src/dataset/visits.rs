@@ -51,7 +51,7 @@ pub fn visits_from_rows(data: &Dataset) -> Vec<usize> {
     visit
 }
 
-/// The configuration of each visit: visits with the same joints, to the tolerance of [`super::dwell`], and the same load share a number.
+/// The configuration of each visit: visits with the same joints, to the tolerance of [`super::Dwell`], and the same load share a number.
 /// Each is matched with the *first* visit of a configuration, the nearest where there are several, so that a slow sweep is cut into
 /// configurations no wider than the tolerance and never becomes one. Numbers are 0… in order of first appearance.
 pub fn configurations(data: &Dataset) -> Vec<usize> {
