@@ -4,7 +4,7 @@
 use crate::plants::with_three_targets;
 use truepose_errormodel::effects::{Geometric, JointCompliance};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
-use truepose_identify::{FitOptions, fit};
+use truepose_identify::{FitOptions, Residuals, fit};
 use truepose_kinematics::{Chain, Placed, Pose, Target, samples};
 use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
 use truepose_simulate::{Campaign, Flaws, Observation, Plant, PlantOptions, flaws};
@@ -83,6 +83,11 @@ fn six_poses_of_one_target_carry_an_arm_into_another_installation() {
         let noise = 3f64.sqrt() * 20e-6f64.hypot(10e-6);
         let of = |fitted: &FittedModel| error(fitted, &fresh).hypot(noise);
         ratios.push(of(&made.fitted) / of(&identified(&there, &all)));
+        // The rows of the fit are carried along: what an export is held against lies here, not where the fit was made.
+        let of_rows = |fitted: &FittedModel| {
+            Residuals::of(fitted, fitted.domain.sample.rows()).unwrap().positions().rms
+        };
+        assert!((of_rows(&made.fitted) / of_rows(&arm) - 1.0).abs() < 1e-6);
         let band = made.bands.unwrap().1.rms;
         inside.push(error(&made.fitted, &fresh) / band);
     }

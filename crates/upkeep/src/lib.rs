@@ -5,6 +5,7 @@ mod error;
 mod installation;
 mod monitor;
 mod prediction;
+mod rows;
 mod transfer;
 
 pub use advice::Advised;

@@ -265,7 +265,7 @@ pub(super) struct Predicted {
     pub weight: f64,
 }
 
-/// Evaluates a fitted model, posture after posture, without allocating.
+/// Evaluates a fitted model, posture after posture, without allocating (but to judge how far a fit with a fallback reaches).
 #[derive(Debug, Clone)]
 pub struct Predictor<'m> {
     fitted: &'m FittedModel,
