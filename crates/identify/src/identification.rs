@@ -6,8 +6,8 @@ use crate::{
     hold_out, observability, place, proceed, repeats,
 };
 use nalgebra::DMatrix;
-use truepose_errormodel::effects::{Geometric, Where};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Visits};
+use truepose_errormodel::effects::{Geometric, Session, Where};
+use truepose_errormodel::{AnyEffect, Dataset, Effect, ErrorModel, FittedModel, Visits};
 use truepose_kinematics::{Chain, FrameId};
 use truepose_solvers::{PivotedQr, Solver};
 
@@ -148,7 +148,7 @@ fn steps(
     let placed = &placement.chain;
     begin(Step::FramesOnly)?;
     let nominal = if placement.found.is_empty() { Some(nominal_residuals(placed, train)?) } else { None };
-    let frames_model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
+    let frames_model = ErrorModel::new(placed.clone(), installation(placed, effects))?;
     let frames_fit = fit(&frames_model, train, solver, &options.fit)?;
     begin(Step::Fitting)?;
     let model = ErrorModel::new(placed.clone(), effects.to_vec())?;
@@ -248,6 +248,13 @@ pub fn as_found(
     let model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
     let installation = fit(&model, data, &PivotedQr::default(), options)?.residuals.positions();
     Ok(AsFound { nominal, installation })
+}
+
+/// Errors of the installation, and of the further ones that sessions have.
+fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn AnyEffect>> {
+    let mut all: Vec<Box<dyn AnyEffect>> = vec![Box::new(frames_only(placed))];
+    all.extend(effects.iter().filter(|effect| effect.kind() == Session::FAMILY).cloned());
+    all
 }
 
 /// Errors of the base, the tool and the targets: what says where instrument and targets are, and nothing about the arm.

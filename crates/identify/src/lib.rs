@@ -25,6 +25,7 @@ pub mod reduction;
 mod repeats;
 mod residuals;
 mod resolution;
+mod sessions;
 mod shapes;
 mod streamed;
 mod student;
@@ -56,6 +57,7 @@ pub use pure_error::{PureError, exact_repeats, near_repeats, repeats_for, within
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, ResidualVariance, repeats};
 pub use residuals::{Residuals, Spread};
+pub use sessions::{SessionPlaced, Unified, unify};
 pub use shapes::{descend_nonlinear, judge_nonlinear};
 pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
 pub use student::student_quantile;

@@ -96,6 +96,9 @@ pub struct DiscoverySummary {
     /// Held-out poses against a specification, where one was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specification: Option<SpecificationSummary>,
+    /// Each session of a campaign of several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<crate::SessionSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -183,6 +186,7 @@ impl DiscoverySummary {
             incomplete: None,
             as_found: None,
             specification: None,
+            sessions: Vec::new(),
             parameters: None,
             settings,
         }

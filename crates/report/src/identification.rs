@@ -83,6 +83,9 @@ pub struct IdentificationSummary {
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
+    /// Each session of a campaign of several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<crate::SessionSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -252,6 +255,7 @@ impl IdentificationSummary {
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,
+            sessions: Vec::new(),
             parameters: None,
         };
         let summary = IdentificationSummary { limit: limit(&summary), ..summary };

@@ -38,6 +38,9 @@ pub struct Monitor {
     /// The fit of the robot as it was calibrated
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Measurements of today (CSV)
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,

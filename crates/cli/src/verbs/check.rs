@@ -1,6 +1,7 @@
 //! `truepose check`: read files and say what was understood.
 
 use super::nominal::Nominal;
+use super::sessions::Campaign;
 use super::{print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
@@ -29,16 +30,18 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let options = MeasurementsOptions { measured_required: false, ..measured };
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
-            let suspicions = suspicions(&chain, &data);
+            let campaign = Campaign::of((&args.robot.robot, path), chain.clone(), Vec::new(), data, &info)?;
+            let (placed, data) = (&campaign.chain, &campaign.data);
+            let suspicions = suspicions(placed, data);
             let words: Vec<String> = suspicions
                 .iter()
-                .map(|found| format!("{}: {}", path.display(), suspicion_text(&chain, found, &data.line)))
+                .map(|found| format!("{}: {}", path.display(), suspicion_text(placed, found, &data.line)))
                 .collect();
             terminal::warn(words.as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
             }
-            nominal = Nominal::of(&chain, Some(&data), &suspicions);
+            nominal = Nominal::of(placed, Some(data), &suspicions);
             let words: Vec<String> = nominal
                 .warnings(&chain)
                 .into_iter()

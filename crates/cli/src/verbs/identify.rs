@@ -2,6 +2,7 @@
 
 use super::identified::{conforms, origin, refused, require};
 use super::reporting::Folder;
+use super::sessions::Campaign;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
@@ -43,29 +44,35 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         holdout: args.holdout,
         seed: args.seed,
     };
+    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
+    let campaign = Campaign::of(files_read, chain, effects, data, &info)?;
+    let Campaign { chain, effects, data, .. } = &campaign;
     // Shown with the result, or with the error where there is none.
-    let suspected = suspected(&chain, &data, &args.measured.data);
+    let suspected = suspected(chain, data, &args.measured.data);
     let progress = Progress::steps(Step::ALL.len(), watch);
     let solver = args.solver.build();
     let mut found =
-        identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(progress_text(step)))
+        identify(chain, effects, data, &*solver, &options, &|step| progress.begin(progress_text(step)))
             .map_err(|error| {
                 terminal::warn(suspected.as_slice());
                 refused(args, error)
             })?;
     drop(progress);
+    campaign.known_to(&mut found.fit.fitted);
 
     let mut summary = IdentificationSummary::new(
         &found,
-        &data,
+        data,
         &info.visit_labels,
         &args.solver.to_string(),
         options.split.as_ref().map(split_words),
     );
     summary.warnings.splice(0..0, suspected);
     if let Some(limit) = args.spec {
-        summary = summary.with_specification(limit, &found, &data);
+        summary = summary.with_specification(limit, &found, data);
     }
+    let held_out = found.declared.held_out.as_ref().filter(|_| found.test_set.is_none());
+    summary.sessions = campaign.summaries(&found.fit.fitted, held_out.map(|cv| &cv.residuals))?;
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
@@ -78,7 +85,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         let mut inputs = read_files(&args.measured);
         inputs.extend(args.certificate.as_deref());
         folder.add(&mut files, &summary, &inputs, |run| {
-            Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
+            Ok(identification_report(&summary, &found, data, &info.visit_labels, run)?)
         })?;
     }
     if let Some(out) = &args.out {

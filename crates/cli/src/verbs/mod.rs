@@ -21,6 +21,7 @@ mod plan;
 mod predict;
 mod repeated;
 mod reporting;
+mod sessions;
 mod simulate;
 mod stream;
 mod transfer;

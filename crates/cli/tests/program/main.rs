@@ -29,6 +29,7 @@ mod pages;
 mod parquet;
 mod report;
 mod round_trip;
+mod sessions;
 mod spoiled;
 mod stream;
 mod surface;

@@ -2,6 +2,7 @@
 
 mod approach;
 mod builder;
+mod carry;
 mod derived;
 mod dwell;
 mod late;
@@ -12,6 +13,7 @@ mod presliding;
 mod record;
 mod repeated;
 mod schema;
+mod session;
 mod step;
 mod table;
 mod visits;
@@ -25,6 +27,7 @@ pub use measurement::Measurement;
 pub use presliding::{presliding, presliding_channel, presliding_of};
 pub use record::Record;
 pub use schema::{Channel, Schema};
+pub use session::{SESSION, SessionRules};
 pub use step::{step_channel, step_of};
 pub use table::{Dataset, Seen};
 pub use visits::{Visits, configurations, visits_from_rows};

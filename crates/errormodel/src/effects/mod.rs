@@ -6,6 +6,7 @@
 //! | what yields under load | [`JointCompliance`], [`LinkCompliance`], [`BaseCompliance`], [`LoadNonlinearity`] |
 //! | what a joint does beyond what it reports | [`Transmission`], [`Backlash`], [`Coupling`], [`Guideway`] |
 //! | what changes with time and temperature | [`Thermal`], [`Drift`], [`Shift`] |
+//! | another installation | [`Session`] |
 //! | what the measurement adds | [`Instrument`] |
 //! | what is only data | [`Expansion`], [`Polynomial`] |
 
@@ -24,6 +25,8 @@ mod transmission;
 mod drift;
 mod shift;
 mod thermal;
+
+mod session;
 
 mod instrument;
 
@@ -47,6 +50,7 @@ pub use joint_compliance::JointCompliance;
 pub use link_compliance::{LinkCompliance, OwnWeight, Section};
 pub use load_nonlinearity::LoadNonlinearity;
 pub use polynomial::{GroupedError, Order, Polynomial, WrenchComponent, WrenchOf};
+pub use session::{Own, Session};
 pub use shift::Shift;
 pub use spot::Spot;
 pub use thermal::{Grows, Thermal};

@@ -9,7 +9,7 @@ use crate::nearest::{listed, meant};
 use crate::{IoError, Warning};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{Channel, Schema};
+use truepose_errormodel::{Channel, SESSION, Schema};
 use truepose_kinematics::Chain;
 
 /// A table with more columns is another kind of file.
@@ -36,6 +36,7 @@ pub(crate) struct Slots {
     /// Angles in the order of the convention, and the convention.
     pub angles: Option<([usize; 3], OrientationConvention)>,
     pub visit: Option<usize>,
+    pub session: Option<usize>,
     pub payload: Option<usize>,
     pub centre: Option<[usize; 3]>,
     pub wrench: Option<[usize; 6]>,
@@ -164,8 +165,11 @@ impl Header {
             let unit = if temperature { "degC".into() } else { column.unit.clone() };
             Channel { name: column.name.clone(), unit, temperature }
         };
+        // The session is the last channel.
+        let session = || Channel { name: SESSION.into(), unit: "1".into(), temperature: false };
+        let channels = self.slots.channels.iter().map(channel);
         Schema {
-            channels: self.slots.channels.iter().map(channel).collect(),
+            channels: channels.chain(self.slots.session.map(|_| session())).collect(),
             time: self.slots.time.is_some(),
             load: self.slots.payload.is_some() || self.slots.wrench.is_some(),
             approach: self.slots.approach.len() == chain.movable().len()
@@ -191,6 +195,7 @@ impl Header {
             rotation_vector: self.group([0, 1, 2].map(Role::RotationVector))?,
             angles: self.group([0, 1, 2].map(Role::Angle))?.zip(names.map.orientation),
             visit: self.find(Role::Visit),
+            session: self.find(Role::Session),
             payload: self.find(Role::PayloadMass),
             centre: self.group([0, 1, 2].map(Role::PayloadCentre))?,
             wrench: self.group([

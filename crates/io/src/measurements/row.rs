@@ -37,6 +37,8 @@ pub(crate) struct RowReader {
     pub row: Row,
     /// What the file calls the row, where it has a column for that.
     pub id: String,
+    /// Names of the sessions so far, in order of first appearance.
+    pub sessions: Vec<String>,
     /// What was seen in each column, in the units of the file.
     pub seen: Vec<Seen>,
     /// Of each joint, the first line beyond its limits and how many lines are.
@@ -62,6 +64,8 @@ pub(crate) struct Row {
     /// Left out by the user.
     pub skipped: bool,
     pub visit: Option<i64>,
+    /// Number of the session, as in [`RowReader::sessions`].
+    pub session: usize,
     pub time: f64,
     pub(super) target: Option<TargetId>,
     pub orientation: Option<[f64; 4]>,
@@ -79,6 +83,7 @@ impl RowReader {
             numbers: vec![f64::NAN; header.columns.len()],
             row: Row::default(),
             id: String::new(),
+            sessions: Vec::new(),
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
@@ -121,7 +126,10 @@ impl RowReader {
                 at += 1; // the comma
             }
             let cells = self.kinds[k].0;
-            if matches!(cells, Cells::Target | Cells::Note | Cells::Blank | Cells::Use | Cells::Id) {
+            if matches!(
+                cells,
+                Cells::Target | Cells::Note | Cells::Blank | Cells::Use | Cells::Id | Cells::Session
+            ) {
                 at = self.read_text(line, text, at, k)?;
                 continue;
             }
@@ -225,6 +233,10 @@ impl RowReader {
                     self.take_id(k, &value.to_string());
                     continue;
                 }
+                (Cells::Session, Cell::Number(value)) => {
+                    self.take_session(line, k, &value.to_string());
+                    continue;
+                }
                 (_, Cell::Number(value)) if value.is_finite() => Some(value),
                 (_, Cell::Number(_)) => {
                     let message = "is not a finite number; leave the cell empty if nothing was measured";
@@ -235,6 +247,10 @@ impl RowReader {
                     let text = text.trim();
                     if cells == Cells::Id {
                         self.take_id(k, text);
+                        continue;
+                    }
+                    if cells == Cells::Session {
+                        self.take_session(line, k, text);
                         continue;
                     }
                     if cells == Cells::Target {
@@ -279,6 +295,11 @@ impl RowReader {
         }
         for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
             column.push(self.numbers[k]);
+        }
+        if slots.session.is_some()
+            && let Some(column) = into.channels.last_mut()
+        {
+            column.push(self.row.session as f64);
         }
         into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });
         into.position_sd.push(three(slots.position_sd));

@@ -8,6 +8,9 @@ use crate::nearest::{listed, meant};
 use crate::table::unprefixed;
 use truepose_kinematics::TargetId;
 
+/// No robot is set up anew more often while one table is filled.
+const MOST_SESSIONS: usize = 1000;
+
 impl RowReader {
     /// Reads a cell that holds no number; where it ends.
     pub(super) fn read_text(
@@ -40,6 +43,7 @@ impl RowReader {
             }
             Cells::Use => self.use_row(line, k, &content)?,
             Cells::Id => self.take_id(k, &content),
+            Cells::Session => self.take_session(line, k, &content),
             _ => {}
         }
         Ok(end)
@@ -50,6 +54,28 @@ impl RowReader {
         self.id.clear();
         self.id.push_str(unprefixed(content));
         self.seen[k].filled += usize::from(!content.is_empty());
+    }
+
+    /// In which session the row was measured.
+    pub(super) fn take_session(&mut self, line: u64, k: usize, content: &str) {
+        let name = unprefixed(content);
+        let wrong = if name.is_empty() {
+            "is empty; every row is of a session: name it, or remove the column".into()
+        } else if name.contains('@') || name.chars().any(char::is_control) {
+            format!("`{}` cannot be the name of a session; leave out `@` and control characters", shown(name))
+        } else if let Some(number) = self.sessions.iter().position(|known| known == name) {
+            self.row.session = number;
+            self.seen[k].filled += 1;
+            return;
+        } else if self.sessions.len() == MOST_SESSIONS {
+            format!("is the name of session {}; a table has {MOST_SESSIONS} at most", MOST_SESSIONS + 1)
+        } else {
+            self.row.session = self.sessions.len();
+            self.sessions.push(name.to_owned());
+            self.seen[k].filled += 1;
+            return;
+        };
+        self.problems.push(self.header.cell_error(line, k, wrong));
     }
 
     /// Whether the row is used.

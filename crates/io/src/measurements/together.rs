@@ -1,6 +1,7 @@
 //! Values of one row that depend on several cells: plausible joints, an orientation, a load.
 
 use super::row::RowReader;
+use super::visits::in_session;
 use crate::IoError;
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
@@ -30,7 +31,7 @@ impl RowReader {
             return Err(self.header.cell_error(line, k, "is empty; a desired pose needs all of x, y, z"));
         }
         if let Some(k) = self.header.slots.visit {
-            self.row.visit = Some(self.numbers[k] as i64);
+            self.row.visit = Some(in_session(self.numbers[k] as i64, self.row.session));
         }
         if let Some(k) = self.header.slots.time {
             self.row.time = self.numbers[k];

@@ -2,12 +2,13 @@
 
 use super::names::{cell_problem, joint_name_problem};
 use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
-use super::{columns, couplings, details};
+use super::{columns, couplings, details, sessions};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{ColumnMap, IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
+use truepose_errormodel::SessionRules;
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
@@ -55,11 +56,13 @@ pub(super) fn read(
         "tip",
         "columns",
         "couplings",
+        "sessions",
         details::KEYS[0],
         details::KEYS[1],
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
+    errors.extend(sessions::read(&root).err());
     let units = units(&root)?;
     details::of(&root)?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
@@ -141,6 +144,13 @@ pub(super) fn column_map(path: &Path) -> Result<ColumnMap, IoError> {
     let text = Text::read(path)?;
     let document = Document::parse(&text)?;
     columns::read(&document.root("the robot"))
+}
+
+/// What `[sessions]` of a description says about several installations.
+pub(super) fn session_rules(path: &Path) -> Result<SessionRules, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    sessions::read(&document.root("the robot"))
 }
 
 /// The URDF that a description names.

@@ -24,6 +24,13 @@ impl fmt::Display for DiscoverySummary {
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
+        if !self.sessions.is_empty() {
+            write!(
+                f,
+                "\nsessions, RMS of the 3-D position error\n{}",
+                crate::sessions::text(&self.sessions)
+            )?;
+        }
         for (number, effect) in (1..).zip(&self.effects) {
             writeln!(f, "\n{number}. {}", effect.name())?;
             effect.details(f)?;

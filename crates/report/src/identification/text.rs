@@ -133,7 +133,15 @@ impl IdentificationSummary {
             if self.targets.is_empty() { "" } else { " and target" }
         )?;
         header[1] = "rows";
-        write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))
+        write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))?;
+        if !self.sessions.is_empty() {
+            write!(
+                f,
+                "\nsessions, RMS of the 3-D position error\n{}",
+                crate::sessions::text(&self.sessions)
+            )?;
+        }
+        Ok(())
     }
 
     fn noise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
