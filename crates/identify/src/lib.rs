@@ -12,6 +12,7 @@ mod fit_model;
 mod folds;
 mod freedom;
 mod identification;
+mod landmarks;
 mod linearise;
 mod noise;
 mod observability;
@@ -46,6 +47,7 @@ pub use freedom::Freedom;
 pub use identification::{
     AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
 };
+pub use landmarks::{LandmarkFold, Touched, landmark_cross_validation, landmark_groups, touched};
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};

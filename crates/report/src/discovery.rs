@@ -99,6 +99,9 @@ pub struct DiscoverySummary {
     /// Each session of a campaign of several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sessions: Vec<crate::SessionSummary>,
+    /// Spread at landmarks, where some were touched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landmarks: Option<crate::LandmarksSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -187,6 +190,7 @@ impl DiscoverySummary {
             as_found: None,
             specification: None,
             sessions: Vec::new(),
+            landmarks: None,
             parameters: None,
             settings,
         }

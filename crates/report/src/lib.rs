@@ -4,6 +4,7 @@ mod comparison;
 mod discovery;
 mod figure;
 mod identification;
+mod landmarks;
 mod largest;
 mod layout;
 mod page;
@@ -30,6 +31,7 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
+pub use landmarks::{DistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{

@@ -1,8 +1,8 @@
 //! `truepose compare`: solver strategies side by side on one data set.
 
+use super::campaign::Campaign;
 use super::identify::{different, split, split_words};
 use super::reporting::Folder;
-use super::sessions::Campaign;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::Compare;
 use crate::failure::Failure;
@@ -33,14 +33,15 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
         return Err(Failure::Input(words));
     };
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
-    let campaign = Campaign::of(files_read, chain, effects, data, &info)?;
+    let plain = truepose_solvers::PivotedQr::default();
+    let options = FitOptions { prior: args.prior, ..FitOptions::default() };
+    let campaign = Campaign::of(files_read, chain, effects, data, &info, (&plain, &options))?;
     let Campaign { chain, effects, data, .. } = &campaign;
     terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
     let placed = place(chain, data)?.chain;
     let model = ErrorModel::new(placed, effects.clone())?;
     let folds = Folds::new(data, &split)?;
     let solvers: Vec<_> = args.solvers.iter().map(|spec| (spec.to_string(), spec.build())).collect();
-    let options = FitOptions { prior: args.prior, ..FitOptions::default() };
     let progress = Progress::steps(solvers.len(), watch);
     let compared = compare(&model, data, &solvers, &options, &folds, &|name| progress.begin(name));
     drop(progress);

@@ -1,9 +1,9 @@
 //! `truepose discover`: find effects that the declared model lacks, add them, and test the enlarged model.
 
+use super::campaign::Campaign;
 use super::identified::conforms;
 use super::identify::{different, split, split_words};
 use super::reporting::Folder;
-use super::sessions::Campaign;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::Discover;
 use crate::extensions::library;
@@ -16,7 +16,7 @@ use truepose_discover::{
     CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
 };
 use truepose_errormodel::{Dataset, FittedModel, ModelError};
-use truepose_identify::{FitOptions, IdentifyError, as_found};
+use truepose_identify::{FitOptions, IdentifyError, as_found, landmark_cross_validation, landmark_groups};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
@@ -44,7 +44,9 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         data.orientation.fill(None);
     }
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
-    let campaign = Campaign::of(files_read, chain, declared, data, &info)?;
+    let solver = args.solver.build();
+    let fit = FitOptions::default();
+    let campaign = Campaign::of(files_read, chain, declared, data, &info, (&*solver, &fit))?;
     let Campaign { chain, effects: declared, data, .. } = &campaign;
     terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
     terminal::warn(repeated(data, &args.measured.data).as_slice());
@@ -58,7 +60,6 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         library: library(),
         ..DiscoverOptions::default()
     };
-    let solver = args.solver.build();
     let settings = DiscoverySettings {
         seed: args.seed,
         holdout: args.holdout,
@@ -82,9 +83,14 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     })
     .map_err(|error| refused(args, error))?;
     drop(bar);
-    campaign.known_to(&mut found.fit.fitted);
     let mut summary = DiscoverySummary::new(&found, settings);
-    summary.sessions = campaign.summaries(&found.fit.fitted, None)?;
+    summary.sessions = campaign.sessions(&found.fit.fitted, None)?;
+    if let Some(groups) = landmark_groups(declared) {
+        let of_fit = (&*solver, &options.fit);
+        let judged = landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?;
+        let (held_out, folds) = judged.map_or((None, Vec::new()), |(of, folds)| (Some(of.residuals), folds));
+        summary.landmarks = campaign.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
+    }
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
@@ -107,6 +113,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, data);
     }
+    found.fit.fitted = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));

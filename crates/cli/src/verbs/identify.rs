@@ -1,8 +1,8 @@
 //! `truepose identify`: fit a declared error model, and estimate its accuracy on held-out data.
 
+use super::campaign::Campaign;
 use super::identified::{conforms, origin, refused, require};
 use super::reporting::Folder;
-use super::sessions::Campaign;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::{Identify, SplitKind};
 use crate::failure::Failure;
@@ -45,12 +45,12 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         seed: args.seed,
     };
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
-    let campaign = Campaign::of(files_read, chain, effects, data, &info)?;
+    let solver = args.solver.build();
+    let campaign = Campaign::of(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
     let Campaign { chain, effects, data, .. } = &campaign;
     // Shown with the result, or with the error where there is none.
     let suspected = suspected(chain, data, &args.measured.data);
     let progress = Progress::steps(Step::ALL.len(), watch);
-    let solver = args.solver.build();
     let mut found =
         identify(chain, effects, data, &*solver, &options, &|step| progress.begin(progress_text(step)))
             .map_err(|error| {
@@ -58,7 +58,6 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
                 refused(args, error)
             })?;
     drop(progress);
-    campaign.known_to(&mut found.fit.fitted);
 
     let mut summary = IdentificationSummary::new(
         &found,
@@ -72,7 +71,11 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         summary = summary.with_specification(limit, &found, data);
     }
     let held_out = found.declared.held_out.as_ref().filter(|_| found.test_set.is_none());
-    summary.sessions = campaign.summaries(&found.fit.fitted, held_out.map(|cv| &cv.residuals))?;
+    let held_out = held_out.map(|cv| &cv.residuals);
+    summary.sessions = campaign.sessions(&found.fit.fitted, held_out)?;
+    let landmarks = campaign.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
+    summary = summary.with_landmarks(landmarks);
+    found.fit.fitted = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));

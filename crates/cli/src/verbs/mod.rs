@@ -1,6 +1,7 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
 mod beyond;
+mod campaign;
 mod check;
 mod compare;
 mod compensate;

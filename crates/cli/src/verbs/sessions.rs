@@ -1,66 +1,9 @@
-//! Measurements of several installations: brought into one frame for a fit, and each in its own for its use.
+//! A fit of several installations in one of them.
 
 use crate::failure::Failure;
-use crate::terminal;
 use std::path::Path;
-use truepose_errormodel::{AnyEffect, Dataset, FittedModel, Installed};
-use truepose_identify::{Residuals, unify};
-use truepose_io::{CsvInfo, robot_sessions};
-use truepose_kinematics::Chain;
-use truepose_report::{SessionSummary, session_summaries};
-
-/// What is fitted: one installation, or several in the frame of the first.
-pub(super) struct Campaign {
-    pub chain: Chain,
-    pub effects: Vec<Box<dyn AnyEffect>>,
-    pub data: Dataset,
-    /// The installations; none where it is one.
-    installed: Vec<Installed>,
-    /// RMS of each placement with the nominal arm, m.
-    placed: Vec<Option<f64>>,
-}
-
-impl Campaign {
-    /// Of what was read; `robot` is the file that may say what sessions share.
-    pub fn of(
-        (robot, file): (&Path, &Path),
-        chain: Chain,
-        effects: Vec<Box<dyn AnyEffect>>,
-        data: Dataset,
-        info: &CsvInfo,
-    ) -> Result<Self, Failure> {
-        if info.sessions.len() < 2 {
-            return Ok(Campaign { chain, effects, data, installed: Vec::new(), placed: Vec::new() });
-        }
-        let rules = robot_sessions(robot)?;
-        let found = unify(&chain, &data, &info.sessions, rules)
-            .map_err(|error| Failure::Input(format!("{}: {error}", file.display())))?;
-        terminal::warn(found.remarks.as_slice());
-        let mut effects = effects;
-        effects.extend(found.effects);
-        let placed = found.placed.iter().map(|session| session.rms).collect();
-        Ok(Campaign { chain: found.chain, effects, data: found.data, installed: found.installed, placed })
-    }
-
-    /// A fit that knows its sessions.
-    pub fn known_to(&self, fitted: &mut FittedModel) {
-        fitted.sessions.clone_from(&self.installed);
-    }
-
-    /// Each session on its own: none where it is one.
-    pub fn summaries(
-        &self,
-        fitted: &FittedModel,
-        held_out: Option<&Residuals>,
-    ) -> Result<Vec<SessionSummary>, Failure> {
-        if self.installed.is_empty() {
-            return Ok(Vec::new());
-        }
-        let residuals = Residuals::of(fitted, &self.data)?;
-        let names: Vec<&str> = self.installed.iter().map(|session| session.name.as_str()).collect();
-        Ok(session_summaries(&names, &self.placed, &self.data, &residuals, held_out))
-    }
-}
+use truepose_errormodel::{Dataset, FittedModel};
+use truepose_io::CsvInfo;
 
 /// A part of a table that one installation measured, and the fit there.
 pub(super) struct Part {

@@ -19,6 +19,7 @@ mod harm;
 mod hostile;
 mod init;
 mod invariance;
+mod landmarks;
 mod limits;
 mod mistakes;
 mod one_voice;

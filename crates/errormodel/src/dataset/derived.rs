@@ -6,10 +6,12 @@
 //! | `z_3~w=0.05` | wind-up of a joint's friction ([`presliding_channel`](super::presliding_channel)) | the order of poses |
 //! | `step~3` | last move of a joint ([`step_channel`](super::step_channel)) | the order of poses |
 //! | `session~` ([`SESSION`]) | number of the installation, 0… | the column `session` |
+//! | `landmark~` ([`LANDMARK`]) | number of the landmark that was touched, 1…; 0: none | the columns `kind`, `landmark` |
 //! | `payload` ([`CARRIED`]) | the mass that is declared to be carried, kg; none is zero | the load |
 //!
 //! They are made at fit time and wherever a fit is used, so that no file has to hold them.
 
+use super::landmark::LANDMARK;
 use super::late::LATE;
 use super::presliding::presliding_of;
 use super::schema::Channel;
@@ -25,6 +27,7 @@ pub const CARRIED: &str = "payload";
 pub fn is_derived(channel: &str) -> bool {
     channel == CARRIED
         || channel == SESSION
+        || channel == LANDMARK
         || channel.contains(LATE)
         || presliding_of(channel).is_some()
         || step_of(channel).is_some()

@@ -45,12 +45,17 @@ impl Dataset {
 
     /// With these numbers of sessions, one a row; one installation only where they are none.
     pub fn set_sessions(&mut self, numbers: Option<Vec<f64>>) {
-        if let Some(k) = self.schema.channel(SESSION) {
+        self.set_numbers(SESSION, numbers);
+    }
+
+    /// With these numbers in a channel of this name; without it where they are none.
+    pub(super) fn set_numbers(&mut self, name: &str, numbers: Option<Vec<f64>>) {
+        if let Some(k) = self.schema.channel(name) {
             self.schema.channels.remove(k);
             self.channels.remove(k);
         }
         if let Some(numbers) = numbers {
-            self.schema.channels.push(Channel { name: SESSION.into(), unit: "1".into(), temperature: false });
+            self.schema.channels.push(Channel { name: name.into(), unit: "1".into(), temperature: false });
             self.channels.push(numbers);
         }
     }

@@ -3,6 +3,7 @@
 mod coverage;
 mod domain;
 mod fallback;
+mod landmarks;
 mod model;
 mod sample;
 mod sessions;

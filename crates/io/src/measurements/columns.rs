@@ -21,6 +21,10 @@ pub(crate) enum Role {
     Visit,
     /// The installation in which the row was measured.
     Session,
+    /// What was measured.
+    Kind,
+    /// What of the surroundings the row touched.
+    Landmark,
     PayloadMass,
     PayloadCentre(usize),
     Force(usize),
@@ -55,6 +59,10 @@ pub(crate) enum Cells {
     Id,
     /// A name of the session, in every row.
     Session,
+    /// A word for what was measured, or nothing.
+    Kind,
+    /// A name of a landmark, or nothing.
+    Landmark,
     /// Anything; not read.
     Note,
     /// Nothing: the column has no name.
@@ -80,7 +88,7 @@ pub(crate) struct Column {
 }
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
-pub(crate) const FIXED: [(&str, Role); 33] = [
+pub(crate) const FIXED: [(&str, Role); 35] = [
     ("x", Role::Position(0)),
     ("y", Role::Position(1)),
     ("z", Role::Position(2)),
@@ -95,6 +103,8 @@ pub(crate) const FIXED: [(&str, Role); 33] = [
     ("id", Role::Id),
     ("visit", Role::Visit),
     ("session", Role::Session),
+    ("kind", Role::Kind),
+    ("landmark", Role::Landmark),
     ("payload", Role::PayloadMass),
     ("cx", Role::PayloadCentre(0)),
     ("cy", Role::PayloadCentre(1)),
@@ -157,6 +167,8 @@ impl Role {
             | Role::Id
             | Role::Visit
             | Role::Session
+            | Role::Kind
+            | Role::Landmark
             | Role::Note
             | Role::Use
             | Role::Nothing => Some(Quantity::Ratio),
@@ -176,6 +188,8 @@ impl Role {
             Role::Target => Cells::Target,
             Role::Id => Cells::Id,
             Role::Session => Cells::Session,
+            Role::Kind => Cells::Kind,
+            Role::Landmark => Cells::Landmark,
             Role::Note | Role::Nothing => Cells::Note,
             Role::Use => Cells::Use,
             _ => Cells::Maybe,
@@ -198,6 +212,8 @@ impl Role {
             Role::Target => "measured target".into(),
             Role::Id => "name of the row, passed through to outputs".into(),
             Role::Visit => "visit".into(),
+            Role::Kind => "kind of observation".into(),
+            Role::Landmark => "landmark that was touched".into(),
             Role::Session => "session: installation of robot and instrument".into(),
             Role::PayloadMass => "mass carried".into(),
             Role::PayloadCentre(k) => format!("centre of gravity of the mass, tool frame, {}", xyz(k)),

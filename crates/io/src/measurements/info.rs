@@ -23,6 +23,8 @@ pub struct CsvInfo {
     pub ids: Vec<String>,
     /// Names of the sessions, in order of first appearance (column `session`); empty without such a column.
     pub sessions: Vec<String>,
+    /// Names of the landmarks, in order of first appearance (column `landmark`); empty without such a column.
+    pub landmarks: Vec<String>,
 }
 
 /// How rows were grouped into pose measurements (visits), and visits into configurations.

@@ -240,6 +240,7 @@ impl MeasurementsReader {
             grouping: None,
             visit_labels,
             sessions: self.rows.sessions.clone(),
+            landmarks: self.rows.landmarks.clone(),
             ids: self.ids.clone(),
         }
     }

@@ -39,6 +39,8 @@ pub(crate) struct RowReader {
     pub id: String,
     /// Names of the sessions so far, in order of first appearance.
     pub sessions: Vec<String>,
+    /// Names of the landmarks so far, in order of first appearance.
+    pub landmarks: Vec<String>,
     /// What was seen in each column, in the units of the file.
     pub seen: Vec<Seen>,
     /// Of each joint, the first line beyond its limits and how many lines are.
@@ -55,6 +57,16 @@ pub(crate) struct RowReader {
     pub problems: Vec<IoError>,
 }
 
+/// What a row measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Kind {
+    /// A position, an orientation or both, by an instrument.
+    #[default]
+    Pose,
+    /// That the target was at a landmark.
+    SamePoint,
+}
+
 /// Values of a row, apart from those still in its cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Row {
@@ -66,6 +78,10 @@ pub(crate) struct Row {
     pub visit: Option<i64>,
     /// Number of the session, as in [`RowReader::sessions`].
     pub session: usize,
+    /// What was measured.
+    pub kind: Kind,
+    /// Number of the landmark, as in [`RowReader::landmarks`].
+    pub landmark: Option<usize>,
     pub time: f64,
     pub(super) target: Option<TargetId>,
     pub orientation: Option<[f64; 4]>,
@@ -84,6 +100,7 @@ impl RowReader {
             row: Row::default(),
             id: String::new(),
             sessions: Vec::new(),
+            landmarks: Vec::new(),
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
@@ -128,7 +145,14 @@ impl RowReader {
             let cells = self.kinds[k].0;
             if matches!(
                 cells,
-                Cells::Target | Cells::Note | Cells::Blank | Cells::Use | Cells::Id | Cells::Session
+                Cells::Target
+                    | Cells::Note
+                    | Cells::Blank
+                    | Cells::Use
+                    | Cells::Id
+                    | Cells::Session
+                    | Cells::Kind
+                    | Cells::Landmark
             ) {
                 at = self.read_text(line, text, at, k)?;
                 continue;
@@ -233,8 +257,8 @@ impl RowReader {
                     self.take_id(k, &value.to_string());
                     continue;
                 }
-                (Cells::Session, Cell::Number(value)) => {
-                    self.take_session(line, k, &value.to_string());
+                (Cells::Session | Cells::Kind | Cells::Landmark, Cell::Number(value)) => {
+                    self.take_word(line, k, &value.to_string());
                     continue;
                 }
                 (_, Cell::Number(value)) if value.is_finite() => Some(value),
@@ -249,8 +273,8 @@ impl RowReader {
                         self.take_id(k, text);
                         continue;
                     }
-                    if cells == Cells::Session {
-                        self.take_session(line, k, text);
+                    if matches!(cells, Cells::Session | Cells::Kind | Cells::Landmark) {
+                        self.take_word(line, k, text);
                         continue;
                     }
                     if cells == Cells::Target {
@@ -265,6 +289,7 @@ impl RowReader {
             };
             match raw {
                 Some(raw) => self.put(line, k, raw)?,
+                None if matches!(cells, Cells::Kind | Cells::Landmark) => {}
                 None if matches!(cells, Cells::Maybe | Cells::Target | Cells::Id) => {
                     self.numbers[k] = f64::NAN
                 }
@@ -296,10 +321,12 @@ impl RowReader {
         for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
             column.push(self.numbers[k]);
         }
-        if slots.session.is_some()
-            && let Some(column) = into.channels.last_mut()
+        let session = slots.session.map(|_| self.row.session as f64);
+        let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));
+        for (column, number) in
+            into.channels.iter_mut().skip(slots.channels.len()).zip(session.into_iter().chain(landmark))
         {
-            column.push(self.row.session as f64);
+            column.push(number);
         }
         into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });
         into.position_sd.push(three(slots.position_sd));

@@ -69,6 +69,9 @@ pub(crate) fn read_table(
     if info.sessions.len() < 2 {
         data.set_sessions(None);
     }
+    if info.landmarks.is_empty() {
+        data.set_landmarks(None);
+    }
     let configuration = configurations(&data);
     info.configurations = configuration.iter().max().map_or(0, |last| last + 1);
     info.grouping = Some(grouping(&data, chain, &configuration, dwell, numbered));

@@ -2,13 +2,13 @@
 
 use super::names::{cell_problem, joint_name_problem};
 use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
-use super::{columns, couplings, details, sessions};
+use super::{columns, couplings, details, sessions, surroundings};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{ColumnMap, IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
-use truepose_errormodel::SessionRules;
+use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
@@ -57,12 +57,15 @@ pub(super) fn read(
         "columns",
         "couplings",
         "sessions",
+        "landmarks",
+        "distances",
         details::KEYS[0],
         details::KEYS[1],
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
     errors.extend(sessions::read(&root).err());
+    errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length)).err());
     let units = units(&root)?;
     details::of(&root)?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
@@ -151,6 +154,14 @@ pub(super) fn session_rules(path: &Path) -> Result<SessionRules, IoError> {
     let text = Text::read(path)?;
     let document = Document::parse(&text)?;
     sessions::read(&document.root("the robot"))
+}
+
+/// What a description says about the surroundings.
+pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    let root = document.root("the robot");
+    surroundings::read(&root, units(&root)?.length)
 }
 
 /// The URDF that a description names.

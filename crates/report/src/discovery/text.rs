@@ -24,6 +24,10 @@ impl fmt::Display for DiscoverySummary {
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
+        if let Some(landmarks) = &self.landmarks {
+            writeln!(f, "\n{} The effects were chosen with these rows.\n", landmarks.sentences())?;
+            write!(f, "landmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;
+        }
         if !self.sessions.is_empty() {
             write!(
                 f,
