@@ -49,8 +49,8 @@ pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
 pub use upkeep::{
-    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, InstallationSummary,
-    MonitorSummary, TransferSummary,
+    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, FleetCoefficient,
+    FleetSummary, InstallationSummary, MonitorSummary, SisterSummary, TransferSummary,
 };
 pub use wording::{
     advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,

@@ -4,7 +4,7 @@ use super::campaign::Campaign;
 use super::identified::{conforms, origin, refused, require};
 use super::reporting::Folder;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
-use crate::args::{Identify, SplitKind};
+use crate::args::{Identify, Prior, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
@@ -16,6 +16,9 @@ use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
 pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
+    if let Prior::Fleet(file) = &args.prior {
+        return super::sister::run(args, file);
+    }
     for out in args.out.iter().chain(&args.parameters) {
         check_writable(out)?;
     }

@@ -10,6 +10,7 @@ mod discover;
 mod effects;
 mod export;
 mod files;
+mod fleet;
 mod frames;
 mod identified;
 mod identify;
@@ -24,6 +25,7 @@ mod repeated;
 mod reporting;
 mod sessions;
 mod simulate;
+mod sister;
 mod stream;
 mod transfer;
 mod verify;
@@ -55,6 +57,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
         Verb::Transfer(verb) => transfer::run(verb, watch),
+        Verb::Fleet(verb) => fleet::run(verb),
         Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
         Verb::Init(verb) => init::run(verb),

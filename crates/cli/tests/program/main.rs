@@ -12,6 +12,7 @@ mod determinism;
 mod dwell;
 mod example;
 mod export;
+mod fleet;
 mod folder;
 mod handover;
 mod hardened;
