@@ -5,6 +5,7 @@ mod domain;
 mod fallback;
 mod model;
 mod sample;
+mod spread;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
