@@ -26,7 +26,7 @@ mod write_whole;
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
-pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
+pub use fit::{FIT_FORMAT, fit_json, parse_fit, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
