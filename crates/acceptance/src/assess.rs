@@ -1,9 +1,11 @@
 //! The whole assessment: measured rows in, characteristics and remarks out.
 
 use crate::attained::{Alignment, Attained, TestPose, attained};
+use crate::budget::Budget;
 use crate::characteristics::Characteristics;
 use crate::compliance::{compliance, force};
 use crate::error::AcceptanceError;
+use crate::model_budget::budget;
 use crate::path::{PathFigures, path_figures};
 use crate::remark::Remark;
 use crate::scatter::Scatter;
@@ -37,6 +39,8 @@ pub struct Assessment {
     pub before: Characteristics,
     /// The same without the displacement that the model predicts; none without a fit.
     pub after: Option<Characteristics>,
+    /// Of a position that the calibrated robot attains once; none without a fit, or for a path.
+    pub budget: Option<Budget>,
     /// The frames that were used.
     pub alignment: Alignment,
     /// Standard uncertainty that the readings of one pose share, m.
@@ -90,9 +94,14 @@ pub fn assess(
         Ok((attained, characteristics))
     };
     let (poses, before) = state(None)?;
-    let after = displaced.as_deref().map(|all| state(Some(all))).transpose()?.map(|found| found.1);
+    let after = displaced.as_deref().map(|all| state(Some(all))).transpose()?;
+    let budget = match (fitted, &after) {
+        (Some(fitted), Some((left, _))) => Some(budget(fitted, data, &left.poses, options.common)?),
+        _ => None,
+    };
+    let after = after.map(|found| found.1);
     let remarks = remarks(data, &poses, &before, alignment, options.common);
-    Ok(Assessment { before, after, alignment, common: options.common, remarks })
+    Ok(Assessment { before, after, budget, alignment, common: options.common, remarks })
 }
 
 /// Commands need a base, tool and target that are described.
@@ -246,7 +255,7 @@ fn of_path(
         remarks.push(Remark::BestFit { poses: path.len() });
     }
     stated(data, options.common, &mut remarks);
-    Ok(Assessment { before, after, alignment, common: options.common, remarks })
+    Ok(Assessment { before, after, budget: None, alignment, common: options.common, remarks })
 }
 
 /// What of the conditions is not stated.

@@ -47,6 +47,8 @@ pub struct Cycle {
 pub struct TestPose {
     /// `P1`, …
     pub name: String,
+    /// The row of its first reading.
+    pub row: usize,
     /// Commanded position of the target and orientation of the tool, m, base frame.
     pub commanded: Pose,
     /// Variables of the joints, mean, rad or m.
@@ -180,6 +182,7 @@ pub fn attained(
             label,
             TestPose {
                 name: target_name.map_or_else(|| format!("P{label}"), |name| format!("P{label} {name}")),
+                row: first,
                 commanded: command,
                 joints: data.joints.iter().map(mean).collect(),
                 target: target.checked_sub(1).map(TargetId),

@@ -13,6 +13,7 @@ mod drift;
 mod error;
 mod figure;
 mod guard_band;
+mod model_budget;
 mod multi_direction;
 mod path;
 mod pose;

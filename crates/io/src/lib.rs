@@ -17,6 +17,7 @@ mod predictions;
 mod robot;
 mod same_file;
 mod table;
+mod test_plan;
 mod text;
 mod toml_tree;
 mod unfinished;
@@ -43,6 +44,7 @@ pub use robot::{
     read_details, read_robot, robot_columns, robot_files, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
+pub use test_plan::{TestPoseRow, write_test_plan};
 pub use text::read_text;
 pub use unfinished::{ScratchFolder, stop_writing};
 pub use unit::{Quantity, Unit};

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod acceptance;
 mod comparison;
 mod discovery;
 mod figure;
@@ -18,6 +19,10 @@ mod suspicion;
 mod upkeep;
 mod wording;
 
+pub use acceptance::{
+    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, DistanceSummary, FigureSummary,
+    Limit, PathSummary, StateSummary, TestPoseSummary, VerdictSummary,
+};
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
     AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
@@ -33,8 +38,8 @@ pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
     CommandView, CommandsView, MapView, PlaceView, PlanView, PlannedView, PredictionView, Report,
-    commands_report, comparison_report, discovery_report, identification_report, map_report, plan_report,
-    prediction_report,
+    acceptance_report, commands_report, comparison_report, discovery_report, identification_report,
+    map_report, plan_report, prediction_report,
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
