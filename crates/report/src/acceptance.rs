@@ -136,6 +136,18 @@ pub struct StateSummary {
     pub path: Option<PathSummary>,
 }
 
+impl StateSummary {
+    /// The figure of this symbol with the largest magnitude, and of what it is.
+    pub(crate) fn worst(&self, symbol: &str) -> Option<(String, &FigureSummary)> {
+        let poses = self.poses.iter().flat_map(|pose| pose.figures.iter().map(|f| (pose.name.clone(), f)));
+        let pairs = self.distances.iter().flat_map(|d| d.figures.iter().map(|f| (d.between.join("–"), f)));
+        let path = self.path.iter().flat_map(|path| path.figures.iter().zip(path.at_points));
+        let path = path.map(|(figure, point)| (format!("point {point}"), figure));
+        let all = poses.chain(pairs).chain(path).filter(|(_, figure)| figure.symbol == symbol);
+        all.reduce(|most, next| if next.1.value.abs() > most.1.value.abs() { next } else { most })
+    }
+}
+
 /// Everything that is shown of an acceptance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AcceptanceSummary {

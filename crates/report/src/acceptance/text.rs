@@ -60,13 +60,9 @@ impl AcceptanceSummary {
     /// One sentence: largest figures, and the verdict.
     pub fn sentence(&self) -> String {
         let of = |state: &StateSummary| -> String {
-            let largest = |symbol: &str| {
-                let all = state.poses.iter().filter_map(|pose| Some((&pose.name, pose.figure(symbol)?)));
-                all.reduce(|most, next| if next.1.value > most.1.value { next } else { most })
-            };
             let mut parts = Vec::new();
             for symbol in ["AP_p", "RP_l"] {
-                if let Some((pose, figure)) = largest(symbol) {
+                if let Some((pose, figure)) = state.worst(symbol) {
                     parts.push(format!("{symbol} {} mm ({pose})", figure.shown()));
                 }
             }

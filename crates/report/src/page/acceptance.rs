@@ -4,9 +4,10 @@ use super::{Page, Report};
 use crate::acceptance::{heads, pose_rows, symbols};
 use crate::figure::{Bar, Plot, bars, escape};
 use crate::{
-    AcceptanceSummary, BudgetSummary, DistanceSummary, FigureSummary, RunRecord, StateSummary, count,
+    AcceptanceSummary, BudgetSummary, DistanceSummary, FigureSummary, Limit, RunRecord, StateSummary, count,
     significant,
 };
+use truepose_acceptance::Conformity;
 
 /// Builds the page.
 pub fn acceptance_report(summary: &AcceptanceSummary, run: &RunRecord) -> Report {
@@ -31,9 +32,14 @@ pub fn acceptance_report(summary: &AcceptanceSummary, run: &RunRecord) -> Report
     );
     page.section("Verdict");
     verdict(&mut page, summary);
-    largest(&mut page, summary);
+    overview(&mut page, summary);
     page.list(&summary.remarks);
+    page.raw(
+        "<div class=\"signatures\"><div>date, signature of the operator</div><div>date, signature of the customer</div></div>",
+    );
     page.end_of_sheet();
+    page.section("Pose accuracy");
+    largest(&mut page, summary);
     for state in std::iter::once(&summary.before).chain(&summary.after) {
         of_state(&mut page, state);
     }
@@ -87,6 +93,37 @@ fn verdict(page: &mut Page, summary: &AcceptanceSummary) {
         page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.sentence())));
         page.note("No limits were given. With --spec AP=0.5mm, figures are compared with them.");
     }
+}
+
+/// The worst of each figure, its limit and verdict.
+fn overview(page: &mut Page, summary: &AcceptanceSummary) {
+    let states: Vec<&StateSummary> = std::iter::once(&summary.before).chain(&summary.after).collect();
+    let judged = states.last().map_or("", |state| state.name);
+    let mut rows = Vec::new();
+    for (name, symbol) in Limit::KNOWN {
+        let worst: Vec<_> = states.iter().map(|state| state.worst(symbol)).collect();
+        if worst.iter().all(Option::is_none) {
+            continue;
+        }
+        let mut row = vec![format!("{name} ({symbol})")];
+        for one in &worst {
+            row.push(
+                one.as_ref().map_or_else(|| "–".into(), |(of, figure)| format!("{} ({of})", figure.shown())),
+            );
+        }
+        let of_figure = || summary.verdicts.iter().filter(|v| v.symbol == symbol && v.state == judged);
+        let limit = of_figure().next().map(|v| significant(v.limit_mm, 3));
+        let verdict = limit.is_some().then(|| Conformity::of_all(of_figure().map(|v| v.conformity)).name());
+        row.push(limit.unwrap_or_else(|| "–".into()));
+        row.push(verdict.unwrap_or("–").into());
+        rows.push(row);
+    }
+    let mut head = vec!["figure, mm"];
+    head.extend(states.iter().map(|state| state.name));
+    head.extend(["limit", "verdict"]);
+    let caption =
+        "Worst of each figure (± expanded uncertainty, k = 2; in brackets 95 % interval), and where";
+    page.table(caption, &head, &rows, true);
 }
 
 /// AP of every pose, before and after.
