@@ -83,6 +83,9 @@ pub struct IdentificationSummary {
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
+    /// Uncertainty budget of one measured position about its prediction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<crate::BudgetSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -252,6 +255,7 @@ impl IdentificationSummary {
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,
+            budget: crate::BudgetSummary::of_identification(found, data).ok(),
             parameters: None,
         };
         let summary = IdentificationSummary { limit: limit(&summary), ..summary };

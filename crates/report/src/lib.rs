@@ -45,7 +45,7 @@ pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
-pub use specification::{SpecificationSummary, Verdict};
+pub use specification::{GuardBandSummary, GuardedVerdict, SpecificationSummary, Verdict};
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
