@@ -33,7 +33,7 @@ enum Verb {
     },
     /// A benchmark study, in release; leaves its table and figures in target/studies.
     Study {
-        /// Which: closed-loop, discovery, harm, orders, pps, reliability, sensitivity, solvers.
+        /// Which: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, solvers.
         name: String,
         /// Passed on to the study, e.g. `--short`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
