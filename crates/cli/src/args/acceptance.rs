@@ -26,8 +26,9 @@ pub struct Iso9283 {
     /// A fit: the same figures with the displacement that its model predicts taken off
     #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["robot", "base", "tip"])]
     pub fit: Option<PathBuf>,
-    /// Frames of instrument and robot [default: described; best-fit where the base has `known = false`]
-    #[arg(long, value_enum, value_name = "FRAMES")]
+    /// Frames of instrument and robot: described (with --fit: as the fit found them), or best-fit of the attained positions to the commanded
+    /// ones [default: described; best-fit where the base has `known = false`]
+    #[arg(long, value_enum, value_name = "FRAMES", hide_possible_values = true)]
     pub align: Option<FramesFrom>,
     /// Standard uncertainty (k = 1) of a measured position in each axis that the readings of one pose share, e.g. 15um [default: 0]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, value_parser = parse_length)]

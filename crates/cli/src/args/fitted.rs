@@ -10,8 +10,8 @@ pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
     #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "robot")]
     pub fit: Option<PathBuf>,
-    /// Plan a test instead: the cube, the five poses and the cycles of ISO 9283
-    #[arg(long = "for", value_enum, value_name = "TEST", conflicts_with_all = ["rival", "at", "report"])]
+    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283
+    #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
     pub test: Option<PlannedTest>,
     /// Robot of the test (.toml or .urdf), in place of a fit
     #[arg(long, value_name = "FILE", requires = "test", conflicts_with = "fit")]
