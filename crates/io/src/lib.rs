@@ -17,6 +17,7 @@ mod predictions;
 mod robot;
 mod same_file;
 mod table;
+mod test_plan;
 mod text;
 mod toml_tree;
 mod unfinished;
@@ -26,7 +27,7 @@ mod write_whole;
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
-pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
+pub use fit::{FIT_FORMAT, fit_json, parse_fit, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
@@ -44,6 +45,7 @@ pub use robot::{
     robot_urdf,
 };
 pub use same_file::same_file;
+pub use test_plan::{TestPoseRow, write_test_plan};
 pub use text::read_text;
 pub use unfinished::{ScratchFolder, stop_writing};
 pub use unit::{Quantity, Unit};

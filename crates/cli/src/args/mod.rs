@@ -1,5 +1,6 @@
 //! The command line.
 
+mod acceptance;
 mod fitted;
 mod grouped;
 mod measured;
@@ -7,7 +8,8 @@ mod other;
 mod upkeep;
 mod values;
 
-pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
+pub use acceptance::{FramesFrom, Iso9283};
+pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
@@ -90,6 +92,9 @@ pub enum Verb {
     Export(Export),
     /// Map the robot's accuracy over its workspace, before and after compensation
     Map(Map),
+    /// Pose accuracy, repeatability and the other figures of ISO 9283 from repeated poses, with their uncertainty
+    #[command(name = "iso9283")]
+    Iso9283(Iso9283),
     /// Find base (tool, targets) of an identified arm in a new installation, from a few poses
     Transfer(Transfer),
     /// Make a prior for the next robot of a type from the fits of others

@@ -15,11 +15,13 @@ mod frames;
 mod identified;
 mod identify;
 mod init;
+mod iso9283;
 mod map;
 mod monitor;
 mod nominal;
 mod parameters;
 mod plan;
+mod plan_iso9283;
 mod predict;
 mod repeated;
 mod reporting;
@@ -56,6 +58,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Compensate(verb) => compensate::run(verb, watch),
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
+        Verb::Iso9283(verb) => iso9283::run(verb, watch),
         Verb::Transfer(verb) => transfer::run(verb, watch),
         Verb::Fleet(verb) => fleet::run(verb),
         Verb::Monitor(verb) => monitor::run(verb, watch),

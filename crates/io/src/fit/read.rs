@@ -23,12 +23,24 @@ struct Heading {
 /// # Errors
 /// When the file cannot be read, is not a fit file, is of a newer format, or contradicts itself.
 pub fn read_fit(path: impl AsRef<Path>, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
-    let path = path.as_ref();
-    let text = Text::read_up_to(path, LARGEST_FIT)?;
+    of_text(&Text::read_up_to(path.as_ref(), LARGEST_FIT)?, registry)
+}
+
+/// Reads the contents of a fit file that are in memory. Messages name the file `fit`.
+///
+/// # Errors
+/// As [`read_fit`].
+pub fn parse_fit(text: &str, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    of_text(&Text { file: "fit".into(), text: text.into() }, registry)
+}
+
+fn of_text(text: &Text, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
+    let path = text.file.as_path();
     if text.text.trim().is_empty() {
         return Err(IoError::file(path, "is empty; a fit file is written by `truepose identify`"));
     }
-    let heading: Heading = parsed(&text)?;
+    let heading: Heading = parsed(text)?;
     match heading.format {
         Some(FIT_FORMAT) => {}
         Some(newer) if newer > FIT_FORMAT => {
@@ -51,7 +63,7 @@ pub fn read_fit(path: impl AsRef<Path>, registry: &EffectRegistry) -> Result<Fit
             ));
         }
     }
-    let file: FitV1 = parsed(&text)?;
+    let file: FitV1 = parsed(text)?;
     file.into_model(registry).map_err(|message| IoError::file(path, message))
 }
 
