@@ -78,7 +78,8 @@ impl Flow {
     pub(crate) fn close(&mut self) {
         let Some(block) = self.blocks.pop() else { return };
         for which in [FRAME, TOOL] {
-            let same = block.exits.iter().chain([&self.active]).all(|exit| exit[which] == block.opened[which]);
+            let same =
+                block.exits.iter().chain([&self.active]).all(|exit| exit[which] == block.opened[which]);
             if same {
                 self.active[which] = block.opened[which].clone();
                 continue;
@@ -104,7 +105,8 @@ pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) 
         };
         for which in [FRAME, TOOL] {
             if seen[which] != active[which] && !matches!(seen[which], Reference::Unknown(_)) {
-                let words = format!("it is used with {} and with {}", seen[which].words(), active[which].words());
+                let words =
+                    format!("it is used with {} and with {}", seen[which].words(), active[which].words());
                 seen[which] = Reference::Unknown(words);
             }
         }

@@ -137,7 +137,12 @@ impl State {
 fn key(name: &str) -> Option<(char, u64)> {
     let letter = name.chars().next().filter(|c| matches!(c, 'C' | 'P'))?;
     let digits = &name[1..];
-    digits.chars().all(|c| c.is_ascii_digit()).then(|| digits.parse().ok()).flatten().map(|number| (letter, number))
+    digits
+        .chars()
+        .all(|c| c.is_ascii_digit())
+        .then(|| digits.parse().ok())
+        .flatten()
+        .map(|number| (letter, number))
 }
 
 fn instruction(line: &Line<'_>, points: &mut [Point], order: &mut Vec<Step>, notes: &mut Vec<Note>) {

@@ -1,8 +1,8 @@
 //! The numbers by which controllers write an orientation.
 
+use std::f64::consts::TAU;
 use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
-use std::f64::consts::TAU;
 
 /// How three or four numbers are an orientation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +70,8 @@ impl Orientation {
                 let short = truepose_kinematics::rotation_log(rotation);
                 let angle = short.norm();
                 let wanted = Vector3::from_iterator(like.iter().copied().chain([0.0; 3]).take(3));
-                let axis = if angle > 1e-12 { short / angle } else { wanted.try_normalize(0.0).unwrap_or_default() };
+                let axis =
+                    if angle > 1e-12 { short / angle } else { wanted.try_normalize(0.0).unwrap_or_default() };
                 let turns = [-1.0, 0.0, 1.0].map(|k| axis * (angle + k * TAU));
                 let near = |a: &&Vector3<f64>, b: &&Vector3<f64>| {
                     (*a - wanted).norm().total_cmp(&(*b - wanted).norm())

@@ -123,7 +123,11 @@ fn closed(text: &[u8], at: usize, lexis: Lexis) -> Result<usize, ControllerError
         return Err(syntax(text, at, "a text is not closed in its line"));
     };
     if lexis.escapes && length > 0 && inside[length - 1] == b'\\' {
-        return Err(syntax(text, at + length, "a backslash in front of a quote leaves open where the text ends"));
+        return Err(syntax(
+            text,
+            at + length,
+            "a backslash in front of a quote leaves open where the text ends",
+        ));
     }
     Ok(at + length + 2)
 }

@@ -42,7 +42,10 @@ fn counted(program: &Program) -> String {
                 next += 1.0;
                 next
             };
-            point.fixed.is_none().then(|| Replacement { numbers: (0..count).map(|_| number()).collect(), turns: vec![] })
+            point
+                .fixed
+                .is_none()
+                .then(|| Replacement { numbers: (0..count).map(|_| number()).collect(), turns: vec![] })
         })
         .collect();
     String::from_utf8(program.rewritten(&all).unwrap()).unwrap()
@@ -73,13 +76,18 @@ fn krl_points_are_declared_assigned_or_in_a_motion() {
     assert_eq!(dat.points()[1].external, [("E1".to_owned(), 7.5)]);
     let (frame, _) = active(&dat, "XP3");
     assert!(dat.definitions().get(named(frame)).is_err());
-    assert!(matches!(&dat.points()[0].value, Value::Pose { branch: Branch::Kuka { status: 2, turn: Some(10) }, .. }));
+    assert!(matches!(
+        &dat.points()[0].value,
+        Value::Pose { branch: Branch::Kuka { status: 2, turn: Some(10) }, .. }
+    ));
     assert_eq!(
         counted(&dat).lines().nth(2).unwrap(),
         "DECL E6POS  XP2={X 7.000,Y +8.000,Z 9.000,A 10.0000,B 11.0000,C 12.0000,S 2,T 10,E1 7.5} , \
          XP3={X 13.000,Y 14.000,Z 15.000,A 16.0000,B 17.0000,C 18.0000}"
     );
-    assert!(counted(&src).contains("circ {x 7.000, y 8.000,Z 9.000,A 10.0000,B 11.0000,C 12.0000,S 2,T 'B001010'} , {X 13.000"));
+    assert!(counted(&src).contains(
+        "circ {x 7.000, y 8.000,Z 9.000,A 10.0000,B 11.0000,C 12.0000,S 2,T 'B001010'} , {X 13.000"
+    ));
     assert!(counted(&src).contains("; LIN {X 9,Y 9,Z 9,A 9,B 9,C 9}\r\n"));
 }
 
@@ -117,7 +125,7 @@ const MOD: &str = "MODULE M\r\n  CONST robtarget p10:=[[600.5,0,800],[0,0,1,0], 
 #[test]
 fn rapid_targets_may_span_lines_and_stand_in_arrays() {
     let program = read(Dialect::Rapid, MOD, &[]);
-    assert_eq!(names(&program), ["P10", "P20", "J{1}", "J{2}", "MoveL in line 18"]);
+    assert_eq!(names(&program), ["P10", "P20", "J{1}", "J{2}", "MoveL in line 16"]);
     let (frame, tool) = active(&program, "P10");
     assert_eq!((named(frame), named(tool)), ("WFIX", "TGRIP"));
     assert!(program.definitions().get("WTURN").unwrap_err().contains("ufprog"));
@@ -127,9 +135,15 @@ fn rapid_targets_may_span_lines_and_stand_in_arrays() {
     assert_eq!(program.notes().len(), 1);
     assert!(program.notes()[0].refuses && program.notes()[0].name.starts_with("MoveL Offs(p10"));
     let text = counted(&program);
-    assert!(text.contains("[[1.000,2.000,3.000],[4.0000000,5.0000000,6.0000000,7.0000000], ! here\r\n    [0,-1,1,0]"), "{text}");
+    assert!(
+        text.contains(
+            "[[1.000,2.000,3.000],[4.0000000,5.0000000,6.0000000,7.0000000], ! here\r\n    [0,-1,1,0]"
+        ),
+        "{text}"
+    );
     assert!(text.contains("! CONST robtarget p99:=[[1,2,3]") && text.contains("\"p10:=[[1,2,3]]\""));
-    let bare = read(Dialect::Rapid, &MOD.replace("PROC main()", "PROC main() p20.trans.z:=5; PDispSet q;"), &[]);
+    let bare =
+        read(Dialect::Rapid, &MOD.replace("PROC main()", "PROC main() p20.trans.z:=5; PDispSet q;"), &[]);
     assert!(bare.points()[1].fixed.is_some());
     assert!(matches!(active(&bare, "P10").0, Reference::Unknown(_)));
 }
@@ -172,7 +186,10 @@ fn script_literals_are_points_where_a_motion_goes_to_them() {
         names(&program),
         ["home", "wp", "movej in line 8", "movel in line 11", "movec in line 14", "movec in line 14"]
     );
-    assert!(matches!(&program.points()[2].value, Value::Pose { branch: Branch::Near(_), tool: Reference::Value(_), .. }));
+    assert!(matches!(
+        &program.points()[2].value,
+        Value::Pose { branch: Branch::Near(_), tool: Reference::Value(_), .. }
+    ));
     let (frame, _) = active(&program, "movel in line 11");
     assert!(matches!(frame, Reference::Value(pose) if (pose.translation.x - 0.1).abs() < 1e-15));
     assert_eq!(program.notes().len(), 1);
@@ -212,7 +229,9 @@ fn val3_absent_numbers_are_zero_and_are_added() {
     assert!((frame.translation.x - 0.005).abs() < 1e-15 && (frame.translation.y - 0.007).abs() < 1e-15);
     let text = counted(&program);
     assert!(
-        text.contains("x=\"1.000\" y='2.000' rz=\"6.0000\" z=\"3.000\" rx=\"4.0000\" ry=\"5.0000\" shoulder=\"lefty\""),
+        text.contains(
+            "x=\"1.000\" y='2.000' rz=\"6.0000\" z=\"3.000\" rx=\"4.0000\" ry=\"5.0000\" shoulder=\"lefty\""
+        ),
         "{text}"
     );
     assert!(text.contains("<!-- <Value x=\"1\"/> -->") && text.contains("value=\"3\""));
@@ -244,5 +263,8 @@ fn other_files_are_refused() {
     assert!(wrong(Dialect::Fanuc, b"hello").contains("/MN"));
     assert!(wrong(Dialect::Inform, b"hello").contains("/JOB"));
     assert!(wrong(Dialect::Val3, b"<a/>").contains("<Data"));
-    assert_eq!(wrong(Dialect::Krl, b"A=1\nDECL E6POS X={X 1,\nY 2}\n"), "2:14: an aggregate is not closed in its line");
+    assert_eq!(
+        wrong(Dialect::Krl, b"A=1\nDECL E6POS X={X 1,\nY 2}\n"),
+        "2:14: an aggregate is not closed in its line"
+    );
 }

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod corrections;
 mod digest;
 mod error;
 mod export;
@@ -23,6 +24,7 @@ mod unfinished;
 mod unit;
 mod write_whole;
 
+pub use corrections::{CorrectionRow, corrections_file, read_bytes};
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};

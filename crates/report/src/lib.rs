@@ -32,9 +32,9 @@ pub use identification::{
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandView, CommandsView, MapView, PlaceView, PlanView, PlannedView, PredictionView, Report,
-    commands_report, comparison_report, discovery_report, identification_report, map_report, plan_report,
-    prediction_report,
+    CommandView, CommandsView, CorrectionView, MapView, PlaceView, PlanView, PlannedView, PredictionView,
+    ProgramView, Report, commands_report, comparison_report, discovery_report, identification_report,
+    map_report, plan_report, prediction_report, program_report,
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;

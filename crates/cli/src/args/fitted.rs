@@ -1,7 +1,8 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
-use super::Grouped;
-use super::values::{Place, input, parse_place, parse_position, parse_three, parse_whole};
+use super::program::parse_given;
+use super::values::{input, parse_position, parse_three, parse_whole};
+use super::{GivenPlace, Grouped, RobotProgram};
 use std::path::PathBuf;
 
 /// `truepose plan`
@@ -79,26 +80,29 @@ pub struct Compensate {
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
-    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "joints")]
+    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["joints", "program"])]
     pub poses: Option<PathBuf>,
     /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there
     #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "tcp"])]
     pub joints: Option<PathBuf>,
     /// Frame of the poses: base, measurement, the name of a frame, or x,y,z,roll,pitch,yaw in the base, e.g. 900mm,0mm,50mm,0,0,90
-    /// (degrees) [default: measurement]
-    #[arg(long, value_name = "FRAME", value_parser = parse_place, allow_hyphen_values = true)]
-    pub frame: Option<Place>,
+    /// (degrees) [default: measurement]. Of a program: the value of a frame by its name, e.g. UF1=900mm,0mm,50mm,0,0,90, repeated for
+    /// each; without a name that of points whose frame is not known [default: the robot's base]
+    #[arg(long, value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
+    pub frame: Vec<GivenPlace>,
     /// Tool centre point of the poses: flange, the name of a frame, or x,y,z,roll,pitch,yaw in the last joint's frame [default: the tool of
-    /// the measurements]
-    #[arg(long, value_name = "FRAME", value_parser = parse_place, allow_hyphen_values = true)]
-    pub tcp: Option<Place>,
+    /// the measurements]. Of a program: as --frame, e.g. UT1=0mm,0mm,120mm,0,0,0
+    #[arg(long, visible_alias = "tool-frame", value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
+    pub tcp: Vec<GivenPlace>,
     /// File with [[frames]] (TOML) [default: those of the fit's robot file]
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub frames: Option<PathBuf>,
     /// Also write the corrected pose that a controller without the model has to be given, in the frame of the poses
     #[arg(long)]
     pub cartesian: bool,
-    /// Where to write the commands
+    #[command(flatten)]
+    pub robot_program: RobotProgram,
+    /// Where to write the commands, or the program; the table of its corrections is written beside it (FILE.corrections.csv)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Folder for the report: `index.html`, its figures, `compensation.json` and `run.json`

@@ -4,6 +4,7 @@ mod fitted;
 mod grouped;
 mod measured;
 mod other;
+mod program;
 mod upkeep;
 mod values;
 
@@ -11,6 +12,7 @@ pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
+pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Monitor, Transfer};
 pub use values::Place;
 

@@ -19,6 +19,7 @@ mod nominal;
 mod parameters;
 mod plan;
 mod predict;
+mod program;
 mod repeated;
 mod reporting;
 mod simulate;

@@ -51,7 +51,8 @@ impl<'c> Arm<'c> {
     pub(super) fn of(chain: &'c Chain) -> Option<Self> {
         let turns = chain.movable().iter().all(|&joint| chain.joint(joint).kind == JointKind::Revolute);
         let mut arm = Arm { chain, buffer: PostureBuffer::new(chain) };
-        (chain.movable().len() == 6 && turns && arm.sides(&[0.1, -0.7, 0.9, 0.3, 0.5, 0.2]).is_some()).then_some(arm)
+        (chain.movable().len() == 6 && turns && arm.sides(&[0.1, -0.7, 0.9, 0.3, 0.5, 0.2]).is_some())
+            .then_some(arm)
     }
 
     /// Origin and direction of each axis, measurement frame.
@@ -137,9 +138,10 @@ impl Configuration {
 /// Whether the turn numbers of a point may be those of these joints, controller's values in degrees.
 pub(super) fn turns_fit(branch: &Branch, angles: &[f64], axes: Option<[usize; 3]>) -> bool {
     match branch {
-        Branch::Kuka { turn: Some(turn), .. } => {
-            angles.iter().enumerate().all(|(k, &angle)| angle.abs() < EITHER || (angle < 0.0) == (turn >> k & 1 == 1))
-        }
+        Branch::Kuka { turn: Some(turn), .. } => angles
+            .iter()
+            .enumerate()
+            .all(|(k, &angle)| angle.abs() < EITHER || (angle < 0.0) == (turn >> k & 1 == 1)),
         Branch::Abb([cf1, cf4, cf6, _]) => {
             [(0, cf1), (3, cf4), (5, cf6)].iter().all(|&(k, cf)| near_step(angles[k], 90.0, 0.0, *cf, EITHER))
         }
@@ -158,7 +160,11 @@ pub(super) fn turns_fit(branch: &Branch, angles: &[f64], axes: Option<[usize; 3]
 ///
 /// # Errors
 /// When they are not known.
-pub(super) fn turns_of(branch: &Branch, angles: &[f64], axes: Option<[usize; 3]>) -> Result<Vec<i64>, String> {
+pub(super) fn turns_of(
+    branch: &Branch,
+    angles: &[f64],
+    axes: Option<[usize; 3]>,
+) -> Result<Vec<i64>, String> {
     Ok(match branch {
         Branch::Kuka { turn: Some(turn), .. } => {
             let bit = |(k, &angle): (usize, &f64)| {
@@ -172,13 +178,20 @@ pub(super) fn turns_of(branch: &Branch, angles: &[f64], axes: Option<[usize; 3]>
         Branch::Abb([cf1, cf4, cf6, _]) => {
             [(0, cf1), (3, cf4), (5, cf6)].map(|(k, cf)| step(angles[k], 90.0, 0.0, *cf)).to_vec()
         }
-        Branch::Fanuc { turns, .. } => match axes {
-            Some(axes) => {
-                axes.iter().zip(turns).map(|(&axis, turn)| step(angles[axis - 1], 360.0, 180.0, *turn)).collect()
+        Branch::Fanuc { turns, .. } => {
+            match axes {
+                Some(axes) => axes
+                    .iter()
+                    .zip(turns)
+                    .map(|(&axis, turn)| step(angles[axis - 1], 360.0, 180.0, *turn))
+                    .collect(),
+                None if angles.iter().all(|angle| angle.abs() <= 180.0 + KEEPS) => turns.to_vec(),
+                None => return Err(
+                    "an axis passes 180°, and which axes the turn numbers are of is not known (--turn-axes)"
+                        .into(),
+                ),
             }
-            None if angles.iter().all(|angle| angle.abs() <= 180.0 + KEEPS) => turns.to_vec(),
-            None => return Err("an axis passes 180°, and which axes the turn numbers are of is not known (--turn-axes)".into()),
-        },
+        }
         _ => Vec::new(),
     })
 }
@@ -196,7 +209,8 @@ fn step(angle: f64, width: f64, offset: f64, old: i64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truepose_kinematics::samples;
+    use std::f64::consts::FRAC_PI_2;
+    use truepose_kinematics::{Placement, samples};
 
     #[test]
     fn turn_numbers_follow_the_joints_and_stay_where_they_hold() {
@@ -218,13 +232,29 @@ mod tests {
     fn only_arms_whose_wrist_axes_meet_have_configurations() {
         assert!(Arm::of(&samples::ur10()).is_none());
         assert!(Arm::of(&samples::pps()).is_none());
+        // KUKA's zero: the arm stretched out horizontally.
         let heavy = samples::heavy();
         let mut arm = Arm::of(&heavy).unwrap();
-        // At zero the sample's forearm is horizontal and in front, as ABB's and FANUC's.
-        let at = |arm: &mut Arm<'_>, q: [f64; 6]| arm.configuration(&q, &Branch::Abb([0; 4])).unwrap().cfx();
-        assert_eq!(at(&mut arm, [0.0, 0.0, 0.0, 0.0, 0.5, 0.0]), 0);
-        assert_eq!(at(&mut arm, [0.0, 0.0, 0.0, 0.0, -0.5, 0.0]), 1);
-        assert_eq!(at(&mut arm, [1.0, -1.9, -0.1, 0.0, 0.5, 0.0]), 4);
-        assert_eq!(at(&mut arm, [1.0, 0.5, -1.9, 0.0, 0.5, 0.0]) & 2, 2);
+        let kuka = Branch::Kuka { status: 0, turn: None };
+        let status = |arm: &mut Arm<'_>, q: [f64; 6]| arm.configuration(&q, &kuka).unwrap().status();
+        assert_eq!(status(&mut arm, [0.4, -1.5, 1.2, 0.0, 0.5, 0.0]), 2);
+        assert_eq!(status(&mut arm, [0.4, -1.5, 1.2, 0.0, -0.5, 0.0]), 6);
+        assert_eq!(status(&mut arm, [0.4, -0.5, -1.2, 0.0, 0.5, 0.0]), 0);
+        assert_eq!(status(&mut arm, [0.4, -1.9, 0.1, 0.0, 0.5, 0.0]) & 1, 1);
+        // ABB's and FANUC's: the upper arm stands, the forearm is horizontal.
+        let joints = heavy.joints().iter().enumerate().map(|(k, joint)| {
+            let mut joint = joint.clone();
+            if let Placement::Mdh { theta, .. } = &mut joint.placement {
+                *theta += [0.0, -FRAC_PI_2, FRAC_PI_2, 0.0, 0.0, 0.0][k];
+            }
+            joint
+        });
+        let upright = Chain::new("upright", joints.collect()).unwrap();
+        let mut arm = Arm::of(&upright).unwrap();
+        let cfx = |arm: &mut Arm<'_>, q: [f64; 6]| arm.configuration(&q, &Branch::Abb([0; 4])).unwrap().cfx();
+        assert_eq!(cfx(&mut arm, [0.3, 0.1, 0.1, 0.2, 0.5, 0.0]), 0);
+        assert_eq!(cfx(&mut arm, [0.3, 0.1, 0.1, 0.2, -0.5, 0.0]), 1);
+        assert_eq!(cfx(&mut arm, [0.3, 0.9, -1.9, 0.2, 0.5, 0.0]), 2);
+        assert_eq!(cfx(&mut arm, [0.3, -1.5, -0.5, 0.2, 0.5, 0.0]), 4);
     }
 }

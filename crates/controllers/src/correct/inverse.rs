@@ -187,7 +187,12 @@ impl<'m> Inverse<'m> {
     }
 
     /// The solution that a configuration describes.
-    fn described(&mut self, tool: &Pose, branch: &Branch, before: Option<&[f64]>) -> Result<Vec<f64>, String> {
+    fn described(
+        &mut self,
+        tool: &Pose,
+        branch: &Branch,
+        before: Option<&[f64]>,
+    ) -> Result<Vec<f64>, String> {
         let Some(mut arm) = self.arm.take() else {
             return Err("its configuration data is not interpreted for an arm whose last three axes do not meet; give the point in joint values".into());
         };
@@ -198,7 +203,9 @@ impl<'m> Inverse<'m> {
             self.arm = Some(arm);
             return Err("which axes its turn numbers are of is not known (--turn-axes)".into());
         }
-        let quick = before.and_then(|before| self.from(tool, before)).filter(|found| self.fits(&mut arm, found, branch, true));
+        let quick = before
+            .and_then(|before| self.from(tool, before))
+            .filter(|found| self.fits(&mut arm, found, branch, true));
         let found = match quick {
             Some(found) => Ok(found),
             None => {

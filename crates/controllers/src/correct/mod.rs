@@ -32,7 +32,9 @@ use inverse::Inverse;
 use truepose_compensate::{
     Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
 };
-use truepose_errormodel::{Beyond, Channel, Coverage, ErrorModel, FittedModel, Schema, Signal, presliding_of};
+use truepose_errormodel::{
+    Beyond, Channel, Coverage, ErrorModel, FittedModel, Schema, Signal, presliding_of,
+};
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
 use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, joint_jacobian, rotation_log};
 
@@ -237,7 +239,11 @@ impl<'m> Corrector<'m> {
     }
 
     /// Variables of the nominal robot at a point, and its pose.
-    fn located(&mut self, point: &Point, before: Option<&Before>) -> Result<(Vec<f64>, Option<Placed>), String> {
+    fn located(
+        &mut self,
+        point: &Point,
+        before: Option<&Before>,
+    ) -> Result<(Vec<f64>, Option<Placed>), String> {
         if let Some(reason) = &point.fixed {
             return Err(reason.clone());
         }
@@ -349,7 +355,9 @@ impl<'m> Corrector<'m> {
         correction.within_95 = Some(radius_95(&(there.covariance + self.noise)));
         let branch = placed.map_or(&Branch::Continuous, |placed| &placed.branch);
         if !self.inverse.same(joints, &command.joints, branch) {
-            return Err("the correction changes the arm's configuration: the point is at a singularity".into());
+            return Err(
+                "the correction changes the arm's configuration: the point is at a singularity".into()
+            );
         }
         let new = self.flange(&command.joints);
         let moved = match placed {
@@ -410,7 +418,9 @@ impl<'m> Corrector<'m> {
             Beyond::Joint(k) => self.chain.joint(self.chain.movable()[*k]).name.clone(),
             Beyond::Payload => "payload".into(),
             Beyond::Time => "time".into(),
-            Beyond::Channel(k) => self.channels.get(*k).map_or("a channel".into(), |channel| channel.name.clone()),
+            Beyond::Channel(k) => {
+                self.channels.get(*k).map_or("a channel".into(), |channel| channel.name.clone())
+            }
             Beyond::Leverage => "the combination of joints (leverage)".into(),
         };
         let names: Vec<String> = beyond.iter().map(name).collect();
@@ -418,7 +428,13 @@ impl<'m> Corrector<'m> {
     }
 
     /// Refuses a posture at which the correction is not certain to stay in its configuration.
-    fn singular(&mut self, joints: &[f64], real: &Pose, desired: &Pose, oriented: bool) -> Result<(), String> {
+    fn singular(
+        &mut self,
+        joints: &[f64],
+        real: &Pose,
+        desired: &Pose,
+        oriented: bool,
+    ) -> Result<(), String> {
         let length = self.chain.characteristic_length();
         let conditions = Conditions::at(self.chain, joints);
         let posture = self.buffer.update(self.chain, &conditions);
@@ -432,7 +448,8 @@ impl<'m> Corrector<'m> {
         let rows = if oriented { 6 } else { jacobian.ncols().min(3) };
         let values = jacobian.rows(0, rows).svd(false, false).singular_values;
         let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let turned = if oriented { rotation_log(&(real.rotation * desired.rotation.transpose())).norm() } else { 0.0 };
+        let turned =
+            if oriented { rotation_log(&(real.rotation * desired.rotation.transpose())).norm() } else { 0.0 };
         let error = ((real.translation - desired.translation).norm() / length).hypot(turned);
         if 4.0 * error > smallest * smallest {
             return Err(format!(
@@ -461,7 +478,8 @@ fn signals(fitted: &FittedModel, options: &CorrectOptions) -> Result<(Schema, Ve
             continue;
         }
         if presliding_of(&name).is_some() {
-            let words = "the model depends on the way of a joint (presliding), which a list of points does not state";
+            let words =
+                "the model depends on the way of a joint (presliding), which a list of points does not state";
             return Err(ControllerError::Fit(words.into()));
         }
         // A channel that lags behind another, or is its mean, has that one's value where that one is constant.

@@ -16,9 +16,9 @@
 mod motions;
 mod position;
 
+use crate::lines::lines;
 use crate::program::{Definitions, Step};
 use crate::tokens::{Lexis, tokens_from};
-use crate::lines::lines;
 use crate::{ControllerError, Dialect, Program};
 
 const LEXIS: Lexis = Lexis { comment: 0, quotes: b"\"'", header: None, escapes: false };
@@ -27,7 +27,9 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
     let lines = lines(text);
     let head = |word: &str| lines.iter().position(|line| line.after(word).is_some_and(<[u8]>::is_empty));
     let Some(mn) = head("/MN") else {
-        return Err(ControllerError::NotAProgram("it has no line /MN: it is no program of FANUC's TP language".into()));
+        return Err(ControllerError::NotAProgram(
+            "it has no line /MN: it is no program of FANUC's TP language".into(),
+        ));
     };
     let pos = head("/POS").filter(|&pos| pos > mn).unwrap_or(lines.len());
     let end = (pos..lines.len()).find(|&k| lines[k].after("/END").is_some_and(<[u8]>::is_empty));
@@ -50,5 +52,12 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
         .map(|number| number.and_then(place).map_or(Step::Elsewhere, Step::Point))
         .collect();
     let definitions = Definitions::default();
-    Ok(Program { dialect: Dialect::Fanuc, text: text.to_vec(), points, definitions, order, notes: motions.notes })
+    Ok(Program {
+        dialect: Dialect::Fanuc,
+        text: text.to_vec(),
+        points,
+        definitions,
+        order,
+        notes: motions.notes,
+    })
 }

@@ -68,7 +68,10 @@ impl Motions {
                 Some(number) => {
                     self.reached.push(Some(number));
                     if let Some(word) = &displacing {
-                        self.displaced.push((number, format!("{word} in line {line} displaces it while the program runs")));
+                        self.displaced.push((
+                            number,
+                            format!("{word} in line {line} displaces it while the program runs"),
+                        ));
                     }
                 }
                 None => {
@@ -89,7 +92,13 @@ fn shown(text: &str) -> String {
 fn references(text: &str) -> Vec<(&str, Option<i64>)> {
     let mut found = Vec::new();
     let mut from = 0;
-    while let Some(at) = text[from..].find("P[").map(|at| from + at).into_iter().chain(text[from..].find("PR[").map(|at| from + at)).min() {
+    while let Some(at) = text[from..]
+        .find("P[")
+        .map(|at| from + at)
+        .into_iter()
+        .chain(text[from..].find("PR[").map(|at| from + at))
+        .min()
+    {
         let joined = text[..at].ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
         let list = if text[at..].starts_with("PR[") { "PR" } else { "P" };
         let inside = &text[at + list.len() + 1..];

@@ -1,7 +1,7 @@
 //! The section /POS.
 
-use crate::number::{Form, Slot, number_at};
 use crate::error::syntax;
+use crate::number::{Form, Slot, number_at};
 use crate::program::{Branch, Point, Reference, Value};
 use crate::tokens::{Cursor, Kind, Token};
 use crate::{ControllerError, Dialect};
@@ -78,7 +78,8 @@ struct Entry {
 
 fn groups(text: &[u8], inside: &[Token], point: &mut Point) {
     let mut at = Cursor::new(text, inside);
-    let (mut frame, mut tool) = (Reference::Unknown("UF is absent".into()), Reference::Unknown("UT is absent".into()));
+    let (mut frame, mut tool) =
+        (Reference::Unknown("UF is absent".into()), Reference::Unknown("UT is absent".into()));
     let mut config = None;
     let mut entries: Vec<Entry> = Vec::new();
     let mut group = 0;
@@ -116,6 +117,13 @@ fn groups(text: &[u8], inside: &[Token], point: &mut Point) {
             continue;
         }
         let value = at.number();
+        if value.is_none() {
+            // An untaught component is a row of stars.
+            let unit = |token: &Token| token.kind == Kind::Word || token.is(b',');
+            while at.peek().is_some_and(|token| !unit(token)) {
+                at.at += 1;
+            }
+        }
         let unit = at.peek_word().unwrap_or("").to_ascii_lowercase();
         if !unit.is_empty() {
             at.at += 1;
@@ -156,7 +164,8 @@ fn fill(text: &[u8], point: &mut Point, entries: &[Entry], active: [Reference; 2
             return;
         };
         let unit = if !joints && k < 3 { "mm" } else { "deg" };
-        let Some((value, range)) = entry.value.clone().filter(|_| entry.unit == unit || (joints && entry.unit == "mm"))
+        let Some((value, range)) =
+            entry.value.clone().filter(|_| entry.unit == unit || (joints && entry.unit == "mm"))
         else {
             point.fixed.get_or_insert_with(|| format!("{name} is not a number in {unit}"));
             return;
@@ -216,4 +225,3 @@ fn branch(text: &[u8], token: &Token, turns: &mut Vec<Slot>) -> Option<Branch> {
         _ => return None,
     })
 }
-

@@ -30,7 +30,12 @@ pub(super) struct Candidate {
 #[derive(Debug, Clone)]
 pub(super) enum Literal {
     /// Numbers X Y Z A B C, S and T; whether the type is FRAME.
-    Pose { numbers: Vec<f64>, status: Option<i64>, turn: Option<i64>, frame: bool },
+    Pose {
+        numbers: Vec<f64>,
+        status: Option<i64>,
+        turn: Option<i64>,
+        frame: bool,
+    },
     Axes(Vec<f64>),
 }
 
@@ -253,9 +258,10 @@ impl<'t> Reader<'t> {
     /// `FDAT FP1={TOOL_NO 1,BASE_NO 1,IPO_FRAME #BASE}`.
     fn frame_data(&mut self, name: &str, aggregate: &Aggregate<'_>) {
         let still = aggregate.entry("IPO_FRAME").is_some_and(|entry| {
-            entry.tokens.last().is_some_and(|token| {
-                self.text[token.range.clone()].eq_ignore_ascii_case(b"TCP")
-            })
+            entry
+                .tokens
+                .last()
+                .is_some_and(|token| self.text[token.range.clone()].eq_ignore_ascii_case(b"TCP"))
         });
         for (part, list) in [("BASE_NO", "BASE_DATA"), ("TOOL_NO", "TOOL_DATA")] {
             let definition = match aggregate.value(part) {
@@ -414,7 +420,9 @@ fn candidate(
     }
     let external: Vec<(String, f64)> = externals
         .iter()
-        .filter_map(|name| aggregate.entry(name).map(|e| (name, e.value.as_ref().map_or(f64::NAN, |v| v.value))))
+        .filter_map(|name| {
+            aggregate.entry(name).map(|e| (name, e.value.as_ref().map_or(f64::NAN, |v| v.value)))
+        })
         .filter(|(_, value)| *value != 0.0)
         .map(|(name, value)| (name.clone(), value))
         .collect();

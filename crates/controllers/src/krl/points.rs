@@ -1,9 +1,9 @@
 //! The points of the first of some files, with the frames and tools with which all of them use it.
 
 use super::file::{Candidate, File, Literal, Motion, bare};
+use crate::Dialect;
 use crate::flow::{Active, of_all};
 use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Step, Value};
-use crate::Dialect;
 
 pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> Program {
     let file = &files[0];
@@ -25,7 +25,8 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
                 of_all(direct.map(|(file, motion)| &file.uses[motion.used]), &none)
             }
         };
-        let changed = files.iter().flat_map(|file| &file.changed).find(|(name, _)| means(name, &candidate.name));
+        let changed =
+            files.iter().flat_map(|file| &file.changed).find(|(name, _)| means(name, &candidate.name));
         points.push(point(candidate, active, changed));
     }
     let mut order = Vec::new();
@@ -142,7 +143,8 @@ fn note(motion: &Motion, files: &[File], place: usize) -> Option<Note> {
     if elsewhere || place > 0 {
         return None;
     }
-    if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name)) {
+    if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name))
+    {
         return of(format!("its value is computed in line {line}, maybe from a compensated point"), true);
     }
     of(format!("{name} has no value in the files given: it stays as it is"), false)

@@ -323,7 +323,9 @@ fn tool(node: &Node) -> Definition {
         return Definition::Unusable("its value is not made of numbers".into());
     };
     if !held.is_word("TRUE") {
-        return Definition::Unusable("the tool stands still (robhold is FALSE), which is not compensated".into());
+        return Definition::Unusable(
+            "the tool stands still (robhold is FALSE), which is not compensated".into(),
+        );
     }
     pose(frame).map_or(Definition::Unusable("its value is not made of numbers".into()), Definition::Value)
 }

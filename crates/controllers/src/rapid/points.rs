@@ -30,7 +30,8 @@ pub(super) fn program(text: &[u8], files: &[File], definitions: Definitions) -> 
         if let Some((line, word)) = files.iter().find_map(|file| file.displaced.clone()) {
             active[0] = Reference::Unknown(format!("{word} in line {line} displaces the program"));
         }
-        let changed = files.iter().flat_map(|file| &file.changed).find(|(name, _)| means(name, &candidate.name));
+        let changed =
+            files.iter().flat_map(|file| &file.changed).find(|(name, _)| means(name, &candidate.name));
         points.push(point(text, candidate, active, changed));
     }
     let mut order = Vec::new();
@@ -75,7 +76,8 @@ fn note(motion: &Motion, files: &[File], place: usize, found: bool) -> Option<No
     if found || place > 0 || known(name) {
         return None;
     }
-    if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name)) {
+    if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name))
+    {
         return of(format!("its value is computed in line {line}, maybe from a compensated point"), true);
     }
     of(format!("{name} has no value in the files given: it stays as it is"), false)
@@ -118,7 +120,11 @@ fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(S
     let numbers: Vec<f64> = place.iter().chain(&turn).map(|(value, _)| *value).collect();
     let whole = config.iter().all(|(value, _)| value.fract() == 0.0 && value.abs() < 1e6);
     let Some(pose) = Dialect::Rapid.pose(&numbers).filter(|_| whole) else {
-        let words = if whole { "its quaternion is not of length 1" } else { "its configuration is not made of whole numbers" };
+        let words = if whole {
+            "its quaternion is not of length 1"
+        } else {
+            "its configuration is not made of whole numbers"
+        };
         point.fixed = Some(words.into());
         return point;
     };

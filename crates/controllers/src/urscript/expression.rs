@@ -57,7 +57,10 @@ impl Expression {
             }
             ("get_inverse_kin", [target, rest @ ..]) => {
                 let near = rest.first().map(|near| unnamed(text, near));
-                Some(Expression::Inverse(Box::new(read(unnamed(text, target))?), near.and_then(read).map(Box::new)))
+                Some(Expression::Inverse(
+                    Box::new(read(unnamed(text, target))?),
+                    near.and_then(read).map(Box::new),
+                ))
             }
             _ => None,
         }

@@ -33,8 +33,7 @@ impl File {
         let all = tokens(text, LEXIS)?;
         let statements = statements(&all);
         let setters = setters(text, &statements);
-        let file =
-            File { motions: Vec::new(), uses: Vec::new(), assigned: Vec::new(), changed: Vec::new() };
+        let file = File { motions: Vec::new(), uses: Vec::new(), assigned: Vec::new(), changed: Vec::new() };
         let mut flow = Flow::new("set_tcp is not called before");
         flow.set(FRAME, Reference::Identity);
         let mut reader = Reader { text, file, flow, depth: 0, setters };
@@ -169,7 +168,9 @@ impl Reader<'_> {
             parts.unwrap_or_default().into_iter().map(|part| unnamed(self.text, part)).collect();
         if verb == "set_tcp" {
             let tool = match parts.first().map(|part| Expression::read(self.text, part)) {
-                Some(Expression::Pose(six)) => crate::Dialect::UrScript.pose(&six.values).map(Reference::Value),
+                Some(Expression::Pose(six)) => {
+                    crate::Dialect::UrScript.pose(&six.values).map(Reference::Value)
+                }
                 Some(Expression::Name(name)) => Some(Reference::Named(name)),
                 _ => None,
             };

@@ -17,9 +17,7 @@ struct Target<'e> {
 
 fn apart(target: &Expression) -> Target<'_> {
     match target {
-        Expression::Inverse(inner, near) => {
-            Target { near: near.as_deref(), ..apart(inner) }
-        }
+        Expression::Inverse(inner, near) => Target { near: near.as_deref(), ..apart(inner) },
         Expression::In(frame, inner) => match &**inner {
             inner @ (Expression::Pose(_) | Expression::Name(_)) => {
                 Target { inner, frame: Some(frame), near: None }
@@ -36,7 +34,8 @@ struct Names<'f> {
 
 impl<'f> Names<'f> {
     fn values(&self, name: &str) -> Vec<(usize, &'f Expression, usize)> {
-        let all = self.files.iter().enumerate().flat_map(|(k, file)| file.assigned.iter().map(move |a| (k, a)));
+        let all =
+            self.files.iter().enumerate().flat_map(|(k, file)| file.assigned.iter().map(move |a| (k, a)));
         all.filter(|(_, (other, ..))| other == name).map(|(k, (_, value, line))| (k, value, *line)).collect()
     }
 
@@ -96,8 +95,7 @@ pub(super) fn program(text: &[u8], files: &[File]) -> Program {
             let mut active = file.uses[motion.used].clone();
             active[FRAME] = names.frame(target.frame);
             if let Reference::Named(name) = &active[TOOL]
-                && let Some(pose) =
-                    names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
+                && let Some(pose) = names.named(name).and_then(|six| Dialect::UrScript.pose(&six.values))
             {
                 definitions.put(name.clone(), Definition::Value(pose));
             }
@@ -157,9 +155,9 @@ fn literals<'f>(names: &Names<'f>, target: &Target<'f>, motion: &Motion, place: 
         Expression::Name(name) => {
             let values = names.values(name);
             let changed = names.changed(name);
-            let computed = values.iter().find(|(_, value, _)| {
-                !matches!(value, Expression::Pose(_) | Expression::Joints(_))
-            });
+            let computed = values
+                .iter()
+                .find(|(_, value, _)| !matches!(value, Expression::Pose(_) | Expression::Joints(_)));
             let line = changed.or(computed.map(|(_, _, line)| *line));
             let fixed = line.map(|line| format!("line {line} changes it while the program runs"));
             values
@@ -191,7 +189,10 @@ fn note(names: &Names<'_>, target: &Target<'_>, motion: &Motion, place: usize) -
     if place > 0 && matches!(target.inner, Expression::Pose(_) | Expression::Joints(_)) {
         return None;
     }
-    of("the position is computed while the program runs: from a compensated point it comes out displaced", true)
+    of(
+        "the position is computed while the program runs: from a compensated point it comes out displaced",
+        true,
+    )
 }
 
 fn point(text: &[u8], found: &Found<'_>) -> Point {
@@ -213,7 +214,8 @@ fn point(text: &[u8], found: &Found<'_>) -> Point {
         });
         Value::Pose { pose, frame, tool, branch }
     };
-    let slots = found.six.ranges.iter().map(|range| Slot::padded(text, range.clone(), Form::Real(6))).collect();
+    let slots =
+        found.six.ranges.iter().map(|range| Slot::padded(text, range.clone(), Form::Real(6))).collect();
     Point {
         name: found.name.clone(),
         line: found.six.line,

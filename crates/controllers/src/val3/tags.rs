@@ -44,7 +44,8 @@ pub(super) fn tags(text: &[u8]) -> Result<Vec<Tag<'_>>, ControllerError> {
             [(b"<!--", b"-->"), (b"<![CDATA[", b"]]>"), (b"<?", b"?>"), (b"<!", b">")];
         if let Some((begin, end)) = passed.iter().find(|(begin, _)| text[open..].starts_with(begin)) {
             let close = find(text, open + begin.len(), end);
-            let close = close.ok_or_else(|| syntax(text, open, "a comment or a declaration is not closed"))?;
+            let close =
+                close.ok_or_else(|| syntax(text, open, "a comment or a declaration is not closed"))?;
             at = close + end.len();
             continue;
         }
@@ -96,7 +97,8 @@ fn tag(text: &[u8], open: usize, line: usize) -> Result<(Tag<'_>, usize), Contro
             return Err(wrong(at.min(text.len())));
         }
         at = blanks(text, at + 1);
-        let quote = text.get(at).copied().filter(|byte| matches!(byte, b'"' | b'\'')).ok_or_else(|| wrong(at))?;
+        let quote =
+            text.get(at).copied().filter(|byte| matches!(byte, b'"' | b'\'')).ok_or_else(|| wrong(at))?;
         let length = text[at + 1..].iter().position(|&byte| byte == quote || byte == b'<');
         let end = length.map(|length| at + 1 + length).filter(|&end| text[end] == quote);
         let end = end.ok_or_else(|| syntax(text, at, "an attribute is not closed"))?;
