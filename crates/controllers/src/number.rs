@@ -45,11 +45,22 @@ impl Slot {
             Form::Bits => bits(digits, value),
             Form::Absent(name, least) => format!(" {name}=\"{}\"", real("0", value, least)),
         };
+        let before = self.range.start.checked_sub(1).map_or(b' ', |before| text[before]);
         match old.len() - digits.len() {
+            // `X+5` is X and +5; `X5` would be a name.
+            0 if is_word(before) && new.starts_with(is_word_start) => format!(" {new}"),
             0 => new,
             _ => format!(" {new:>width$}", width = old.len() - 1),
         }
     }
+}
+
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+fn is_word_start(c: char) -> bool {
+    c.is_ascii_digit() || c == '.'
 }
 
 /// Digits behind the point; a number with an exponent counts as having none.

@@ -183,11 +183,13 @@ impl<'t> Cursor<'t> {
         let mut ahead = self.clone();
         let first = ahead.peek()?.range.start;
         let minus = ahead.take(b'-');
-        if !minus {
-            ahead.take(b'+');
-        }
+        let signed = minus || ahead.take(b'+');
         let token = ahead.next()?;
         let Kind::Number(value) = token.kind else { return None };
+        // What stands between a sign and its number would be lost.
+        if signed && token.range.start != first + 1 {
+            return None;
+        }
         self.at = ahead.at;
         Some((if minus { -value } else { value }, first..token.range.end))
     }

@@ -42,9 +42,8 @@ impl Motions {
         if text.is_empty() || text.starts_with(['!', '/', '-']) {
             return;
         }
-        let (verb, rest) = text.split_at(1);
-        let goes = matches!(verb, "J" | "L" | "C" | "A" | "S")
-            && (rest.trim_start().starts_with("P[") || rest.trim_start().starts_with("PR["));
+        let rest = text.strip_prefix(['J', 'L', 'C', 'A', 'S']).unwrap_or("");
+        let goes = rest.trim_start().starts_with("P[") || rest.trim_start().starts_with("PR[");
         if goes {
             self.motion(rest, text, line);
         } else if text.starts_with("PR[") && references(text).iter().any(|name| name.0 == "P") {
