@@ -19,6 +19,7 @@ mod odd_robots;
 mod permuted;
 mod placement;
 mod plants;
+mod programs;
 mod readme;
 mod reduction;
 mod shapes;
