@@ -115,10 +115,16 @@ impl Dialect {
     /// The pose of numbers in its form; none where they are no orientation.
     pub(crate) fn pose(self, numbers: &[f64]) -> Option<Pose> {
         let (place, turn) = numbers.split_at_checked(3)?;
+        if numbers.iter().any(|value| value.abs() > MOST) {
+            return None;
+        }
         let rotation = self.orientation().read(turn)?;
         Some(Pose::new(rotation, Vector3::new(place[0], place[1], place[2]) * self.length()))
     }
 }
+
+/// Numbers above this are none of a robot: a thousand kilometres in mm, or degrees that no longer tell where they point.
+const MOST: f64 = 1e9;
 
 const URP: &str = "a .urp is compressed XML with waypoints, variables and program tree in a form of PolyScope's own, and is not read; \
                    read is the script that PolyScope writes beside it (.script): name that, or move the waypoints to one";
