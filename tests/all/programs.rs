@@ -43,7 +43,11 @@ fn plant(chain: &Chain) -> Plant {
          [repeatability]\nsd_um = 20\n",
     );
     for &joint in chain.movable() {
-        let _ = write!(text, "[[errors.joint_compliance]]\njoint = \"{}\"\nstiffness = 3e6\n", chain.joint(joint).name);
+        let _ = write!(
+            text,
+            "[[errors.joint_compliance]]\njoint = \"{}\"\nstiffness = 3e6\n",
+            chain.joint(joint).name
+        );
     }
     let PlantDescription { errors, shop, instrument, repeatability, .. } =
         PlantDescription::from_toml(&text).expect("a description");
@@ -147,10 +151,14 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
             Dialect::Krl if as_pose => {
                 let turn: i64 = q.iter().enumerate().map(|(k, v)| i64::from(*v < 0.0) << k).sum();
                 let status = 2 + 4 * i64::from(q[4] < 0.0);
-                let _ = write!(text, "LIN {{X {x:.5},Y {y:.5},Z {z:.5},A {yaw:.6},B {pitch:.6},C {roll:.6},S {status},T {turn}}}\n");
+                let _ = write!(
+                    text,
+                    "LIN {{X {x:.5},Y {y:.5},Z {z:.5},A {yaw:.6},B {pitch:.6},C {roll:.6},S {status},T {turn}}}\n"
+                );
             }
             Dialect::Krl => {
-                let list: Vec<String> = q.iter().enumerate().map(|(k, v)| format!("A{} {v:.6}", k + 1)).collect();
+                let list: Vec<String> =
+                    q.iter().enumerate().map(|(k, v)| format!("A{} {v:.6}", k + 1)).collect();
                 let _ = write!(text, "PTP {{{}}}\n", list.join(","));
             }
             Dialect::Rapid if as_pose => {
@@ -176,8 +184,14 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
                         k + 1
                     );
                 } else {
-                    let list: Vec<String> = q.iter().enumerate().map(|(k, v)| format!("\tJ{}= {v:9.3} deg", k + 1)).collect();
-                    let _ = write!(text, "P[{}]{{\n   GP1:\n\tUF : 0, UT : 2,\t\n{}\n}};\n", k + 1, list.join(","));
+                    let list: Vec<String> =
+                        q.iter().enumerate().map(|(k, v)| format!("\tJ{}= {v:9.3} deg", k + 1)).collect();
+                    let _ = write!(
+                        text,
+                        "P[{}]{{\n   GP1:\n\tUF : 0, UT : 2,\t\n{}\n}};\n",
+                        k + 1,
+                        list.join(",")
+                    );
                 }
             }
             Dialect::UrScript if as_pose => {
@@ -196,22 +210,31 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
             Dialect::Inform => {
                 let _ = write!(moves, "MOVL C{k:05} V=93.0\n");
                 if as_pose {
-                    let _ = write!(text, "///POSTYPE USER\n///RECTAN\n///RCONF 0,0,0\nC{k:05}={x:.3},{y:.3},{z:.3},{roll:.4},{pitch:.4},{yaw:.4}\n");
+                    let _ = write!(
+                        text,
+                        "///POSTYPE USER\n///RECTAN\n///RCONF 0,0,0\nC{k:05}={x:.3},{y:.3},{z:.3},{roll:.4},{pitch:.4},{yaw:.4}\n"
+                    );
                 } else {
                     let pulses: Vec<String> = q.iter().map(|v| format!("{:.0}", 10_000.0 * v)).collect();
                     let _ = write!(text, "///POSTYPE PULSE\n///PULSE\nC{k:05}={}\n", pulses.join(","));
                 }
             }
             Dialect::Val3 => {
-                let list: Vec<String> = q.iter().enumerate().map(|(k, v)| format!("j{}=\"{v:.6}\"", k + 1)).collect();
+                let list: Vec<String> =
+                    q.iter().enumerate().map(|(k, v)| format!("j{}=\"{v:.6}\"", k + 1)).collect();
                 if as_pose {
-                    let [a, b, c] = Pose::new(pose.rotation.transpose(), Vector3::zeros()).rpy().map(|v| -v.to_degrees());
+                    let [a, b, c] =
+                        Pose::new(pose.rotation.transpose(), Vector3::zeros()).rpy().map(|v| -v.to_degrees());
                     let _ = write!(
                         text,
                         "<Data name=\"p{k}\" type=\"pointRx\"><Value key=\"0\" x=\"{x:.4}\" y=\"{y:.4}\" z=\"{z:.4}\" rx=\"{a:.5}\" ry=\"{b:.5}\" rz=\"{c:.5}\" fatherId=\"part[0]\"/></Data>\n"
                     );
                 } else {
-                    let _ = write!(text, "<Data name=\"j{k}\" type=\"jointRx\"><Value key=\"0\" {}/></Data>\n", list.join(" "));
+                    let _ = write!(
+                        text,
+                        "<Data name=\"j{k}\" type=\"jointRx\"><Value key=\"0\" {}/></Data>\n",
+                        list.join(" ")
+                    );
                 }
             }
         }
@@ -244,7 +267,8 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
             head = format!("/JOB\n//NAME A\n//POS\n///USER 1\n///TOOL 2\n{text}//INST\nNOP\n{moves}END\n");
         }
         Dialect::Val3 => {
-            let [a, b, c] = Pose::new(f.rotation.transpose(), Vector3::zeros()).rpy().map(|v| -v.to_degrees());
+            let [a, b, c] =
+                Pose::new(f.rotation.transpose(), Vector3::zeros()).rpy().map(|v| -v.to_degrees());
             let _ = write!(
                 head,
                 "<Database><Datas>\n<Data name=\"part\" type=\"frame\"><Value key=\"0\" x=\"{}\" y=\"{}\" z=\"{}\" rx=\"{a}\" ry=\"{b}\" rz=\"{c}\" fatherId=\"world[0]\"/></Data>\n{text}</Datas></Database>\n",
@@ -295,7 +319,10 @@ fn misses(dialect: Dialect, plant: &Plant, fitted: &FittedModel) -> (f64, f64, f
     for (k, (correction, point)) in corrections.iter().zip(again.points()).enumerate() {
         if correction.outcome != Outcome::Corrected {
             let reason = &correction.reason;
-            assert!(reason.contains("singularity") || reason.contains("data of the fit"), "{dialect:?} {k}: {reason}");
+            assert!(
+                reason.contains("singularity") || reason.contains("data of the fit"),
+                "{dialect:?} {k}: {reason}"
+            );
             continue;
         }
         let nominal = correction.nominal.as_deref().expect("joints");

@@ -81,7 +81,8 @@ fn reads_as(point: &Point, numbers: &[f64], dialect: Dialect) -> bool {
             let turn = dialect.orientation().read(&numbers[3..]).unwrap();
             let place = Vector3::new(numbers[0], numbers[1], numbers[2]) * dialect.length();
             let off = (pose.translation - place).norm();
-            off < 1e-6 + 1e-12 * place.norm() && (pose.rotation - turn).norm() < if dialect == Dialect::Fanuc { 4e-5 } else { 1e-5 }
+            off < 1e-6 + 1e-12 * place.norm()
+                && (pose.rotation - turn).norm() < if dialect == Dialect::Fanuc { 4e-5 } else { 1e-5 }
         }
     }
 }
@@ -105,7 +106,12 @@ fn check(text: &[u8], read: &Program, draw: &mut Draw) {
     for ((old, point), new) in read.points().iter().zip(again.points()).zip(&new) {
         assert_eq!((&old.name, old.line), (&point.name, point.line));
         if let Some(new) = new {
-            assert!(reads_as(point, &new.numbers, dialect), "{} in line {}: {new:?} {point:?}", point.name, point.line);
+            assert!(
+                reads_as(point, &new.numbers, dialect),
+                "{} in line {}: {new:?} {point:?}",
+                point.name,
+                point.line
+            );
         }
     }
 }
@@ -160,7 +166,8 @@ fn outside_of_comments(text: &[u8], read: &Program) {
         _ => return,
     };
     for range in ranges(read) {
-        let line = text[..range.start].iter().rposition(|byte| matches!(byte, b'\n' | b'\r')).map_or(0, |k| k + 1);
+        let line =
+            text[..range.start].iter().rposition(|byte| matches!(byte, b'\n' | b'\r')).map_or(0, |k| k + 1);
         let mut quote = None;
         for &byte in &text[line..range.start] {
             match quote {
@@ -176,10 +183,14 @@ fn outside_of_comments(text: &[u8], read: &Program) {
 
 #[test]
 fn mutated_programs_are_refused_or_right() {
-    let count = std::env::var("TRUEPOSE_MUTATIONS").ok().and_then(|count| count.parse().ok()).unwrap_or(MUTATIONS);
+    let count =
+        std::env::var("TRUEPOSE_MUTATIONS").ok().and_then(|count| count.parse().ok()).unwrap_or(MUTATIONS);
     for dialect in Dialect::ALL {
         let (refused, points) = fuzz(dialect, count);
-        assert!(refused < count && points > count / 4, "{dialect:?}: {refused} of {count} refused, {points} points");
+        assert!(
+            refused < count && points > count / 4,
+            "{dialect:?}: {refused} of {count} refused, {points} points"
+        );
         if count > MUTATIONS {
             eprintln!("{dialect:?}: {count} programs, {refused} refused, {points} points in the others");
         }

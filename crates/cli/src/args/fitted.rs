@@ -131,6 +131,15 @@ pub struct Export {
     /// The URDF that the fit was made from: its joint origins are corrected, everything else stays as it is
     #[arg(long, value_name = "FILE")]
     pub urdf: Option<PathBuf>,
+    /// Maker whose structure `--format ros-yaml` has
+    #[arg(long, value_enum, required_if_eq("format", "ros-yaml"))]
+    pub style: Option<YamlStyle>,
+    /// The maker's own kinematics file (YAML), e.g. `default_kinematics.yaml`: ros-yaml gets its link frames
+    #[arg(long, value_name = "FILE", value_parser = input())]
+    pub like: Option<PathBuf>,
+    /// The controller's hash, for `--style ur`: `calib_…`, as extracted from this robot [default: a hash of our own, which the driver reports]
+    #[arg(long, value_name = "HASH", value_parser = parse_hash)]
+    pub hash: Option<String>,
     /// Reject nearly parallel axes in dh and mdh, instead of using Hayati's parameter (beta)
     #[arg(long)]
     pub no_hayati: bool,
@@ -156,10 +165,31 @@ pub enum ExportFormat {
     Mdh,
     /// Kinematics file of ROS drivers (YAML): x y z roll pitch yaw of each joint
     Ros,
+    /// Kinematics file in the structure of a maker's ROS description (YAML, with --style)
+    RosYaml,
     /// Component errors of each joint, named as in ISO 230-1 (CSV)
     Iso230,
     /// Parameters in the convention and units of the robot file: nominal, calibrated, 95 % interval (CSV)
     Parameters,
+}
+
+/// Makers whose ROS descriptions have a kinematics file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum YamlStyle {
+    /// Universal Robots: `kinematics:` with `hash:`
+    Ur,
+    /// Franka: `joint1:` `kinematic:`
+    Franka,
+    /// Flexiv: `kinematics:` `joint1:`
+    Flexiv,
+    /// UFACTORY xArm: `kinematics:` `joint1:`
+    Xarm,
+}
+
+/// A word that YAML reads as it stands.
+fn parse_hash(text: &str) -> Result<String, String> {
+    let plain = text.starts_with("calib_") && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain { Ok(text.into()) } else { Err("the hash of a controller is `calib_` and digits".into()) }
 }
 
 /// `truepose map`

@@ -8,7 +8,7 @@ mod program;
 mod upkeep;
 mod values;
 
-pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
+pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict, YamlStyle};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};

@@ -190,7 +190,7 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
         Verb::Export(of) => (
-            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref())]),
+            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref()), ("--like", of.like.as_ref())]),
             list(&[("--out", Some(&of.out))]),
         ),
         Verb::Map(of) => (

@@ -18,10 +18,13 @@
 //! method is certain to stay in the configuration where `4 δ ≤ σ²` (Kantorovich: β K η ≤ 1/2 with β = 1/σ, η = δ/σ).
 
 mod configuration;
+mod correction;
 mod frames;
 mod inverse;
 mod options;
+mod signals;
 
+pub use correction::{Correction, Outcome};
 pub use options::CorrectOptions;
 
 use crate::program::{Branch, Point, Program, Replacement, Step, Value};
@@ -29,75 +32,13 @@ use crate::{ControllerError, Dialect};
 use configuration::{degrees, turns_of};
 use frames::Frames;
 use inverse::Inverse;
+use signals::signals;
 use truepose_compensate::{
     Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
 };
-use truepose_errormodel::{
-    Beyond, Channel, Coverage, ErrorModel, FittedModel, Schema, Signal, presliding_of,
-};
+use truepose_errormodel::{Beyond, Channel, Coverage, ErrorModel, FittedModel};
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
 use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, joint_jacobian, rotation_log};
-
-/// What became of a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// It is replaced.
-    Corrected,
-    /// It stays: the correction is smaller than its uncertainty.
-    NotSignificant,
-    /// It must not be changed: the reason says why.
-    Refused,
-}
-
-impl Outcome {
-    /// Its word in files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Outcome::Corrected => "corrected",
-            Outcome::NotSignificant => "not significant",
-            Outcome::Refused => "refused",
-        }
-    }
-}
-
-/// The correction of a point.
-#[derive(Debug, Clone)]
-pub struct Correction {
-    /// What becomes of it.
-    pub outcome: Outcome,
-    /// Why, where it is not corrected.
-    pub reason: String,
-    /// Joints of the nominal robot at the point, controller's values, rad or m; none where they are not known.
-    pub nominal: Option<Vec<f64>>,
-    /// Joints of the correction.
-    pub corrected: Option<Vec<f64>>,
-    /// Desired position of the tool of the measurements, measurement frame, m.
-    pub desired: Option<[f64; 3]>,
-    /// How far the point is displaced, m, in the axes of the robot's base.
-    pub displacement: Option<[f64; 3]>,
-    /// And turned, rad.
-    pub rotation: Option<f64>,
-    /// The real robot comes within this of the desired position with 95 %, m.
-    pub within_95: Option<f64>,
-    /// The new numbers.
-    pub replacement: Option<Replacement>,
-}
-
-impl Correction {
-    fn refused(reason: String) -> Correction {
-        Correction {
-            outcome: Outcome::Refused,
-            reason,
-            nominal: None,
-            corrected: None,
-            desired: None,
-            displacement: None,
-            rotation: None,
-            within_95: None,
-            replacement: None,
-        }
-    }
-}
 
 /// Corrects all points of a program; one correction for each, in their order.
 ///
@@ -459,45 +400,4 @@ impl<'m> Corrector<'m> {
         }
         Ok(())
     }
-}
-
-/// The schema of the channels that the model reads, and their values.
-fn signals(fitted: &FittedModel, options: &CorrectOptions) -> Result<(Schema, Vec<f64>), ControllerError> {
-    let mut schema = Schema { load: true, ..Schema::default() };
-    let mut values = Vec::new();
-    for need in fitted.model().effects().iter().flat_map(|effect| effect.needs()) {
-        let name = match need {
-            Signal::Channel(name) => name,
-            Signal::Time => {
-                let words = "the model depends on the time, which a program does not state: export or fit without drift";
-                return Err(ControllerError::Fit(words.into()));
-            }
-            _ => continue,
-        };
-        if schema.channel(&name).is_some() {
-            continue;
-        }
-        if presliding_of(&name).is_some() {
-            let words =
-                "the model depends on the way of a joint (presliding), which a list of points does not state";
-            return Err(ControllerError::Fit(words.into()));
-        }
-        // A channel that lags behind another, or is its mean, has that one's value where that one is constant.
-        let source = name.split('~').next().unwrap_or(&name);
-        let given = options.channels.iter().find(|(other, _)| *other == name || other == source);
-        let Some((_, value)) = given else {
-            return Err(ControllerError::Option(format!(
-                "the model reads the channel {source}: give its value while the program runs (--channel {source}=…)"
-            )));
-        };
-        let known = fitted.channels.iter().find(|channel| channel.name == name);
-        let known = known.or_else(|| fitted.channels.iter().find(|channel| channel.name == source));
-        let channel = known.map_or_else(
-            || Channel { name: name.clone(), unit: "1".into(), temperature: false },
-            |channel| Channel { name: name.clone(), ..channel.clone() },
-        );
-        schema.channels.push(channel);
-        values.push(*value);
-    }
-    Ok((schema, values))
 }

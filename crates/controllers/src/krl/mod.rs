@@ -11,6 +11,7 @@
 //! A FRAME is a point where a motion goes to it. Keywords and names have no case. Everything else is passed over.
 
 mod aggregate;
+mod candidate;
 mod file;
 mod points;
 

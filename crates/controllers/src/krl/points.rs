@@ -1,6 +1,7 @@
 //! The points of the first of some files, with the frames and tools with which all of them use it.
 
-use super::file::{Candidate, File, Literal, Motion, bare};
+use super::candidate::{Candidate, Literal};
+use super::file::{File, Motion, bare};
 use crate::Dialect;
 use crate::flow::{Active, of_all};
 use crate::program::{Branch, Definitions, Note, Point, Program, Reference, Step, Value};

@@ -1,41 +1,16 @@
 //! Programs in every language, written at random with everything that editors and people leave in them; the generator knows where the
 //! points' numbers are.
 
+mod data;
+mod draw;
+mod mutation;
+
+use data::{inform, script, val3};
+pub use draw::Draw;
+pub use mutation::mutated;
+
 use std::ops::Range;
 use truepose_controllers::Dialect;
-
-/// A small generator of random numbers (Knuth's MMIX constants).
-pub struct Draw(u64);
-
-impl Draw {
-    pub fn new(seed: u64) -> Draw {
-        let mut draw = Draw(seed ^ 0x9e37_79b9_7f4a_7c15);
-        draw.next();
-        draw
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        let x = self.0 ^ (self.0 >> 29);
-        x.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 16
-    }
-
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.next() % count.max(1) as u64) as usize
-    }
-
-    pub fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())]
-    }
-
-    pub fn chance(&mut self, percent: usize) -> bool {
-        self.below(100) < percent
-    }
-
-    pub fn within(&mut self, lower: f64, upper: f64) -> f64 {
-        lower + (upper - lower) * (self.next() % 1_000_000) as f64 / 1e6
-    }
-}
 
 /// A program, and the byte ranges of the numbers of its points.
 pub struct Written {
@@ -160,9 +135,14 @@ fn krl(writer: &mut Writer<'_>, points: usize) {
             _ => format!("XQ[{k}]={{"),
         };
         writer.put(&head);
-        let names = if joints { ["A1", "A2", "A3", "A4", "A5", "A6"] } else { ["X", "Y", "Z", "A", "B", "C"] };
+        let names =
+            if joints { ["A1", "A2", "A3", "A4", "A5", "A6"] } else { ["X", "Y", "Z", "A", "B", "C"] };
         let (place, angles) = (writer.place(), writer.angles());
-        let values: Vec<f64> = if joints { angles.iter().chain(&angles).copied().collect() } else { place.iter().chain(&angles).copied().collect() };
+        let values: Vec<f64> = if joints {
+            angles.iter().chain(&angles).copied().collect()
+        } else {
+            place.iter().chain(&angles).copied().collect()
+        };
         for (k, (name, value)) in names.iter().zip(values).enumerate() {
             if k > 0 {
                 writer.put(",");
@@ -201,14 +181,17 @@ fn rapid(writer: &mut Writer<'_>, points: usize) {
     writer.line("  PERS tooldata t1:=[TRUE,[[0,0,100],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];");
     for k in 0..points {
         let joints = writer.draw.chance(30);
-        let (kind, storage) =
-            (if joints { "jointtarget" } else { "robtarget" }, writer.draw.of(&["CONST", "LOCAL PERS", "var", "TASK PERS"]));
+        let (kind, storage) = (
+            if joints { "jointtarget" } else { "robtarget" },
+            writer.draw.of(&["CONST", "LOCAL PERS", "var", "TASK PERS"]),
+        );
         let colon = writer.draw.of(&[":=", " := ", ":=  "]);
         writer.put(format!("  {storage} {kind} p{k}{colon}["));
         let place = writer.place();
         let angles = writer.angles();
         writer.put("[");
-        let first: Vec<f64> = if joints { angles.iter().chain(&angles).copied().collect() } else { place.to_vec() };
+        let first: Vec<f64> =
+            if joints { angles.iter().chain(&angles).copied().collect() } else { place.to_vec() };
         list(writer, &first);
         writer.put("],");
         split(writer, b"!");
@@ -285,7 +268,8 @@ fn fanuc(writer: &mut Writer<'_>, points: usize) {
             let config = writer.draw.of(&["N U T, 0, 0, 0", "F D B, 0, 0, -1", "NUT,0,0,0"]);
             writer.line(format!("\tUF : 1, UT : 2,\t\tCONFIG : '{config}',"));
         }
-        let names = if joints { ["J1", "J2", "J3", "J4", "J5", "J6"] } else { ["X", "Y", "Z", "W", "P", "R"] };
+        let names =
+            if joints { ["J1", "J2", "J3", "J4", "J5", "J6"] } else { ["X", "Y", "Z", "W", "P", "R"] };
         for (k, name) in names.iter().enumerate() {
             let value = if k < 3 && !joints { place[k] } else { angles[k % 3] };
             let mut text = format!("{value:.3}");
@@ -304,153 +288,4 @@ fn fanuc(writer: &mut Writer<'_>, points: usize) {
         writer.line("};");
     }
     writer.put("/END");
-}
-
-fn script(writer: &mut Writer<'_>, points: usize) {
-    writer.line("def job():");
-    writer.line("  set_tcp(p[0,0,0.1,0,0,0])");
-    for k in 0..points {
-        let joints = writer.draw.chance(30);
-        let values: Vec<f64> = (0..6).map(|_| writer.draw.within(-1.5, 1.5)).collect();
-        let named = writer.draw.chance(40);
-        let verb = writer.draw.of(&["movej", "movel", "movep"]);
-        match (named, joints) {
-            (true, true) => writer.put(format!("  global q_{k} = [")),
-            (true, false) => writer.put(format!("  w_{k}=p[")),
-            (false, true) => writer.put("  movej(["),
-            (false, false) => writer.put(format!("  {verb}(p[")),
-        }
-        for (k, value) in values.iter().enumerate() {
-            if k > 0 {
-                writer.put(",");
-                writer.gap();
-                if writer.draw.chance(5) {
-                    comment(writer, b"#");
-                    writer.line("");
-                }
-            }
-            writer.number(*value);
-        }
-        writer.put("]");
-        if named {
-            comment(writer, b" #");
-            writer.line("");
-            writer.put(format!("  {verb}({}_{k}", if joints { "q" } else { "w" }));
-        }
-        writer.put(", a=1.2, v=0.25)");
-        comment(writer, b" # ");
-        writer.line("");
-        if writer.draw.chance(20) {
-            writer.line("  textmsg(\"movel(p[1,2,3,0,0,0])\")");
-        }
-    }
-    writer.put("end");
-}
-
-fn inform(writer: &mut Writer<'_>, points: usize) {
-    writer.line("/JOB");
-    writer.line("//NAME JOB");
-    writer.line("//POS");
-    writer.line(format!("///NPOS {points},0,0,0,0,0"));
-    writer.line("///TOOL 0");
-    let mut pulses = None;
-    for k in 0..points {
-        let now = writer.draw.chance(40);
-        if pulses != Some(now) {
-            for line in if now {
-                ["///POSTYPE PULSE", "///PULSE", ""]
-            } else {
-                ["///POSTYPE BASE", "///RECTAN", "///RCONF 0,0,0,0,0,0,0,0"]
-            } {
-                if !line.is_empty() {
-                    writer.line(line);
-                }
-            }
-            pulses = Some(now);
-        }
-        writer.put(format!("C{k:05}="));
-        let (place, angles) = (writer.place(), writer.angles());
-        for part in 0..6 {
-            let value = if part < 3 { place[part] } else { angles[part - 3] };
-            let text = if now {
-                format!("{:.0}", 100.0 * value)
-            } else {
-                format!("{value:.decimals$}", decimals = if part < 3 { 3 } else { 4 })
-            };
-            if part > 0 {
-                writer.put(",");
-            }
-            writer.plain(&text);
-        }
-        writer.line("");
-    }
-    writer.line("//INST");
-    writer.line("///DATE 2024/01/01 10:00");
-    writer.line("NOP");
-    for k in 0..points {
-        if writer.draw.chance(20) {
-            let word = writer.draw.of(&WORDS);
-            writer.put("'");
-            writer.line(word);
-        }
-        writer.line(format!("MOVL C{k:05} V=93.0"));
-    }
-    writer.put("END");
-}
-
-fn val3(writer: &mut Writer<'_>, points: usize) {
-    writer.line("<?xml version=\"1.0\" encoding=\"utf-8\" ?>");
-    writer.line("<Database xmlns=\"http://www.staubli.com/robotics/VAL3/Data/2\">");
-    writer.line("  <Datas>");
-    for k in 0..points {
-        let joints = writer.draw.chance(30);
-        let kind = if joints { "jointRx" } else { "pointRx" };
-        writer.line(format!("    <Data name=\"p{k}\" access=\"private\" xsi:type=\"array\" type=\"{kind}\" size=\"1\">"));
-        let names = if joints { ["j1", "j2", "j3", "j4", "j5", "j6"] } else { ["x", "y", "z", "rx", "ry", "rz"] };
-        let (place, angles) = (writer.place(), writer.angles());
-        writer.put("      <Value key=\"0\"");
-        for (k, name) in names.iter().enumerate() {
-            let value = if k < 3 && !joints { place[k] } else { angles[k % 3] };
-            writer.put(format!(" {name}=\""));
-            writer.number(value);
-            writer.put("\"");
-        }
-        if !joints {
-            writer.put(" shoulder=\"lefty\" elbow=\"epositive\" wrist=\"wpositive\" fatherId=\"world[0]\"");
-        }
-        writer.line(" />");
-        if writer.draw.chance(30) {
-            writer.line("      <!-- <Value key=\"1\" x=\"5\" -- /> -->");
-        }
-        writer.line("    </Data>");
-    }
-    writer.line("  </Datas>");
-    writer.put("</Database>");
-}
-
-/// A few changes of a text at random places.
-pub fn mutated(text: &[u8], draw: &mut Draw) -> Vec<u8> {
-    const BYTES: &[u8] = b"{}[]()\"';!#,.:=-+0159eExXPpC \n\r\t\\\x00\xff<>/*";
-    let mut text = text.to_vec();
-    for _ in 0..1 + draw.below(4) {
-        if text.is_empty() {
-            break;
-        }
-        let at = draw.below(text.len());
-        let length = 1 + draw.below(12);
-        let end = (at + length).min(text.len());
-        match draw.below(6) {
-            0 => text[at] = draw.of(BYTES),
-            1 => text.insert(at, draw.of(BYTES)),
-            2 => drop(text.drain(at..end)),
-            3 => {
-                let piece = text[at..end].to_vec();
-                let to = draw.below(text.len());
-                text.splice(to..to, piece);
-            }
-            4 => text.truncate(at.max(1)),
-            _ => text[at] = (draw.below(256)) as u8,
-        }
-    }
-    text
 }
