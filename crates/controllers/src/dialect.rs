@@ -1,7 +1,6 @@
 //! The languages that are read.
 
-use crate::{ControllerError, Orientation, Program};
-use crate::{fanuc, inform, krl, rapid, urscript, val3};
+use crate::{ControllerError, Orientation};
 use std::path::Path;
 use truepose_kinematics::Pose;
 use truepose_kinematics::nalgebra::Vector3;
@@ -70,27 +69,6 @@ impl Dialect {
         })
     }
 
-    pub(crate) fn read(self, text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
-        for text in std::iter::once(&text).chain(others) {
-            if text.starts_with(&[0x1f, 0x8b]) {
-                return Err(ControllerError::NotAProgram(URP.into()));
-            }
-            if text.contains(&0) {
-                return Err(ControllerError::NotAProgram(
-                    "it has bytes of value 0: it is binary or UTF-16; save it as text in UTF-8 or the controller's code page".into(),
-                ));
-            }
-        }
-        match self {
-            Dialect::Krl => krl::read(text, others),
-            Dialect::Rapid => rapid::read(text, others),
-            Dialect::Fanuc => fanuc::read(text, others),
-            Dialect::UrScript => urscript::read(text, others),
-            Dialect::Inform => inform::read(text, others),
-            Dialect::Val3 => val3::read(text, others),
-        }
-    }
-
     /// How it writes an orientation.
     pub fn orientation(self) -> Orientation {
         match self {
@@ -126,5 +104,6 @@ impl Dialect {
 /// Numbers above this are none of a robot: a thousand kilometres in mm, or degrees that no longer tell where they point.
 const MOST: f64 = 1e9;
 
-const URP: &str = "a .urp is compressed XML with waypoints, variables and program tree in a form of PolyScope's own, and is not read; \
+/// Why a file of PolyScope is not read.
+pub(crate) const URP: &str = "a .urp is compressed XML with waypoints, variables and program tree in a form of PolyScope's own, and is not read; \
                    read is the script that PolyScope writes beside it (.script): name that, or move the waypoints to one";

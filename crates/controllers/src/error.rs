@@ -27,6 +27,20 @@ pub enum ControllerError {
     Fit(String),
 }
 
+impl ControllerError {
+    /// As an error in one of the further files, by its place.
+    pub(crate) fn in_other(self, place: usize) -> ControllerError {
+        match self {
+            ControllerError::Syntax { line, column, message } => ControllerError::Syntax {
+                line,
+                column,
+                message: format!("in further file {}: {message}", place + 1),
+            },
+            error => error,
+        }
+    }
+}
+
 impl From<CompensateError> for ControllerError {
     fn from(error: CompensateError) -> Self {
         ControllerError::Fit(error.to_string())

@@ -12,6 +12,7 @@ mod number;
 mod orientation;
 mod program;
 mod rapid;
+mod reading;
 mod tokens;
 mod urscript;
 mod val3;

@@ -203,14 +203,6 @@ pub struct Replacement {
 }
 
 impl Program {
-    /// Reads a program; `others` are further files with what it uses: declarations, frames, motions.
-    ///
-    /// # Errors
-    /// When the text breaks the grammar of its language's point statements, or is something else.
-    pub fn read(text: &[u8], others: &[&[u8]], dialect: Dialect) -> Result<Program, ControllerError> {
-        dialect.read(text, others)
-    }
-
     /// Its language.
     pub fn dialect(&self) -> Dialect {
         self.dialect

@@ -25,7 +25,7 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
     let mut frames = BTreeMap::new();
     let points = file(text, &mut frames)?;
     for (k, other) in others.iter().enumerate() {
-        file(other, &mut frames).map_err(|error| crate::krl::in_other(error, k))?;
+        file(other, &mut frames).map_err(|error| error.in_other(k))?;
     }
     let mut definitions = Definitions::default();
     for name in ["world[0]", "flange[0]"] {

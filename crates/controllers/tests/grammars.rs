@@ -110,6 +110,8 @@ fn krl_frames_that_depend_on_the_way_are_unknown() {
     assert_eq!(known, [true, true, false, false, true, false, false]);
     assert_eq!(program.notes().iter().filter(|note| note.refuses).count(), 1);
     assert!(program.points().last().unwrap().fixed.as_deref().unwrap().contains('C'));
+    let own = read(Dialect::Krl, "LIN {X 1,Y 2,Z 3,A 4,B 5,C 6,S 18,T 2}\n", &[]);
+    assert!(own.points()[0].fixed.as_deref().unwrap().contains("absolute-accuracy"));
 }
 
 const MOD: &str = "MODULE M\r\n  CONST robtarget p10:=[[600.5,0,800],[0,0,1,0], ! here\r\n    [0,-1,1,0],[9E+09,9E9,9E9,9E9,9E9,9E9]];\r\n\

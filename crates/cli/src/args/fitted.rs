@@ -1,8 +1,8 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
-use super::program::parse_given;
+use super::Grouped;
+use super::program::{GivenPlace, RobotProgram, parse_given};
 use super::values::{input, parse_position, parse_three, parse_whole};
-use super::{GivenPlace, Grouped, RobotProgram};
 use std::path::PathBuf;
 
 /// `truepose plan`

@@ -12,7 +12,7 @@ pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict, YamlStyle
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
-pub use program::{GivenPlace, RobotProgram};
+pub use program::GivenPlace;
 pub use upkeep::{Monitor, Transfer};
 pub use values::Place;
 

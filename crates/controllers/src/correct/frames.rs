@@ -1,6 +1,6 @@
 //! The values of a program's frames and tools.
 
-use super::CorrectOptions;
+use super::options::CorrectOptions;
 use crate::ControllerError;
 use crate::program::{Program, Reference, Value};
 use std::collections::BTreeSet;

@@ -13,9 +13,7 @@
 //! | B E_0, tool E_tool | [`Installation`] | m | measurement; last joint |
 //! | A | the nominal joints alone | m | description's base |
 //!
-//! A point near a singularity is refused. With the error δ of the nominal joints (position by the arm's length, and angle), σ the smallest
-//! singular value of the scaled Jacobian and a Lipschitz constant of 2 for it (unit axes, distances up to twice the length), Newton's
-//! method is certain to stay in the configuration where `4 δ ≤ σ²` (Kantorovich: β K η ≤ 1/2 with β = 1/σ, η = δ/σ).
+//! A point near a singularity is refused, see `singular`.
 
 mod configuration;
 mod correction;
@@ -23,6 +21,7 @@ mod frames;
 mod inverse;
 mod options;
 mod signals;
+mod singular;
 
 pub use correction::{Correction, Outcome};
 pub use options::CorrectOptions;
@@ -33,12 +32,13 @@ use configuration::{degrees, turns_of};
 use frames::Frames;
 use inverse::Inverse;
 use signals::signals;
+use singular::singular;
 use truepose_compensate::{
     Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
 };
 use truepose_errormodel::{Beyond, Channel, Coverage, ErrorModel, FittedModel};
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
-use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, joint_jacobian, rotation_log};
+use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, rotation_log};
 
 /// Corrects all points of a program; one correction for each, in their order.
 ///
@@ -272,7 +272,7 @@ impl<'m> Corrector<'m> {
         let here = self.coverage.judge(&self.conditions, None);
         let oriented = joints.len() >= 6;
         self.beyond(&here.beyond)?;
-        self.singular(joints, &here.pose, &desired, oriented)?;
+        singular(self.chain, &mut self.buffer, joints, [&here.pose, &desired], oriented)?;
         let error = here.pose.translation - desired.translation;
         if !correction_helps(&error, &here.covariance) {
             correction.outcome = Outcome::NotSignificant;
@@ -366,38 +366,5 @@ impl<'m> Corrector<'m> {
         };
         let names: Vec<String> = beyond.iter().map(name).collect();
         Err(format!("it is outside of the data of the fit: {}", names.join(", ")))
-    }
-
-    /// Refuses a posture at which the correction is not certain to stay in its configuration.
-    fn singular(
-        &mut self,
-        joints: &[f64],
-        real: &Pose,
-        desired: &Pose,
-        oriented: bool,
-    ) -> Result<(), String> {
-        let length = self.chain.characteristic_length();
-        let conditions = Conditions::at(self.chain, joints);
-        let posture = self.buffer.update(self.chain, &conditions);
-        let mut jacobian = joint_jacobian(&posture, &posture.tool().translation.clone());
-        for (column, joint) in self.chain.movable().iter().enumerate() {
-            if self.chain.joint(*joint).kind == JointKind::Prismatic {
-                jacobian.column_mut(column).scale_mut(length);
-            }
-        }
-        jacobian.rows_mut(0, 3).scale_mut(1.0 / length);
-        let rows = if oriented { 6 } else { jacobian.ncols().min(3) };
-        let values = jacobian.rows(0, rows).svd(false, false).singular_values;
-        let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let turned =
-            if oriented { rotation_log(&(real.rotation * desired.rotation.transpose())).norm() } else { 0.0 };
-        let error = ((real.translation - desired.translation).norm() / length).hypot(turned);
-        if 4.0 * error > smallest * smallest {
-            return Err(format!(
-                "it is near a singularity: smallest singular value {smallest:.4} where the correction needs {:.4}",
-                (4.0 * error).sqrt()
-            ));
-        }
-        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Channels that the model reads, with the values that they have while a program runs.
 
-use super::CorrectOptions;
+use super::options::CorrectOptions;
 use crate::ControllerError;
 use truepose_errormodel::{Channel, FittedModel, Schema, Signal, presliding_of};
 

@@ -23,7 +23,7 @@ use truepose_kinematics::Pose;
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
     let mut files = vec![File::read(text)?];
     for (k, other) in others.iter().enumerate() {
-        files.push(File::read(other).map_err(|error| in_other(error, k))?);
+        files.push(File::read(other).map_err(|error| error.in_other(k))?);
     }
     let mut definitions = Definitions::default();
     for name in ["BASE_DATA[0]", "TOOL_DATA[0]"] {
@@ -33,16 +33,4 @@ pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerE
         definitions.put(name.clone(), definition.clone());
     }
     Ok(points::program(text, &files, definitions))
-}
-
-/// An error in one of the further files.
-pub(crate) fn in_other(error: ControllerError, place: usize) -> ControllerError {
-    match error {
-        ControllerError::Syntax { line, column, message } => ControllerError::Syntax {
-            line,
-            column,
-            message: format!("in further file {}: {message}", place + 1),
-        },
-        error => error,
-    }
 }

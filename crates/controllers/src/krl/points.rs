@@ -91,6 +91,9 @@ fn of_frame_data(name: &str, definitions: &Definitions) -> Active {
     [of("BASE_NO"), of("TOOL_NO")]
 }
 
+/// Bit 4 of S: taught with an absolutely accurate robot.
+const OWN_MODEL: i64 = 16;
+
 fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)>) -> Point {
     let mut fixed = candidate.incomplete.clone();
     if let Some((_, line)) = changed {
@@ -100,6 +103,10 @@ fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)
         Literal::Axes(values) => Value::Joints(values.clone()),
         Literal::Pose { numbers, status, turn, .. } => {
             let pose = Dialect::Krl.pose(numbers);
+            if status.is_some_and(|status| status & OWN_MODEL != 0) {
+                let words = "S states that it was taught with the controller's own absolute-accuracy model: both corrections would add up";
+                fixed.get_or_insert_with(|| words.into());
+            }
             let branch = match status {
                 Some(status) => Branch::Kuka { status: *status, turn: *turn },
                 None => Branch::Continuous,

@@ -23,7 +23,7 @@ use truepose_kinematics::Pose;
 pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
     let mut files = vec![File::read(text)?];
     for (k, other) in others.iter().enumerate() {
-        files.push(File::read(other).map_err(|error| crate::krl::in_other(error, k))?);
+        files.push(File::read(other).map_err(|error| error.in_other(k))?);
     }
     let mut definitions = Definitions::default();
     for name in ["WOBJ0", "TOOL0"] {
