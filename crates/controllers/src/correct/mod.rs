@@ -272,7 +272,6 @@ impl<'m> Corrector<'m> {
         let here = self.coverage.judge(&self.conditions, None);
         let oriented = joints.len() >= 6;
         self.beyond(&here.beyond)?;
-        singular(self.chain, &mut self.buffer, joints, [&here.pose, &desired], oriented)?;
         let error = here.pose.translation - desired.translation;
         if !correction_helps(&error, &here.covariance) {
             correction.outcome = Outcome::NotSignificant;
@@ -281,6 +280,8 @@ impl<'m> Corrector<'m> {
             correction.within_95 = Some(reach + error.norm());
             return Ok(());
         }
+        // Where a joint has no effect of its own, no search finds anything.
+        singular(self.chain, &mut self.buffer, joints, joints)?;
         let mut target = Target::at(desired.translation);
         target.orientation = oriented.then_some(desired.rotation);
         let command = self.real.command(&target, &self.conditions, Some(joints));
@@ -290,6 +291,7 @@ impl<'m> Corrector<'m> {
             Status::Unreachable => return Err("the real robot does not reach it".into()),
             Status::NotConverged => return Err("no joint values were found that reach it".into()),
         }
+        singular(self.chain, &mut self.buffer, joints, &command.joints)?;
         self.conditions.joints = command.joints.to_vec();
         let there = self.coverage.judge(&self.conditions, None);
         self.beyond(&there.beyond)?;

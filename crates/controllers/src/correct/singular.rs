@@ -1,29 +1,61 @@
 //! Postures near a singularity.
 //!
 //! ```text
-//! refused where 4 δ > σ²                                Kantorovich: β K η ≤ 1/2 with β = 1/σ, η = δ/σ, K = 2
+//! h = ‖J(q)⁺ (J(q') − J(q))‖₂                                             refused where h > 1/2
 //! ```
 //!
-//! | symbol | here | unit |
-//! | --- | --- | --- |
-//! | δ | error of the real robot at the nominal joints: position by the arm's length, and angle | rad |
-//! | σ | smallest singular value of the Jacobian, lengths by the arm's length | 1 |
-//! | K | Lipschitz constant of that Jacobian: unit axes, distances up to twice the length | 1/rad |
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | q, q' | nominal joints, joints of the correction | n | rad, or m by the arm's length |
+//! | J | Jacobian of the nominal tool, lengths by the arm's length | 6 × n | 1 |
+//! | h | Kantorovich's quantity, with the change of J that the correction makes in place of its bound | 1 | 1 |
 //!
-//! Where the condition holds, Newton's method from the nominal joints stays in their configuration, and the correction of the joints is of
-//! the size of the error (Kantorovich 1948).
+//! Up to 1/2 Newton's method from q converges to q', the only joints near q (affine-invariant Newton–Kantorovich theorem: Deuflhard, *Newton
+//! Methods for Nonlinear Problems*, 2004, section 2.1): the correction is in the configuration of the nominal joints, and has the size of the
+//! error. Near a singularity a small error turns joints far, and J(q)⁺ is large: h grows with the square.
 
-use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, joint_jacobian, rotation_log};
+use truepose_kinematics::nalgebra::DMatrix;
+use truepose_kinematics::{Chain, Conditions, JointKind, PostureBuffer, joint_jacobian};
+
+/// Largest h.
+const KANTOROVICH: f64 = 0.5;
+
+/// Singular values below this share of the largest are zero: round-off of a chain of metres.
+const ZERO: f64 = 1e-9;
 
 /// # Errors
-/// In words, where the posture is near a singularity; poses are of the real robot and the desired one.
+/// In words, where the correction leaves the neighbourhood of the nominal joints.
 pub(super) fn singular(
     chain: &Chain,
     buffer: &mut PostureBuffer,
-    joints: &[f64],
-    [real, desired]: [&Pose; 2],
-    oriented: bool,
+    nominal: &[f64],
+    corrected: &[f64],
 ) -> Result<(), String> {
+    let at = jacobian(chain, buffer, nominal);
+    let there = jacobian(chain, buffer, corrected);
+    let steps = corrected.iter().zip(nominal).map(|(a, b)| (a - b).abs());
+    let most = steps.fold(0.0, f64::max);
+    let svd = at.clone().svd(true, true);
+    let largest = svd.singular_values.max();
+    let rank = svd.singular_values.iter().filter(|value| **value > ZERO * largest).count();
+    if rank < svd.singular_values.len() {
+        return Err("it is near a singularity: a joint turns without an effect of its own".into());
+    }
+    let Ok(inverse) = svd.pseudo_inverse(ZERO * largest) else {
+        return Err("it is near a singularity".into());
+    };
+    let change = (inverse * (there - at)).singular_values().max();
+    if change > KANTOROVICH {
+        return Err(format!(
+            "it is near a singularity: the correction moves a joint by {:.2}° (h = {change:.2}, at most {KANTOROVICH})",
+            most.to_degrees()
+        ));
+    }
+    Ok(())
+}
+
+/// Lengths by the arm's length; of fewer than six joints the position alone.
+fn jacobian(chain: &Chain, buffer: &mut PostureBuffer, joints: &[f64]) -> DMatrix<f64> {
     let length = chain.characteristic_length();
     let conditions = Conditions::at(chain, joints);
     let posture = buffer.update(chain, &conditions);
@@ -34,17 +66,27 @@ pub(super) fn singular(
         }
     }
     jacobian.rows_mut(0, 3).scale_mut(1.0 / length);
-    let rows = if oriented { 6 } else { jacobian.ncols().min(3) };
-    let values = jacobian.rows(0, rows).svd(false, false).singular_values;
-    let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let turned =
-        if oriented { rotation_log(&(real.rotation * desired.rotation.transpose())).norm() } else { 0.0 };
-    let error = ((real.translation - desired.translation).norm() / length).hypot(turned);
-    if 4.0 * error > smallest * smallest {
-        return Err(format!(
-            "it is near a singularity: smallest singular value {smallest:.4} where the correction needs {:.4}",
-            (4.0 * error).sqrt()
-        ));
+    let rows = if joints.len() >= 6 { 6 } else { joints.len().min(3) };
+    jacobian.rows(0, rows).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::samples;
+
+    #[test]
+    fn the_same_error_is_fine_away_from_a_singularity_and_refused_near_it() {
+        let chain = samples::heavy();
+        let mut buffer = PostureBuffer::new(&chain);
+        // Two milliradians of the tool about the axis that the wrist lacks at zero: axis 4 turns by 2e-3 / sin q5.
+        for (wrist, fine) in [(0.8, true), (0.3, true), (0.02, false), (0.0, false)] {
+            let nominal = [0.2, -1.2, 1.1, 0.3, wrist, 0.4];
+            let mut corrected = nominal;
+            let turn = (2e-3 / f64::sin(wrist)).min(1.0);
+            corrected[3] += turn;
+            corrected[5] -= turn * f64::cos(wrist);
+            assert_eq!(singular(&chain, &mut buffer, &nominal, &corrected).is_ok(), fine, "{wrist}");
+        }
     }
-    Ok(())
 }
