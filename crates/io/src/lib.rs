@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod corrections;
 mod digest;
 mod error;
 mod export;
@@ -24,6 +25,7 @@ mod unfinished;
 mod unit;
 mod write_whole;
 
+pub use corrections::{CorrectionRow, corrections_file, read_bytes};
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
@@ -41,8 +43,8 @@ pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, wri
 pub use predictions::{Prediction, PredictionsWriter, Repeated, write_predictions};
 pub use robot::{
     Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
-    read_details, read_robot, robot_columns, robot_files, robot_sessions, robot_surroundings, robot_toml,
-    robot_urdf,
+    read_details, read_kinematics, read_robot, robot_columns, robot_files, robot_sessions,
+    robot_surroundings, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
 pub use test_plan::{TestPoseRow, write_test_plan};

@@ -40,9 +40,9 @@ pub use landmarks::{KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandView, CommandsView, MapView, PlaceView, PlanView, PlannedView, PredictionView, Report,
-    acceptance_report, commands_report, comparison_report, discovery_report, identification_report,
-    map_report, plan_report, prediction_report,
+    CommandView, CommandsView, CorrectionView, MapView, PlaceView, PlanView, PlannedView, PredictionView,
+    ProgramView, Report, acceptance_report, commands_report, comparison_report, discovery_report,
+    identification_report, map_report, plan_report, prediction_report, program_report,
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;

@@ -5,14 +5,16 @@ mod fitted;
 mod grouped;
 mod measured;
 mod other;
+mod program;
 mod upkeep;
 mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
-pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict};
+pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
+pub use program::GivenPlace;
 pub use upkeep::{Fleet, Monitor, Transfer};
 pub use values::{Place, Prior};
 

@@ -2,16 +2,18 @@
 
 use super::sessions::chosen;
 use super::{parameters, print_json, target};
-use crate::args::{Export, ExportFormat};
+use crate::args::{Export, ExportFormat, YamlStyle};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use truepose_compensate::{
     Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
-    ParameterTable, RemainingError, axis_table, error_tables, joint_origins, parameter_table,
+    ParameterTable, RemainingError, RosStyle, axis_table, error_tables, joint_origins, parameter_table,
 };
 use truepose_errormodel::{FittedModel, TargetKnown};
-use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
+use truepose_io::{
+    UrdfCorrection, check_writable, corrected_urdf, read_fit, read_kinematics, robot_urdf, write_whole,
+};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Coupling, Pose};
 
@@ -29,6 +31,17 @@ pub fn run(args: &Export) -> Result<(), Failure> {
     if args.urdf.is_some() && args.format != ExportFormat::Urdf {
         return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
     }
+    let styled = args.format == ExportFormat::RosYaml;
+    for (option, given) in
+        [("--style", args.style.is_some()), ("--like", args.like.is_some()), ("--hash", args.hash.is_some())]
+    {
+        if given && !styled {
+            return Err(Failure::Input(format!("{option}: only `--format ros-yaml` has it")));
+        }
+    }
+    if args.hash.is_some() && args.style != Some(YamlStyle::Ur) {
+        return Err(Failure::Input("--hash: only `--style ur` has a hash".into()));
+    }
     check_writable(&args.out)?;
     let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
@@ -43,6 +56,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
             notes.extend(targets(&fitted, &origins.value.targets));
             written(origins.value.to_ros_yaml(&notes), origins, notes)
         }
+        ExportFormat::RosYaml => ros_yaml(args, &fitted, &options)?,
         ExportFormat::Iso230 => {
             let tables = error_tables(&fitted, &options, args.entries as usize)?;
             let notes = notes(&fitted, &tables);
@@ -151,6 +165,30 @@ fn axes(
 /// Positions of the targets on the tool, m.
 fn positions(table: &ParameterTable) -> Vec<Vector3<f64>> {
     table.corrected_robot().targets().iter().map(|target| target.position).collect()
+}
+
+/// The kinematics file of a maker's ROS description.
+fn ros_yaml(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
+    let style = match args.style {
+        Some(YamlStyle::Ur) => RosStyle::Ur,
+        Some(YamlStyle::Franka) => RosStyle::Franka,
+        Some(YamlStyle::Flexiv) => RosStyle::Flexiv,
+        Some(YamlStyle::Xarm) => RosStyle::XArm,
+        None => return Err(Failure::Input("--format ros-yaml needs --style".into())),
+    };
+    let like = match &args.like {
+        Some(file) => Some(read_kinematics(file, style.word())?),
+        None => None,
+    };
+    let origins = joint_origins(fitted, options)?;
+    let styled = origins.value.styled(style, fitted.chain(), like.as_ref());
+    let styled = styled.map_err(|error| match &args.like {
+        Some(file) => Failure::Input(format!("{}: {error}", file.display())),
+        None => Failure::Input(format!("--style {}: {error}", style.word())),
+    })?;
+    let mut notes = notes(fitted, &origins);
+    notes.extend(targets(fitted, &origins.value.targets));
+    Ok(written(styled.to_yaml(args.hash.as_deref(), &notes), origins, notes))
 }
 
 /// The parameters of the robot's own description.

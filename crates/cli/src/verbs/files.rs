@@ -183,17 +183,22 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
         Verb::Compensate(of) => (
-            list(&[
-                ("--fit", Some(&of.fit)),
-                ("--poses", of.poses.as_ref()),
-                ("--joints", of.joints.as_ref()),
-                ("--frames", of.frames.as_ref()),
-                ("--certificate", of.certificate.as_ref()),
-            ]),
+            {
+                let mut read = list(&[
+                    ("--fit", Some(&of.fit)),
+                    ("--poses", of.poses.as_ref()),
+                    ("--joints", of.joints.as_ref()),
+                    ("--program", of.robot_program.program.as_ref()),
+                    ("--frames", of.frames.as_ref()),
+                    ("--certificate", of.certificate.as_ref()),
+                ]);
+                read.extend(of.robot_program.with.iter().map(|file| ("--with", file.as_path())));
+                read
+            },
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
         Verb::Export(of) => (
-            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref())]),
+            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref()), ("--like", of.like.as_ref())]),
             list(&[("--out", Some(&of.out))]),
         ),
         Verb::Map(of) => (

@@ -23,6 +23,7 @@ mod parameters;
 mod plan;
 mod plan_iso9283;
 mod predict;
+mod program;
 mod repeated;
 mod reporting;
 mod sessions;

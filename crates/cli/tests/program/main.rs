@@ -30,6 +30,7 @@ mod page;
 mod pages;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod programs;
 mod report;
 mod round_trip;
 mod sessions;

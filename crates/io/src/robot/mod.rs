@@ -3,6 +3,7 @@
 mod columns;
 mod couplings;
 mod details;
+mod kinematics_yaml;
 pub(crate) mod names;
 mod sessions;
 mod surroundings;
@@ -13,8 +14,10 @@ mod urdf_form;
 mod urdf_path;
 mod write;
 mod xml_places;
+mod yaml_tree;
 
 pub use details::{Certificate, FrameParent, NamedFrame, RobotDetails, read_details};
+pub use kinematics_yaml::read_kinematics;
 pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
 pub use urdf_form::robot_urdf;
 pub use write::robot_toml;
@@ -39,7 +42,7 @@ pub struct RobotOptions {
     pub tip: Option<String>,
 }
 
-/// Files that reading this description opens: itself, and the URDF that a TOML names. What cannot be read is left to [`read_robot`],
+/// Files that reading this description opens: itself, and the URDF or kinematics file that a TOML names. What cannot be read is left to [`read_robot`],
 /// and what is no regular file is not opened: it can be read once.
 pub fn robot_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
@@ -48,7 +51,7 @@ pub fn robot_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     std::iter::once(path.to_path_buf()).chain(beside).collect()
 }
 
-/// Reads a robot description, `.toml` or `.urdf`.
+/// Reads a robot description, `.toml`, `.urdf`, or a kinematics file of a ROS description, `.yaml`.
 ///
 /// # Errors
 /// When the file cannot be read, is not of its kind, or does not describe a serial robot.
@@ -62,13 +65,14 @@ pub fn read_robot(path: impl AsRef<Path>, options: &RobotOptions) -> Result<(Cha
             let arm = urdf::read(path, options, &mut warnings)?;
             Chain::new(arm.name, arm.joints).map_err(|error| IoError::file(path, error.to_string()))?
         }
+        Some("yaml" | "yml") => kinematics_yaml::read_chain(path)?,
         Some("xacro") => {
             return Err(IoError::file(
                 path,
                 "is a xacro; expand it to a .urdf first (`xacro in.xacro > out.urdf`)",
             ));
         }
-        _ => return Err(IoError::file(path, "a robot description ends in .toml or .urdf")),
+        _ => return Err(IoError::file(path, "a robot description ends in .toml, .urdf or .yaml")),
     };
     Ok((chain, warnings))
 }

@@ -9,6 +9,7 @@ mod identification;
 mod joint_space;
 mod parameters;
 mod places;
+mod program;
 mod residuals;
 mod robot;
 mod rows;
@@ -23,6 +24,7 @@ pub use identification::identification_report;
 pub use places::{
     MapView, PlaceView, PlanView, PlannedView, PredictionView, map_report, plan_report, prediction_report,
 };
+pub use program::{CorrectionView, ProgramView, program_report};
 
 use crate::RunRecord;
 use crate::figure::{COLOURS, escape, standalone};
