@@ -12,7 +12,7 @@ mod sample_v1;
 mod schema_v1;
 mod write;
 
-pub use read::read_fit;
+pub use read::{fit_from_text, read_fit};
 pub use write::{fit_json, write_fit};
 
 /// The format that this version writes, and the newest that it reads.
