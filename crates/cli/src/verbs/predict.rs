@@ -82,7 +82,7 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
 ///
 /// # Errors
 /// When the place of one is not known; names its first line.
-fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, String> {
+pub(crate) fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, String> {
     let mut warnings = Vec::new();
     let mut done = Vec::new();
     for (row, &target) in data.target.iter().enumerate().filter(|_| !fitted.domain.targets.is_empty()) {
@@ -96,7 +96,7 @@ fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, Str
 }
 
 /// Every row, in order, and what of it lies beyond the data of the fit.
-fn predict(
+pub(crate) fn predict(
     fitted: &FittedModel,
     coverage: &Coverage<'_>,
     inputs: &Dataset,
