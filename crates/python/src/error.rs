@@ -4,6 +4,7 @@ use pyo3::PyTypeInfo;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use truepose_io::{IoError, Warning};
 
 create_exception!(
@@ -13,6 +14,15 @@ create_exception!(
     "An input that cannot be used.\n\n`row` counts from 1 (in a file: its line), `column` is the header; both are None where the error is about the \
      whole. `source` is the file, or `data`. `errors` are all that were found, each (row, column, message)."
 );
+
+/// Gives every such exception its attributes, whoever raises it.
+pub fn complete(py: Python<'_>) -> PyResult<()> {
+    let class = InputError::type_object(py);
+    for attribute in ["row", "column", "source"] {
+        class.setattr(attribute, py.None())?;
+    }
+    class.setattr("errors", PyTuple::empty(py))
+}
 
 /// Where something is wrong, and what.
 type Place = (Option<u64>, Option<String>, String);
@@ -42,7 +52,7 @@ fn collect(error: &IoError, places: &mut Vec<Place>) {
         IoError::Cell { line, name, message, .. } => {
             places.push((Some(*line).filter(|&line| line > 0), Some(name.clone()), message.clone()));
         }
-        other => places.push((other.line_number(), None, other.to_string())),
+        other => places.push((other.line_number().filter(|&line| line > 0), None, other.to_string())),
     }
 }
 

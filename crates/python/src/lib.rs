@@ -30,6 +30,8 @@ use pyo3::prelude::*;
 /// The compiled part of the package `truepose`; private: its functions are called by the package, which documents what there is to call.
 #[pymodule]
 mod _core {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::arrow::arrow_stream;
     #[pymodule_export]
@@ -63,4 +65,9 @@ mod _core {
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::error::complete(module.py())
+    }
 }

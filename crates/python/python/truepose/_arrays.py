@@ -69,6 +69,10 @@ def table(frame: object, name: str = "data") -> _core.Table:
         headers = [str(header) for header in pandas.columns]
         return _core.Table(name, [(header, column(header, pandas.iloc[:, k])) for k, header in enumerate(headers)])
     if isinstance(frame, ArrowStream):
+        named: Any = getattr(frame, "column_names", getattr(frame, "columns", ()))
+        if isinstance(named, (list, tuple)) and any("\0" in str(header) for header in named):
+            # The interface cannot pass it on: polars ends the interpreter.
+            raise InputError("a header contains a NUL character; rename the column")
         return _core.read_table(name, frame)
     raise InputError(
         f"a table is a frame (pandas, polars, pyarrow, DuckDB …), a mapping from headers to columns, or a path, and not {type(frame).__name__}"
@@ -78,6 +82,8 @@ def table(frame: object, name: str = "data") -> _core.Table:
 def column(header: str, values: Any) -> Column:
     """A column as numbers (NaN: empty) or texts (None: empty)."""
     kind = getattr(getattr(values, "dtype", None), "kind", None)
+    if kind == "M" and getattr(values.dtype, "tz", None) is not None and hasattr(values, "dt"):
+        values = values.dt.tz_convert("UTC").dt.tz_localize(None)
     if kind in ("i", "u", "f", "b") and hasattr(values, "array"):
         # A column of pandas, of which integers and truth values may have empty cells.
         return np.asarray(values.to_numpy(dtype="float64", na_value=np.nan), dtype=np.float64)
@@ -143,7 +149,10 @@ def floats(name: str, values: ArrayLike, *shape: int | None) -> Floats:
 
 def joint_values(robot: Robot, q: ArrayLike) -> Floats:
     """Joint values n × dof; one row may stand alone."""
-    array = np.asarray(q, dtype=np.float64) if not isinstance(q, np.ndarray) else q
+    try:
+        array = np.asarray(q, dtype=np.float64)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"q is no array of numbers: {error}") from None
     if array.ndim == 1:
         array = array[np.newaxis, :]
     return floats("q", array, None, robot.dof)
@@ -192,9 +201,21 @@ def _of_matrices(name: str, matrices: Floats) -> Floats:
     return result
 
 
-def _rows(name: str, values: ArrayLike, rows: int, width: int) -> Floats:
-    array = np.asarray(values, dtype=np.float64)
-    return np.broadcast_to(floats(name, np.broadcast_to(array, (rows, width)) if array.ndim < 2 else array, rows, width), (rows, width))
+def spread_over(name: str, values: ArrayLike, rows: int, width: int) -> Floats:
+    """One number, one row, or a row each, as rows × width."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{name} is no array of numbers: {error}") from None
+    if array.shape not in ((), (width,), (rows, width)):
+        raise InputError(f"{name} has the shape {array.shape}; it has to be one number, {width}, or {rows} × {width}")
+    return np.broadcast_to(array, (rows, width))
+
+
+def each(name: str, values: ArrayLike, rows: int) -> Floats:
+    """One number, or one for each row."""
+    alone: Floats = spread_over(name, np.asarray(values), 1, rows)[0]
+    return alone
 
 
 def columns_of(robot: Robot, arrays: Arrays) -> dict[str, Any]:
@@ -221,9 +242,8 @@ def columns_of(robot: Robot, arrays: Arrays) -> dict[str, Any]:
     if "orientation" in arrays:
         result.update(quaternions("orientation", arrays["orientation"], rows))
     if "payload" in arrays:
-        result["payload[kg]"] = _rows("payload", np.reshape(np.asarray(arrays["payload"], dtype=np.float64), (-1, 1)), rows, 1)[:, 0] \
-            if np.ndim(arrays["payload"]) else np.full(rows, float(np.asarray(arrays["payload"])))
-        put(("cx[m]", "cy[m]", "cz[m]"), _rows("com", arrays.get("com", (0.0, 0.0, 0.0)), rows, 3))
+        result["payload[kg]"] = each("payload", arrays["payload"], rows)
+        put(("cx[m]", "cy[m]", "cz[m]"), spread_over("com", arrays.get("com", (0.0, 0.0, 0.0)), rows, 3))
     if "wrench" in arrays:
         put(("fx[N]", "fy[N]", "fz[N]", "tx[N*m]", "ty[N*m]", "tz[N*m]"), floats("wrench", arrays["wrench"], rows, 6))
     if "time" in arrays:
@@ -235,9 +255,9 @@ def columns_of(robot: Robot, arrays: Arrays) -> dict[str, Any]:
     if "approach" in arrays:
         put([f"approach_{joint.name}" for joint in robot.joints], floats("approach", arrays["approach"], rows, robot.dof))
     if "position_sd" in arrays:
-        put(("sx[m]", "sy[m]", "sz[m]"), _rows("position_sd", arrays["position_sd"], rows, 3))
+        put(("sx[m]", "sy[m]", "sz[m]"), spread_over("position_sd", arrays["position_sd"], rows, 3))
     if "orientation_sd" in arrays:
-        put(("srx[rad]", "sry[rad]", "srz[rad]"), _rows("orientation_sd", arrays["orientation_sd"], rows, 3))
+        put(("srx[rad]", "sry[rad]", "srz[rad]"), spread_over("orientation_sd", arrays["orientation_sd"], rows, 3))
     for header, values in arrays.get("channels", {}).items():
         result[header] = column(header, values)
     return result

@@ -18,7 +18,7 @@ class InputError(ValueError):
     row: int | None
     column: str | None
     source: str | None
-    errors: list[tuple[int | None, str | None, str]]
+    errors: Sequence[tuple[int | None, str | None, str]]
 
 _Floats = NDArray[np.float64]
 _Items = list[tuple[str, Any]] | None

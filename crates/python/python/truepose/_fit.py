@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from truepose import _core
-from truepose._arrays import Arrays, Floats, Frame, Path, _rows, floats, quaternions, table
+from truepose._arrays import Arrays, Floats, Frame, Path, each, floats, quaternions, spread_over, table
 from truepose._core import InputError
 from truepose._data import Data, taken, warn
 from truepose._effect import Effect
@@ -35,7 +35,8 @@ class Residuals:
     @property
     def distance(self) -> Floats:
         """3-D position error of each row, m; NaN where a component was not measured."""
-        return np.linalg.norm(self.position, axis=1)
+        distances: Floats = np.linalg.norm(self.position, axis=1)
+        return distances
 
     @property
     def rms(self) -> float:
@@ -271,12 +272,13 @@ class Fit:
 
     # --- use
 
-    def predict(self, data: Data = None, **arrays: Unpack[Arrays]) -> Predictions:
+    def predict(self, data: Data | ArrayLike = None, **arrays: Unpack[Arrays]) -> Predictions:
         """Poses of the real robot at joint values: an array n × dof, a table, or arrays as keywords (``q=…, payload=…``)."""
+        table: Any = data
         if isinstance(data, (np.ndarray, list, tuple)):
             arrays = {**arrays, "q": data}
-            data = None
-        rows = taken(self.robot, data, arrays, measured=False)
+            table = None
+        rows = taken(self.robot, table, arrays, measured=False)
         found, said = self._core.predict(rows._core)
         warn(said)
         return Predictions(found["position"], found["orientation"], found["within_95"], found["extrapolates"])
@@ -303,16 +305,16 @@ class Fit:
         else:
             rows = len(next(iter(columns.values())))
             if seed is not None:
-                values = _rows("seed", seed, rows, self.robot.dof)
+                values = spread_over("seed", seed, rows, self.robot.dof)
                 columns.update({f"{joint.name}[{joint.unit}]": values[:, k] for k, joint in enumerate(self.robot.joints)})
             if target is not None:
                 columns["target"] = [target] * rows if isinstance(target, str) else list(target)
             if payload is not None:
-                columns["payload[kg]"] = np.broadcast_to(np.asarray(payload, dtype=np.float64), (rows,))
-                centre = _rows("com", com, rows, 3)
+                columns["payload[kg]"] = each("payload", payload, rows)
+                centre = spread_over("com", com, rows, 3)
                 columns.update({header: centre[:, k] for k, header in enumerate(("cx[m]", "cy[m]", "cz[m]"))})
-            for header, values in (channels or {}).items():
-                columns[header] = np.broadcast_to(np.asarray(values, dtype=np.float64), (rows,))
+            for header, channel in (channels or {}).items():
+                columns[header] = each(header, channel, rows)
             core = table(columns, "poses")
         found, said = self._core.compensate(core)
         warn(said)
@@ -332,7 +334,10 @@ class Fit:
             if orientation is not None:
                 raise InputError("orientation belongs to positions n × 3; a table has columns for it")
             return None
-        array = np.asarray(poses, dtype=np.float64)
+        try:
+            array = np.asarray(poses, dtype=np.float64)
+        except (ValueError, TypeError) as error:
+            raise InputError(f"poses are a table, positions n × 3 or transforms n × 4 × 4: {error}") from None
         if array.ndim == 3 or array.shape == (4, 4):
             array = floats("poses", array.reshape(-1, *array.shape[-2:]), None, 4, 4)
             return {"x[m]": array[:, 0, 3], "y[m]": array[:, 1, 3], "z[m]": array[:, 2, 3]} | quaternions(

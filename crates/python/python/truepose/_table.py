@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator, Mapping
 from html import escape
 from typing import Any
@@ -48,21 +49,15 @@ class Table(Mapping[str, "NDArray[Any]"]):
 
     def to_pandas(self) -> Any:
         """A frame of pandas, which has to be installed."""
-        import pandas
-
-        return pandas.DataFrame(dict(self._columns))
+        return _library("pandas").DataFrame(dict(self._columns))
 
     def to_polars(self) -> Any:
         """A frame of polars, which has to be installed."""
-        import polars
-
-        return polars.DataFrame(self)
+        return _library("polars").DataFrame(self)
 
     def to_arrow(self) -> Any:
         """A table of pyarrow, which has to be installed."""
-        import pyarrow
-
-        return pyarrow.table(self)
+        return _library("pyarrow").table(self)
 
     def __repr__(self) -> str:
         return f"Table({self.rows} rows: {', '.join(self._columns)})"
@@ -76,6 +71,10 @@ class Table(Mapping[str, "NDArray[Any]"]):
         )
         more = f"<p>{self.rows - shown} more rows</p>" if self.rows > shown else ""
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
+
+
+def _library(name: str) -> Any:
+    return importlib.import_module(name)
 
 
 def _cell(value: Any) -> str:
