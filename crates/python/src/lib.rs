@@ -8,6 +8,7 @@ mod data;
 mod discover;
 mod effect;
 mod error;
+mod files;
 mod fit;
 mod hypothesis;
 mod identified;
@@ -44,6 +45,8 @@ mod _core {
     use crate::discover::{Discovery, discover};
     #[pymodule_export]
     use crate::error::InputError;
+    #[pymodule_export]
+    use crate::files::write_text;
     #[pymodule_export]
     use crate::fit::Fit;
     #[pymodule_export]

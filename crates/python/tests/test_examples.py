@@ -59,6 +59,14 @@ def test_everything_public_is_documented() -> None:
                     assert value.__doc__, f"{name}.{key}"
 
 
+def test_the_readme_of_the_project_runs(tmp_path: Path) -> None:
+    root = Path(__file__).resolve().parents[3]
+    (script,) = [text for text in re.findall(r"```python\n(.*?)```", (root / "README.md").read_text(), re.S) if "import truepose" in text]
+    (tmp_path / "examples").symlink_to(root / "examples")
+    ran = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+
+
 def test_the_readme_names_what_there_is() -> None:
     readme = (Path(__file__).resolve().parents[1] / "README.md").read_text()
     for name in re.findall(r"tp\.([A-Za-z]\w*)", readme):

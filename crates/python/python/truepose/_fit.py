@@ -163,9 +163,7 @@ class Fit:
 
     def save(self, path: Path) -> None:
         """Writes the fit file (JSON): the same bytes as those of the program on the same data."""
-        from truepose._write import write_text
-
-        write_text(path, self.to_json())
+        _core.write_text(os.fspath(path), self.to_json())
 
     def to_json(self) -> str:
         """The text of the fit file."""
@@ -377,9 +375,7 @@ class Fit:
     ) -> str:
         text, _ = self._core.export(kind, target, urdf, hayati, entries)
         if path is not None:
-            from truepose._write import write_text
-
-            write_text(path, text)
+            _core.write_text(os.fspath(path), text)
         return text
 
     def report(self, folder: Path) -> None:
