@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod accumulate;
 mod arrays;
 mod arrow;
 mod check;
@@ -15,6 +16,7 @@ mod identified;
 mod identify;
 mod model;
 mod options;
+mod packed;
 mod page;
 mod plan;
 mod postures;
@@ -22,6 +24,7 @@ mod program;
 mod robot;
 mod run;
 mod simulate;
+mod streamed;
 mod table;
 mod texts;
 mod upkeep;
@@ -33,6 +36,8 @@ use pyo3::prelude::*;
 mod _core {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::accumulate::Accumulator;
     #[pymodule_export]
     use crate::arrow::arrow_stream;
     #[pymodule_export]
@@ -61,6 +66,8 @@ mod _core {
     use crate::robot::Robot;
     #[pymodule_export]
     use crate::simulate::simulate;
+    #[pymodule_export]
+    use crate::streamed::{Streaming, take_block};
     #[pymodule_export]
     use crate::table::{Table, read_table};
     #[pymodule_export]
