@@ -46,7 +46,8 @@ impl Args {
     /// Parses the command line; ends the program where it is not valid.
     pub fn typed() -> Self {
         let command = negative(Args::command());
-        Args::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+        Args::from_arg_matches(&command.get_matches_from(crate::typed::arguments()))
+            .unwrap_or_else(|error| error.exit())
     }
 
     /// The command line, for completions and the manual page.

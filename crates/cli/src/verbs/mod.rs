@@ -1,28 +1,28 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
-mod beyond;
+pub(crate) mod beyond;
 mod campaign;
 mod check;
 mod compare;
-mod compensate;
+pub(crate) mod compensate;
 mod completions;
-mod discover;
+pub(crate) mod discover;
 mod effects;
-mod export;
+pub(crate) mod export;
 mod files;
 mod fleet;
 mod frames;
-mod identified;
-mod identify;
+pub(crate) mod identified;
+pub(crate) mod identify;
 mod init;
 mod iso9283;
 mod map;
 mod monitor;
 mod nominal;
-mod parameters;
+pub(crate) mod parameters;
 mod plan;
 mod plan_iso9283;
-mod predict;
+pub(crate) mod predict;
 mod program;
 mod repeated;
 mod reporting;
