@@ -11,6 +11,9 @@ pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
     #[arg(long, value_name = "FILE", value_parser = input(), alias = "discriminate")]
     pub rival: Option<PathBuf>,
@@ -54,6 +57,9 @@ pub struct Predict {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Joints, loads and channels (CSV); measured columns may be empty or absent
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,
@@ -79,6 +85,9 @@ pub struct Compensate {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
     #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["joints", "program"])]
     pub poses: Option<PathBuf>,
@@ -122,6 +131,9 @@ pub struct Export {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Format of the file
     #[arg(long, value_enum)]
     pub format: ExportFormat,
@@ -198,6 +210,9 @@ pub struct Map {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

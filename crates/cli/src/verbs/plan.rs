@@ -3,6 +3,7 @@
 use super::compensate::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
+use super::sessions::chosen;
 use crate::args::Plan;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -21,8 +22,9 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
     let registry = effects();
-    let fitted = read_fit(&args.fit, registry)?;
-    let rival = args.rival.as_ref().map(|file| read_fit(file, registry)).transpose()?;
+    let fitted = chosen(read_fit(&args.fit, registry)?, args.session.as_deref(), true)?;
+    let in_session = |fit| chosen(fit, args.session.as_deref(), true);
+    let rival = args.rival.as_ref().map(|file| in_session(read_fit(file, registry)?)).transpose()?;
     let goals = match &args.at {
         Some(file) => {
             let options = args.grouped.conditions();

@@ -2,6 +2,7 @@
 
 use super::domain::Domain;
 use super::fallback::{between, share};
+use super::sessions::Installed;
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
@@ -30,6 +31,8 @@ pub struct FittedModel {
     pub fallback: Option<Fallback>,
     /// Payloads that are declared wrongly: what is declared, and what is carried.
     pub loads: Vec<LoadCorrection>,
+    /// The installations in which it was fitted, the first one first; empty where it is one.
+    pub sessions: Vec<Installed>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
     pub provenance: serde_json::Map<String, serde_json::Value>,
 }
@@ -108,6 +111,7 @@ impl FittedModel {
             repeatability_sd: 0.0,
             fallback: None,
             loads: Vec::new(),
+            sessions: Vec::new(),
             provenance: serde_json::Map::new(),
         })
     }
@@ -140,6 +144,17 @@ impl FittedModel {
     /// With payloads that are declared wrongly.
     pub fn with_loads(self, loads: Vec<LoadCorrection>) -> Self {
         FittedModel { loads, ..self }
+    }
+
+    /// With the installations in which it was fitted.
+    pub fn with_sessions(self, sessions: Vec<Installed>) -> Self {
+        FittedModel { sessions, ..self }
+    }
+
+    /// With what another fit of the same robot has besides its model: domain, noise, channels, loads, record; its sessions are left behind.
+    pub(super) fn like(self, other: &FittedModel) -> Self {
+        let FittedModel { model, coefficients, covariance, .. } = self;
+        FittedModel { model, coefficients, covariance, sessions: Vec::new(), ..other.clone() }
     }
 
     /// With the record of how it came about.
@@ -265,7 +280,7 @@ pub(super) struct Predicted {
     pub weight: f64,
 }
 
-/// Evaluates a fitted model, posture after posture, without allocating.
+/// Evaluates a fitted model, posture after posture, without allocating (but to judge how far a fit with a fallback reaches).
 #[derive(Debug, Clone)]
 pub struct Predictor<'m> {
     fitted: &'m FittedModel,
