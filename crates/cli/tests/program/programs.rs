@@ -154,7 +154,7 @@ fn a_kinematics_file_goes_out_and_comes_back() {
         row("forearm", [-0.425, 0.0, 0.0, 0.0, 0.0, 0.0]),
         row("wrist_1", [-0.3922, 0.0, 0.1333, 0.0, 0.0, 0.0]),
         row("wrist_2", [0.0, -0.0997, 0.0, quarter, 0.0, 0.0]),
-        row("wrist_3", [0.0, 0.0996, 0.0, quarter, 3.141592653589793, 3.141592653589793]),
+        row("wrist_3", [0.0, 0.0996, 0.0, quarter, 2.0 * quarter, 2.0 * quarter]),
     ]
     .concat();
     folder.write("default.yaml", &format!("kinematics:\n{maker}  hash: calib_12788084448423163542\n"));
