@@ -96,6 +96,12 @@ pub struct DiscoverySummary {
     /// Held-out poses against a specification, where one was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specification: Option<SpecificationSummary>,
+    /// Each session of a campaign of several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<crate::SessionSummary>,
+    /// Spread at landmarks, where some were touched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landmarks: Option<crate::LandmarksSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -183,6 +189,8 @@ impl DiscoverySummary {
             incomplete: None,
             as_found: None,
             specification: None,
+            sessions: Vec::new(),
+            landmarks: None,
             parameters: None,
             settings,
         }

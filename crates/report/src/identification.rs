@@ -86,6 +86,12 @@ pub struct IdentificationSummary {
     /// Uncertainty budget of one measured position about its prediction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<crate::BudgetSummary>,
+    /// Each session of a campaign of several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<crate::SessionSummary>,
+    /// Spread at landmarks, where some were touched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub landmarks: Option<crate::LandmarksSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -256,10 +262,31 @@ impl IdentificationSummary {
             converged: fit.converged,
             specification: None,
             budget: crate::BudgetSummary::of_identification(found, data).ok(),
+            sessions: Vec::new(),
+            landmarks: None,
             parameters: None,
         };
         let summary = IdentificationSummary { limit: limit(&summary), ..summary };
         IdentificationSummary { verdict: summary.sentence(), ..summary }
+    }
+}
+
+impl IdentificationSummary {
+    /// With what was found at landmarks: then errors are spreads, and the verdict says so.
+    #[must_use]
+    pub fn with_landmarks(self, landmarks: Option<crate::LandmarksSummary>) -> Self {
+        if landmarks.is_none() {
+            return self;
+        }
+        let mut summary = IdentificationSummary { landmarks, ..self };
+        if let Some(first) = summary.stages.first_mut() {
+            first.name = "tool and landmarks".into();
+        }
+        if summary.held_out_by.is_some() {
+            summary.held_out_by = Some("each group of landmarks in turn, judged about their own mean".into());
+        }
+        let verdict = summary.sentence();
+        IdentificationSummary { verdict, ..summary }
     }
 }
 

@@ -5,6 +5,7 @@ mod comparison;
 mod discovery;
 mod figure;
 mod identification;
+mod landmarks;
 mod largest;
 mod layout;
 mod page;
@@ -12,6 +13,7 @@ mod parameters;
 mod plan;
 mod poses;
 mod run;
+mod sessions;
 mod specification;
 mod statistics;
 mod streamed;
@@ -20,8 +22,8 @@ mod upkeep;
 mod wording;
 
 pub use acceptance::{
-    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, DistanceSummary, FigureSummary,
-    Limit, PathSummary, StateSummary, TestPoseSummary, VerdictSummary,
+    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, FigureSummary, Limit,
+    PathSummary, PoseDistanceSummary, StateSummary, TestPoseSummary, VerdictSummary,
 };
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
@@ -34,6 +36,7 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
+pub use landmarks::{DistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
@@ -45,13 +48,14 @@ pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
+pub use sessions::{SessionSummary, session_summaries};
 pub use specification::{GuardBandSummary, GuardedVerdict, SpecificationSummary, Verdict};
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
 pub use upkeep::{
-    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, InstallationSummary,
-    MonitorSummary, TransferSummary,
+    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, FleetCoefficient,
+    FleetSummary, InstallationSummary, MonitorSummary, SisterSummary, TransferSummary,
 };
 pub use wording::{
     advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,

@@ -34,6 +34,9 @@ pub struct Plan {
     /// Cycles of the test
     #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(2..=10_000))]
     pub cycles: u16,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
     #[arg(long, value_name = "FILE", value_parser = input(), alias = "discriminate")]
     pub rival: Option<PathBuf>,
@@ -84,6 +87,9 @@ pub struct Predict {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Joints, loads and channels (CSV); measured columns may be empty or absent
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,
@@ -109,6 +115,9 @@ pub struct Compensate {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
     #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "joints")]
     pub poses: Option<PathBuf>,
@@ -149,6 +158,9 @@ pub struct Export {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Format of the file
     #[arg(long, value_enum)]
     pub format: ExportFormat,
@@ -195,6 +207,9 @@ pub struct Map {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

@@ -13,8 +13,8 @@ pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predi
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
-pub use upkeep::{Monitor, Transfer};
-pub use values::Place;
+pub use upkeep::{Fleet, Monitor, Transfer};
+pub use values::{Place, Prior};
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
@@ -97,6 +97,8 @@ pub enum Verb {
     Iso9283(Iso9283),
     /// Find base (tool, targets) of an identified arm in a new installation, from a few poses
     Transfer(Transfer),
+    /// Make a prior for the next robot of a type from the fits of others
+    Fleet(Fleet),
     /// Test whether the robot has changed since it was calibrated (exit code 3: it has)
     Monitor(Monitor),
     /// Fit one model with several solver strategies, on the same folds, and test the differences

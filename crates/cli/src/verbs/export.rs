@@ -1,5 +1,6 @@
 //! `truepose export`: the fitted geometry in forms that other controllers take.
 
+use super::sessions::chosen;
 use super::{parameters, print_json, target};
 use crate::args::{Export, ExportFormat};
 use crate::extensions::effects;
@@ -29,7 +30,7 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
     }
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, effects())?.of_robot();
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let written = match args.format {

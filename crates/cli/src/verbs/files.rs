@@ -1,6 +1,6 @@
 //! Which files a run reads and writes: nothing that it reads is overwritten, and nothing is written twice.
 
-use crate::args::{Measured, Verb};
+use crate::args::{Measured, Prior, Verb};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_io::{robot_files, same_file};
@@ -139,9 +139,15 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         read.extend(certificate.map(|file| ("--certificate", file.as_path())));
         read
     }
+    fn with_fleet<'a>(mut read: Vec<Named<'a>>, prior: &'a Prior) -> Vec<Named<'a>> {
+        if let Prior::Fleet(file) = prior {
+            read.push(("--prior", file.as_path()));
+        }
+        read
+    }
     match verb {
         Verb::Identify(of) => (
-            with(measured(&of.measured), of.certificate.as_ref()),
+            with(with_fleet(measured(&of.measured), &of.prior), of.certificate.as_ref()),
             list(&[
                 ("--report", of.report.as_ref()),
                 ("--out", of.out.as_ref()),
@@ -205,6 +211,9 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         ),
         Verb::Transfer(of) => {
             (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
+        }
+        Verb::Fleet(of) => {
+            (of.fits.iter().map(|fit| ("FIT", fit.as_path())).collect(), list(&[("--out", Some(&of.out))]))
         }
         // A history is read and written again.
         Verb::Monitor(of) => (

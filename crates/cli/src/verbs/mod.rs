@@ -1,6 +1,7 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
 mod beyond;
+mod campaign;
 mod check;
 mod compare;
 mod compensate;
@@ -9,6 +10,7 @@ mod discover;
 mod effects;
 mod export;
 mod files;
+mod fleet;
 mod frames;
 mod identified;
 mod identify;
@@ -23,7 +25,9 @@ mod plan_iso9283;
 mod predict;
 mod repeated;
 mod reporting;
+mod sessions;
 mod simulate;
+mod sister;
 mod stream;
 mod transfer;
 mod verify;
@@ -56,6 +60,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Map(verb) => map::run(verb, watch),
         Verb::Iso9283(verb) => iso9283::run(verb, watch),
         Verb::Transfer(verb) => transfer::run(verb, watch),
+        Verb::Fleet(verb) => fleet::run(verb),
         Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
         Verb::Init(verb) => init::run(verb),

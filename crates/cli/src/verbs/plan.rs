@@ -3,6 +3,7 @@
 use super::compensate::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
+use super::sessions::chosen;
 use crate::args::{Plan, PlannedTest};
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -25,8 +26,9 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     let file = args.fit.as_ref().ok_or_else(|| Failure::Input("--fit: a fit is needed".into()))?;
     let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
     let registry = effects();
-    let fitted = read_fit(file, registry)?;
-    let rival = args.rival.as_ref().map(|file| read_fit(file, registry)).transpose()?;
+    let fitted = chosen(read_fit(file, registry)?, args.session.as_deref(), true)?;
+    let in_session = |fit| chosen(fit, args.session.as_deref(), true);
+    let rival = args.rival.as_ref().map(|file| in_session(read_fit(file, registry)?)).transpose()?;
     let goals = match &args.at {
         Some(file) => {
             let options = args.grouped.conditions();

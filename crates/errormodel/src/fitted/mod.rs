@@ -3,11 +3,16 @@
 mod coverage;
 mod domain;
 mod fallback;
+mod landmarks;
+mod loads;
 mod model;
 mod sample;
+mod sessions;
 mod spread;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
-pub use model::{Fallback, FittedModel, LoadCorrection, Predictor};
+pub use loads::LoadCorrection;
+pub use model::{Fallback, FittedModel, Predictor};
 pub use sample::Sample;
+pub use sessions::{Installed, own_target};

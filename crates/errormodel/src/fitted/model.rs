@@ -2,6 +2,8 @@
 
 use super::domain::Domain;
 use super::fallback::{between, share};
+use super::loads::LoadCorrection;
+use super::sessions::Installed;
 use super::spread::position_covariance;
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
@@ -10,7 +12,7 @@ use crate::{
     Schema,
 };
 use nalgebra::{DMatrix, Matrix3, Matrix6};
-use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
+use truepose_kinematics::{Chain, Conditions, Load, Pose, PostureBuffer, TargetId};
 
 /// An error model with coefficients, how well they are known, and where they were seen.
 #[derive(Debug, Clone)]
@@ -31,6 +33,8 @@ pub struct FittedModel {
     pub fallback: Option<Fallback>,
     /// Payloads that are declared wrongly: what is declared, and what is carried.
     pub loads: Vec<LoadCorrection>,
+    /// The installations in which it was fitted, the first one first; empty where it is one.
+    pub sessions: Vec<Installed>,
     /// How it came about, for people: program, data, options. Not needed for evaluation.
     pub provenance: serde_json::Map<String, serde_json::Value>,
 }
@@ -52,33 +56,6 @@ impl Fallback {
     /// Share of the findings, of the variance of a predicted position, m².
     pub fn weight(&self, variance: f64) -> f64 {
         share(variance, self.usual, self.scale)
-    }
-}
-
-/// A payload whose declared mass is wrong, wherever it is declared.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LoadCorrection {
-    /// As declared, kg.
-    pub declared: f64,
-    /// As it is, kg.
-    pub carried: f64,
-}
-
-impl LoadCorrection {
-    /// Declared masses closer than this share are one level.
-    const SAME: f64 = 1e-9;
-
-    /// The load that is carried, when this is the level that it declares.
-    pub fn apply(&self, load: Load) -> Option<Load> {
-        match load {
-            Load::Payload(payload)
-                if (payload.mass - self.declared).abs() <= Self::SAME * self.declared.abs().max(1.0) =>
-            {
-                Some(Load::Payload(Payload { mass: self.carried, ..payload }))
-            }
-            _ => None,
-        }
     }
 }
 
@@ -109,6 +86,7 @@ impl FittedModel {
             repeatability_sd: 0.0,
             fallback: None,
             loads: Vec::new(),
+            sessions: Vec::new(),
             provenance: serde_json::Map::new(),
         })
     }
@@ -141,6 +119,17 @@ impl FittedModel {
     /// With payloads that are declared wrongly.
     pub fn with_loads(self, loads: Vec<LoadCorrection>) -> Self {
         FittedModel { loads, ..self }
+    }
+
+    /// With the installations in which it was fitted.
+    pub fn with_sessions(self, sessions: Vec<Installed>) -> Self {
+        FittedModel { sessions, ..self }
+    }
+
+    /// With what another fit of the same robot has besides its model: domain, noise, channels, loads, record; its sessions are left behind.
+    pub(super) fn like(self, other: &FittedModel) -> Self {
+        let FittedModel { model, coefficients, covariance, .. } = self;
+        FittedModel { model, coefficients, covariance, sessions: Vec::new(), ..other.clone() }
     }
 
     /// With the record of how it came about.
@@ -272,7 +261,7 @@ pub(super) struct Predicted {
     pub weight: f64,
 }
 
-/// Evaluates a fitted model, posture after posture, without allocating.
+/// Evaluates a fitted model, posture after posture, without allocating (but to judge how far a fit with a fallback reaches).
 #[derive(Debug, Clone)]
 pub struct Predictor<'m> {
     fitted: &'m FittedModel,

@@ -10,6 +10,7 @@ mod read;
 mod robot_v1;
 mod sample_v1;
 mod schema_v1;
+mod sessions_v1;
 mod write;
 
 pub use read::{parse_fit, read_fit};

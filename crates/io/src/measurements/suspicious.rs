@@ -73,8 +73,9 @@ pub(super) fn look(
         header.warn(warnings, None, message);
     }
     if needs.measured {
-        let empty =
-            (0..data.len()).filter(|&row| data.seen(row).count() == 0 && !read.rows.lost.has(data.line[row]));
+        let empty = (0..data.len()).filter(|&row| {
+            data.seen(row).count() == 0 && data.landmark(row).is_none() && !read.rows.lost.has(data.line[row])
+        });
         let mut empty = empty.peekable();
         if let Some(&first) = empty.peek() {
             let count = empty.count();

@@ -4,6 +4,8 @@ mod columns;
 mod couplings;
 mod details;
 pub(crate) mod names;
+mod sessions;
+mod surroundings;
 mod toml_form;
 mod urdf;
 mod urdf_corrected;
@@ -19,6 +21,7 @@ pub use write::robot_toml;
 
 use crate::{ColumnMap, IoError, Warning};
 use std::path::{Path, PathBuf};
+use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::Chain;
 
 /// No serial robot has more joints, fixed ones included.
@@ -78,4 +81,24 @@ pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
     let path = path.as_ref();
     let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
     if toml { toml_form::column_map(path) } else { Ok(ColumnMap::default()) }
+}
+
+/// What each session of a campaign has of its own, as `[sessions]` of a robot description says; the base where it says nothing.
+///
+/// # Errors
+/// When the description cannot be read, or its `[sessions]` does not make sense.
+pub fn robot_sessions(path: impl AsRef<Path>) -> Result<SessionRules, IoError> {
+    let path = path.as_ref();
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
+    if toml { toml_form::session_rules(path) } else { Ok(SessionRules::default()) }
+}
+
+/// Landmarks and distances between them, as `[[landmarks]]` and `[[distances]]` of a robot description say; none where it says nothing.
+///
+/// # Errors
+/// When the description cannot be read, or one of these does not make sense.
+pub fn robot_surroundings(path: impl AsRef<Path>) -> Result<Surroundings, IoError> {
+    let path = path.as_ref();
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
+    if toml { toml_form::surroundings_of(path) } else { Ok(Surroundings::default()) }
 }

@@ -2,12 +2,13 @@
 
 use super::names::{cell_problem, joint_name_problem};
 use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
-use super::{columns, couplings, details};
+use super::{columns, couplings, details, sessions, surroundings};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{ColumnMap, IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
+use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
@@ -55,11 +56,16 @@ pub(super) fn read(
         "tip",
         "columns",
         "couplings",
+        "sessions",
+        "landmarks",
+        "distances",
         details::KEYS[0],
         details::KEYS[1],
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
+    errors.extend(sessions::read(&root).err());
+    errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length)).err());
     let units = units(&root)?;
     details::of(&root)?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
@@ -141,6 +147,21 @@ pub(super) fn column_map(path: &Path) -> Result<ColumnMap, IoError> {
     let text = Text::read(path)?;
     let document = Document::parse(&text)?;
     columns::read(&document.root("the robot"))
+}
+
+/// What `[sessions]` of a description says about several installations.
+pub(super) fn session_rules(path: &Path) -> Result<SessionRules, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    sessions::read(&document.root("the robot"))
+}
+
+/// What a description says about the surroundings.
+pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    let root = document.root("the robot");
+    surroundings::read(&root, units(&root)?.length)
 }
 
 /// The URDF that a description names.
