@@ -15,6 +15,7 @@ mod cross_validation;
 mod discovery;
 mod exact;
 mod excitation;
+mod guard_bands;
 mod odd_robots;
 mod permuted;
 mod placement;
