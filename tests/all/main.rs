@@ -15,6 +15,7 @@ mod cross_validation;
 mod discovery;
 mod exact;
 mod excitation;
+mod guard_bands;
 mod kinematics_files;
 mod odd_robots;
 mod permuted;

@@ -266,3 +266,38 @@ fn static_compliance_is_the_slope_over_the_force() {
     assert!((one.displacement.z - slope(&z)).abs() < 1e-15 && (one.displacement.y - slope(&y)).abs() < 1e-15);
     assert!((one.compliance.value - 2.0616e-5 / 9.81).abs() < 3.0 * one.compliance.u);
 }
+
+#[test]
+fn a_path_that_stops_at_its_points_has_the_worst_of_them() {
+    let chain = samples::ur10();
+    let channel = Channel { name: "cycle".into(), unit: "1".into(), temperature: false };
+    let mut builder = DatasetBuilder::new(&chain).channels(vec![channel]);
+    let mut draw = Draw(9);
+    // A line along the path of joint 1, in 9 points; sideways errors grow along it, those along it do not count.
+    let at = |point: usize| [0.02 * point as f64, -1.2, 1.5, 0.2, 0.8, 0.0];
+    let mut z = vec![Vec::new(); 9];
+    for cycle in 0..10 {
+        for (point, z) in z.iter_mut().enumerate() {
+            let tool = chain.forward(&at(point)).translation;
+            let up = 1e-5 * point as f64 + 2e-6 * draw.next();
+            z.push(up);
+            let row =
+                Measurement::at(at(point)).position(tool + Vector3::z() * up).channels([f64::from(cycle)]);
+            builder.push(row.visit(9 * cycle as u64 + point as u64)).unwrap();
+        }
+    }
+    let options = AssessmentOptions { path: true, ..Default::default() };
+    let data = builder.finish();
+    let found = assess(&chain, None, &data, &options).unwrap();
+    let path = found.before.path.as_ref().unwrap();
+    assert_eq!((path.cycles, path.points, path.evaluated), (10, 9, 9));
+    // The last point is the worst; deviations are normal to the path, of which up is a direction.
+    assert_eq!(path.at_point, 8);
+    assert!((path.at.value - mean(&z[8])).abs() < 1e-9, "{} {}", path.at.value, mean(&z[8]));
+    let l: Vec<f64> = z[path.rt_point].iter().map(|v| (v - mean(&z[path.rt_point])).abs()).collect();
+    assert!((path.rt.value - mean(&l) - 3.0 * stdev(&l)).abs() < 1e-9);
+    assert!(!found.remarks.iter().any(|remark| matches!(remark, Remark::FewPathCycles { .. })));
+    let mut without = data;
+    without.schema.channels[0].name = "number".into();
+    assert!(assess(&chain, None, &without, &options).unwrap_err().to_string().contains("no column `cycle`"));
+}

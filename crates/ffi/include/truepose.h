@@ -393,6 +393,32 @@ int32_t truepose_fit_target(const struct truepose_fit *fit,
                             int32_t *target);
 
 /*
+ Number of sessions (installations) of the fit, from which one has to be chosen; 0 where it has one installation, and for null.
+
+ # Safety
+ As `truepose_fit_joints`.
+ */
+size_t truepose_fit_sessions(const struct truepose_fit *fit);
+
+/*
+ Name of a session, from 0; null where there is none. Valid as long as the fit.
+
+ # Safety
+ As `truepose_fit_joints`.
+ */
+const char *truepose_fit_session(const struct truepose_fit *fit, size_t k);
+
+/*
+ The fit in one of its sessions, as a fit of its own, into `*chosen`: arms are made of it. On an error `*chosen` is null.
+
+ # Safety
+ `fit` as in `truepose_fit_joints`; `name` is null or ends in a zero byte; `chosen` is null or may be written.
+ */
+int32_t truepose_fit_in_session(const struct truepose_fit *fit,
+                                const char *name,
+                                struct truepose_fit **chosen);
+
+/*
  What a code means, in one line: a static text, never null.
  */
 const char *truepose_message(int32_t code);

@@ -93,6 +93,10 @@ pub unsafe extern "C" fn truepose_arm_new(
         *out = std::ptr::null_mut();
         // SAFETY: the caller's promise.
         let (fit, options) = unsafe { (given(fit)?, options.as_ref()) };
+        if fit.is_open() {
+            because("the fit has several sessions: choose one with truepose_fit_in_session");
+            return Err(TRUEPOSE_ERROR_FIT);
+        }
         let options = options.map_or_else(CompensatorOptions::default, |given| CompensatorOptions {
             position_tolerance: given.position_tolerance,
             orientation_tolerance: given.orientation_tolerance,

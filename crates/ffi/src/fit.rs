@@ -14,6 +14,14 @@ use truepose_kinematics::TargetId;
 /// A fit. Any number of threads may use it at once; an arm keeps what it needs, so that the fit may be freed before its arms.
 pub struct truepose_fit {
     pub(crate) shared: Arc<Shared>,
+    /// The fit of all sessions, of which `shared` is one; none where it has one installation.
+    several: Option<Several>,
+}
+
+/// A fit of several installations.
+struct Several {
+    fitted: FittedModel,
+    names: Vec<CString>,
 }
 
 /// What arms share.
@@ -44,7 +52,6 @@ impl Shared {
             }
         }
         let chain = fitted.chain();
-        let text = |name: &str| CString::new(name.replace('\0', " ")).unwrap_or_default();
         let joints = chain.movable().iter().map(|&joint| text(&chain.joint(joint).name)).collect();
         let targets = chain.targets().iter().map(|target| text(&target.name)).collect();
         let names = channels.iter().map(|channel| text(&channel.name)).collect();
@@ -71,14 +78,31 @@ impl Shared {
 fn hand_over(read: Result<FittedModel, IoError>, out: &mut *mut truepose_fit) -> Result<i32, i32> {
     match read {
         Ok(fitted) => {
-            let shared = Arc::new(Shared::new(fitted));
-            *out = Box::into_raw(Box::new(truepose_fit { shared }));
+            let names: Vec<CString> = fitted.sessions.iter().map(|session| text(&session.name)).collect();
+            let one = fitted.in_session(0).map_err(|error| refused(&error.to_string()))?;
+            let several = (names.len() > 1).then_some(Several { fitted, names });
+            *out = Box::into_raw(Box::new(truepose_fit { shared: Arc::new(Shared::new(one)), several }));
             Ok(TRUEPOSE_OK)
         }
-        Err(error) => {
-            because(&error.to_string());
-            Err(TRUEPOSE_ERROR_FIT)
-        }
+        Err(error) => Err(refused(&error.to_string())),
+    }
+}
+
+/// Records why there is no fit.
+fn refused(reason: &str) -> i32 {
+    because(reason);
+    TRUEPOSE_ERROR_FIT
+}
+
+/// A name for C.
+fn text(name: &str) -> CString {
+    CString::new(name.replace('\0', " ")).unwrap_or_default()
+}
+
+impl truepose_fit {
+    /// Whether an installation is still to be chosen.
+    pub(crate) fn is_open(&self) -> bool {
+        self.several.is_some()
     }
 }
 
@@ -256,6 +280,58 @@ pub unsafe extern "C" fn truepose_fit_target(
         let name = unsafe { CStr::from_ptr(name) };
         let found = fit.shared.targets.iter().position(|known| known.as_c_str() == name);
         *out = found.and_then(|k| i32::try_from(k).ok()).ok_or(TRUEPOSE_ERROR_TARGET)?;
+        Ok(TRUEPOSE_OK)
+    })
+}
+
+/// Number of sessions (installations) of the fit, from which one has to be chosen; 0 where it has one installation, and for null.
+///
+/// # Safety
+/// As `truepose_fit_joints`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truepose_fit_sessions(fit: *const truepose_fit) -> usize {
+    // SAFETY: the caller's promise.
+    let several = unsafe { fit.as_ref() }.and_then(|fit| fit.several.as_ref());
+    several.map_or(0, |several| several.names.len())
+}
+
+/// Name of a session, from 0; null where there is none. Valid as long as the fit.
+///
+/// # Safety
+/// As `truepose_fit_joints`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truepose_fit_session(fit: *const truepose_fit, k: usize) -> *const c_char {
+    // SAFETY: the caller's promise.
+    let several = unsafe { fit.as_ref() }.and_then(|fit| fit.several.as_ref());
+    several.and_then(|several| several.names.get(k)).map_or(std::ptr::null(), |name| name.as_ptr())
+}
+
+/// The fit in one of its sessions, as a fit of its own, into `*chosen`: arms are made of it. On an error `*chosen` is null.
+///
+/// # Safety
+/// `fit` as in `truepose_fit_joints`; `name` is null or ends in a zero byte; `chosen` is null or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn truepose_fit_in_session(
+    fit: *const truepose_fit,
+    name: *const c_char,
+    chosen: *mut *mut truepose_fit,
+) -> i32 {
+    guarded(|| {
+        // SAFETY: the caller's promise.
+        let out = unsafe { taken(chosen) }?;
+        *out = std::ptr::null_mut();
+        // SAFETY: the caller's promise.
+        let fit = unsafe { given(fit) }?;
+        if name.is_null() {
+            return Err(TRUEPOSE_ERROR_NULL);
+        }
+        // SAFETY: not null, and ends in a zero byte by the caller's promise.
+        let name = unsafe { CStr::from_ptr(name) };
+        let several = fit.several.as_ref().ok_or(TRUEPOSE_ERROR_ARGUMENT)?;
+        let number = several.names.iter().position(|known| known.as_c_str() == name);
+        let number = number.ok_or(TRUEPOSE_ERROR_ARGUMENT)?;
+        let one = several.fitted.in_session(number).map_err(|error| refused(&error.to_string()))?;
+        *out = Box::into_raw(Box::new(truepose_fit { shared: Arc::new(Shared::new(one)), several: None }));
         Ok(TRUEPOSE_OK)
     })
 }

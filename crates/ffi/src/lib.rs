@@ -15,9 +15,10 @@ pub use arm::{
     truepose_predict,
 };
 pub use fit::{
-    truepose_fit, truepose_fit_channel, truepose_fit_channels, truepose_fit_free, truepose_fit_joint,
-    truepose_fit_joint_is_prismatic, truepose_fit_joints, truepose_fit_parse, truepose_fit_read,
-    truepose_fit_target, truepose_fit_target_name, truepose_fit_targets,
+    truepose_fit, truepose_fit_channel, truepose_fit_channels, truepose_fit_free, truepose_fit_in_session,
+    truepose_fit_joint, truepose_fit_joint_is_prismatic, truepose_fit_joints, truepose_fit_parse,
+    truepose_fit_read, truepose_fit_session, truepose_fit_sessions, truepose_fit_target,
+    truepose_fit_target_name, truepose_fit_targets,
 };
 pub use status::{
     TRUEPOSE_ERROR_ARGUMENT, TRUEPOSE_ERROR_FIT, TRUEPOSE_ERROR_LENGTH, TRUEPOSE_ERROR_NOT_FINITE,

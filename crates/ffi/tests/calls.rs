@@ -252,3 +252,32 @@ fn names_and_options_are_those_of_the_fit() {
         truepose_fit_free(fit);
     }
 }
+
+#[test]
+fn a_fit_of_several_sessions_wants_one_of_them() {
+    let fit = loaded(&fits::json(&fits::in_two_halls()));
+    unsafe {
+        assert_eq!(truepose_fit_sessions(fit), 2);
+        assert_eq!(text_of(truepose_fit_session(fit, 1)), "hall 2");
+        assert!(truepose_fit_session(fit, 2).is_null());
+        let mut arm = null_mut();
+        assert_eq!(truepose_arm_new(fit, null(), &mut arm), TRUEPOSE_ERROR_FIT);
+        assert!(text_of(truepose_last_error()).contains("several sessions"));
+        let mut chosen = null_mut();
+        assert_eq!(truepose_fit_in_session(fit, c"hall 3".as_ptr(), &mut chosen), TRUEPOSE_ERROR_ARGUMENT);
+        let mut at = |name: &CStr| {
+            assert_eq!(truepose_fit_in_session(fit, name.as_ptr(), &mut chosen), TRUEPOSE_OK);
+            let arm = armed(chosen);
+            let mut pose = truepose_pose::default();
+            let q = joints(1, 6);
+            assert_eq!(truepose_predict(arm, q.as_ptr(), 6, null(), TRUEPOSE_TOOL, &mut pose), TRUEPOSE_OK);
+            truepose_arm_free(arm);
+            truepose_fit_free(chosen);
+            pose.position
+        };
+        let (here, there) = (at(c"hall 1"), at(c"hall 2"));
+        // The second frame stands 2 m along x of the first.
+        assert!((here[0] - there[0] - 2.0).abs() < 1e-12 && (here[1] - there[1]).abs() < 1e-12);
+        truepose_fit_free(fit);
+    }
+}

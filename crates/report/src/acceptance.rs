@@ -76,7 +76,7 @@ impl TestPoseSummary {
 
 /// A pair of poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DistanceSummary {
+pub struct PoseDistanceSummary {
     /// Their names.
     pub between: [String; 2],
     /// Commanded distance, mm.
@@ -129,7 +129,7 @@ pub struct StateSummary {
     /// Poses.
     pub poses: Vec<TestPoseSummary>,
     /// Pairs of poses.
-    pub distances: Vec<DistanceSummary>,
+    pub distances: Vec<PoseDistanceSummary>,
     /// Static compliance.
     pub compliance: Vec<ComplianceSummary>,
     /// The path, where one was measured.
@@ -248,12 +248,12 @@ fn pose(of: &NamedFigures) -> TestPoseSummary {
     }
 }
 
-fn distance(a: &NamedFigures, b: &NamedFigures, of: &DistanceFigures) -> DistanceSummary {
+fn distance(a: &NamedFigures, b: &NamedFigures, of: &DistanceFigures) -> PoseDistanceSummary {
     let mut figures = vec![FigureSummary::new("AD_p", &of.ad, "mm")];
     figures.extend(axes(["AD_x", "AD_y", "AD_z"], &of.ad_axes, "mm"));
     figures.push(FigureSummary::new("RD_p", &of.rd, "mm"));
     figures.extend(axes(["RD_x", "RD_y", "RD_z"], &of.rd_axes, "mm"));
-    DistanceSummary {
+    PoseDistanceSummary {
         between: [a.name.clone(), b.name.clone()],
         commanded_mm: 1e3 * of.commanded,
         cycles: of.cycles,

@@ -22,8 +22,8 @@ mod upkeep;
 mod wording;
 
 pub use acceptance::{
-    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, DistanceSummary, FigureSummary,
-    Limit, PathSummary, StateSummary, TestPoseSummary, VerdictSummary,
+    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, FigureSummary, Limit,
+    PathSummary, PoseDistanceSummary, StateSummary, TestPoseSummary, VerdictSummary,
 };
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{

@@ -26,6 +26,9 @@ pub struct Iso9283 {
     /// A fit: the same figures with the displacement that its model predicts taken off
     #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["robot", "base", "tip"])]
     pub fit: Option<PathBuf>,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME", requires = "fit")]
+    pub session: Option<String>,
     /// Frames of instrument and robot: described (with --fit: as the fit found them), or best-fit of the attained positions to the commanded
     /// ones [default: described; best-fit where the base has `known = false`]
     #[arg(long, value_enum, value_name = "FRAMES", hide_possible_values = true)]

@@ -1,6 +1,7 @@
 //! `truepose iso9283`: pose accuracy, repeatability and the other figures of the standard.
 
 use super::reporting::Folder;
+use super::sessions::{chosen, one};
 use super::{print_json, robot};
 use crate::args::{FramesFrom, Iso9283, Robot};
 use crate::extensions::effects;
@@ -9,7 +10,6 @@ use crate::terminal;
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 use truepose_acceptance::{Alignment, AssessmentOptions, assess};
-use truepose_errormodel::FittedModel;
 use truepose_io::{WholeFiles, read_fit, read_measurements};
 use truepose_report::{AcceptanceSummary, acceptance_report};
 
@@ -19,8 +19,10 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
         .map(|folder| folder.certified(args.certificate.as_ref()))
         .transpose()?;
     // Errors of instrument and log are none of the robot.
-    let fitted =
-        args.fit.as_ref().map(|file| read_fit(file, effects())).transpose()?.map(FittedModel::of_robot);
+    let fitted = match &args.fit {
+        Some(file) => Some(chosen(read_fit(file, effects())?, args.session.as_deref(), false)?.of_robot()),
+        None => None,
+    };
     let (chain, reading) = match (&fitted, &args.robot) {
         (Some(fitted), _) => (fitted.chain().clone(), args.grouped.measured()),
         (None, Some(file)) => {
@@ -29,8 +31,9 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
         }
         (None, None) => return Err(Failure::Input("--robot or --fit: one of them is needed".into())),
     };
-    let (data, _, warnings) = read_measurements(&args.data, &chain, &reading)?;
+    let (data, info, warnings) = read_measurements(&args.data, &chain, &reading)?;
     terminal::warn(&warnings);
+    one(&info, &args.data)?;
     watch.doing("assessing repeated poses");
     let options = AssessmentOptions {
         alignment: args.align.map(|align| match align {

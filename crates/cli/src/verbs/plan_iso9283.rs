@@ -1,5 +1,6 @@
 //! `truepose plan --for iso9283`: the five poses of the standard, in 30 cycles.
 
+use super::sessions::chosen;
 use super::{print_json, robot};
 use crate::args::{Plan, Robot};
 use crate::extensions::effects;
@@ -16,7 +17,7 @@ use truepose_report::{count, significant};
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let chain = match (&args.fit, &args.robot) {
-        (Some(file), _) => read_fit(file, effects())?.chain().clone(),
+        (Some(file), _) => chosen(read_fit(file, effects())?, args.session.as_deref(), true)?.chain().clone(),
         (None, Some(file)) => {
             robot(&Robot { robot: file.clone(), base: args.base.clone(), tip: args.tip.clone() })?
         }

@@ -5,9 +5,9 @@
 
 use std::sync::Arc;
 use truepose_errormodel::effects::{Basis, Expansion, Factor, Geometric, Input, JointCompliance, Place};
-use truepose_errormodel::{AnyEffect, Channel, ErrorModel, Fallback, FittedModel};
+use truepose_errormodel::{AnyEffect, Channel, ErrorModel, Fallback, FittedModel, Installed};
 use truepose_kinematics::nalgebra::DMatrix;
-use truepose_kinematics::{Chain, Coupling, samples};
+use truepose_kinematics::{Chain, Coupling, Pose, samples};
 
 fn of(chain: &Chain, effects: Vec<Box<dyn AnyEffect>>) -> FittedModel {
     let model = ErrorModel::new(chain.clone(), effects).unwrap();
@@ -57,6 +57,12 @@ pub fn thermal() -> FittedModel {
     let effect = Expansion { at: Place::Motion { joint }, factors };
     let channel = Channel { name: "temperature".into(), unit: "degC".into(), temperature: true };
     of(&chain, vec![Box::new(effect)]).with_channels(vec![channel])
+}
+
+/// One robot in two installations, 2 m apart.
+pub fn in_two_halls() -> FittedModel {
+    let installed = |name: &str, x: f64| Installed { name: name.into(), frame: Pose::trans(0, x) };
+    elastic(&samples::ur10()).with_sessions(vec![installed("hall 1", 0.0), installed("hall 2", 2.0)])
 }
 
 /// The fit as a file has it.

@@ -4,8 +4,8 @@ use super::{Page, Report};
 use crate::acceptance::{heads, pose_rows, symbols};
 use crate::figure::{Bar, Plot, bars, escape};
 use crate::{
-    AcceptanceSummary, BudgetSummary, DistanceSummary, FigureSummary, Limit, RunRecord, StateSummary, count,
-    significant,
+    AcceptanceSummary, BudgetSummary, FigureSummary, Limit, PoseDistanceSummary, RunRecord, StateSummary,
+    count, significant,
 };
 use truepose_acceptance::Conformity;
 
@@ -218,13 +218,13 @@ fn cycles(page: &mut Page, state: &StateSummary) {
     );
 }
 
-fn distances(page: &mut Page, all: &[DistanceSummary]) {
-    let find = |pair: &DistanceSummary, s: &str| {
+fn distances(page: &mut Page, all: &[PoseDistanceSummary]) {
+    let find = |pair: &PoseDistanceSummary, s: &str| {
         let figure = pair.figures.iter().find(|figure| figure.symbol == s);
         figure.map_or_else(String::new, FigureSummary::shown)
     };
     let symbols = ["AD_p", "AD_x", "AD_y", "AD_z", "RD_p"];
-    let row = |pair: &DistanceSummary| {
+    let row = |pair: &PoseDistanceSummary| {
         let mut row =
             vec![pair.between.join("–"), pair.cycles.to_string(), significant(pair.commanded_mm, 6)];
         row.extend(symbols.map(|s| find(pair, s)));
