@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use truepose_errormodel::Domain;
+use truepose_errormodel::{Domain, FittedModel};
 use truepose_identify::{Equations, FitPass, JudgePass, Judged, NoiseModel, Pass, Sums, Tally};
 use truepose_io::{fit_from_text, fit_json, sha256};
 use truepose_solvers::Gram;
@@ -21,10 +21,14 @@ use truepose_solvers::accumulator::Triangular;
 /// A pass as bytes, for workers.
 pub fn packed(pass: &Pass) -> PyResult<Vec<u8>> {
     let mut out = Packer::default();
+    // The rows that a fit holds are of no use there.
+    let model = |fitted: &FittedModel| {
+        fit_json("pass", &fitted.clone().with_domain(Domain::default()).with_fallback(None)).map_err(of_io)
+    };
     match pass {
         Pass::Fit(pass) => {
             out.whole(0);
-            out.bytes(fit_json("pass", &pass.fitted).map_err(of_io)?.as_bytes());
+            out.bytes(model(&pass.fitted)?.as_bytes());
             out.numbers(&pass.at);
             out.numbers(&[pass.noise.position_sd, pass.noise.orientation_sd, pass.noise.visit_sd]);
             out.whole(pass.kept.len() as u64);
@@ -34,7 +38,7 @@ pub fn packed(pass: &Pass) -> PyResult<Vec<u8>> {
         }
         Pass::Judge(pass) => {
             out.whole(1);
-            out.bytes(fit_json("pass", &pass.fitted).map_err(of_io)?.as_bytes());
+            out.bytes(model(&pass.fitted)?.as_bytes());
             out.whole(pass.changes.len() as u64);
             pass.changes.iter().for_each(|change| out.numbers(change));
         }
