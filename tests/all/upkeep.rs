@@ -4,12 +4,14 @@
 use crate::plants::with_three_targets;
 use truepose_errormodel::effects::{Geometric, JointCompliance};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
-use truepose_identify::{FitOptions, fit};
+use truepose_identify::{FitOptions, Folds, Residuals, Split, fit};
 use truepose_kinematics::{Chain, Placed, Pose, Target, samples};
 use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
 use truepose_simulate::{Campaign, Flaws, Observation, Plant, PlantOptions, flaws};
 use truepose_solvers::PivotedQr;
-use truepose_upkeep::{Installation, MonitorOptions, TransferOptions, UpkeepError, monitor, transfer};
+use truepose_upkeep::{
+    Installation, MonitorOptions, TransferOptions, UpkeepError, fleet, monitor, sister, transfer,
+};
 
 /// Constant errors, a soft joint, an instrument and a robot that repeats to 20 µm an axis.
 fn options(more: Flaws) -> PlantOptions {
@@ -83,6 +85,11 @@ fn six_poses_of_one_target_carry_an_arm_into_another_installation() {
         let noise = 3f64.sqrt() * 20e-6f64.hypot(10e-6);
         let of = |fitted: &FittedModel| error(fitted, &fresh).hypot(noise);
         ratios.push(of(&made.fitted) / of(&identified(&there, &all)));
+        // The rows of the fit are carried along: what an export is held against lies here, not where the fit was made.
+        let of_rows = |fitted: &FittedModel| {
+            Residuals::of(fitted, fitted.domain.sample.rows()).unwrap().positions().rms
+        };
+        assert!((of_rows(&made.fitted) / of_rows(&arm) - 1.0).abs() < 1e-6);
         let band = made.bands.unwrap().1.rms;
         inside.push(error(&made.fitted, &fresh) / band);
     }
@@ -192,4 +199,83 @@ fn an_instrument_that_was_set_up_anew_is_no_change_of_the_robot() {
     // Where the base stands is not looked at, and what cannot be told from it is said to be invisible.
     assert!(seen.changes.iter().all(|change| !change.what.contains("@base")));
     assert_eq!(seen.placed, ["base"]);
+}
+
+/// Sisters: the errors of one design, and of each robot its own of half of what it repeats to (10 µm and 10 µrad a component).
+fn sister_of(here: &Chain, robot: u64, poses: usize, campaign: u64) -> Observation {
+    let options = options(Flaws::default());
+    let design = Plant::random(here, &options, 4711).unwrap();
+    let own = Plant::random(here, &options, 5000 + robot).unwrap();
+    let mut truth = design.truth().clone();
+    for (frame, own) in truth.frames.iter_mut().zip(&own.truth().frames) {
+        frame.iter_mut().zip(own).for_each(|(all, own)| *all += 0.025 * own);
+    }
+    truth.targets.clone_from(&own.truth().targets);
+    let plant = design.with_truth(truth).unwrap();
+    plant.observe(&Campaign::random(here, poses, campaign).unwrap().shuffled(campaign), campaign).unwrap()
+}
+
+#[test]
+fn sisters_are_worth_many_poses() {
+    let here = with_one_target(&samples::ur10());
+    let arms: Vec<FittedModel> =
+        (0..10).map(|robot| identified(&here, &sister_of(&here, robot, 100, 100 + robot).data)).collect();
+    let prior = fleet(&arms).unwrap();
+    let blank = here.clone().with_base(Placed { known: false, ..*here.base() }).unwrap();
+    let (mut with, mut few, mut many, mut anywhere) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut helped = 0;
+    for robot in 10..18 {
+        let fresh = sister_of(&here, robot, 100, 300 + robot);
+        let short = sister_of(&here, robot, 25, 200 + robot).data;
+        let folds = Folds::new(&short, &Split::Random { folds: 5, seed: 0 }).unwrap();
+        let alone = |rows: &Dataset| Some(identified(&here, rows));
+        let found = sister(&prior.prior, &here, &short, &folds, &alone).unwrap();
+        helped += usize::from(found.helps());
+        assert!(found.made.fits.p_value.unwrap() > 1e-4, "{:?}", found.made.fits);
+        with.push(error(&found.made.fitted, &fresh));
+        // Where the base is not known either.
+        let found = sister(&prior.prior, &blank, &short, &folds, &|_| None).unwrap();
+        anywhere.push(error(&found.made.fitted, &fresh));
+        few.push(error(&identified(&here, &short), &fresh));
+        many.push(error(&identified(&here, &sister_of(&here, robot, 60, 400 + robot).data), &fresh));
+    }
+    let rms = |of: &[f64]| (of.iter().map(|e| e * e).sum::<f64>() / of.len() as f64).sqrt() * 1e6;
+    println!(
+        "25 poses with sisters {:.1} (base unknown {:.1}), 25 alone {:.1}, 60 alone {:.1} µm; helped {helped} of 8",
+        rms(&with),
+        rms(&anywhere),
+        rms(&few),
+        rms(&many)
+    );
+    assert!(helped >= 6);
+    assert!(rms(&with) < 0.85 * rms(&few), "{} of {}", rms(&with), rms(&few));
+    assert!(rms(&anywhere) < 0.9 * rms(&few), "{} of {}", rms(&anywhere), rms(&few));
+}
+
+#[test]
+fn what_is_no_fleet_is_told() {
+    let here = with_three_targets(&samples::ur10());
+    let arm = identified(&here, &sister_of(&here, 0, 40, 1).data);
+    let told = |fits: &[FittedModel]| fleet(fits).unwrap_err().to_string();
+    assert!(told(&[arm.clone(), arm.clone()]).contains("2 fits are no fleet"));
+    let longer = samples::ur10();
+    let mut joints = longer.joints().to_vec();
+    joints[1].limits = None;
+    let other = with_three_targets(&Chain::new(longer.name(), joints).unwrap());
+    let stranger = identified(&other, &sister_of(&other, 0, 40, 1).data);
+    let mixed = [arm.clone(), arm.clone(), arm.clone(), stranger.clone()];
+    assert!(told(&mixed).contains("fit 4 is not of the type of fit 1: "), "{}", told(&mixed));
+    let model = ErrorModel::new(here.clone(), vec![Box::new(Geometric::default())]).unwrap();
+    let data = sister_of(&here, 1, 40, 2).data;
+    let rigid = fit(&model, &data, &PivotedQr::default(), &FitOptions::default()).unwrap().fitted;
+    let mixed = [arm.clone(), rigid, arm.clone(), arm];
+    assert!(told(&mixed).contains("its model lacks `compliance"), "{}", told(&mixed));
+    let prior = fleet(&mixed_of(&here)).unwrap().prior;
+    let folds = Folds::new(&data, &Split::Random { folds: 2, seed: 0 }).unwrap();
+    let error = sister(&prior, &other, &data, &folds, &|_| None).unwrap_err().to_string();
+    assert!(error.contains("not of the type of the fleet"), "{error}");
+}
+
+fn mixed_of(here: &Chain) -> Vec<FittedModel> {
+    (0..4).map(|robot| identified(here, &sister_of(here, robot, 40, 10 + robot).data)).collect()
 }

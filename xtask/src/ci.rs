@@ -12,7 +12,7 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 18] = [
     Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
     Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
     Step { environment: &[], arguments: &["test", "--workspace"] },
@@ -38,6 +38,7 @@ const STEPS: [Step; 17] = [
     Step { environment: &[], arguments: &["check", "-p", "truepose-simulate", "--no-default-features"] },
     Step { environment: &[], arguments: &["check", "-p", "truepose-report", "--no-default-features"] },
     Step { environment: &[("RUSTDOCFLAGS", "-D warnings")], arguments: &["doc", "--workspace", "--no-deps"] },
+    Step { environment: &[], arguments: &["xtask", "header"] },
     Step { environment: &[], arguments: &["xtask", "tidy"] },
 ];
 

@@ -12,6 +12,12 @@ pub enum CompensateError {
     /// The model does not fit the signals that the controller has.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A kinematics file cannot have the structure of this maker.
+    #[error("{reason}")]
+    Style {
+        /// Why.
+        reason: String,
+    },
     /// A robot with more joints than a command has room for.
     #[error("the robot has {have} movable joints; commands have room for {most}")]
     TooManyJoints {

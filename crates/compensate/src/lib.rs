@@ -27,8 +27,8 @@ pub use error::CompensateError;
 pub use export::{
     AxisConvention, AxisLink, AxisRow, AxisTable, AxisTableOptions, Comparison, ErrorTable, ErrorTables,
     ExportOptions, Exported, Installation, JointOffset, JointOrigin, JointOrigins, Parameter, ParameterPart,
-    ParameterTable, PartKind, RemainingError, axis_table, corrected_chain, error_tables, installation,
-    joint_origins, middle_conditions, parameter_table,
+    ParameterTable, PartKind, RemainingError, RosStyle, StyledOrigins, axis_table, corrected_chain,
+    error_tables, installation, joint_origins, middle_conditions, parameter_table,
 };
 pub use exported_accuracy::Accuracy;
 pub use options::{Approach, CompensatorOptions};

@@ -24,17 +24,18 @@ mod term;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, Measurement, Record, Schema, Seen,
-    Visits, approach_from_order, configurations, is_derived, late_channel, presliding, presliding_channel,
-    presliding_of, step_channel, step_of, visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, KnownDistance, LANDMARK, Landmark,
+    Measurement, Record, SESSION, Schema, Seen, SessionRules, Surroundings, Visits, approach_from_order,
+    configurations, is_derived, late_channel, presliding, presliding_channel, presliding_of, step_channel,
+    step_of, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};
 pub use equilibrium::Equilibrium;
 pub use error::ModelError;
 pub use fitted::{
-    Beyond, Coverage, Domain, Fallback, FittedModel, Interval, Judged, LoadCorrection, Predictor, Sample,
-    TargetKnown,
+    Beyond, Coverage, Domain, Fallback, FittedModel, Installed, Interval, Judged, LoadCorrection, Predictor,
+    Sample, TargetKnown, own_target,
 };
 pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order, rotation_axes};
 pub use jacobian::ErrorJacobian;

@@ -2,7 +2,7 @@
 
 use crate::effects::{
     Backlash, BaseCompliance, Coupling, Drift, Expansion, Geometric, Guideway, Instrument, JointCompliance,
-    LinkCompliance, LoadNonlinearity, Polynomial, Shift, Thermal, Transmission,
+    Landmarks, LinkCompliance, LoadNonlinearity, Polynomial, Session, Shift, Thermal, Transmission,
 };
 use crate::{AnyEffect, Effect, ModelError};
 use serde_json::Value;
@@ -40,6 +40,8 @@ impl EffectRegistry {
             .with::<Guideway>()
             .with::<Thermal>()
             .with::<Drift>()
+            .with::<Landmarks>()
+            .with::<Session>()
             .with::<Shift>()
             .with::<Instrument>()
             .with::<Expansion>()

@@ -67,6 +67,14 @@ pub enum IdentifyError {
         /// What is missing, and what would help.
         why: String,
     },
+    /// A landmark whose place cannot be found.
+    #[error("landmark {name}: {why}")]
+    Landmark {
+        /// Its name.
+        name: String,
+        /// Why, and what would help.
+        why: String,
+    },
     /// Something that cannot be done on a stream of blocks.
     #[error("this cannot be done block by block: {why}; read the data as a whole")]
     NotStreamed {

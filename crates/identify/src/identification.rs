@@ -1,13 +1,14 @@
 //! The whole of an identification: placement, what the frames alone explain, the declared model, and how far to trust it.
 
 use crate::{
-    Answer, CrossValidation, Excitation, Fit, FitOptions, Folds, IdentifyError, Method, Observability,
-    Placement, Repeats, Residuals, Split, Spread, Warning, against_plain, cross_validate, excitation, fit,
-    hold_out, observability, place, proceed, repeats,
+    Answer, CrossValidation, Excitation, Fit, FitOptions, Folds, IdentifyError, LandmarkFold, Method,
+    Observability, Placement, Repeats, Residuals, Split, Spread, Warning, against_plain, cross_validate,
+    excitation, fit, hold_out, landmark_cross_validation, landmark_groups, observability, place, proceed,
+    repeats,
 };
 use nalgebra::DMatrix;
-use truepose_errormodel::effects::{Geometric, Where};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Visits};
+use truepose_errormodel::effects::{Geometric, Landmarks, Session, Where};
+use truepose_errormodel::{AnyEffect, Dataset, Effect, ErrorModel, FittedModel, Visits};
 use truepose_kinematics::{Chain, FrameId};
 use truepose_solvers::{PivotedQr, Solver};
 
@@ -80,6 +81,8 @@ pub struct Identification {
     pub test_set: Option<TestSet>,
     /// Pure error from repeated visits.
     pub repeats: Option<Repeats>,
+    /// Where landmarks are by fits that have not seen them; empty without landmarks, or with one group of them.
+    pub landmark_folds: Vec<LandmarkFold>,
     /// Observability indices of the data.
     pub observability: Observability,
     /// Directions that the data leaves weak, and which joints would help.
@@ -147,8 +150,13 @@ fn steps(
     let placement = place(chain, train)?;
     let placed = &placement.chain;
     begin(Step::FramesOnly)?;
-    let nominal = if placement.found.is_empty() { Some(nominal_residuals(placed, train)?) } else { None };
-    let frames_model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
+    let groups = landmark_groups(effects);
+    let nominal = if placement.found.is_empty() && groups.is_none() {
+        Some(nominal_residuals(placed, train)?)
+    } else {
+        None
+    };
+    let frames_model = ErrorModel::new(placed.clone(), installation(placed, effects))?;
     let frames_fit = fit(&frames_model, train, solver, &options.fit)?;
     begin(Step::Fitting)?;
     let model = ErrorModel::new(placed.clone(), effects.to_vec())?;
@@ -159,15 +167,25 @@ fn steps(
         Some(split) => Some(Folds::new(train, split)?),
         None => None,
     };
-    let validated = |fit: &Fit| match &folds {
-        Some(folds) => cross_validate(fit, train, folds, solver, Method::Auto).map(Some),
-        None => Ok(None),
+    let mut landmark_folds = Vec::new();
+    let mut validated = |fit: &Fit| match (&folds, &groups) {
+        // Rows that share the place of a landmark are left out together.
+        (Some(_), Some(groups)) => {
+            let judged = landmark_cross_validation(fit, train, groups, (solver, &options.fit))?;
+            Ok::<_, IdentifyError>(judged.map(|(held_out, places)| {
+                landmark_folds = places;
+                held_out
+            }))
+        }
+        (Some(folds), None) => cross_validate(fit, train, folds, solver, Method::Auto).map(Some),
+        (None, _) => Ok(None),
     };
     let frames_only = Stage { held_out: validated(&frames_fit)?, train: frames_fit.residuals.clone() };
     let mut held_out = validated(&declared_fit)?;
     let mut solver = solver;
     let plain = PivotedQr::default();
     if let Some((known, folds)) = held_out.as_ref().zip(folds.as_ref())
+        && groups.is_none()
         && against_plain::asked(solver, &options.fit)
     {
         let simplest = against_plain::fitted(&model, train, &options.fit, folds)?;
@@ -179,7 +197,7 @@ fn steps(
     }
     let declared = Stage { held_out, train: declared_fit.residuals.clone() };
     let mut repeated: Vec<f64> = declared.held_out.iter().map(|cv| cv.residuals.positions().rms).collect();
-    if let Some(Split::Random { folds, seed }) = options.split {
+    if let Some(Split::Random { folds, seed }) = options.split.clone().filter(|_| groups.is_none()) {
         for more in 1..options.repeats as u64 {
             let folds = Folds::new(train, &Split::Random { folds, seed: seed + more })?;
             let again = cross_validate(&declared_fit, train, &folds, solver, Method::Auto)?;
@@ -219,6 +237,7 @@ fn steps(
         fit: declared_fit,
         test_set,
         repeats: pure,
+        landmark_folds,
         observability,
         excitation,
     })
@@ -248,6 +267,20 @@ pub fn as_found(
     let model = ErrorModel::new(placed.clone(), vec![Box::new(frames_only(placed))])?;
     let installation = fit(&model, data, &PivotedQr::default(), options)?.residuals.positions();
     Ok(AsFound { nominal, installation })
+}
+
+/// Errors of the installation, and of the further ones that sessions have.
+fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn AnyEffect>> {
+    let touched = effects.iter().any(|effect| effect.kind() == Landmarks::FAMILY);
+    let mut own = frames_only(placed);
+    if let Some(frames) = own.frames.as_mut().filter(|_| touched) {
+        // The base has no place, or that which other rows have found.
+        frames.retain(|place| *place != Where::Frame(FrameId::BASE));
+    }
+    let mut all: Vec<Box<dyn AnyEffect>> = vec![Box::new(own)];
+    let of_installation = [Session::FAMILY, Landmarks::FAMILY];
+    all.extend(effects.iter().filter(|effect| of_installation.contains(&effect.kind())).cloned());
+    all
 }
 
 /// Errors of the base, the tool and the targets: what says where instrument and targets are, and nothing about the arm.

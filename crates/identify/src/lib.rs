@@ -12,6 +12,7 @@ mod fit_model;
 mod folds;
 mod freedom;
 mod identification;
+mod landmarks;
 mod linearise;
 mod noise;
 mod observability;
@@ -25,6 +26,7 @@ pub mod reduction;
 mod repeats;
 mod residuals;
 mod resolution;
+mod sessions;
 mod shapes;
 mod streamed;
 mod student;
@@ -45,6 +47,7 @@ pub use freedom::Freedom;
 pub use identification::{
     AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
 };
+pub use landmarks::{LandmarkFold, Touched, landmark_cross_validation, landmark_groups, touched};
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
@@ -56,6 +59,7 @@ pub use pure_error::{PureError, exact_repeats, near_repeats, repeats_for, within
 pub use reduction::Reduction;
 pub use repeats::{LackOfFit, Repeats, ResidualVariance, repeats};
 pub use residuals::{Residuals, Spread};
+pub use sessions::{SessionPlaced, Unified, unify};
 pub use shapes::{descend_nonlinear, judge_nonlinear};
 pub use streamed::{
     Equations, FitPass, HeldOut, JudgePass, Judged, Pass, Source, Streamed, StreamedOptions, StreamedRun,

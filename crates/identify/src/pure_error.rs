@@ -156,8 +156,23 @@ pub fn exact_repeats(data: &Dataset) -> Vec<Vec<usize>> {
     let configuration = configurations(data);
     let mut groups = vec![Vec::new(); configuration.iter().max().map_or(0, |last| last + 1)];
     configuration.iter().enumerate().for_each(|(visit, &c)| groups[c].push(visit));
+    groups = of_one_session(groups, data);
     groups.retain(|group| group.len() > 1);
     groups
+}
+
+/// Groups of pose measurements, each parted by sessions: between two installations lies more than repeatability.
+fn of_one_session(groups: Vec<Vec<usize>>, data: &Dataset) -> Vec<Vec<usize>> {
+    let Some(session) = data.sessions() else { return groups };
+    let visits = Visits::of(data);
+    let of = |visit: usize| visits.rows[visit].first().map_or(0, |&row| session[row].to_bits());
+    let mut parted = Vec::new();
+    for group in groups {
+        let mut by_session: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+        group.into_iter().for_each(|visit| by_session.entry(of(visit)).or_default().push(visit));
+        parted.extend(by_session.into_values());
+    }
+    parted
 }
 
 /// Pose measurements whose joints are within a tolerance (rad or m, for each movable joint) of the first of their group, under the same
@@ -176,7 +191,9 @@ pub fn near_repeats(data: &Dataset, tolerance: &[f64]) -> Vec<Vec<usize>> {
     let near = |a: usize, b: usize| {
         let close = data.joints.iter().zip(tolerance).all(|(q, tolerance)| (q[a] - q[b]).abs() <= *tolerance);
         let loads = (&data.load[a], &data.load[b]);
-        close && (matches!(loads, (Load::Wrench(_), Load::Wrench(_))) || loads.0 == loads.1)
+        close
+            && data.same_session(a, b)
+            && (matches!(loads, (Load::Wrench(_), Load::Wrench(_))) || loads.0 == loads.1)
     };
     let mut cells: HashMap<i64, Vec<usize>> = HashMap::new();
     let mut groups: Vec<Vec<usize>> = Vec::new();

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod corrections;
 mod digest;
 mod error;
 mod export;
@@ -17,16 +18,18 @@ mod predictions;
 mod robot;
 mod same_file;
 mod table;
+mod test_plan;
 mod text;
 mod toml_tree;
 mod unfinished;
 mod unit;
 mod write_whole;
 
+pub use corrections::{CorrectionRow, corrections_file, read_bytes};
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
-pub use fit::{FIT_FORMAT, fit_from_text, fit_json, read_fit, write_fit};
+pub use fit::{FIT_FORMAT, fit_json, parse_fit, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
@@ -42,9 +45,11 @@ pub use poses::{
 pub use predictions::{Prediction, PredictionsWriter, Repeated, write_predictions};
 pub use robot::{
     Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
-    read_details, read_robot, robot_columns, robot_files, robot_from_text, robot_toml, robot_urdf,
+    read_details, read_kinematics, read_robot, robot_columns, robot_files, robot_from_text, robot_sessions,
+    robot_surroundings, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
+pub use test_plan::{TestPoseRow, write_test_plan};
 pub use text::read_text;
 pub use unfinished::{ScratchFolder, stop_writing};
 pub use unit::{Quantity, Unit};

@@ -96,6 +96,12 @@ pub struct DiscoverySummary {
     /// Held-out poses against a specification, where one was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specification: Option<SpecificationSummary>,
+    /// Each session of a campaign of several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<crate::SessionSummary>,
+    /// Spread at landmarks, where some were touched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landmarks: Option<crate::LandmarksSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -183,6 +189,8 @@ impl DiscoverySummary {
             incomplete: None,
             as_found: None,
             specification: None,
+            sessions: Vec::new(),
+            landmarks: None,
             parameters: None,
             settings,
         }
@@ -193,7 +201,12 @@ impl DiscoverySummary {
     /// The same, with the held-out poses of `data` (as it was read) compared with a limit of the 3-D position error, m.
     pub fn with_specification(mut self, limit: f64, found: &Diagnosis, data: &Dataset) -> Self {
         let largest = crate::largest_error_by_pose(data, &found.holdout_rows, &found.after.holdout);
-        self.specification = Some(SpecificationSummary::new(limit, &largest));
+        let guarded = crate::poses::largest_error_and_uncertainty_by_pose(
+            data,
+            &found.holdout_rows,
+            &found.after.holdout,
+        );
+        self.specification = Some(SpecificationSummary::new(limit, &largest).with_guard_band(&guarded));
         self
     }
 }

@@ -83,6 +83,15 @@ pub struct IdentificationSummary {
     /// Conformity of held-out poses with a specification, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub specification: Option<crate::SpecificationSummary>,
+    /// Each session of a campaign of several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<crate::SessionSummary>,
+    /// Spread at landmarks, where some were touched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub landmarks: Option<crate::LandmarksSummary>,
+    /// Uncertainty budget of one measured position about its prediction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<crate::BudgetSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -252,10 +261,32 @@ impl IdentificationSummary {
             rounds: fit.rounds,
             converged: fit.converged,
             specification: None,
+            sessions: Vec::new(),
+            landmarks: None,
+            budget: crate::BudgetSummary::of_identification(found, data).ok(),
             parameters: None,
         };
         let summary = IdentificationSummary { limit: limit(&summary), ..summary };
         IdentificationSummary { verdict: summary.sentence(), ..summary }
+    }
+}
+
+impl IdentificationSummary {
+    /// With what was found at landmarks: then errors are spreads, and the verdict says so.
+    #[must_use]
+    pub fn with_landmarks(self, landmarks: Option<crate::LandmarksSummary>) -> Self {
+        if landmarks.is_none() {
+            return self;
+        }
+        let mut summary = IdentificationSummary { landmarks, ..self };
+        if let Some(first) = summary.stages.first_mut() {
+            first.name = "tool and landmarks".into();
+        }
+        if summary.held_out_by.is_some() {
+            summary.held_out_by = Some("each group of landmarks in turn, judged about their own mean".into());
+        }
+        let verdict = summary.sentence();
+        IdentificationSummary { verdict, ..summary }
     }
 }
 

@@ -1,9 +1,11 @@
 #![doc = include_str!("../README.md")]
 
+mod acceptance;
 mod comparison;
 mod discovery;
 mod figure;
 mod identification;
+mod landmarks;
 mod largest;
 mod layout;
 mod page;
@@ -11,6 +13,7 @@ mod parameters;
 mod plan;
 mod poses;
 mod run;
+mod sessions;
 mod specification;
 mod statistics;
 mod streamed;
@@ -18,6 +21,10 @@ mod suspicion;
 mod upkeep;
 mod wording;
 
+pub use acceptance::{
+    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, DistanceSummary, FigureSummary,
+    Limit, PathSummary, StateSummary, TestPoseSummary, VerdictSummary,
+};
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
     AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
@@ -29,24 +36,26 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
+pub use landmarks::{KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
-    CommandView, CommandsView, MapView, PlaceView, PlanView, PlannedView, PredictionView, Report,
-    commands_report, comparison_report, discovery_report, identification_report, map_report, plan_report,
-    prediction_report,
+    CommandView, CommandsView, CorrectionView, MapView, PlaceView, PlanView, PlannedView, PredictionView,
+    ProgramView, Report, acceptance_report, commands_report, comparison_report, discovery_report,
+    identification_report, map_report, plan_report, prediction_report, program_report,
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
-pub use specification::{SpecificationSummary, Verdict};
+pub use sessions::{SessionSummary, session_summaries};
+pub use specification::{GuardBandSummary, GuardedVerdict, SpecificationSummary, Verdict};
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
 pub use upkeep::{
-    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, InstallationSummary,
-    MonitorSummary, TransferSummary,
+    AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, FleetCoefficient,
+    FleetSummary, InstallationSummary, MonitorSummary, SisterSummary, TransferSummary,
 };
 pub use wording::{
     advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,

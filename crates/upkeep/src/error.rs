@@ -37,6 +37,12 @@ pub enum UpkeepError {
         /// What is missing.
         what: &'static str,
     },
+    /// Robots that are no fleet.
+    #[error("{why}")]
+    Fleet {
+        /// Why.
+        why: String,
+    },
     /// An option is out of its range.
     #[error("{option} is {value}; it has to be {expected}")]
     Option {

@@ -13,7 +13,7 @@ use crate::UpkeepError;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_errormodel::effects::{AllTargets, Geometric, Where};
 use truepose_errormodel::{FittedModel, error_matrix};
-use truepose_identify::IdentifyError;
+use truepose_identify::{IdentifyError, Placement};
 use truepose_kinematics::{Axis, Chain, ChainError, Placed, Pose, Site, Target, TargetId, skew};
 
 /// Which parts of an installation are new.
@@ -49,9 +49,10 @@ impl Installation {
             .map_err(described)?)
     }
 
-    /// Sites of the unknowns, of targets only those in `seen`. Positions of targets that are all unknown do not show the tool: then it
-    /// stays as it is.
-    pub(crate) fn sites(self, chain: &Chain, seen: &[TargetId], tool_seen: bool) -> Vec<Site> {
+    /// Sites of what was found, of targets only those in `seen`; the tool where the placement found it, for targets that are all unknown
+    /// do not show it.
+    pub(crate) fn sites(self, placed: &Placement, seen: &[TargetId]) -> Vec<Site> {
+        let chain = &placed.chain;
         let mut sites = Vec::new();
         let frame = |frame| Axis::ALL.map(|axis| Site::Frame(frame, axis));
         if self.base
@@ -59,7 +60,7 @@ impl Installation {
         {
             sites.extend(frame(base));
         }
-        if self.tool && (tool_seen || !self.targets) {
+        if self.tool && placed.found.iter().any(|what| what == "tool") {
             sites.extend(frame(chain.tool_frame()));
         }
         if self.targets {

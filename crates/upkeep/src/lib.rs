@@ -2,13 +2,18 @@
 
 mod advice;
 mod error;
+mod fleet;
 mod installation;
 mod monitor;
 mod prediction;
+mod rows;
+mod sister;
 mod transfer;
 
 pub use advice::Advised;
 pub use error::UpkeepError;
+pub use fleet::{Fleet, fleet};
 pub use installation::Installation;
 pub use monitor::{Change, Coefficient, Detectable, Look, MonitorOptions, level, monitor};
+pub use sister::{Sister, sister};
 pub use transfer::{ArmFits, Band, Transfer, TransferOptions, transfer};

@@ -36,13 +36,12 @@ pub(crate) struct Prediction {
     pub distances: Vec<f64>,
 }
 
-/// Which targets a data set has positions of, ascending, and whether it shows how the tool is turned.
-pub(crate) fn seen(data: &Dataset) -> (Vec<TargetId>, bool) {
+/// The targets of which a data set has rows, ascending.
+pub(crate) fn seen(data: &Dataset) -> Vec<TargetId> {
     let mut targets: Vec<TargetId> = data.target.iter().flatten().copied().collect();
     targets.sort_unstable_by_key(|t| t.0);
     targets.dedup();
-    let turned = data.orientation.iter().any(Option::is_some);
-    (targets, turned || data.target.iter().any(Option::is_none))
+    targets
 }
 
 impl Prediction {
@@ -121,6 +120,17 @@ impl Prediction {
             }
         }
         Ok(())
+    }
+
+    /// 3-D RMS of these rows around the fit, m: noise, and what this covariance of the coefficients leaves open, less what an installation that
+    /// was found from them takes.
+    pub fn expected(&self, fitted: &FittedModel, covariance: &DMatrix<f64>) -> f64 {
+        let spread = &self.arm * root(covariance);
+        let positions: Vec<usize> = (0..self.len()).filter(|&at| self.numbers[at].component < 3).collect();
+        let open = positions.iter().map(|&at| spread.row(at).norm_squared()).sum::<f64>();
+        let taken = (self.installation.ncols() as f64 / self.len().max(1) as f64).min(1.0);
+        let per_number = 1.0 + open / positions.len().max(1) as f64;
+        fitted.noise.position_sd * (3.0 * per_number * (1.0 - taken)).sqrt()
     }
 
     /// Measured numbers.

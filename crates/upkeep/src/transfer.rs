@@ -8,17 +8,18 @@
 //! ```
 //!
 //! Symbols as in the crate's README. The frozen arm is not taken to be exact: its covariance is part of S (the *consider* covariance of
-//! Schmidt 1966), so that bands of predictions hold in the new installation. The update is the linear Bayes estimate with a flat prior for the
-//! installation, linearised again at each step.
+//! Schmidt 1966), so that bands of predictions hold in the new installation. The update is the linear Bayes estimate with a flat prior for
+//! the installation, linearised again at each step.
 
 use crate::UpkeepError;
 use crate::advice::{Advised, advised};
 use crate::installation::{Installation, moved, with_columns};
 use crate::prediction::{Prediction, Weighing, seen};
+use crate::rows::carried;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use truepose_errormodel::{Coverage, Dataset, FittedModel};
+use truepose_errormodel::{Beyond, Coverage, Dataset, Domain, FittedModel};
 use truepose_identify::{Residuals, Spread, place_fitted};
 use truepose_kinematics::{Chain, Conditions, Site};
 
@@ -67,7 +68,7 @@ pub struct Transfer {
     pub deviations: Vec<(Site, f64)>,
     /// 3-D residuals, m.
     pub residual: Spread,
-    /// RMS to expect of a new measurement, m: noise, and what is left open.
+    /// RMS to expect of these rows, m: noise and what the arm leaves open, less what the installation takes.
     pub expected: f64,
     /// Whether the arm still fits.
     pub fits: ArmFits,
@@ -95,8 +96,7 @@ pub fn transfer(
     if let Some(open) = placement.undetermined.first() {
         return Err(UpkeepError::Undetermined { what: open.what.clone(), advice: open.advice.clone() });
     }
-    let (targets, tool_seen) = seen(data);
-    let sites = options.installation.sites(fitted.chain(), &targets, tool_seen);
+    let sites = options.installation.sites(&placement, &seen(data));
     let (mut now, places) = with_columns(&fitted.on(placement.chain.clone())?, &sites)?;
     let prior = now.clone();
     let mut estimate = None;
@@ -129,8 +129,9 @@ pub fn transfer(
     };
     let largest_update = options.update.then(|| (0..found.arm.len()).map(moved_by).fold(0.0, f64::max));
     let mut now = at(&prior, now.chain().clone(), now.coefficients().to_vec(), covariance)?;
+    now.domain.sample = carried(fitted, &now)?;
     if options.update {
-        now.domain.widen(&fitted.domain);
+        now.domain.widen(&Domain::of(data));
     }
     let fits = found.fits(&rows);
     let advised = advised(&now, &sites, &found.spread, data)?;
@@ -138,7 +139,8 @@ pub fn transfer(
         (Some(before), Some(after)) => Some((before, after)),
         _ => None,
     };
-    let (expected, beyond) = expected(&now, data)?;
+    let expected = rows.expected(&prior, prior.covariance());
+    let beyond = beyond(fitted, data)?;
     let residual = Residuals::of(&now, data)?.positions();
     let deviations = sites.iter().enumerate().map(|(k, &site)| (site, found.spread[(k, k)].sqrt())).collect();
     Ok(Transfer {
@@ -279,21 +281,16 @@ fn band(fitted: &FittedModel) -> Result<Option<Band>, UpkeepError> {
     Ok(Some(Band { rms: (sum / sample.len() as f64).sqrt(), max: max.sqrt() }))
 }
 
-/// RMS to expect of these rows, m, and which of them lie beyond the data of the fit.
-fn expected(fitted: &FittedModel, data: &Dataset) -> Result<(f64, Vec<usize>), UpkeepError> {
+/// Rows beyond the ranges of the data of the fit.
+fn beyond(fitted: &FittedModel, data: &Dataset) -> Result<Vec<usize>, UpkeepError> {
     let data = &*data.derived_for(fitted.model())?;
     let mut coverage = Coverage::new(fitted, &data.schema)?;
     let mut conditions = Conditions::default();
-    let (mut sum, mut beyond) = (0.0, Vec::new());
-    for row in 0..data.len() {
+    // A larger variance than in the fit comes from the installation.
+    let ranged = |(what, _): &(Beyond, f64)| *what != Beyond::Leverage;
+    let outside = |&row: &usize| {
         data.conditions_into(row, &mut conditions);
-        let judged = coverage.judge(&conditions, data.target[row]);
-        sum += judged.covariance.trace().max(0.0) + 3.0 * fitted.noise.position_sd.powi(2);
-        // A larger variance than in the fit comes from the installation; a joint beyond its range does not.
-        let ranged = |what: &truepose_errormodel::Beyond| *what != truepose_errormodel::Beyond::Leverage;
-        if judged.beyond.iter().any(|(what, _)| ranged(what)) {
-            beyond.push(row);
-        }
-    }
-    Ok(((sum / data.len().max(1) as f64).sqrt(), beyond))
+        coverage.judge(&conditions, data.target[row]).beyond.iter().any(ranged)
+    };
+    Ok((0..data.len()).filter(outside).collect())
 }

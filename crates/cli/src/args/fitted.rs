@@ -1,15 +1,43 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
 use super::Grouped;
-use super::values::{Place, input, parse_place, parse_position, parse_three, parse_whole};
+use super::program::{GivenPlace, RobotProgram, parse_given};
+use super::values::{input, parse_length, parse_position, parse_three, parse_whole};
 use std::path::PathBuf;
 
 /// `truepose plan`
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "robot")]
+    pub fit: Option<PathBuf>,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
+    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283
+    #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
+    pub test: Option<PlannedTest>,
+    /// Robot of the test (.toml or .urdf), in place of a fit
+    #[arg(long, value_name = "FILE", requires = "test", conflicts_with = "fit")]
+    pub robot: Option<PathBuf>,
+    /// Base link of a URDF [default: its root]
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub base: Option<String>,
+    /// Tip link of a URDF [default: its only leaf]
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub tip: Option<String>,
+    /// Edge of the test's cube, e.g. 400mm [default: the largest of the standard's sizes that the robot reaches]
+    #[arg(long, value_name = "LENGTH", requires = "test", allow_hyphen_values = true, value_parser = parse_length)]
+    pub edge: Option<f64>,
+    /// Its centre in the base frame, e.g. 600mm,0mm,500mm [default: where the largest cube fits]
+    #[arg(long, value_name = "X,Y,Z", requires = "test", allow_hyphen_values = true, value_parser = parse_position)]
+    pub centre: Option<[f64; 3]>,
+    /// Orientation of the tool in the base frame: roll, pitch, yaw, degrees [default: chosen with the cube]
+    #[arg(long, value_name = "R,P,Y", requires = "test", allow_hyphen_values = true, value_parser = parse_three)]
+    pub rpy: Option<[f64; 3]>,
+    /// Cycles of the test
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(2..=10_000))]
+    pub cycles: u16,
     /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
     #[arg(long, value_name = "FILE", value_parser = input(), alias = "discriminate")]
     pub rival: Option<PathBuf>,
@@ -47,12 +75,22 @@ pub struct Plan {
     pub json: bool,
 }
 
+/// Tests whose poses are planned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum PlannedTest {
+    /// Pose accuracy and repeatability of ISO 9283
+    Iso9283,
+}
+
 /// `truepose predict`
 #[derive(Debug, clap::Args)]
 pub struct Predict {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Joints, loads and channels (CSV); measured columns may be empty or absent
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,
@@ -78,27 +116,33 @@ pub struct Compensate {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
-    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "joints")]
+    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["joints", "program"])]
     pub poses: Option<PathBuf>,
     /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there
     #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "tcp"])]
     pub joints: Option<PathBuf>,
     /// Frame of the poses: base, measurement, the name of a frame, or x,y,z,roll,pitch,yaw in the base, e.g. 900mm,0mm,50mm,0,0,90
-    /// (degrees) [default: measurement]
-    #[arg(long, value_name = "FRAME", value_parser = parse_place, allow_hyphen_values = true)]
-    pub frame: Option<Place>,
+    /// (degrees) [default: measurement]. Of a program: the value of a frame by its name, e.g. UF1=900mm,0mm,50mm,0,0,90, repeated for
+    /// each; without a name that of points whose frame is not known [default: the robot's base]
+    #[arg(long, value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
+    pub frame: Vec<GivenPlace>,
     /// Tool centre point of the poses: flange, the name of a frame, or x,y,z,roll,pitch,yaw in the last joint's frame [default: the tool of
-    /// the measurements]
-    #[arg(long, value_name = "FRAME", value_parser = parse_place, allow_hyphen_values = true)]
-    pub tcp: Option<Place>,
+    /// the measurements]. Of a program: as --frame, e.g. UT1=0mm,0mm,120mm,0,0,0
+    #[arg(long, visible_alias = "tool-frame", value_name = "FRAME", value_parser = parse_given, allow_hyphen_values = true)]
+    pub tcp: Vec<GivenPlace>,
     /// File with [[frames]] (TOML) [default: those of the fit's robot file]
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub frames: Option<PathBuf>,
     /// Also write the corrected pose that a controller without the model has to be given, in the frame of the poses
     #[arg(long)]
     pub cartesian: bool,
-    /// Where to write the commands
+    #[command(flatten)]
+    pub robot_program: RobotProgram,
+    /// Where to write the commands, or the program; the table of its corrections is written beside it (FILE.corrections.csv)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Folder for the report: `index.html`, its figures, `compensation.json` and `run.json`
@@ -118,6 +162,9 @@ pub struct Export {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Format of the file
     #[arg(long, value_enum)]
     pub format: ExportFormat,
@@ -127,6 +174,15 @@ pub struct Export {
     /// The URDF that the fit was made from: its joint origins are corrected, everything else stays as it is
     #[arg(long, value_name = "FILE")]
     pub urdf: Option<PathBuf>,
+    /// Maker whose structure `--format ros-yaml` has
+    #[arg(long, value_enum, required_if_eq("format", "ros-yaml"))]
+    pub style: Option<YamlStyle>,
+    /// The maker's own kinematics file (YAML), e.g. `default_kinematics.yaml`: ros-yaml gets its link frames
+    #[arg(long, value_name = "FILE", value_parser = input())]
+    pub like: Option<PathBuf>,
+    /// The controller's hash, for `--style ur`: `calib_…`, as extracted from this robot [default: a hash of our own, which the driver reports]
+    #[arg(long, value_name = "HASH", value_parser = parse_hash)]
+    pub hash: Option<String>,
     /// Reject nearly parallel axes in dh and mdh, instead of using Hayati's parameter (beta)
     #[arg(long)]
     pub no_hayati: bool,
@@ -152,10 +208,31 @@ pub enum ExportFormat {
     Mdh,
     /// Kinematics file of ROS drivers (YAML): x y z roll pitch yaw of each joint
     Ros,
+    /// Kinematics file in the structure of a maker's ROS description (YAML, with --style)
+    RosYaml,
     /// Component errors of each joint, named as in ISO 230-1 (CSV)
     Iso230,
     /// Parameters in the convention and units of the robot file: nominal, calibrated, 95 % interval (CSV)
     Parameters,
+}
+
+/// Makers whose ROS descriptions have a kinematics file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum YamlStyle {
+    /// Universal Robots: `kinematics:` with `hash:`
+    Ur,
+    /// Franka: `joint1:` `kinematic:`
+    Franka,
+    /// Flexiv: `kinematics:` `joint1:`
+    Flexiv,
+    /// UFACTORY xArm: `kinematics:` `joint1:`
+    Xarm,
+}
+
+/// A word that YAML reads as it stands.
+fn parse_hash(text: &str) -> Result<String, String> {
+    let plain = text.starts_with("calib_") && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain { Ok(text.into()) } else { Err("the hash of a controller is `calib_` and digits".into()) }
 }
 
 /// `truepose map`
@@ -164,6 +241,9 @@ pub struct Map {
     /// A fit, as `identify` writes it
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Where to write the map (CSV)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,

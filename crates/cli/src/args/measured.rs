@@ -1,6 +1,8 @@
 //! Options of the verbs that fit measurements: identify, discover, compare.
 
-use super::values::{input, parse_count, parse_fraction, parse_length, parse_prior, parse_whole};
+use super::values::{
+    Prior, input, parse_count, parse_fraction, parse_length, parse_prior, parse_prior_or_fleet, parse_whole,
+};
 use super::{Grouped, Robot};
 use crate::extensions::SolverChoice;
 use std::path::PathBuf;
@@ -65,9 +67,9 @@ pub struct Identify {
     #[arg(long)]
     pub positions_only: bool,
     /// Scale of the prior standard deviations towards which coefficients are shrunk: evidence (from the marginal likelihood), none, or
-    /// a factor
-    #[arg(long, default_value = "evidence", value_parser = parse_prior)]
-    pub prior: truepose_identify::PriorStrength,
+    /// a factor; or a file of `truepose fleet` (JSON): robots of this type as prior
+    #[arg(long, default_value = "evidence", value_parser = parse_prior_or_fleet)]
+    pub prior: Prior,
     /// A single linear least-squares step, as in the paper, without iteration at the exact model
     #[arg(long)]
     pub linear: bool,
@@ -104,7 +106,7 @@ impl Identify {
             refine: !self.linear,
             second_reduction: !self.reduce_once,
             max_iterations: self.rounds,
-            prior: self.prior,
+            prior: self.prior.strength(),
             ..FitOptions::default()
         }
     }

@@ -1,18 +1,22 @@
 //! The command line.
 
+mod acceptance;
 mod fitted;
 mod grouped;
 mod measured;
 mod other;
+mod program;
 mod upkeep;
 mod values;
 
-pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict};
+pub use acceptance::{FramesFrom, Iso9283};
+pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
-pub use upkeep::{Monitor, Transfer};
-pub use values::Place;
+pub use program::GivenPlace;
+pub use upkeep::{Fleet, Monitor, Transfer};
+pub use values::{Place, Prior};
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
@@ -91,8 +95,13 @@ pub enum Verb {
     Export(Export),
     /// Map the robot's accuracy over its workspace, before and after compensation
     Map(Map),
+    /// Pose accuracy, repeatability and the other figures of ISO 9283 from repeated poses, with their uncertainty
+    #[command(name = "iso9283")]
+    Iso9283(Iso9283),
     /// Find base (tool, targets) of an identified arm in a new installation, from a few poses
     Transfer(Transfer),
+    /// Make a prior for the next robot of a type from the fits of others
+    Fleet(Fleet),
     /// Test whether the robot has changed since it was calibrated (exit code 3: it has)
     Monitor(Monitor),
     /// Fit one model with several solver strategies, on the same folds, and test the differences

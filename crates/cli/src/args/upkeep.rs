@@ -32,12 +32,29 @@ pub struct Transfer {
     pub json: bool,
 }
 
+/// `truepose fleet`
+#[derive(Debug, clap::Args)]
+pub struct Fleet {
+    /// Fits of robots of one type, made with one model
+    #[arg(value_name = "FIT", required = true, value_parser = input())]
+    pub fits: Vec<PathBuf>,
+    /// Where to write the prior for the next robot of that type (JSON): `identify --prior`
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Print JSON instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `truepose monitor`
 #[derive(Debug, clap::Args)]
 pub struct Monitor {
     /// The fit of the robot as it was calibrated
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub fit: PathBuf,
+    /// Which of its sessions the robot is in, of a fit that knows several
+    #[arg(long, value_name = "NAME")]
+    pub session: Option<String>,
     /// Measurements of today (CSV)
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub data: PathBuf,

@@ -23,6 +23,36 @@ pub(super) fn parse_prior(text: &str) -> Result<truepose_identify::PriorStrength
     }
 }
 
+/// What coefficients are shrunk towards.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Prior {
+    /// Expected sizes, so strongly.
+    Sizes(truepose_identify::PriorStrength),
+    /// The robots of a fleet, in this file.
+    Fleet(PathBuf),
+}
+
+impl Prior {
+    /// How strongly expected sizes count where there is no fleet.
+    pub fn strength(&self) -> truepose_identify::PriorStrength {
+        match self {
+            Prior::Sizes(strength) => *strength,
+            Prior::Fleet(_) => truepose_identify::PriorStrength::VarianceGroups,
+        }
+    }
+}
+
+/// `evidence`, `none`, κ, or a file.
+pub(super) fn parse_prior_or_fleet(text: &str) -> Result<Prior, String> {
+    match parse_prior(text) {
+        Ok(strength) => Ok(Prior::Sizes(strength)),
+        Err(_) if text.to_lowercase().ends_with(".json") => Ok(Prior::Fleet(text.into())),
+        Err(_) => {
+            Err("expected `evidence`, `none`, a number above 0, or a file of `truepose fleet` (.json)".into())
+        }
+    }
+}
+
 /// `0.2` or `20%`.
 pub(super) fn parse_fraction(text: &str) -> Result<f64, String> {
     let (number, divide) = match text.trim().strip_suffix('%') {

@@ -1,16 +1,19 @@
 //! `truepose check`: read files and say what was understood.
 
+use super::campaign::Campaign;
 use super::nominal::Nominal;
 use super::{print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
-use truepose_errormodel::ErrorModel;
-use truepose_identify::suspicions;
+use truepose_errormodel::effects::{AllTargets, Geometric, Where};
+use truepose_errormodel::{AnyEffect, ErrorModel};
+use truepose_identify::{FitOptions, suspicions};
 use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
 use truepose_kinematics::{Chain, GravityFrame, JointKind};
 use truepose_report::Alignment::{Left, Right};
 use truepose_report::{count, significant, suspicion_text, table};
+use truepose_solvers::{PivotedQr, Solver};
 
 /// Runs the verb.
 pub fn run(args: &Check) -> Result<(), Failure> {
@@ -29,16 +32,22 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let options = MeasurementsOptions { measured_required: false, ..measured };
             let (data, info, warnings) = read_measurements(path, &chain, &options)?;
             terminal::warn(&warnings);
-            let suspicions = suspicions(&chain, &data);
+            let (solver, options) = (PivotedQr::default(), FitOptions::default());
+            let plain = (&solver as &dyn Solver, &options);
+            let installation = || -> Vec<Box<dyn AnyEffect>> { vec![Box::new(tool(&chain))] };
+            let campaign =
+                Campaign::of((&args.robot.robot, path), chain.clone(), installation(), data, &info, plain)?;
+            let (placed, data) = (&campaign.chain, &campaign.data);
+            let suspicions = suspicions(placed, data);
             let words: Vec<String> = suspicions
                 .iter()
-                .map(|found| format!("{}: {}", path.display(), suspicion_text(&chain, found, &data.line)))
+                .map(|found| format!("{}: {}", path.display(), suspicion_text(placed, found, &data.line)))
                 .collect();
             terminal::warn(words.as_slice());
             if let Some(model) = &model {
                 model.bind(&data.derived_for(model)?.schema)?;
             }
-            nominal = Nominal::of(&chain, Some(&data), &suspicions);
+            nominal = Nominal::of(placed, Some(data), &suspicions);
             let words: Vec<String> = nominal
                 .warnings(&chain)
                 .into_iter()
@@ -63,6 +72,15 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     }
     terminal::print(&nominal.text());
     Ok(())
+}
+
+/// Errors of the tool and of the targets: what landmarks can be found with.
+fn tool(chain: &Chain) -> Geometric {
+    let mut frames = vec![Where::Frame(chain.tool_frame())];
+    if !chain.targets().is_empty() {
+        frames.push(Where::Targets(AllTargets::All));
+    }
+    Geometric { frames: Some(frames), components: None }
 }
 
 /// Joints, base, tool, targets and gravity.

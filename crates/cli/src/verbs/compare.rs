@@ -1,5 +1,6 @@
 //! `truepose compare`: solver strategies side by side on one data set.
 
+use super::campaign::Campaign;
 use super::identify::{different, split, split_words};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
@@ -18,9 +19,9 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let folder = Folder::prepare(args.report.as_ref(), "comparison.json")?;
     let chain = robot(&args.measured.robot)?;
     let effects = declared(&args.measured, &chain)?;
-    let (mut data, _, warnings) = read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
+    let (mut data, info, warnings) =
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
-    terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }
@@ -31,13 +32,18 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
         };
         return Err(Failure::Input(words));
     };
-    let placed = place(&chain, &data)?.chain;
-    let model = ErrorModel::new(placed, effects)?;
-    let folds = Folds::new(&data, &split)?;
-    let solvers: Vec<_> = args.solvers.iter().map(|spec| (spec.to_string(), spec.build())).collect();
+    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
+    let plain = truepose_solvers::PivotedQr::default();
     let options = FitOptions { prior: args.prior, ..FitOptions::default() };
+    let campaign = Campaign::of(files_read, chain, effects, data, &info, (&plain, &options))?;
+    let Campaign { chain, effects, data, .. } = &campaign;
+    terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
+    let placed = place(chain, data)?.chain;
+    let model = ErrorModel::new(placed, effects.clone())?;
+    let folds = Folds::new(data, &split)?;
+    let solvers: Vec<_> = args.solvers.iter().map(|spec| (spec.to_string(), spec.build())).collect();
     let progress = Progress::steps(solvers.len(), watch);
-    let compared = compare(&model, &data, &solvers, &options, &folds, &|name| progress.begin(name));
+    let compared = compare(&model, data, &solvers, &options, &folds, &|name| progress.begin(name));
     drop(progress);
     let summary = ComparisonSummary::new(model.chain().name(), split_words(&split), &compared);
     if let Some(folder) = &folder {

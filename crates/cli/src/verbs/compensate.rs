@@ -2,6 +2,7 @@
 
 use super::frames::Placed;
 use super::reporting::Folder;
+use super::sessions::chosen;
 use super::{about, beyond, print_json, status};
 use crate::args::Compensate;
 use crate::extensions::effects;
@@ -31,9 +32,12 @@ const TOGETHER: usize = 64;
 
 /// Runs the verb.
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
+    if let Some(file) = &args.robot_program.program {
+        return super::program::run(args, file);
+    }
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, effects())?.of_robot();
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();
     let file = file(args);
     let placed = Placed::new(args, &fitted)?;
     let mut poses = read(args, &fitted, &placed)?;

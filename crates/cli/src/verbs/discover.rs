@@ -1,5 +1,6 @@
 //! `truepose discover`: find effects that the declared model lacks, add them, and test the enlarged model.
 
+use super::campaign::Campaign;
 use super::identified::conforms;
 use super::identify::{different, split, split_words};
 use super::reporting::Folder;
@@ -15,7 +16,7 @@ use truepose_discover::{
     CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
 };
 use truepose_errormodel::{Dataset, FittedModel, ModelError};
-use truepose_identify::{FitOptions, IdentifyError, as_found};
+use truepose_identify::{FitOptions, IdentifyError, as_found, landmark_cross_validation, landmark_groups};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
@@ -39,11 +40,16 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let (mut data, info, warnings) =
         read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
     terminal::warn(&warnings);
-    terminal::warn(suspected(&chain, &data, &args.measured.data).as_slice());
-    terminal::warn(repeated(&data, &args.measured.data).as_slice());
     if args.positions_only {
         data.orientation.fill(None);
     }
+    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
+    let solver = args.solver.build();
+    let fit = FitOptions::default();
+    let campaign = Campaign::of(files_read, chain, declared, data, &info, (&*solver, &fit))?;
+    let Campaign { chain, effects: declared, data, .. } = &campaign;
+    terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
+    terminal::warn(repeated(data, &args.measured.data).as_slice());
     let options = DiscoverOptions {
         holdout: args.holdout,
         seed: args.seed,
@@ -54,7 +60,6 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         library: library(),
         ..DiscoverOptions::default()
     };
-    let solver = args.solver.build();
     let settings = DiscoverySettings {
         seed: args.seed,
         holdout: args.holdout,
@@ -63,7 +68,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner(watch);
-    let mut found = diagnose(&chain, &declared, &data, &*solver, &options, &|step| match step {
+    let mut found = diagnose(chain, declared, data, &*solver, &options, &|step| match step {
         Progress::Interim(so_far) => {
             let (out, origin) = (args.out.clone(), origin.clone());
             let result = folder.as_ref().map(Folder::result);
@@ -79,18 +84,25 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     .map_err(|error| refused(args, error))?;
     drop(bar);
     let mut summary = DiscoverySummary::new(&found, settings);
+    summary.sessions = campaign.sessions(&found.fit.fitted, None)?;
+    if let Some(groups) = landmark_groups(declared) {
+        let of_fit = (&*solver, &options.fit);
+        let judged = landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?;
+        let (held_out, folds) = judged.map_or((None, Vec::new()), |(of, folds)| (Some(of.residuals), folds));
+        summary.landmarks = campaign.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
+    }
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
         let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
         watch.keep(move |why| without_validation(whole, fitted, &origin, why));
-        let Some(split) = split(usize::from(folds), args.split, args.seed, different(&data))? else {
+        let Some(split) = split(usize::from(folds), args.split, args.seed, different(data))? else {
             return Err(Failure::Input(
                 "--nested: a single configuration cannot be divided into folds".into(),
             ));
         };
         let bar = Bar::spinner(watch);
-        let judged = nested(&chain, &declared, &data, &split, &*solver, &options, &|fold, step| {
+        let judged = nested(chain, declared, data, &split, &*solver, &options, &|fold, step| {
             bar.show(&format!("fold {} of {folds}: {}", fold + 1, progress_text(&step)));
         })?;
         summary.nested = Some(NestedSummary::new(&judged, split_words(&split)));
@@ -99,8 +111,9 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         summary.as_found = Some(found.into());
     }
     if let Some(limit) = args.spec {
-        summary = summary.with_specification(limit, &found, &data);
+        summary = summary.with_specification(limit, &found, data);
     }
+    found.fit.fitted = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
@@ -113,7 +126,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         let mut inputs = read_files(&args.measured);
         inputs.extend(args.certificate.as_deref());
         folder.add(&mut files, &summary, &inputs, |run| {
-            Ok(discovery_report(&summary, &found, &data, &info.visit_labels, run)?)
+            Ok(discovery_report(&summary, &found, data, &info.visit_labels, run)?)
         })?;
     }
     if let Some(out) = &args.out {

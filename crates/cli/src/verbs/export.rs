@@ -1,17 +1,20 @@
 //! `truepose export`: the fitted geometry in forms that other controllers take.
 
+use super::sessions::chosen;
 use super::{parameters, print_json, target};
-use crate::args::{Export, ExportFormat};
+use crate::args::{Export, ExportFormat, YamlStyle};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use std::path::Path;
 use truepose_compensate::{
     Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
-    ParameterTable, RemainingError, axis_table, error_tables, joint_origins, parameter_table,
+    ParameterTable, RemainingError, RosStyle, axis_table, error_tables, joint_origins, parameter_table,
 };
 use truepose_errormodel::{FittedModel, TargetKnown};
-use truepose_io::{UrdfCorrection, check_writable, corrected_urdf, read_fit, robot_urdf, write_whole};
+use truepose_io::{
+    UrdfCorrection, check_writable, corrected_urdf, read_fit, read_kinematics, robot_urdf, write_whole,
+};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Coupling, Pose};
 
@@ -31,6 +34,10 @@ pub(crate) struct Wanted<'a> {
     pub urdf: Option<&'a Path>,
     pub hayati: bool,
     pub entries: usize,
+    /// Of `ros-yaml`: the maker's form, a file of it, and the controller's hash.
+    pub style: Option<YamlStyle>,
+    pub like: Option<&'a Path>,
+    pub hash: Option<&'a str>,
 }
 
 /// Runs the verb.
@@ -38,8 +45,19 @@ pub fn run(args: &Export) -> Result<(), Failure> {
     if args.urdf.is_some() && args.format != ExportFormat::Urdf {
         return Err(Failure::Input("--urdf: only `--format urdf` corrects a URDF".into()));
     }
+    let styled = args.format == ExportFormat::RosYaml;
+    for (option, given) in
+        [("--style", args.style.is_some()), ("--like", args.like.is_some()), ("--hash", args.hash.is_some())]
+    {
+        if given && !styled {
+            return Err(Failure::Input(format!("{option}: only `--format ros-yaml` has it")));
+        }
+    }
+    if args.hash.is_some() && args.style != Some(YamlStyle::Ur) {
+        return Err(Failure::Input("--hash: only `--style ur` has a hash".into()));
+    }
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, effects())?.of_robot();
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
     let wanted = Wanted {
@@ -47,6 +65,9 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         urdf: args.urdf.as_deref(),
         hayati: !args.no_hayati,
         entries: args.entries as usize,
+        style: args.style,
+        like: args.like.as_deref(),
+        hash: args.hash.as_deref(),
     };
     let Some(written) = text(&wanted, &fitted, &options)? else {
         return as_described(args, &fitted, &options);
@@ -87,6 +108,7 @@ pub(crate) fn text(
             notes.extend(targets(fitted, &origins.value.targets));
             written(origins.value.to_ros_yaml(&notes), origins, notes)
         }
+        ExportFormat::RosYaml => ros_yaml(wanted, fitted, options)?,
         ExportFormat::Iso230 => {
             let tables = error_tables(fitted, options, wanted.entries)?;
             let notes = notes(fitted, &tables);
@@ -177,6 +199,30 @@ fn axes(
 /// Positions of the targets on the tool, m.
 fn positions(table: &ParameterTable) -> Vec<Vector3<f64>> {
     table.corrected_robot().targets().iter().map(|target| target.position).collect()
+}
+
+/// The kinematics file of a maker's ROS description.
+fn ros_yaml(wanted: &Wanted<'_>, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
+    let style = match wanted.style {
+        Some(YamlStyle::Ur) => RosStyle::Ur,
+        Some(YamlStyle::Franka) => RosStyle::Franka,
+        Some(YamlStyle::Flexiv) => RosStyle::Flexiv,
+        Some(YamlStyle::Xarm) => RosStyle::XArm,
+        None => return Err(Failure::Input("--format ros-yaml needs --style".into())),
+    };
+    let like = match wanted.like {
+        Some(file) => Some(read_kinematics(file, style.word())?),
+        None => None,
+    };
+    let origins = joint_origins(fitted, options)?;
+    let styled = origins.value.styled(style, fitted.chain(), like.as_ref());
+    let styled = styled.map_err(|error| match wanted.like {
+        Some(file) => Failure::Input(format!("{}: {error}", file.display())),
+        None => Failure::Input(format!("--style {}: {error}", style.word())),
+    })?;
+    let mut notes = notes(fitted, &origins);
+    notes.extend(targets(fitted, &origins.value.targets));
+    Ok(written(styled.to_yaml(wanted.hash, &notes), origins, notes))
 }
 
 /// The parameters of the robot's own description.

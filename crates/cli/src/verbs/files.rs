@@ -1,6 +1,6 @@
 //! Which files a run reads and writes: nothing that it reads is overwritten, and nothing is written twice.
 
-use crate::args::{Measured, Verb};
+use crate::args::{Measured, Prior, Verb};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_io::{robot_files, same_file};
@@ -105,7 +105,7 @@ fn may_be_written(option: &str, folder: &Path, file: &Path) -> bool {
 }
 
 /// Files of a report, whichever verb writes it.
-const PAGE: [&str; 10] = [
+const PAGE: [&str; 11] = [
     "index.html",
     "summary.html",
     "run.json",
@@ -116,6 +116,7 @@ const PAGE: [&str; 10] = [
     "map.json",
     "plan.json",
     "prediction.json",
+    "acceptance.json",
 ];
 
 fn refused(option: &str, words: String) -> Result<(), Failure> {
@@ -138,9 +139,15 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         read.extend(certificate.map(|file| ("--certificate", file.as_path())));
         read
     }
+    fn with_fleet<'a>(mut read: Vec<Named<'a>>, prior: &'a Prior) -> Vec<Named<'a>> {
+        if let Prior::Fleet(file) = prior {
+            read.push(("--prior", file.as_path()));
+        }
+        read
+    }
     match verb {
         Verb::Identify(of) => (
-            with(measured(&of.measured), of.certificate.as_ref()),
+            with(with_fleet(measured(&of.measured), &of.prior), of.certificate.as_ref()),
             list(&[
                 ("--report", of.report.as_ref()),
                 ("--out", of.out.as_ref()),
@@ -159,7 +166,8 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         Verb::Compare(of) => (measured(&of.measured), list(&[("--report", of.report.as_ref())])),
         Verb::Plan(of) => (
             list(&[
-                ("--fit", Some(&of.fit)),
+                ("--robot", of.robot.as_ref()),
+                ("--fit", of.fit.as_ref()),
                 ("--rival", of.rival.as_ref()),
                 ("--at", of.at.as_ref()),
                 ("--certificate", of.certificate.as_ref()),
@@ -175,25 +183,42 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
         Verb::Compensate(of) => (
-            list(&[
-                ("--fit", Some(&of.fit)),
-                ("--poses", of.poses.as_ref()),
-                ("--joints", of.joints.as_ref()),
-                ("--frames", of.frames.as_ref()),
-                ("--certificate", of.certificate.as_ref()),
-            ]),
+            {
+                let mut read = list(&[
+                    ("--fit", Some(&of.fit)),
+                    ("--poses", of.poses.as_ref()),
+                    ("--joints", of.joints.as_ref()),
+                    ("--program", of.robot_program.program.as_ref()),
+                    ("--frames", of.frames.as_ref()),
+                    ("--certificate", of.certificate.as_ref()),
+                ]);
+                read.extend(of.robot_program.with.iter().map(|file| ("--with", file.as_path())));
+                read
+            },
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
         Verb::Export(of) => (
-            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref())]),
+            list(&[("--fit", Some(&of.fit)), ("--urdf", of.urdf.as_ref()), ("--like", of.like.as_ref())]),
             list(&[("--out", Some(&of.out))]),
         ),
         Verb::Map(of) => (
             list(&[("--fit", Some(&of.fit)), ("--certificate", of.certificate.as_ref())]),
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
         ),
+        Verb::Iso9283(of) => (
+            list(&[
+                ("--robot", of.robot.as_ref()),
+                ("--data", Some(&of.data)),
+                ("--fit", of.fit.as_ref()),
+                ("--certificate", of.certificate.as_ref()),
+            ]),
+            list(&[("--report", of.report.as_ref())]),
+        ),
         Verb::Transfer(of) => {
             (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))
+        }
+        Verb::Fleet(of) => {
+            (of.fits.iter().map(|fit| ("FIT", fit.as_path())).collect(), list(&[("--out", Some(&of.out))]))
         }
         // A history is read and written again.
         Verb::Monitor(of) => (

@@ -9,7 +9,7 @@
 //! A: the nominal joints alone, from base to flange; B E_0: the base as the fit has it.
 
 use super::parameters::recorded_frames;
-use crate::args::{Compensate, Place};
+use crate::args::{Compensate, GivenPlace, Place};
 use crate::failure::Failure;
 use truepose_compensate::{Installation, installation};
 use truepose_errormodel::{Dataset, FittedModel};
@@ -36,7 +36,7 @@ impl Placed {
             Some(file) => read_details(file)?.frames,
             None => recorded_frames(fitted),
         };
-        let frame = match &args.frame {
+        let frame = match one("--frame", &args.frame)? {
             None => Pose::IDENTITY,
             Some(Place::At(pose)) => installation.base * *pose,
             Some(Place::Named(name)) => match name.as_str() {
@@ -56,7 +56,7 @@ impl Placed {
                 }
             },
         };
-        let tcp = match &args.tcp {
+        let tcp = match one("--tcp", &args.tcp)? {
             None => None,
             Some(Place::At(pose)) => Some(*pose),
             Some(Place::Named(name)) if name == "flange" => Some(Pose::IDENTITY),
@@ -143,6 +143,20 @@ impl Placed {
 /// The nominal flange in the robot's base.
 fn flange(chain: &Chain, joints: &[f64]) -> Pose {
     chain.base().pose.inverse() * chain.forward(joints) * chain.tool().pose.inverse()
+}
+
+/// The one place of poses, which has no name.
+fn one<'a>(option: &str, given: &'a [GivenPlace]) -> Result<Option<&'a Place>, Failure> {
+    match given {
+        [] => Ok(None),
+        [GivenPlace { name: None, place }] => Ok(Some(place)),
+        [GivenPlace { name: Some(name), .. }] => Err(Failure::Input(format!(
+            "{option} {name}=…: names are those of a --program; poses have one place"
+        ))),
+        _ => {
+            Err(Failure::Input(format!("{option}: poses have one place; it is given {} times", given.len())))
+        }
+    }
 }
 
 fn put(rows: &mut Dataset, row: usize, pose: &Pose, oriented: bool) {

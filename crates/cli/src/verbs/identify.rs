@@ -1,9 +1,10 @@
 //! `truepose identify`: fit a declared error model, and estimate its accuracy on held-out data.
 
+use super::campaign::Campaign;
 use super::identified::{conforms, origin, refused, require};
 use super::reporting::Folder;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
-use crate::args::{Identify, SplitKind};
+use crate::args::{Identify, Prior, SplitKind};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::terminal;
@@ -15,6 +16,9 @@ use truepose_report::{IdentificationSummary, identification_report};
 
 /// Runs the verb.
 pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
+    if let Prior::Fleet(file) = &args.prior {
+        return super::sister::run(args, file);
+    }
     for out in args.out.iter().chain(&args.parameters) {
         check_writable(out)?;
     }
@@ -43,12 +47,15 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         holdout: args.holdout,
         seed: args.seed,
     };
-    // Shown with the result, or with the error where there is none.
-    let suspected = suspected(&chain, &data, &args.measured.data);
-    let progress = Progress::steps(Step::ALL.len(), watch);
+    let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
     let solver = args.solver.build();
+    let campaign = Campaign::of(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
+    let Campaign { chain, effects, data, .. } = &campaign;
+    // Shown with the result, or with the error where there is none.
+    let suspected = suspected(chain, data, &args.measured.data);
+    let progress = Progress::steps(Step::ALL.len(), watch);
     let mut found =
-        identify(&chain, &effects, &data, &*solver, &options, &|step| progress.begin(progress_text(step)))
+        identify(chain, effects, data, &*solver, &options, &|step| progress.begin(progress_text(step)))
             .map_err(|error| {
                 terminal::warn(suspected.as_slice());
                 refused(args, error)
@@ -57,15 +64,21 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
 
     let mut summary = IdentificationSummary::new(
         &found,
-        &data,
+        data,
         &info.visit_labels,
         &args.solver.to_string(),
         options.split.as_ref().map(split_words),
     );
     summary.warnings.splice(0..0, suspected);
     if let Some(limit) = args.spec {
-        summary = summary.with_specification(limit, &found, &data);
+        summary = summary.with_specification(limit, &found, data);
     }
+    let held_out = found.declared.held_out.as_ref().filter(|_| found.test_set.is_none());
+    let held_out = held_out.map(|cv| &cv.residuals);
+    summary.sessions = campaign.sessions(&found.fit.fitted, held_out)?;
+    let landmarks = campaign.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
+    summary = summary.with_landmarks(landmarks);
+    found.fit.fitted = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
@@ -78,7 +91,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         let mut inputs = read_files(&args.measured);
         inputs.extend(args.certificate.as_deref());
         folder.add(&mut files, &summary, &inputs, |run| {
-            Ok(identification_report(&summary, &found, &data, &info.visit_labels, run)?)
+            Ok(identification_report(&summary, &found, data, &info.visit_labels, run)?)
         })?;
     }
     if let Some(out) = &args.out {

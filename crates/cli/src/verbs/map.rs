@@ -1,6 +1,7 @@
 //! `truepose map`: accuracy over the workspace, before and after compensation.
 
 use super::reporting::Folder;
+use super::sessions::chosen;
 use super::{beyond, print_json, status, target};
 use crate::args::Map;
 use crate::extensions::effects;
@@ -21,7 +22,7 @@ use truepose_report::{MapView, PlaceView, count, map_report, millimetres};
 pub fn run(args: &Map, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "map.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, effects())?.of_robot();
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
     let chain = fitted.chain();
     let mut conditions = middle_conditions(&fitted);
     if let Some(mass) = args.payload {

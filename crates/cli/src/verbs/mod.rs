@@ -1,6 +1,7 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
 pub(crate) mod beyond;
+mod campaign;
 mod check;
 mod compare;
 pub(crate) mod compensate;
@@ -9,19 +10,25 @@ pub(crate) mod discover;
 mod effects;
 pub(crate) mod export;
 mod files;
+mod fleet;
 mod frames;
 pub(crate) mod identified;
 pub(crate) mod identify;
 mod init;
+mod iso9283;
 mod map;
 mod monitor;
 mod nominal;
 pub(crate) mod parameters;
 mod plan;
+mod plan_iso9283;
 pub(crate) mod predict;
+mod program;
 mod repeated;
 mod reporting;
+mod sessions;
 mod simulate;
+mod sister;
 mod stream;
 mod transfer;
 mod verify;
@@ -52,7 +59,9 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Compensate(verb) => compensate::run(verb, watch),
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
+        Verb::Iso9283(verb) => iso9283::run(verb, watch),
         Verb::Transfer(verb) => transfer::run(verb, watch),
+        Verb::Fleet(verb) => fleet::run(verb),
         Verb::Monitor(verb) => monitor::run(verb, watch),
         Verb::Compare(verb) => compare::run(verb, watch),
         Verb::Init(verb) => init::run(verb),

@@ -1,6 +1,7 @@
 //! `truepose monitor`: whether a robot has changed since it was calibrated.
 
 use super::print_json;
+use super::sessions::{chosen, one};
 use crate::args::Monitor;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -15,14 +16,15 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     if let Some(file) = &args.history {
         check_writable(file)?;
     }
-    let fitted = read_fit(&args.fit, effects())?;
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), args.base)?;
     let (_, digest) = file_digest(&args.fit)?;
     let mut history = match &args.history {
         Some(file) if file.exists() => MonitorHistory::read(file, &digest)?,
         _ => MonitorHistory::new(digest),
     };
-    let (data, _, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
+    let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
     terminal::warn(&warnings);
+    one(&info, &args.data)?;
     watch.doing("looking for changes");
     let installation = Installation { base: args.base, tool: args.tool, targets: args.targets };
     let options = MonitorOptions { alpha: args.alpha, looks: history.looks.len(), installation };

@@ -1,6 +1,7 @@
 //! `truepose predict`: the position of the real robot, from a fit.
 
 use super::reporting::Folder;
+use super::sessions::{Part, parts};
 use super::{about, beyond, print_json};
 use crate::args::Predict;
 use crate::extensions::effects;
@@ -41,19 +42,34 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     let options = args.grouped.conditions();
     // The page shows every row.
     if folder.is_none()
+        && fitted.sessions.is_empty()
         && let Some(done) = by_blocks(args, &fitted, &options, watch)
     {
         return done;
     }
-    let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
+    let (mut data, info, warnings) = read_measurements(&args.data, fitted.chain(), &options)?;
     terminal::warn(&warnings);
     let warnings = targets_seen(&fitted, &data)
         .map_err(|words| Failure::Input(format!("{}: {words}", args.data.display())))?;
     terminal::warn(&warnings);
-    let inputs = data.derived_for(fitted.model()).map_err(about(&args.data))?;
-    let coverage = Coverage::new(&fitted, &inputs.schema).map_err(about(&args.data))?;
-    let (predicted, beyond) = predict(&fitted, &coverage, &inputs);
-    let residuals = Residuals::of(&fitted, &data)?;
+    let parts = parts(&fitted, &mut data, &info, args.session.as_deref(), &args.data)?;
+    let (mut predicted, mut beyond) = (Vec::new(), beyond::Tally::default());
+    let mut residuals = Residuals::default();
+    for part in &parts {
+        let here = data.select(&part.rows);
+        let inputs = here.derived_for(part.fitted.model()).map_err(about(&args.data))?;
+        let coverage = Coverage::new(&part.fitted, &inputs.schema).map_err(about(&args.data))?;
+        let (some, of_part) = predict(&part.fitted, &coverage, &inputs);
+        beyond.join(&of_part);
+        predicted.extend(some);
+        let of_part = Residuals::of(&part.fitted, &here)?;
+        residuals.position.extend(of_part.position);
+        residuals.orientation.extend(of_part.orientation);
+    }
+    in_order(&parts, &mut predicted);
+    in_order(&parts, &mut residuals.position);
+    in_order(&parts, &mut residuals.orientation);
+    let inputs = &data;
     let (position, orientation) = (residuals.positions(), residuals.orientations());
     if let Some(folder) = &folder {
         let view = PredictionView {
@@ -75,7 +91,15 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
         terminal::log(&format!("wrote {}", folder.page().display()));
     }
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
-    Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &inputs)
+    Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, inputs)
+}
+
+/// Brings values that stand session by session into the order of the rows.
+fn in_order<T>(parts: &[Part], values: &mut Vec<T>) {
+    let rows = parts.iter().flat_map(|part| part.rows.iter().copied());
+    let mut numbered: Vec<(usize, T)> = rows.zip(values.drain(..)).collect();
+    numbered.sort_by_key(|(row, _)| *row);
+    values.extend(numbered.into_iter().map(|(_, value)| value));
 }
 
 /// Warnings about targets that were not measured in the data of the fit.

@@ -1,6 +1,7 @@
 //! `truepose transfer`: the arm as identified, in another installation.
 
 use super::print_json;
+use super::sessions::{chosen, one};
 use crate::args::Transfer;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -13,9 +14,10 @@ use truepose_upkeep::{Installation, TransferOptions, transfer};
 /// Runs the verb.
 pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
-    let fitted = read_fit(&args.fit, effects())?;
-    let (data, _, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
+    let fitted = chosen(read_fit(&args.fit, effects())?, None, true)?;
+    let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
     terminal::warn(&warnings);
+    one(&info, &args.data)?;
     watch.doing("finding the installation");
     let installation = Installation { base: true, tool: args.tool, targets: args.targets };
     let options = TransferOptions { installation, update: args.update };

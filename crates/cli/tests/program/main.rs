@@ -6,12 +6,14 @@
     reason = "a test says what it saw, and fails by panicking"
 )]
 
+mod acceptance;
 mod bad_input;
 mod coupled;
 mod determinism;
 mod dwell;
 mod example;
 mod export;
+mod fleet;
 mod folder;
 mod handover;
 mod hardened;
@@ -19,6 +21,7 @@ mod harm;
 mod hostile;
 mod init;
 mod invariance;
+mod landmarks;
 mod limits;
 mod mistakes;
 mod one_voice;
@@ -27,8 +30,10 @@ mod page;
 mod pages;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod programs;
 mod report;
 mod round_trip;
+mod sessions;
 mod spoiled;
 mod stream;
 mod surface;

@@ -17,6 +17,7 @@ mod project;
 mod reference;
 mod remaining;
 mod ros;
+mod styles;
 mod table;
 mod tables;
 
@@ -29,5 +30,6 @@ pub use options::{ExportOptions, middle_conditions};
 pub use origins::{JointOrigin, JointOrigins, joint_origins};
 pub use parameters::{JointOffset, Parameter, ParameterPart, ParameterTable, PartKind, parameter_table};
 pub use remaining::{Exported, RemainingError};
+pub use styles::{RosStyle, StyledOrigins};
 pub use table::{AxisLink, AxisRow, AxisTable, AxisTableOptions, axis_table};
 pub use tables::error_tables;

@@ -89,9 +89,10 @@ pub(super) fn not_constant(fitted: &FittedModel) -> Vec<&'static str> {
     let model = fitted.model();
     let mut left: Vec<&'static str> = Vec::new();
     for (k, effect) in model.effects().iter().enumerate() {
-        let constant = model.columns()[model.columns_of(k)].iter().all(|c| c.site.is_some());
-        let silent = fitted.coefficients()[model.columns_of(k)].iter().all(|&c| c == 0.0);
-        if !constant && !silent && !left.contains(&effect.kind()) {
+        let own = model.columns_of(k);
+        let mut columns = model.columns()[own.clone()].iter().zip(&fitted.coefficients()[own]);
+        let constant = columns.all(|(column, &value)| column.site.is_some() || value == 0.0);
+        if !constant && !left.contains(&effect.kind()) {
             left.push(effect.kind());
         }
     }

@@ -60,7 +60,7 @@ impl JointOrigins {
     }
 }
 
-fn entry(indent: &str, pose: &Pose, out: &mut String) -> std::fmt::Result {
+pub(super) fn entry(indent: &str, pose: &Pose, out: &mut String) -> std::fmt::Result {
     let [roll, pitch, yaw] = pose.rpy();
     let [x, y, z] = pose.translation.into();
     let named = [("x", x), ("y", y), ("z", z), ("roll", roll), ("pitch", pitch), ("yaw", yaw)];
@@ -81,7 +81,7 @@ fn number(value: f64) -> String {
 }
 
 /// A key as it is where that is plain, else in quotes.
-fn quoted(key: &str) -> String {
+pub(super) fn quoted(key: &str) -> String {
     let plain = key.starts_with(|c: char| c.is_ascii_alphabetic())
         && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && !["y", "n", "yes", "no", "on", "off", "true", "false", "null"]

@@ -45,3 +45,21 @@ pub(crate) fn with_missing(mut residuals: Residuals, other: &Residuals, rows: &[
     }
     residuals
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn only_what_is_missing_is_filled_in() {
+        let of = |values: [f64; 3]| Residuals {
+            position: values.map(|v| Vector3::x() * v).to_vec(),
+            orientation: vec![None; 3],
+        };
+        let filled = with_missing(of([1.0, f64::NAN, f64::NAN]), &of([5.0, 6.0, 7.0]), &[0, 1]);
+        assert_eq!(filled.distance(0), Some(1.0));
+        assert_eq!(filled.distance(1), Some(6.0));
+        assert_eq!(filled.distance(2), None);
+    }
+}

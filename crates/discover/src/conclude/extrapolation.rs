@@ -5,7 +5,7 @@
 //!
 //! | part | pose measurements |
 //! | --- | --- |
-//! | [`Part::LastInTime`] | the last 30 % in time (without time: in order), of configurations that were not measured before |
+//! | [`Part::LastInTime`] | the last 30 % in time (without time: in order) of each session (and landmark), of configurations that were not measured before |
 //! | [`Part::Region`] | the lowest and the highest sixth of the values of the joint with the largest standard deviation |
 //!
 //! The structure of the final model (effects, periods) was selected with these rows; only its coefficients do not know them.
@@ -154,14 +154,22 @@ fn last_in_time(data: &Dataset) -> Option<Parted> {
         let first = visits.rows[visit].first().copied().unwrap_or(0);
         if data.schema.time { data.time[first] } else { first as f64 }
     };
-    let mut order: Vec<usize> = (0..visits.len()).collect();
-    order.sort_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));
-    let first = order.len() - (LAST * order.len() as f64).round() as usize;
-    let known: BTreeSet<usize> = order[..first].iter().map(|&v| configuration[v]).collect();
+    // Of every session and every landmark: an installation or a place that was not seen cannot be predicted.
+    let mut places = BTreeMap::<_, Vec<usize>>::new();
+    for (visit, rows) in visits.rows.iter().enumerate() {
+        let place = rows.first().map(|&row| (data.session(row), data.landmark(row)));
+        places.entry(place).or_default().push(visit);
+    }
     let mut left_out = vec![false; visits.len()];
-    order[first..].iter().for_each(|&visit| left_out[visit] = true);
+    for order in places.values_mut() {
+        order.sort_by(|&a, &b| time(a).total_cmp(&time(b)).then(a.cmp(&b)));
+        let first = order.len() - (LAST * order.len() as f64).round() as usize;
+        order[first..].iter().for_each(|&visit| left_out[visit] = true);
+    }
+    let known: BTreeSet<usize> =
+        (0..visits.len()).filter(|&v| !left_out[v]).map(|v| configuration[v]).collect();
     let predicted = (0..visits.len()).map(|v| left_out[v] && !known.contains(&configuration[v])).collect();
-    (first < order.len()).then_some(Parted { part: Part::LastInTime, predicted, left_out })
+    left_out.contains(&true).then_some(Parted { part: Part::LastInTime, predicted, left_out })
 }
 
 /// The pose measurements at both ends of the range of the joint with the largest standard deviation.

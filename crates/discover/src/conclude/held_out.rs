@@ -97,3 +97,63 @@ pub(crate) fn of_pair(
     clusters.retain(|cluster| cluster.rows > 0.0);
     intervals(&clusters, draws, seed)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    /// Residuals of 1 to 2 mm in so many rows; those in `missing` are not known.
+    fn errors(count: usize, missing: &[usize], factor: f64) -> Errors {
+        let one = |row: usize| match missing.contains(&row) {
+            true => Vector3::repeat(f64::NAN),
+            false => Vector3::x() * (factor * (1.5e-3 + 5e-4 * (row as f64).sin())),
+        };
+        let holdout = Residuals { position: (0..count).map(one).collect(), orientation: vec![None; count] };
+        Errors { holdout, ..Errors::default() }
+    }
+
+    #[test]
+    fn equal_models_have_no_gain_whatever_is_not_known() {
+        let cluster: Vec<usize> = (0..20).collect();
+        let of = |a: &Errors, b: &Errors| HeldOutIntervals::of(a, b, &cluster, 99, 0).unwrap();
+        let (before, after) = (errors(20, &[3, 4], 1.0), errors(20, &[3, 4], 1.0));
+        assert_eq!(of(&before, &after).gain, None);
+        let better = of(&before, &errors(20, &[3, 4], 0.5)).gain.unwrap();
+        assert!(better.value > 0.0 && better.ci95[0] > 0.0, "{better:?}");
+    }
+
+    #[test]
+    fn clusters_are_configurations_or_stretches_of_time() {
+        let n = 40;
+        let data = Dataset {
+            joints: vec![(0..n).map(|row| 0.1 * (row / 2) as f64).collect()],
+            approach: vec![vec![0.0; n]],
+            visit: (0..n).map(|row| row / 2).collect(),
+            time: (0..n).map(|row| 10.0 * row as f64).collect(),
+            position: vec![[0.0; 3]; n],
+            orientation: vec![None; n],
+            position_sd: vec![[f64::NAN; 3]; n],
+            orientation_sd: vec![[f64::NAN; 3]; n],
+            target: vec![None; n],
+            load: vec![truepose_kinematics::Load::None; n],
+            ..Dataset::default()
+        };
+        let by_configuration: Vec<usize> = (0..n).map(|row| row / 2).collect();
+        assert_eq!(clusters(&data, None), by_configuration);
+        let wandering = |time_constant| Dependence {
+            autocorrelation: 0.5,
+            p_value: 1e-3,
+            wander: Some(1e-4),
+            time_constant: Some(time_constant),
+            timed: true,
+        };
+        // Where nothing wanders the time constant of the test says nothing.
+        let still = Dependence { wander: None, ..wandering(10.0) };
+        assert_eq!(clusters(&data, Some(&still)), by_configuration);
+        // 20 s are two rows; of a longer time constant ten stretches are left.
+        let stretches = |found: &[usize]| found.iter().max().map(|last| last + 1);
+        assert_eq!(stretches(&clusters(&data, Some(&wandering(10.0)))), Some(20));
+        assert_eq!(stretches(&clusters(&data, Some(&wandering(1e6)))), Some(11));
+    }
+}

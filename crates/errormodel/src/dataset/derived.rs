@@ -5,13 +5,17 @@
 //! | `temperature~lag=600` | a body that follows the channel late ([`late_channel`](super::late_channel)) | the channel and `time` |
 //! | `z_3~w=0.05` | wind-up of a joint's friction ([`presliding_channel`](super::presliding_channel)) | the order of poses |
 //! | `step~3` | last move of a joint ([`step_channel`](super::step_channel)) | the order of poses |
+//! | `session~` ([`SESSION`]) | number of the installation, 0… | the column `session` |
+//! | `landmark~` ([`LANDMARK`]) | number of the landmark that was touched, 1…; 0: none | the columns `kind`, `landmark` |
 //! | `payload` ([`CARRIED`]) | the mass that is declared to be carried, kg; none is zero | the load |
 //!
 //! They are made at fit time and wherever a fit is used, so that no file has to hold them.
 
+use super::landmark::LANDMARK;
 use super::late::LATE;
 use super::presliding::presliding_of;
 use super::schema::Channel;
+use super::session::SESSION;
 use super::step::step_of;
 use super::table::Dataset;
 use truepose_kinematics::Load;
@@ -22,6 +26,8 @@ pub const CARRIED: &str = "payload";
 /// Whether a channel of this name is made from other columns.
 pub fn is_derived(channel: &str) -> bool {
     channel == CARRIED
+        || channel == SESSION
+        || channel == LANDMARK
         || channel.contains(LATE)
         || presliding_of(channel).is_some()
         || step_of(channel).is_some()

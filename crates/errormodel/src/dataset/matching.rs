@@ -33,7 +33,7 @@ impl Dataset {
     /// True when a row goes on with the dwell that began at row `first`, all rows from there on being of that dwell: the same
     /// place, and no target far from where it was first measured in that dwell.
     pub fn continues_dwell(&self, first: usize, row: usize) -> bool {
-        self.same_place(first, row) && !self.moved(first, row)
+        self.same_place(first, row) && self.same_session(first, row) && !self.moved(first, row)
     }
 
     /// True when the measured position of a row says that the robot has moved since row `first`.

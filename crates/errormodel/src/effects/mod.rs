@@ -6,6 +6,8 @@
 //! | what yields under load | [`JointCompliance`], [`LinkCompliance`], [`BaseCompliance`], [`LoadNonlinearity`] |
 //! | what a joint does beyond what it reports | [`Transmission`], [`Backlash`], [`Coupling`], [`Guideway`] |
 //! | what changes with time and temperature | [`Thermal`], [`Drift`], [`Shift`] |
+//! | the surroundings | [`Landmarks`] |
+//! | another installation | [`Session`] |
 //! | what the measurement adds | [`Instrument`] |
 //! | what is only data | [`Expansion`], [`Polynomial`] |
 
@@ -24,6 +26,9 @@ mod transmission;
 mod drift;
 mod shift;
 mod thermal;
+
+mod landmarks;
+mod session;
 
 mod instrument;
 
@@ -44,9 +49,11 @@ pub use geometric::{AllTargets, Geometric, Where};
 pub use guideway::Guideway;
 pub use instrument::{Instrument, InstrumentMode};
 pub use joint_compliance::JointCompliance;
+pub use landmarks::{Landmarks, Point, Tied};
 pub use link_compliance::{LinkCompliance, OwnWeight, Section};
 pub use load_nonlinearity::LoadNonlinearity;
 pub use polynomial::{GroupedError, Order, Polynomial, WrenchComponent, WrenchOf};
+pub use session::{Own, Session};
 pub use shift::Shift;
 pub use spot::Spot;
 pub use thermal::{Grows, Thermal};

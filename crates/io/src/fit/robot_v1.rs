@@ -44,7 +44,7 @@ enum GravityFrameV1 {
 }
 
 #[derive(Debug, Serialize, Deserialize)]
-struct PoseV1 {
+pub(super) struct PoseV1 {
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
 }
@@ -220,7 +220,7 @@ fn placed(placed: PlacedV1, name: &str) -> Result<Placed, ChainError> {
     Ok(Placed { pose: pose(placed.pose, name)?, known: placed.known })
 }
 
-fn pose(pose: PoseV1, name: &str) -> Result<Pose, ChainError> {
+pub(super) fn pose(pose: PoseV1, name: &str) -> Result<Pose, ChainError> {
     let r = pose.rotation;
     let rotation = Matrix3::from_fn(|row, column| r[row][column]);
     let error = (rotation * rotation.transpose() - Matrix3::identity()).amax();

@@ -5,6 +5,7 @@ use super::fallback_v1::FallbackV1;
 use super::parts_v1::{CoefficientV1, EffectV1};
 use super::robot_v1::RobotV1;
 use super::sample_v1::{self, RowV1, SampleOfV1};
+use super::sessions_v1::{self, SessionV1};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use truepose_errormodel::{
@@ -28,6 +29,9 @@ pub(super) struct FitV1 {
     /// Payloads that are declared wrongly.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<LoadCorrection>,
+    /// The installations, where they are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<SessionV1>,
     /// The declared model, where findings were added to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fallback: Option<FallbackV1>,
@@ -104,6 +108,7 @@ impl From<&FittedModel> for FitV1 {
                 repeatability_sd: (fit.repeatability_sd > 0.0).then_some(fit.repeatability_sd),
             },
             loads: fit.loads.clone(),
+            sessions: fit.sessions.iter().map(SessionV1::from).collect(),
             fallback: fit.fallback.as_ref().map(FallbackV1::from),
             provenance: fit.provenance.clone(),
             sample_of,
@@ -175,6 +180,7 @@ impl FitV1 {
             Some(of) => sample_v1::read(of, self.sample, joints, targets)?,
             None => Default::default(),
         };
+        let sessions = sessions_v1::read(self.sessions).map_err(damaged)?;
         let channels = self.channels.into_iter().map(|channel| Channel {
             name: channel.name,
             unit: channel.unit,
@@ -200,6 +206,7 @@ impl FitV1 {
             .with_repeatability(repeatability)
             .with_fallback(fallback)
             .with_loads(self.loads)
+            .with_sessions(sessions)
             .with_provenance(self.provenance))
     }
 }

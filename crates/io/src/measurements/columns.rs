@@ -19,6 +19,12 @@ pub(crate) enum Role {
     /// What people call the row: passed through to outputs.
     Id,
     Visit,
+    /// The installation in which the row was measured.
+    Session,
+    /// What was measured.
+    Kind,
+    /// What of the surroundings the row touched.
+    Landmark,
     PayloadMass,
     PayloadCentre(usize),
     Force(usize),
@@ -51,6 +57,12 @@ pub(crate) enum Cells {
     Target,
     /// Any text or number, or nothing; passed through.
     Id,
+    /// A name of the session, in every row.
+    Session,
+    /// A word for what was measured, or nothing.
+    Kind,
+    /// A name of a landmark, or nothing.
+    Landmark,
     /// Anything; not read.
     Note,
     /// Nothing: the column has no name.
@@ -76,7 +88,7 @@ pub(crate) struct Column {
 }
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
-pub(crate) const FIXED: [(&str, Role); 32] = [
+pub(crate) const FIXED: [(&str, Role); 35] = [
     ("x", Role::Position(0)),
     ("y", Role::Position(1)),
     ("z", Role::Position(2)),
@@ -90,6 +102,9 @@ pub(crate) const FIXED: [(&str, Role); 32] = [
     ("target", Role::Target),
     ("id", Role::Id),
     ("visit", Role::Visit),
+    ("session", Role::Session),
+    ("kind", Role::Kind),
+    ("landmark", Role::Landmark),
     ("payload", Role::PayloadMass),
     ("cx", Role::PayloadCentre(0)),
     ("cy", Role::PayloadCentre(1)),
@@ -151,6 +166,9 @@ impl Role {
             | Role::Target
             | Role::Id
             | Role::Visit
+            | Role::Session
+            | Role::Kind
+            | Role::Landmark
             | Role::Note
             | Role::Use
             | Role::Nothing => Some(Quantity::Ratio),
@@ -169,6 +187,9 @@ impl Role {
             Role::Approach(_) => Cells::Direction,
             Role::Target => Cells::Target,
             Role::Id => Cells::Id,
+            Role::Session => Cells::Session,
+            Role::Kind => Cells::Kind,
+            Role::Landmark => Cells::Landmark,
             Role::Note | Role::Nothing => Cells::Note,
             Role::Use => Cells::Use,
             _ => Cells::Maybe,
@@ -191,6 +212,9 @@ impl Role {
             Role::Target => "measured target".into(),
             Role::Id => "name of the row, passed through to outputs".into(),
             Role::Visit => "visit".into(),
+            Role::Kind => "kind of observation".into(),
+            Role::Landmark => "landmark that was touched".into(),
+            Role::Session => "session: installation of robot and instrument".into(),
             Role::PayloadMass => "mass carried".into(),
             Role::PayloadCentre(k) => format!("centre of gravity of the mass, tool frame, {}", xyz(k)),
             Role::Force(k) => format!("force of the load, tool axes, {}", xyz(k)),

@@ -9,7 +9,7 @@ use crate::nearest::{listed, meant};
 use crate::{IoError, Warning};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{Channel, Schema};
+use truepose_errormodel::{Channel, LANDMARK, SESSION, Schema};
 use truepose_kinematics::Chain;
 
 /// A table with more columns is another kind of file.
@@ -36,6 +36,9 @@ pub(crate) struct Slots {
     /// Angles in the order of the convention, and the convention.
     pub angles: Option<([usize; 3], OrientationConvention)>,
     pub visit: Option<usize>,
+    pub session: Option<usize>,
+    pub kind: Option<usize>,
+    pub landmark: Option<usize>,
     pub payload: Option<usize>,
     pub centre: Option<[usize; 3]>,
     pub wrench: Option<[usize; 6]>,
@@ -164,8 +167,13 @@ impl Header {
             let unit = if temperature { "degC".into() } else { column.unit.clone() };
             Channel { name: column.name.clone(), unit, temperature }
         };
+        // Numbers of sessions and landmarks stand behind the channels of the file.
+        let number = |name: &str| Channel { name: name.into(), unit: "1".into(), temperature: false };
+        let channels = self.slots.channels.iter().map(channel);
+        let session = self.slots.session.map(|_| number(SESSION));
+        let landmark = self.slots.landmark.map(|_| number(LANDMARK));
         Schema {
-            channels: self.slots.channels.iter().map(channel).collect(),
+            channels: channels.chain(session).chain(landmark).collect(),
             time: self.slots.time.is_some(),
             load: self.slots.payload.is_some() || self.slots.wrench.is_some(),
             approach: self.slots.approach.len() == chain.movable().len()
@@ -191,6 +199,9 @@ impl Header {
             rotation_vector: self.group([0, 1, 2].map(Role::RotationVector))?,
             angles: self.group([0, 1, 2].map(Role::Angle))?.zip(names.map.orientation),
             visit: self.find(Role::Visit),
+            session: self.find(Role::Session),
+            kind: self.find(Role::Kind),
+            landmark: self.find(Role::Landmark),
             payload: self.find(Role::PayloadMass),
             centre: self.group([0, 1, 2].map(Role::PayloadCentre))?,
             wrench: self.group([
@@ -224,7 +235,12 @@ impl Header {
             return Err(self.cell_error(self.line, centre[0], message));
         }
         let oriented = slots.quaternion.is_some() || slots.rotation_vector.is_some() || angles.is_some();
-        let seen = slots.position.is_some() || oriented;
+        let seen = slots.position.is_some() || oriented || slots.kind.is_some();
+        if let (None, Some(k)) = (slots.kind, slots.landmark) {
+            let message =
+                "needs a column `kind` beside it, which says how the landmark was observed (`same_point`)";
+            return Err(self.cell_error(self.line, k, message));
+        }
         if (needs.position && slots.position.is_none()) || (needs.measured && !seen) {
             let what = if needs.position { "a position" } else { "anything measured" };
             let columns = self.listed();

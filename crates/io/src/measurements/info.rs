@@ -21,6 +21,10 @@ pub struct CsvInfo {
     pub visit_labels: Vec<i64>,
     /// What the file calls each row (column `id`), of a file that was read whole; empty without such a column.
     pub ids: Vec<String>,
+    /// Names of the sessions, in order of first appearance (column `session`); empty without such a column.
+    pub sessions: Vec<String>,
+    /// Names of the landmarks, in order of first appearance (column `landmark`); empty without such a column.
+    pub landmarks: Vec<String>,
 }
 
 /// How rows were grouped into pose measurements (visits), and visits into configurations.

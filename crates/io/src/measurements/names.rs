@@ -102,7 +102,10 @@ impl Names<'_> {
         match self.resolve(header) {
             Named::Ignored => true,
             Named::Header(header) => {
-                matches!(self.role(split_unit(&header).0), Some(Role::Target | Role::Note | Role::Id))
+                matches!(
+                    self.role(split_unit(&header).0),
+                    Some(Role::Target | Role::Note | Role::Id | Role::Session | Role::Kind | Role::Landmark)
+                )
             }
         }
     }

@@ -10,7 +10,7 @@ use super::row::RowReader;
 use super::sampled::Sample;
 use super::source::Source;
 use super::suspicious::{ReadSoFar, look_at_columns};
-use super::visits::{VisitNumbers, check_standstills};
+use super::visits::{VisitNumbers, check_standstills, label_in_file};
 use crate::{IoError, Warning};
 use std::path::Path;
 use truepose_errormodel::{Dataset, Dwell, DwellTolerance, Schema};
@@ -196,6 +196,7 @@ impl MeasurementsReader {
             }
         }
         if !labels.is_empty() {
+            labels.iter_mut().for_each(|label| *label = self.label(*label));
             check_standstills(block, &labels, &self.rows.header)?;
         }
         self.labels = labels;
@@ -208,7 +209,8 @@ impl MeasurementsReader {
     /// What was understood so far; the number of configurations is left at zero.
     pub fn info(&self) -> CsvInfo {
         let columns = self.rows.header.columns.iter().zip(&self.rows.seen);
-        let visit_labels = self.visits.labels();
+        let mut visit_labels = self.visits.labels();
+        visit_labels.iter_mut().for_each(|label| *label = self.label(*label));
         CsvInfo {
             file: self.source.file().into(),
             columns: columns
@@ -226,6 +228,8 @@ impl MeasurementsReader {
             configurations: 0,
             grouping: None,
             visit_labels,
+            sessions: self.rows.sessions.clone(),
+            landmarks: self.rows.landmarks.clone(),
             ids: self.ids.clone(),
         }
     }
@@ -249,6 +253,11 @@ impl MeasurementsReader {
             return Err(self.no_rows());
         }
         Ok(data)
+    }
+
+    /// What the file calls a visit.
+    fn label(&self, label: i64) -> i64 {
+        label_in_file(label, self.rows.sessions.len())
     }
 
     fn no_rows(&self) -> IoError {
@@ -306,7 +315,8 @@ impl MeasurementsReader {
         let (number, new) = self.visits.number(label);
         if consecutive && !new {
             let message = format!(
-                "visit {label} occurs in several places of the file; sort the rows by visit to read it in blocks"
+                "visit {} occurs in several places of the file; sort the rows by visit to read it in blocks",
+                self.label(label)
             );
             return Err(self.rows.header.cell_error(self.rows.row.line, slot, message));
         }

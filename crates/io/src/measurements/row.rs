@@ -36,6 +36,10 @@ pub(crate) struct RowReader {
     pub row: Row,
     /// What the file calls the row, where it has a column for that.
     pub id: String,
+    /// Names of the sessions so far, in order of first appearance.
+    pub sessions: Vec<String>,
+    /// Names of the landmarks so far, in order of first appearance.
+    pub landmarks: Vec<String>,
     /// What was seen in each column, in the units of the file.
     pub seen: Vec<Seen>,
     /// Of each joint, the first line beyond its limits and how many lines are.
@@ -52,6 +56,16 @@ pub(crate) struct RowReader {
     pub problems: Vec<IoError>,
 }
 
+/// What a row measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Kind {
+    /// A position, an orientation or both, by an instrument.
+    #[default]
+    Pose,
+    /// That the target was at a landmark.
+    SamePoint,
+}
+
 /// Values of a row, apart from those still in its cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Row {
@@ -61,6 +75,12 @@ pub(crate) struct Row {
     /// Left out by the user.
     pub skipped: bool,
     pub visit: Option<i64>,
+    /// Number of the session, as in [`RowReader::sessions`].
+    pub session: usize,
+    /// What was measured.
+    pub kind: Kind,
+    /// Number of the landmark, as in [`RowReader::landmarks`].
+    pub landmark: Option<usize>,
     pub time: f64,
     pub(super) target: Option<TargetId>,
     pub orientation: Option<[f64; 4]>,
@@ -78,6 +98,8 @@ impl RowReader {
             numbers: vec![f64::NAN; header.columns.len()],
             row: Row::default(),
             id: String::new(),
+            sessions: Vec::new(),
+            landmarks: Vec::new(),
             seen: vec![Seen::default(); header.columns.len()],
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
@@ -120,7 +142,17 @@ impl RowReader {
                 at += 1; // the comma
             }
             let cells = self.kinds[k].0;
-            if matches!(cells, Cells::Target | Cells::Note | Cells::Blank | Cells::Use | Cells::Id) {
+            if matches!(
+                cells,
+                Cells::Target
+                    | Cells::Note
+                    | Cells::Blank
+                    | Cells::Use
+                    | Cells::Id
+                    | Cells::Session
+                    | Cells::Kind
+                    | Cells::Landmark
+            ) {
                 at = self.read_text(line, text, at, k)?;
                 continue;
             }
@@ -222,6 +254,10 @@ impl RowReader {
                     self.take_id(k, &value.to_string());
                     continue;
                 }
+                (Cells::Session | Cells::Kind | Cells::Landmark, Cell::Number(value)) => {
+                    self.take_word(line, k, &value.to_string());
+                    continue;
+                }
                 (_, Cell::Number(value)) if value.is_finite() => Some(value),
                 (_, Cell::Number(_)) => {
                     let message = "is not a finite number; leave the cell empty if nothing was measured";
@@ -232,6 +268,10 @@ impl RowReader {
                     let text = text.trim();
                     if cells == Cells::Id {
                         self.take_id(k, text);
+                        continue;
+                    }
+                    if matches!(cells, Cells::Session | Cells::Kind | Cells::Landmark) {
+                        self.take_word(line, k, text);
                         continue;
                     }
                     if cells == Cells::Target {
@@ -246,6 +286,7 @@ impl RowReader {
             };
             match raw {
                 Some(raw) => self.put(line, k, raw)?,
+                None if matches!(cells, Cells::Kind | Cells::Landmark) => {}
                 None if matches!(cells, Cells::Maybe | Cells::Target | Cells::Id) => {
                     self.numbers[k] = f64::NAN
                 }
@@ -276,6 +317,13 @@ impl RowReader {
         }
         for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
             column.push(self.numbers[k]);
+        }
+        let session = slots.session.map(|_| self.row.session as f64);
+        let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));
+        for (column, number) in
+            into.channels.iter_mut().skip(slots.channels.len()).zip(session.into_iter().chain(landmark))
+        {
+            column.push(number);
         }
         into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });
         into.position_sd.push(three(slots.position_sd));

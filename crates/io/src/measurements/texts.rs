@@ -2,11 +2,18 @@
 
 use super::cells::shown;
 use super::columns::Cells;
-use super::row::RowReader;
+use super::row::{Kind, RowReader};
 use crate::IoError;
 use crate::nearest::{listed, meant};
 use crate::table::unprefixed;
 use truepose_kinematics::TargetId;
+
+/// Words of the column `kind`.
+const KINDS: [(&str, Kind); 3] =
+    [("position", Kind::Pose), ("pose", Kind::Pose), ("same_point", Kind::SamePoint)];
+
+/// No robot is set up anew more often while one table is filled.
+const MOST_SESSIONS: usize = 1000;
 
 impl RowReader {
     /// Reads a cell that holds no number; where it ends.
@@ -40,6 +47,7 @@ impl RowReader {
             }
             Cells::Use => self.use_row(line, k, &content)?,
             Cells::Id => self.take_id(k, &content),
+            Cells::Session | Cells::Kind | Cells::Landmark => self.take_word(line, k, &content),
             _ => {}
         }
         Ok(end)
@@ -50,6 +58,58 @@ impl RowReader {
         self.id.clear();
         self.id.push_str(unprefixed(content));
         self.seen[k].filled += usize::from(!content.is_empty());
+    }
+
+    /// Session, kind or landmark of the row.
+    pub(super) fn take_word(&mut self, line: u64, k: usize, content: &str) {
+        let word = unprefixed(content).trim();
+        match self.kinds[k].0 {
+            Cells::Session => self.take_session(line, k, word),
+            _ if word.is_empty() => {}
+            Cells::Kind => match KINDS.iter().find(|(known, _)| *known == word) {
+                Some(&(_, kind)) => {
+                    self.row.kind = kind;
+                    self.seen[k].filled += 1;
+                }
+                None => {
+                    let known = || KINDS.iter().map(|(known, _)| *known);
+                    let (hint, known) = (meant(word, known()), listed(known()));
+                    let message =
+                        format!("`{}` is no kind of observation{hint} (known: {known})", shown(word));
+                    self.problems.push(self.header.cell_error(line, k, message));
+                }
+            },
+            _ => {
+                let number = self.landmarks.iter().position(|known| known == word).unwrap_or_else(|| {
+                    self.landmarks.push(word.to_owned());
+                    self.landmarks.len() - 1
+                });
+                self.row.landmark = Some(number);
+                self.seen[k].filled += 1;
+            }
+        }
+    }
+
+    /// In which session the row was measured.
+    fn take_session(&mut self, line: u64, k: usize, content: &str) {
+        let name = content;
+        let wrong = if name.is_empty() {
+            "is empty; every row is of a session: name it, or remove the column".into()
+        } else if name.contains('@') || name.chars().any(char::is_control) {
+            format!("`{}` cannot be the name of a session; leave out `@` and control characters", shown(name))
+        } else if let Some(number) = self.sessions.iter().position(|known| known == name) {
+            self.row.session = number;
+            self.seen[k].filled += 1;
+            return;
+        } else if self.sessions.len() == MOST_SESSIONS {
+            format!("is the name of session {}; a table has {MOST_SESSIONS} at most", MOST_SESSIONS + 1)
+        } else {
+            self.row.session = self.sessions.len();
+            self.sessions.push(name.to_owned());
+            self.seen[k].filled += 1;
+            return;
+        };
+        self.problems.push(self.header.cell_error(line, k, wrong));
     }
 
     /// Whether the row is used.

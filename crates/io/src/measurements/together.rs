@@ -1,6 +1,7 @@
 //! Values of one row that depend on several cells: plausible joints, an orientation, a load.
 
-use super::row::RowReader;
+use super::row::{Kind, RowReader};
+use super::visits::in_session;
 use crate::IoError;
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
@@ -30,8 +31,9 @@ impl RowReader {
             return Err(self.header.cell_error(line, k, "is empty; a desired pose needs all of x, y, z"));
         }
         if let Some(k) = self.header.slots.visit {
-            self.row.visit = Some(self.numbers[k] as i64);
+            self.row.visit = Some(in_session(self.numbers[k] as i64, self.row.session));
         }
+        self.observed(line)?;
         if let Some(k) = self.header.slots.time {
             self.row.time = self.numbers[k];
         }
@@ -64,6 +66,35 @@ impl RowReader {
             }
         }
         self.loaded()
+    }
+
+    /// Kind and landmark belong together.
+    fn observed(&mut self, line: u64) -> Result<(), IoError> {
+        let slots = &self.header.slots;
+        let Some(kind) = slots.kind else { return Ok(()) };
+        let (at, message) = match (self.row.kind, self.row.landmark, slots.landmark) {
+            (Kind::Pose, None, _) => return Ok(()),
+            (Kind::Pose, Some(_), landmark) => (
+                landmark.unwrap_or(kind),
+                "is not used by a measured position; leave the cell empty, or write the kind `same_point`",
+            ),
+            (Kind::SamePoint, None, None) => {
+                (kind, "`same_point` needs a column `landmark`: which point was touched")
+            }
+            (Kind::SamePoint, None, Some(landmark)) => {
+                (landmark, "is empty; a row of kind `same_point` names the point that was touched")
+            }
+            (Kind::SamePoint, Some(_), _) => {
+                let filled = slots.position.iter().flatten().find(|&&k| !self.numbers[k].is_nan());
+                match filled {
+                    None => return Ok(()),
+                    Some(&k) => {
+                        (k, "a row of kind `same_point` has no measured position; leave x, y, z empty")
+                    }
+                }
+            }
+        };
+        Err(self.header.cell_error(line, at, message))
     }
 
     fn loaded(&mut self) -> Result<(), IoError> {

@@ -10,6 +10,20 @@ use truepose_kinematics::{Chain, JointKind, Load};
 /// Joints of one visit that the file numbers agree to this, rad or m: encoders flicker, robots that moved differ by more.
 const STANDSTILL: f64 = 1e-4;
 
+/// What the label of a visit grows by from one session to the next: each may count its own visits from one.
+const SESSION: i64 = 1 << 42;
+
+/// The label of a visit among those of all sessions.
+pub(crate) fn in_session(label: i64, session: usize) -> i64 {
+    // Sessions are at most a thousand; a label that large is nobody's.
+    label.wrapping_add((session as i64).wrapping_mul(SESSION))
+}
+
+/// What the file calls a visit. Labels of more than twelve digits, or without sessions, are as they are.
+pub(crate) fn label_in_file(label: i64, sessions: usize) -> i64 {
+    if sessions < 2 { label } else { label - (label + SESSION / 2).div_euclid(SESSION) * SESSION }
+}
+
 /// Numbers of visits, stored as runs of consecutive labels, so that an ordinary file of any length needs one.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct VisitNumbers {

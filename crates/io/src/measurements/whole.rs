@@ -96,6 +96,12 @@ pub(crate) fn read_table(
         data.visit = visits_from_rows(&data);
         info.visits = data.visit.last().map_or(0, |last| last + 1);
     }
+    if info.sessions.len() < 2 {
+        data.set_sessions(None);
+    }
+    if info.landmarks.is_empty() {
+        data.set_landmarks(None);
+    }
     let configuration = configurations(&data);
     info.configurations = configuration.iter().max().map_or(0, |last| last + 1);
     info.grouping = Some(grouping(&data, chain, &configuration, dwell, numbered));

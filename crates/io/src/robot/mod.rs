@@ -3,7 +3,10 @@
 mod columns;
 mod couplings;
 mod details;
+mod kinematics_yaml;
 pub(crate) mod names;
+mod sessions;
+mod surroundings;
 mod toml_form;
 mod urdf;
 mod urdf_corrected;
@@ -11,8 +14,10 @@ mod urdf_form;
 mod urdf_path;
 mod write;
 mod xml_places;
+mod yaml_tree;
 
 pub use details::{Certificate, FrameParent, NamedFrame, RobotDetails, read_details};
+pub use kinematics_yaml::read_kinematics;
 pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
 pub use urdf_form::robot_urdf;
 pub use write::robot_toml;
@@ -20,6 +25,7 @@ pub use write::robot_toml;
 use crate::text::Text;
 use crate::{ColumnMap, IoError, Warning};
 use std::path::{Path, PathBuf};
+use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::Chain;
 
 /// No serial robot has more joints, fixed ones included.
@@ -37,7 +43,7 @@ pub struct RobotOptions {
     pub tip: Option<String>,
 }
 
-/// Files that reading this description opens: itself, and the URDF that a TOML names. What cannot be read is left to [`read_robot`],
+/// Files that reading this description opens: itself, and the URDF or kinematics file that a TOML names. What cannot be read is left to [`read_robot`],
 /// and what is no regular file is not opened: it can be read once.
 pub fn robot_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
@@ -46,7 +52,7 @@ pub fn robot_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     std::iter::once(path.to_path_buf()).chain(beside).collect()
 }
 
-/// Reads a robot description, `.toml` or `.urdf`.
+/// Reads a robot description, `.toml`, `.urdf`, or a kinematics file of a ROS description, `.yaml`.
 ///
 /// # Errors
 /// When the file cannot be read, is not of its kind, or does not describe a serial robot.
@@ -60,13 +66,14 @@ pub fn read_robot(path: impl AsRef<Path>, options: &RobotOptions) -> Result<(Cha
             let arm = urdf::read(path, options, &mut warnings)?;
             Chain::new(arm.name, arm.joints).map_err(|error| IoError::file(path, error.to_string()))?
         }
+        Some("yaml" | "yml") => kinematics_yaml::read_chain(path)?,
         Some("xacro") => {
             return Err(IoError::file(
                 path,
                 "is a xacro; expand it to a .urdf first (`xacro in.xacro > out.urdf`)",
             ));
         }
-        _ => return Err(IoError::file(path, "a robot description ends in .toml or .urdf")),
+        _ => return Err(IoError::file(path, "a robot description ends in .toml, .urdf or .yaml")),
     };
     Ok((chain, warnings))
 }
@@ -93,4 +100,24 @@ pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
     let path = path.as_ref();
     let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
     if toml { toml_form::column_map(path) } else { Ok(ColumnMap::default()) }
+}
+
+/// What each session of a campaign has of its own, as `[sessions]` of a robot description says; the base where it says nothing.
+///
+/// # Errors
+/// When the description cannot be read, or its `[sessions]` does not make sense.
+pub fn robot_sessions(path: impl AsRef<Path>) -> Result<SessionRules, IoError> {
+    let path = path.as_ref();
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
+    if toml { toml_form::session_rules(path) } else { Ok(SessionRules::default()) }
+}
+
+/// Landmarks and distances between them, as `[[landmarks]]` and `[[distances]]` of a robot description say; none where it says nothing.
+///
+/// # Errors
+/// When the description cannot be read, or one of these does not make sense.
+pub fn robot_surroundings(path: impl AsRef<Path>) -> Result<Surroundings, IoError> {
+    let path = path.as_ref();
+    let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
+    if toml { toml_form::surroundings_of(path) } else { Ok(Surroundings::default()) }
 }

@@ -2,12 +2,13 @@
 
 use super::names::{cell_problem, joint_name_problem};
 use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
-use super::{columns, couplings, details};
+use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use crate::{ColumnMap, IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
+use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
@@ -57,17 +58,35 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
         "tool",
         "targets",
         "urdf",
+        "kinematics",
+        "kinematics_style",
         "tip",
         "columns",
         "couplings",
+        "sessions",
+        "landmarks",
+        "distances",
         details::KEYS[0],
         details::KEYS[1],
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
+    errors.extend(sessions::read(&root).err());
+    errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length)).err());
     let units = units(&root)?;
     details::of(&root)?;
+    let mut placed_there = (None, None);
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
+        (None, None) if root.get("kinematics").is_some() => {
+            let found = kinematics_yaml::named(&root, |file| beside(path, file))?;
+            placed_there = (found.base, found.tool);
+            (found.name, found.joints)
+        }
+        (urdf, joints) if root.get("kinematics").is_some() => {
+            let other = urdf.or(joints);
+            let message = "`kinematics` excludes `urdf` and [[joints]]; keep one of them";
+            return Err(other.map_or_else(|| IoError::file(path, message), |other| other.error(message)));
+        }
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
         }
@@ -113,10 +132,11 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     let couplings = couplings::read(&root, &chain, &mut errors)?;
     some(errors)?;
     chain = chain.with_couplings(couplings).map_err(whole)?;
-    if let Some(base) = base {
+    let there = |pose: Option<Pose>| pose.map(|pose| Placed { pose, known: true });
+    if let Some(base) = base.or(there(placed_there.0)) {
         chain = chain.with_base(base).map_err(whole)?;
     }
-    if let Some(tool) = tool {
+    if let Some(tool) = tool.or(there(placed_there.1)) {
         chain = chain.with_tool(tool).map_err(whole)?;
     }
     chain.with_targets(targets).and_then(|chain| chain.with_gravity(gravity)).map_err(whole)
@@ -148,11 +168,27 @@ pub(super) fn column_map(path: &Path) -> Result<ColumnMap, IoError> {
     columns::read(&document.root("the robot"))
 }
 
-/// The URDF that a description names.
+/// What `[sessions]` of a description says about several installations.
+pub(super) fn session_rules(path: &Path) -> Result<SessionRules, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    sessions::read(&document.root("the robot"))
+}
+
+/// What a description says about the surroundings.
+pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    let root = document.root("the robot");
+    surroundings::read(&root, units(&root)?.length)
+}
+
+/// The URDF or kinematics file that a description names.
 pub(super) fn urdf_file(path: &Path) -> Option<PathBuf> {
     let text = Text::read(path).ok()?;
     let document = Document::parse(&text).ok()?;
-    let named = document.root("the robot").get("urdf")?.string().ok()?.to_owned();
+    let root = document.root("the robot");
+    let named = root.get("urdf").or_else(|| root.get("kinematics"))?.string().ok()?.to_owned();
     Some(beside(path, &named))
 }
 

@@ -24,6 +24,17 @@ impl fmt::Display for DiscoverySummary {
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
+        if let Some(landmarks) = &self.landmarks {
+            writeln!(f, "\n{} The effects were chosen with these rows.\n", landmarks.sentences())?;
+            write!(f, "landmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;
+        }
+        if !self.sessions.is_empty() {
+            write!(
+                f,
+                "\nsessions, RMS of the 3-D position error\n{}",
+                crate::sessions::text(&self.sessions)
+            )?;
+        }
         for (number, effect) in (1..).zip(&self.effects) {
             writeln!(f, "\n{number}. {}", effect.name())?;
             effect.details(f)?;

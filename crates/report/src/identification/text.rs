@@ -16,6 +16,9 @@ impl fmt::Display for IdentificationSummary {
         let heading = heading(&self.robot, self.rows, self.visits);
         writeln!(f, "{heading}, {}", count(self.configurations, "configuration"))?;
         writeln!(f, "\n{}\n{}", self.verdict, self.limit)?;
+        if let Some(landmarks) = &self.landmarks {
+            writeln!(f, "{}", landmarks.sentences())?;
+        }
         if let Some(specification) = &self.specification {
             writeln!(f, "{}", specification.sentence())?;
         }
@@ -42,6 +45,9 @@ impl fmt::Display for IdentificationSummary {
         }
         self.errors(f)?;
         self.noise(f)?;
+        if let Some(budget) = &self.budget {
+            write!(f, "\n{budget}")?;
+        }
         self.reduction(f)?;
         if !self.worst.is_empty() {
             let largest: Vec<String> =
@@ -133,7 +139,18 @@ impl IdentificationSummary {
             if self.targets.is_empty() { "" } else { " and target" }
         )?;
         header[1] = "rows";
-        write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))
+        write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))?;
+        if let Some(landmarks) = &self.landmarks {
+            write!(f, "\nlandmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;
+        }
+        if !self.sessions.is_empty() {
+            write!(
+                f,
+                "\nsessions, RMS of the 3-D position error\n{}",
+                crate::sessions::text(&self.sessions)
+            )?;
+        }
+        Ok(())
     }
 
     fn noise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -246,12 +263,15 @@ impl IdentificationSummary {
     /// Position error as found, after the best base and tool, and calibrated.
     pub(super) fn sentence(&self) -> String {
         let judged = |stage: &StageSummary| stage.test_set.or(stage.held_out).unwrap_or(stage.train);
+        if let Some(landmarks) = &self.landmarks {
+            return prefix_of(self.converged).to_owned() + &landmarks.verdict(&self.stages);
+        }
         let rows = match self.stages.last() {
             Some(last) if last.test_set.is_some() => "on the held-out test set",
             Some(last) if last.held_out.is_some() => "on held-out configurations",
             _ => "on the rows of the fit (no rows were held out)",
         };
-        let prefix = if self.converged { "" } else { "NOT CONVERGED: " };
+        let prefix = prefix_of(self.converged);
         let Some(last) = self.stages.last().map(judged) else { return prefix.trim_end().into() };
         let stage =
             |stage: &StageSummary| format!("{} mm ({})", significant(judged(stage).rms_mm, 3), stage.name);
@@ -262,4 +282,8 @@ impl IdentificationSummary {
             significant(last.max_mm, 3)
         )
     }
+}
+
+fn prefix_of(converged: bool) -> &'static str {
+    if converged { "" } else { "NOT CONVERGED: " }
 }

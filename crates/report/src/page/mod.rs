@@ -1,5 +1,6 @@
 //! The report: one self-contained page, and its figures as files.
 
+mod acceptance;
 mod commands;
 mod comparison;
 mod discovery;
@@ -8,12 +9,14 @@ mod identification;
 mod joint_space;
 mod parameters;
 mod places;
+mod program;
 mod residuals;
 mod robot;
 mod rows;
 mod sheet;
 mod space;
 
+pub use acceptance::acceptance_report;
 pub use commands::{CommandView, CommandsView, commands_report};
 pub use comparison::comparison_report;
 pub use discovery::discovery_report;
@@ -21,6 +24,7 @@ pub use identification::identification_report;
 pub use places::{
     MapView, PlaceView, PlanView, PlannedView, PredictionView, map_report, plan_report, prediction_report,
 };
+pub use program::{CorrectionView, ProgramView, program_report};
 
 use crate::RunRecord;
 use crate::figure::{COLOURS, escape, standalone};

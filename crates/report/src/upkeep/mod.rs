@@ -1,8 +1,10 @@
 //! An identified arm in another installation, and whether it has changed since: one summary each, shown as text or as JSON.
 
+mod fleet;
 mod monitor;
 mod transfer;
 
+pub use fleet::{FleetCoefficient, FleetSummary, SisterSummary};
 pub use monitor::{ChangeSummary, DetectableSummary, MonitorSummary};
 pub use transfer::{AdvisedSummary, ArmFitsSummary, BandSummary, InstallationSummary, TransferSummary};
 

@@ -7,10 +7,18 @@
 //! p = min(1, 2 min(p_0, K min_i p_i))                               Bonferroni over both tests and K suspects
 //! ```
 //!
+//! | symbol | here | shape | unit |
+//! | --- | --- | --- | --- |
+//! | r | residuals of the new measurements, m numbers | m | m, rad |
+//! | k | unknowns of an installation that is found anew | 1 | |
+//! | H_i, n_i | derivative by the coefficients of suspect i, their number | m × n_i | of the coefficient |
+//! | Δ_i | [`Change::coefficients`] | n_i | of the coefficient |
+//!
 //! Q as in [`crate::transfer`]: residuals weighed with noise and with what the fit leaves open, an installation that is found anew projected out.
 //! Source: score tests, Rao (1948). A change that one coefficient explains is looked for in the directions of the suspects; any other one in
 //! T_0.
 
+mod score;
 mod spending;
 mod suspects;
 
@@ -18,20 +26,15 @@ pub use spending::level;
 
 use crate::UpkeepError;
 use crate::installation::Installation;
-use crate::prediction::{Prediction, Weighing, seen};
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::prediction::{Prediction, seen};
+use score::ScoreTest;
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
-use suspects::{Suspect, suspects};
+use suspects::suspects;
 use truepose_errormodel::{Dataset, FittedModel, Visits};
 use truepose_identify::place_fitted;
 
-/// Share of a suspect's information that what is known otherwise takes, above which its change cannot be seen.
-const ABSORBED: f64 = 1e-6;
 /// Suspects whose −2 ln L is within this of the best one are listed beside it: odds below ten to one.
 const TIED: f64 = 4.6;
-/// Power with which a detectable change is found.
-const POWER: f64 = 0.9;
 
 /// How a robot is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,14 +140,13 @@ pub fn monitor(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) ->
     if let Some(open) = placement.undetermined.first() {
         return Err(UpkeepError::Undetermined { what: open.what.clone(), advice: open.advice.clone() });
     }
-    let (targets, tool_seen) = seen(data);
-    let sites = options.installation.sites(fitted.chain(), &targets, tool_seen);
+    let sites = options.installation.sites(&placement, &seen(data));
     let fitted = fitted.on(placement.chain)?;
     let rows = Prediction::of(&fitted, &sites, data)?;
     if rows.len() <= sites.len() {
         return Err(UpkeepError::TooFew { have: rows.len(), need: sites.len() + 1 });
     }
-    let test = Test::of(&fitted, &rows)?;
+    let test = ScoreTest::of(&fitted, &rows)?;
     let level = level(options.alpha, options.looks + 1);
     let candidates = suspects(&fitted, &sites);
     let (mut changes, mut invisible) = (Vec::new(), Vec::new());
@@ -172,7 +174,7 @@ pub fn monitor(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) ->
         rows: data.len(),
         poses: Visits::of(data).len(),
         rms: squares.sqrt(),
-        expected: test.expected(&fitted, &rows),
+        expected: rows.expected(&fitted, fitted.covariance()),
         p_value,
         p_overall,
         level,
@@ -183,144 +185,4 @@ pub fn monitor(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) ->
         invisible,
         placed: placement.found,
     })
-}
-
-/// Residuals with Q.
-struct Test {
-    weighing: Weighing,
-    residual: DMatrix<f64>,
-    installation: DMatrix<f64>,
-    /// (PᵀS⁻¹P)⁻¹; none without an installation that is found anew.
-    inner: Option<Cholesky<f64, nalgebra::Dyn>>,
-    chi_square: f64,
-    freedom: usize,
-}
-
-impl Test {
-    fn of(fitted: &FittedModel, rows: &Prediction) -> Result<Self, UpkeepError> {
-        let weighing = Weighing::of(rows, fitted.covariance())?;
-        let installation = rows.installation.clone();
-        let inner = match installation.ncols() {
-            0 => None,
-            _ => Some(Cholesky::new(weighing.product(&installation, &installation)).ok_or(
-                UpkeepError::Undetermined {
-                    what: "the installation".into(),
-                    advice: "measure poses that differ more, or more targets".into(),
-                },
-            )?),
-        };
-        let residual = DMatrix::from_column_slice(rows.len(), 1, rows.residual.as_slice());
-        let freedom = rows.len() - installation.ncols();
-        let mut test = Test { weighing, residual, installation, inner, chi_square: 0.0, freedom };
-        test.chi_square = test.product(&test.residual, &test.residual)[(0, 0)].max(0.0);
-        Ok(test)
-    }
-
-    /// aᵀ Q b.
-    fn product(&self, a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-        let whole = self.weighing.product(a, b);
-        match &self.inner {
-            None => whole,
-            Some(inner) => {
-                let (p_a, p_b) = (
-                    self.weighing.product(&self.installation, a),
-                    self.weighing.product(&self.installation, b),
-                );
-                whole - p_a.tr_mul(&inner.solve(&p_b))
-            }
-        }
-    }
-
-    fn overall(&self) -> f64 {
-        ChiSquared::new(self.freedom as f64).map_or(1.0, |law| law.sf(self.chi_square))
-    }
-
-    /// 3-D RMS that an unchanged robot would have, m: noise, and what the fit leaves open.
-    fn expected(&self, fitted: &FittedModel, rows: &Prediction) -> f64 {
-        let sd = fitted.noise.position_sd;
-        let own = (rows.installation.ncols() as f64 / rows.len() as f64).min(1.0);
-        // Whitened columns: m² of a component is one of V.
-        let spread =
-            (&rows.arm * crate::prediction::root(fitted.covariance())).norm_squared() / rows.len() as f64;
-        (3.0 * sd * sd * (1.0 + spread) * (1.0 - own)).sqrt()
-    }
-
-    /// Columns that these rows can show, scaled to one standard deviation of what is seen: (columns of the model, X, information, scale).
-    fn visible(&self, rows: &Prediction, suspect: &Suspect) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-        let x = rows.arm.select_columns(&suspect.columns);
-        let information = self.product(&x, &x);
-        let alone = x.tr_mul(&x);
-        let seen =
-            (0..x.ncols()).any(|k| information[(k, k)] > ABSORBED * alone[(k, k)] && alone[(k, k)] > 0.0);
-        seen.then_some((x, information))
-    }
-
-    /// −2 ln L relative to no change (negative), and the change.
-    fn judge(&self, fitted: &FittedModel, rows: &Prediction, suspect: &Suspect) -> Option<(f64, Change)> {
-        let (x, information) = self.visible(rows, suspect)?;
-        let pull = self.product(&x, &self.residual).column(0).into_owned();
-        let (inverse, rank) = pseudo_inverse(&information)?;
-        let change: DVector<f64> = &inverse * &pull;
-        let gain = pull.dot(&change).max(0.0);
-        let p_value = ChiSquared::new(rank as f64).map_or(1.0, |law| law.sf(gain));
-        let coefficients = suspect.columns.iter().enumerate().map(|(k, &column)| {
-            let about = &fitted.model().columns()[column];
-            let half = 1.959_963_985 * inverse[(k, k)].max(0.0).sqrt();
-            Coefficient {
-                name: about.name.clone(),
-                change: change[k],
-                ci95: [change[k] - half, change[k] + half],
-                unit: about.unit.clone(),
-            }
-        });
-        // A coefficient more has to gain as much as it takes by chance.
-        let deviance = -gain + rank as f64 * (self.freedom as f64).ln();
-        let moves = self.moves(fitted, rows, &(&x * &change));
-        let (what, family) = (suspect.word.clone(), suspect.family.clone());
-        let coefficients = coefficients.collect();
-        Some((deviance, Change { what, family, coefficients, moves, p_value, behind: 0.0 }))
-    }
-
-    /// 3-D RMS, m, of a whitened move of the measured numbers.
-    fn moves(&self, fitted: &FittedModel, rows: &Prediction, whitened: &DVector<f64>) -> f64 {
-        (3.0 * whitened.norm_squared() / rows.len() as f64).sqrt() * fitted.noise.position_sd
-    }
-
-    fn detectable(
-        &self,
-        fitted: &FittedModel,
-        rows: &Prediction,
-        suspect: &Suspect,
-        level: f64,
-    ) -> Option<Detectable> {
-        let (x, information) = self.visible(rows, suspect)?;
-        let normal = Normal::standard();
-        let need = -normal.inverse_cdf(0.5 * level) + normal.inverse_cdf(POWER);
-        // The coefficient that is seen least.
-        let (k, change) = (0..x.ncols())
-            .filter(|&k| information[(k, k)] > 0.0)
-            .map(|k| (k, need / information[(k, k)].sqrt()))
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let about = &fitted.model().columns()[suspect.columns[k]];
-        let moves = self.moves(fitted, rows, &(x.column(k) * change));
-        Some(Detectable { what: suspect.word.clone(), change, unit: about.unit.clone(), moves })
-    }
-}
-
-/// Inverse over the directions that the data shows, and how many they are.
-fn pseudo_inverse(information: &DMatrix<f64>) -> Option<(DMatrix<f64>, usize)> {
-    let n = information.ncols();
-    let scale: Vec<f64> = (0..n)
-        .map(|k| if information[(k, k)] > 0.0 { 1.0 / information[(k, k)].sqrt() } else { 0.0 })
-        .collect();
-    let scaled = DMatrix::from_fn(n, n, |i, j| information[(i, j)] * scale[i] * scale[j]);
-    let eigen = nalgebra::SymmetricEigen::new(scaled);
-    let kept: Vec<usize> = (0..n).filter(|&k| eigen.eigenvalues[k] > 1e-9).collect();
-    let mut inverse = DMatrix::zeros(n, n);
-    for &k in &kept {
-        let v = eigen.eigenvectors.column(k);
-        inverse += v * v.transpose() / eigen.eigenvalues[k];
-    }
-    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
-    (!kept.is_empty()).then_some((inverse, kept.len()))
 }

@@ -1,0 +1,122 @@
+//! Options of `truepose compensate --program`.
+
+use super::values::{Place, input, parse_length, parse_place, parse_position};
+use std::path::PathBuf;
+use truepose_controllers::Dialect;
+use truepose_kinematics::Pose;
+
+/// A robot program, and what it leaves open.
+#[derive(Debug, clap::Args)]
+pub struct RobotProgram {
+    /// Robot program whose points are replaced by compensated ones, instead of poses: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots
+    /// .script, Yaskawa .jbi, Stäubli .dtx
+    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "joints", "cartesian"])]
+    pub program: Option<PathBuf>,
+    /// Further file of the program with motions, declarations or frames; repeat the option for each
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "program")]
+    pub with: Vec<PathBuf>,
+    /// Language of the program: krl, rapid, fanuc, urscript, inform, val3 [default: by the ending of its name]
+    #[arg(long, value_name = "LANGUAGE", value_parser = parse_language, requires = "program")]
+    pub language: Option<Dialect>,
+    /// Largest correction of a point of the program, mm
+    #[arg(long, value_name = "MM", default_value = "10", value_parser = parse_limit, requires = "program", allow_hyphen_values = true)]
+    pub limit: f64,
+    /// Leave points unchanged that cannot be compensated, and mark them in the table, instead of rejecting the program
+    #[arg(long, requires = "program")]
+    pub mark: bool,
+    /// Write the program as it is, and the table of corrections
+    #[arg(long, requires = "program")]
+    pub dry_run: bool,
+    /// The controller's base in that of the robot description: x,y,z,roll,pitch,yaw, e.g. 0mm,0mm,450mm,0,0,0 [default: the same]
+    #[arg(long, value_name = "FRAME", value_parser = parse_pose, requires = "program", allow_hyphen_values = true)]
+    pub controller_base: Option<Pose>,
+    /// The controller's flange in the last joint's frame of the robot description [default: the same]
+    #[arg(long, value_name = "FRAME", value_parser = parse_pose, requires = "program", allow_hyphen_values = true)]
+    pub controller_flange: Option<Pose>,
+    /// Joint values before the program, degrees or mm, e.g. 0,-90,90,0,45,0: the start of poses without configuration data
+    #[arg(
+        long,
+        value_name = "J1,J2,…",
+        value_delimiter = ',',
+        requires = "program",
+        allow_negative_numbers = true,
+        allow_hyphen_values = true
+    )]
+    pub start: Vec<f64>,
+    /// Mass carried while the program runs, kg
+    #[arg(long, value_name = "KG", requires = "program", allow_negative_numbers = true)]
+    pub payload: Option<f64>,
+    /// Its centre of gravity in the frame of the measurements' tool, e.g. 0mm,0mm,80mm
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_position, requires = "payload", allow_hyphen_values = true)]
+    pub com: Option<[f64; 3]>,
+    /// Value of a channel that the model reads while the program runs, in the unit of the fit, e.g. temperature=24; repeat for each
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_channel, requires = "program")]
+    pub channel: Vec<(String, f64)>,
+    /// External axes of the program move neither the robot nor the work: their values are ignored
+    #[arg(long, requires = "program")]
+    pub ignore_external: bool,
+    /// Axes of FANUC's three turn numbers, e.g. 1,4,6
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', requires = "program")]
+    pub turn_axes: Vec<usize>,
+    /// Pulses per degree (per mm) of each axis, for INFORM
+    #[arg(
+        long,
+        value_name = "P1,P2,…",
+        value_delimiter = ',',
+        requires = "program",
+        allow_negative_numbers = true,
+        allow_hyphen_values = true
+    )]
+    pub pulses: Vec<f64>,
+}
+
+/// A frame or tool: its place, and the name in a program that it is the value of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GivenPlace {
+    /// `UF1` of `UF1=…`.
+    pub name: Option<String>,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// `base`, `900mm,0mm,50mm,0,0,90`, `UF1=900mm,0mm,50mm,0,0,90`.
+pub(super) fn parse_given(text: &str) -> Result<GivenPlace, String> {
+    match text.split_once('=') {
+        Some((name, place)) if !name.trim().is_empty() => {
+            Ok(GivenPlace { name: Some(name.trim().into()), place: parse_place(place)? })
+        }
+        _ => Ok(GivenPlace { name: None, place: parse_place(text)? }),
+    }
+}
+
+fn parse_pose(text: &str) -> Result<Pose, String> {
+    match parse_place(text)? {
+        Place::At(pose) => Ok(pose),
+        Place::Named(_) => Err("six values are needed: x,y,z,roll,pitch,yaw".into()),
+    }
+}
+
+fn parse_language(text: &str) -> Result<Dialect, String> {
+    Dialect::ALL.into_iter().find(|dialect| dialect.word() == text).ok_or_else(|| {
+        let known: Vec<&str> = Dialect::ALL.iter().map(|dialect| dialect.word()).collect();
+        format!("unknown language (known: {})", known.join(", "))
+    })
+}
+
+/// `2` or `2mm`; metres.
+fn parse_limit(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(1e-3 * value),
+        Ok(_) => Err("a length above 0 is needed, in mm".into()),
+        Err(_) => parse_length(text),
+    }
+}
+
+fn parse_channel(text: &str) -> Result<(String, f64), String> {
+    let found =
+        text.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
+    match found {
+        Some((name, value)) if !name.is_empty() && value.is_finite() => Ok((name.into(), value)),
+        _ => Err("a channel and a number are needed, as in temperature=24".into()),
+    }
+}

@@ -1,0 +1,34 @@
+//! `truepose fleet`: fits of robots of one type as prior for the next.
+
+use super::print_json;
+use super::sessions::chosen;
+use crate::args::Fleet;
+use crate::extensions::effects;
+use crate::failure::Failure;
+use crate::terminal;
+use truepose_io::{check_writable, read_fit, write_fit};
+use truepose_report::FleetSummary;
+use truepose_upkeep::fleet;
+
+/// Runs the verb.
+pub fn run(args: &Fleet) -> Result<(), Failure> {
+    check_writable(&args.out)?;
+    let mut fits = Vec::new();
+    for file in &args.fits {
+        fits.push(chosen(read_fit(file, effects())?, None, true)?);
+    }
+    let mut made = fleet(&fits).map_err(|error| {
+        let files: Vec<String> = args.fits.iter().map(|file| file.display().to_string()).collect();
+        Failure::Input(format!("{}: {error}", files.join(", ")))
+    })?;
+    made.prior.provenance.insert("fleet_of".into(), made.robots.into());
+    write_fit(&args.out, &made.prior)?;
+    let summary = FleetSummary::new(&made);
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    terminal::log(&format!("wrote {}", args.out.display()));
+    Ok(())
+}

@@ -1,0 +1,76 @@
+//! `truepose identify --prior FLEET`: a robot from few poses, with its sisters as prior.
+
+use super::identify::{different, split};
+use super::sessions::one;
+use super::{print_json, robot};
+use crate::args::Identify;
+use crate::extensions::effects;
+use crate::failure::Failure;
+use crate::terminal;
+use std::path::Path;
+use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
+use truepose_identify::{FitOptions, Folds, fit, place};
+use truepose_io::{check_writable, read_fit, read_measurements, write_fit};
+use truepose_report::SisterSummary;
+use truepose_upkeep::sister;
+
+/// Runs the verb.
+pub fn run(args: &Identify, file: &Path) -> Result<(), Failure> {
+    let unread = [
+        ("--model", args.measured.model.is_some()),
+        ("--report", args.report.is_some()),
+        ("--parameters", args.parameters.is_some()),
+        ("--holdout", args.holdout.is_some()),
+        ("--spec", args.spec.is_some()),
+        ("--stream", args.stream),
+    ];
+    if let Some((option, _)) = unread.into_iter().find(|(_, given)| *given) {
+        let words = format!("{option}: cannot be used with a fleet as prior; the model is that of the fleet");
+        return Err(Failure::Input(words));
+    }
+    if let Some(out) = &args.out {
+        check_writable(out)?;
+    }
+    let chain = robot(&args.measured.robot)?;
+    let prior = read_fit(file, effects())?;
+    let (mut data, info, warnings) =
+        read_measurements(&args.measured.data, &chain, &args.measured.reading()?)?;
+    terminal::warn(&warnings);
+    one(&info, &args.measured.data)?;
+    if args.positions_only {
+        data.orientation.fill(None);
+    }
+    let Some(split) = split(args.folds.max(2), args.split, args.seed, different(&data))? else {
+        return Err(Failure::Input(format!(
+            "{}: one configuration is too few",
+            args.measured.data.display()
+        )));
+    };
+    let folds = Folds::new(&data, &split)?;
+    let solver = args.solver.build();
+    let plain = |rows: &Dataset| -> Option<FittedModel> {
+        let placed = place(&chain, rows).ok()?.chain;
+        let model = ErrorModel::new(placed, prior.model().effects().to_vec()).ok()?;
+        Some(fit(&model, rows, &*solver, &FitOptions::default()).ok()?.fitted)
+    };
+    let found = sister(&prior, &chain, &data, &folds, &plain)
+        .map_err(|error| Failure::Input(format!("{}: {error}", args.measured.data.display())))?;
+    let mut fitted = match (found.helps(), plain(&data)) {
+        (false, Some(alone)) => alone,
+        _ => found.made.fitted.clone(),
+    };
+    fitted.provenance.insert("prior_is_a_fleet".into(), found.helps().into());
+    let summary = SisterSummary::new(&found, &data);
+    if let Some(out) = &args.out {
+        write_fit(out, &fitted)?;
+    }
+    if args.json {
+        print_json(&summary)?;
+    } else {
+        terminal::print(&summary.to_string());
+    }
+    if let Some(out) = &args.out {
+        terminal::log(&format!("wrote {}", out.display()));
+    }
+    super::identified::require(args, summary.used_mm() * 1e-3)
+}

@@ -1,0 +1,192 @@
+//! A robot program in, the compensated program and the table of its corrections out.
+
+use crate::folder::Folder;
+use std::path::Path;
+
+/// With the fit of the example's heavy arm, and programs for it.
+fn fitted() -> Folder {
+    let folder = Folder::empty();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/01_identify");
+    let file = |name: &str| example.join(name).display().to_string();
+    folder
+        .run(&[
+            "identify",
+            "--robot",
+            &file("robot.toml"),
+            "--data",
+            &file("measurements.csv"),
+            "--model",
+            &file("model.toml"),
+            "--out",
+            "fit.json",
+        ])
+        .ended(0);
+    // CR LF, and an umlaut of Windows' code page in a comment.
+    std::fs::write(
+        folder.file("job.src"),
+        b"&ACCESS RVP\r\nDEF job( )\r\n;Greifer \xf6ffnen {X 1,Y 2}\r\nPTP XP1\r\nPTP  XP2\r\nEND\r\n",
+    )
+    .unwrap();
+    folder.write(
+        "job.dat",
+        "DEFDAT job\r\nDECL E6AXIS XP1={A1 50.668,A2 -106.651,A3 81.014,A4 -25.176,A5 -53.698,A6 72.074,E1 0.0}\r\n\
+         DECL E6AXIS XP2={A1 48.0,A2 -100.0,A3 85.0,A4 -20.0,A5 -60.0,A6  70.000}\r\n\
+         DECL E6AXIS XHOME={A1 0,A2 -90,A3 90,A4 0,A5 0,A6 0}\r\nENDDAT\r\n",
+    );
+    folder
+}
+
+const ARGUMENTS: [&str; 9] =
+    ["compensate", "--fit", "fit.json", "--program", "job.dat", "--with", "job.src", "--out", "new.dat"];
+
+#[test]
+fn points_are_replaced_or_the_program_is_refused() {
+    let folder = fitted();
+    // The home position is stretched out in the wrist: nothing is written.
+    let run = folder.run(&ARGUMENTS).ended(2);
+    assert!(run.log.contains("job.dat:4: XHOME: it is near a singularity"), "{}", run.log);
+    assert!(run.log.contains("--mark") && !folder.file("new.dat").exists());
+    assert!(!folder.file("new.dat.corrections.csv").exists());
+
+    let marked = [&ARGUMENTS[..], &["--mark", "--report", "page"]].concat();
+    let run = folder.run(&marked).ended(0);
+    assert!(run.out.contains("3 points: 2 corrected, 1 refused"), "{}", run.out);
+    assert!(run.out.contains("unchanged: line 4: XHOME"), "{}", run.out);
+    let (old, new) = (folder.read("job.dat"), folder.read("new.dat"));
+    let same = |k: usize| old.lines().nth(k) == new.lines().nth(k);
+    assert_eq!([0, 1, 2, 3, 4].map(same), [true, false, false, true, true]);
+    assert!(new.contains(",E1 0.0}\r\n") && new.contains("A6  7"), "{new}");
+    let table = folder.read("new.dat.corrections.csv");
+    assert_eq!(table.lines().count(), 4);
+    assert!(table.lines().nth(1).unwrap().starts_with("XP1,2,joints,,,corrected,,"), "{table}");
+    assert!(folder.read("page/index.html").contains("XHOME"));
+    let json: serde_json::Value = serde_json::from_str(&folder.read("page/compensation.json")).unwrap();
+    assert_eq!(json["points"][0]["outcome"], "corrected");
+    let size = json["points"][0]["correction_mm"].as_f64().unwrap();
+    assert!((0.05..5.0).contains(&size), "{size}");
+
+    let limited = [&ARGUMENTS[..], &["--mark", "--limit", "0.001"]].concat();
+    let run = folder.run(&limited).ended(0);
+    assert!(run.out.contains("3 refused") && run.out.contains("above the limit of 0.001 mm"), "{}", run.out);
+    assert_eq!(old, folder.read("new.dat"));
+}
+
+#[test]
+fn a_dry_run_writes_the_same_bytes_and_the_table() {
+    let folder = fitted();
+    for (file, points) in [("job.dat", 3), ("job.src", 0)] {
+        let run = folder
+            .run(&[
+                "compensate",
+                "--fit",
+                "fit.json",
+                "--program",
+                file,
+                "--dry-run",
+                "--out",
+                "same",
+                "--json",
+            ])
+            .ended(0);
+        assert_eq!(std::fs::read(folder.file(file)).unwrap(), std::fs::read(folder.file("same")).unwrap());
+        let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+        assert_eq!(json["points"].as_array().unwrap().len(), points);
+        assert_eq!(folder.read("same.corrections.csv").lines().count(), 1 + points);
+    }
+}
+
+#[test]
+fn what_is_not_known_is_an_error_that_names_the_option() {
+    let folder = fitted();
+    let pose = "LIN {X 1600,Y 200,Z 900,A 10,B 85,C 20,S 2,T 2}\n";
+    folder.write("open.src", &format!("DEF a()\nBAS(#BASE,1)\nBAS(#TOOL,2)\n{pose}END\n"));
+    let run = |more: &[&str]| {
+        let first = ["compensate", "--fit", "fit.json", "--program", "open.src", "--out", "new.src"];
+        folder.run(&[&first, more].concat()).ended(2).log
+    };
+    assert!(run(&[]).contains(
+        "open.src:4: LIN in line 4: its frame BASE_DATA[1] has no value in the files given (--frame"
+    ));
+    let base = "BASE_DATA[1]=0mm,0mm,0mm,0,0,0";
+    assert!(run(&["--frame", base]).contains("its tool TOOL_DATA[2] has no value"));
+    assert!(
+        run(&["--frame", "UF7=0mm,0mm,0mm,0,0,0"]).contains("no point of the program uses the frame `UF7`")
+    );
+    assert!(run(&["--frame", base, "--frame", base]).contains("given twice"));
+    assert!(run(&["--frame", "nowhere"]).contains("there is no frame `nowhere`"));
+    assert!(run(&["--start", "1,2"]).contains("--start: 2 values for 6 joints"));
+    assert!(run(&["--language", "basic"]).contains("unknown language"));
+    // With a frame and a tool the configuration is what is left: this pose has none with these turns.
+    let all = run(&["--frame", base, "--tool-frame", "flange"]);
+    assert!(all.contains("in the configuration that it states"), "{all}");
+    for (name, words) in [("a.urp", ".script"), ("a.tp", ".ls"), ("a.txt", "--language")] {
+        folder.write(name, "x");
+        let log =
+            folder.run(&["compensate", "--fit", "fit.json", "--program", name, "--out", "o"]).ended(2).log;
+        assert!(log.contains(words), "{log}");
+    }
+    folder.write("bad.src", "LIN {X 1,\n");
+    let log =
+        folder.run(&["compensate", "--fit", "fit.json", "--program", "bad.src", "--out", "o"]).ended(2).log;
+    assert!(log.contains("bad.src:1:5: an aggregate is not closed in its line"), "{log}");
+    let log = folder
+        .run(&["compensate", "--fit", "fit.json", "--program", "job.dat", "--out", "job.dat"])
+        .ended(2)
+        .log;
+    assert!(log.contains("would be overwritten"), "{log}");
+}
+
+#[test]
+fn a_kinematics_file_goes_out_and_comes_back() {
+    let folder = Folder::empty();
+    let row = |key: &str, n: [f64; 6]| {
+        let parts: Vec<String> = ["x", "y", "z", "roll", "pitch", "yaw"]
+            .iter()
+            .zip(n)
+            .map(|(p, v)| format!("    {p}: {v}\n"))
+            .collect();
+        format!("  {key}:\n{}", parts.concat())
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let maker: String = [
+        row("shoulder", [0.0, 0.0, 0.1625, 0.0, 0.0, 0.0]),
+        row("upper_arm", [0.0, 0.0, 0.0, quarter, 0.0, 0.0]),
+        row("forearm", [-0.425, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        row("wrist_1", [-0.3922, 0.0, 0.1333, 0.0, 0.0, 0.0]),
+        row("wrist_2", [0.0, -0.0997, 0.0, quarter, 0.0, 0.0]),
+        row("wrist_3", [0.0, 0.0996, 0.0, quarter, 3.141592653589793, 3.141592653589793]),
+    ]
+    .concat();
+    folder.write("default.yaml", &format!("kinematics:\n{maker}  hash: calib_12788084448423163542\n"));
+    folder.write("robot.toml", "name = \"mine\"\nkinematics = \"default.yaml\"\n");
+    folder.write(
+        "plant.toml",
+        "robot = \"robot.toml\"\nseed = 3\n[errors.geometric]\nposition_mm = 0.3\nangle_mrad = 0.3\n[instrument]\nsd_um = 10\n\
+         orientation_urad = 20\n[campaign]\npostures = \"random\"\nvisits = 80\n",
+    );
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    let export = ["export", "--fit", "fit.json", "--format", "ros-yaml", "--out", "mine.yaml"];
+    let run = |more: &[&str], code: i32| folder.run(&[&export, more].concat()).ended(code);
+    run(&["--style", "ur"], 0);
+    let text = folder.read("mine.yaml");
+    assert!(!text.contains("calib_") && text.contains("hash: truepose_"), "{text}");
+    run(&["--style", "ur", "--hash", "calib_12788084448423163542", "--like", "default.yaml"], 0);
+    assert!(folder.read("mine.yaml").contains("\n  hash: calib_12788084448423163542\n"));
+    // The file is a robot: the errors are in it.
+    folder.run(&["identify", "--robot", "mine.yaml", "--data", "data.csv", "--out", "again.json"]).ended(0);
+    let before = |fit: &str| -> f64 {
+        let run =
+            folder.run(&["predict", "--fit", fit, "--data", "data.csv", "--out", "p.csv", "--json"]).ended(0);
+        serde_json::from_str::<serde_json::Value>(&run.out)
+            .map_or(f64::NAN, |json| json["rows"].as_f64().unwrap_or(f64::NAN))
+    };
+    assert!((before("again.json") - before("fit.json")).abs() < 0.5);
+    assert!(run(&["--style", "franka"], 2).log.contains("has not the joints of the style franka"));
+    assert!(run(&[], 2).log.contains("--style"));
+    assert!(run(&["--style", "ur", "--hash", "x y"], 2).log.contains("calib_"));
+    assert!(run(&["--style", "xarm", "--hash", "calib_1"], 2).log.contains("--style ur"));
+    let other =
+        folder.run(&["export", "--fit", "fit.json", "--format", "ros", "--style", "ur", "--out", "o"]);
+    assert!(other.ended(2).log.contains("--style: only `--format ros-yaml`"));
+}

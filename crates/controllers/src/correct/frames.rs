@@ -1,0 +1,112 @@
+//! The values of a program's frames and tools.
+
+use super::options::CorrectOptions;
+use crate::ControllerError;
+use crate::program::{Program, Reference, Value};
+use std::collections::BTreeSet;
+use truepose_kinematics::Pose;
+
+pub(super) struct Frames<'p> {
+    program: &'p Program,
+    options: &'p CorrectOptions,
+    /// The controller's base in which frames are, in its world: KUKA's $ROBROOT.
+    root: Pose,
+    /// How many names of frames, and of tools, have no value.
+    open: [usize; 2],
+}
+
+impl<'p> Frames<'p> {
+    /// # Errors
+    /// When an option names what the program does not use.
+    pub(super) fn new(program: &'p Program, options: &'p CorrectOptions) -> Result<Self, ControllerError> {
+        let root = program.definitions().get("$ROBROOT").map_err(ControllerError::Option)?;
+        let mut frames = Frames { program, options, root: root.unwrap_or(Pose::IDENTITY), open: [0, 0] };
+        let mut used: [BTreeSet<String>; 2] = Default::default();
+        for point in program.points() {
+            if let Value::Pose { frame, tool, .. } = &point.value {
+                for (names, reference) in used.iter_mut().zip([frame, tool]) {
+                    if let Reference::Named(name) = reference {
+                        names.insert(program.definitions().last_name(name).to_owned());
+                    }
+                }
+            }
+        }
+        for (which, (names, given)) in used.iter().zip([&options.frames, &options.tools]).enumerate() {
+            for (name, _) in given {
+                if !names.iter().any(|other| same(other, name)) {
+                    let kind = ["frame", "tool"][which];
+                    let all: Vec<&str> = names.iter().map(String::as_str).collect();
+                    let known = if all.is_empty() { "none".into() } else { all.join(", ") };
+                    return Err(ControllerError::Option(format!(
+                        "no point of the program uses the {kind} `{name}` (used by name: {known})"
+                    )));
+                }
+            }
+            let valued = |name: &&String| {
+                given.iter().any(|(other, _)| same(name, other))
+                    || program.definitions().get(name).is_ok_and(|value| value.is_some())
+            };
+            frames.open[which] = names.iter().filter(|name| !valued(name)).count();
+        }
+        Ok(frames)
+    }
+
+    /// A frame in the controller's base.
+    pub(super) fn frame(&self, reference: &Reference) -> Result<Pose, String> {
+        let of_options = (&self.options.frames, self.options.frame);
+        let (pose, given) = self.value(reference, 0, of_options.0, of_options.1)?;
+        // Frames of the program are in the controller's world, those of the options in its base.
+        Ok(if given { pose } else { self.root.inverse() * pose })
+    }
+
+    /// A tool in the controller's flange.
+    pub(super) fn tool(&self, reference: &Reference) -> Result<Pose, String> {
+        self.value(reference, 1, &self.options.tools, self.options.tool).map(|(pose, _)| pose)
+    }
+
+    /// The value, and whether it is an option's.
+    fn value(
+        &self,
+        reference: &Reference,
+        which: usize,
+        named: &[(String, Pose)],
+        any: Option<Pose>,
+    ) -> Result<(Pose, bool), String> {
+        let (kind, option) = [("frame", "--frame"), ("tool", "--tool-frame")][which];
+        match reference {
+            Reference::Identity => Ok((Pose::IDENTITY, false)),
+            Reference::Value(pose) => Ok((*pose, false)),
+            Reference::Unknown(words) => match any {
+                Some(pose) => Ok((pose, true)),
+                None => Err(format!("its {kind} is not known: {words} ({option})")),
+            },
+            Reference::Named(name) => {
+                let definitions = self.program.definitions();
+                let name = definitions.last_name(name);
+                if let Some((_, pose)) = named.iter().find(|(other, _)| same(other, name)) {
+                    return Ok((*pose, true));
+                }
+                match definitions.get(name) {
+                    Err(words) => Err(format!("its {kind} {name} is not known: {words}")),
+                    Ok(Some(pose)) => Ok((pose, false)),
+                    Ok(None) => match any {
+                        Some(pose) if self.open[which] <= 1 => Ok((pose, true)),
+                        Some(_) => Err(format!(
+                            "its {kind} {name} has no value in the files given, and {} others neither: name each ({option} \"{name}=…\")",
+                            self.open[which] - 1
+                        )),
+                        None => Err(format!(
+                            "its {kind} {name} has no value in the files given ({option} \"{name}=…\")"
+                        )),
+                    },
+                }
+            }
+        }
+    }
+}
+
+/// Names without their blanks, in any case: `UF 1` is `UF1`.
+fn same(a: &str, b: &str) -> bool {
+    let plain = |name: &str| name.to_ascii_uppercase().replace(' ', "");
+    plain(a) == plain(b)
+}

@@ -1,0 +1,55 @@
+//! What a program leaves open.
+
+use truepose_kinematics::{Load, Pose};
+
+/// Frames, tools, conditions and limits of a correction.
+#[derive(Debug, Clone)]
+pub struct CorrectOptions {
+    /// Frames by the names of the program, in the controller's base, m.
+    pub frames: Vec<(String, Pose)>,
+    /// The frame of points whose own has no value in the program; several names then need one each.
+    pub frame: Option<Pose>,
+    /// Tools by the names of the program, in the controller's flange, m.
+    pub tools: Vec<(String, Pose)>,
+    /// The tool of points whose own has no value in the program.
+    pub tool: Option<Pose>,
+    /// The controller's base in that of the robot description.
+    pub controller_base: Pose,
+    /// The controller's flange in the last joint's frame of the robot description.
+    pub controller_flange: Pose,
+    /// The controller's joint values before the program, rad or m.
+    pub start: Option<Vec<f64>>,
+    /// What the robot carries.
+    pub load: Load,
+    /// Channels that the model reads, with the values that they have while the program runs.
+    pub channels: Vec<(String, f64)>,
+    /// Largest correction, m.
+    pub limit: f64,
+    /// External axes move neither the robot nor what the points are on.
+    pub ignore_external: bool,
+    /// The axes (1 to 6) of FANUC's three turn numbers.
+    pub turn_axes: Option<[usize; 3]>,
+    /// Pulses of each axis per rad, or per m.
+    pub pulses: Option<Vec<f64>>,
+}
+
+impl Default for CorrectOptions {
+    fn default() -> Self {
+        CorrectOptions {
+            frames: Vec::new(),
+            frame: None,
+            tools: Vec::new(),
+            tool: None,
+            controller_base: Pose::IDENTITY,
+            controller_flange: Pose::IDENTITY,
+            start: None,
+            load: Load::None,
+            channels: Vec::new(),
+            // No arm of which measurements are published errs by more than 6 mm: more is a wrong frame, unit or load.
+            limit: 0.01,
+            ignore_external: false,
+            turn_axes: None,
+            pulses: None,
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Which frame and tool are active at a statement, read line by line.
+//!
+//! A frame that is set inside a branch or a loop is known until the block ends. Behind the block, and in a loop in front of the statement
+//! that sets it, it is known only where every way through the block leaves the same one.
+
+use crate::program::Reference;
+
+/// Frame and tool.
+pub(crate) type Active = [Reference; 2];
+
+/// The frame's place in [`Active`].
+pub(crate) const FRAME: usize = 0;
+/// The tool's.
+pub(crate) const TOOL: usize = 1;
+
+#[derive(Debug, Clone)]
+pub(crate) struct Flow {
+    active: Active,
+    blocks: Vec<Block>,
+    /// What was active at each motion.
+    pub(crate) uses: Vec<Active>,
+}
+
+#[derive(Debug, Clone)]
+struct Block {
+    opened: Active,
+    exits: Vec<Active>,
+    loops: bool,
+    /// Motions from this one on are in the block.
+    from: usize,
+    /// The first motion behind the first change of each.
+    changed: [Option<usize>; 2],
+}
+
+impl Flow {
+    pub(crate) fn new(why: &str) -> Flow {
+        let unknown = || Reference::Unknown(why.into());
+        Flow { active: [unknown(), unknown()], blocks: Vec::new(), uses: Vec::new() }
+    }
+
+    /// Begins another routine, with this active.
+    pub(crate) fn restart(&mut self, active: Active) {
+        self.active = active;
+        self.blocks.clear();
+    }
+
+    pub(crate) fn set(&mut self, which: usize, to: Reference) {
+        let at = self.uses.len();
+        self.blocks.iter_mut().for_each(|block| {
+            block.changed[which].get_or_insert(at);
+        });
+        self.active[which] = to;
+    }
+
+    /// A motion: the number of its use.
+    pub(crate) fn motion(&mut self) -> usize {
+        self.uses.push(self.active.clone());
+        self.uses.len() - 1
+    }
+
+    pub(crate) fn open(&mut self, loops: bool) {
+        self.blocks.push(Block {
+            opened: self.active.clone(),
+            exits: Vec::new(),
+            loops,
+            from: self.uses.len(),
+            changed: [None, None],
+        });
+    }
+
+    /// Another branch of the innermost block begins.
+    pub(crate) fn branch(&mut self) {
+        if let Some(block) = self.blocks.last_mut() {
+            block.exits.push(std::mem::replace(&mut self.active, block.opened.clone()));
+        }
+    }
+
+    pub(crate) fn close(&mut self) {
+        let Some(block) = self.blocks.pop() else { return };
+        for which in [FRAME, TOOL] {
+            let same =
+                block.exits.iter().chain([&self.active]).all(|exit| exit[which] == block.opened[which]);
+            if same {
+                self.active[which] = block.opened[which].clone();
+                continue;
+            }
+            let words = "it is set in a branch or a loop, and the program may come here without it";
+            let unknown = Reference::Unknown(words.into());
+            self.active[which] = unknown.clone();
+            if block.loops {
+                let until = block.changed[which].unwrap_or(self.uses.len());
+                self.uses[block.from..until].iter_mut().for_each(|active| active[which] = unknown.clone());
+            }
+        }
+    }
+}
+
+/// The one frame and tool of all uses of a point.
+pub(crate) fn of_all<'a>(uses: impl Iterator<Item = &'a Active>, none: &Active) -> Active {
+    let mut all: Option<Active> = None;
+    for active in uses {
+        let Some(seen) = &mut all else {
+            all = Some(active.clone());
+            continue;
+        };
+        for which in [FRAME, TOOL] {
+            if seen[which] != active[which] && !matches!(seen[which], Reference::Unknown(_)) {
+                let words =
+                    format!("it is used with {} and with {}", seen[which].words(), active[which].words());
+                seen[which] = Reference::Unknown(words);
+            }
+        }
+    }
+    all.unwrap_or_else(|| none.clone())
+}

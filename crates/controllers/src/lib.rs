@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+
+mod correct;
+mod dialect;
+mod error;
+mod fanuc;
+mod flow;
+mod inform;
+mod krl;
+mod lines;
+mod number;
+mod orientation;
+mod program;
+mod rapid;
+mod reading;
+mod tokens;
+mod urscript;
+mod val3;
+
+pub use correct::{CorrectOptions, Correction, Outcome, correct};
+pub use dialect::Dialect;
+pub use error::ControllerError;
+pub use orientation::Orientation;
+pub use program::{Branch, Definitions, Note, Point, Program, Reference, Replacement, Value};

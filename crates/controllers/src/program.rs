@@ -1,0 +1,282 @@
+//! A program and its points, whatever its language.
+
+use crate::number::Slot;
+use crate::{ControllerError, Dialect, Orientation};
+use std::collections::BTreeMap;
+use truepose_kinematics::Pose;
+
+/// A program, byte for byte, and what was read of it.
+#[derive(Debug, Clone)]
+pub struct Program {
+    pub(crate) dialect: Dialect,
+    pub(crate) text: Vec<u8>,
+    pub(crate) points: Vec<Point>,
+    pub(crate) definitions: Definitions,
+    pub(crate) order: Vec<Step>,
+    pub(crate) notes: Vec<Note>,
+}
+
+/// A point with literal numbers in the program.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// As the program calls it; of a point without a name the instruction.
+    pub name: String,
+    /// Line of its first number, from 1.
+    pub line: usize,
+    /// What it is.
+    pub value: Value,
+    /// External axes with their values as written.
+    pub external: Vec<(String, f64)>,
+    /// Why it must not be changed, whatever its value; none: it may.
+    pub fixed: Option<String>,
+    pub(crate) slots: Vec<Slot>,
+    /// The numbers in the slots, as they stand.
+    pub(crate) written: Vec<f64>,
+    /// Numbers of the configuration that a correction may change: turns and quadrants.
+    pub(crate) turns: Vec<Slot>,
+}
+
+/// The kind of a point.
+#[derive(Debug, Clone)]
+pub enum Value {
+    /// A pose of the tool in a frame.
+    Pose {
+        /// Its value, m.
+        pose: Pose,
+        /// The frame in which it is given.
+        frame: Reference,
+        /// The tool whose pose it is.
+        tool: Reference,
+        /// The arm's configuration.
+        branch: Branch,
+    },
+    /// Joint values in the units of the program.
+    Joints(Vec<f64>),
+}
+
+/// A frame or a tool of a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reference {
+    /// The robot's base, or its flange.
+    Identity,
+    /// One that the program names.
+    Named(String),
+    /// One whose value stands in the program, m.
+    Value(Pose),
+    /// Unknown, for this reason.
+    Unknown(String),
+}
+
+impl Reference {
+    /// In words.
+    pub fn words(&self) -> String {
+        match self {
+            Reference::Identity => "none".into(),
+            Reference::Named(name) => name.clone(),
+            Reference::Value(_) => "given in the program".into(),
+            Reference::Unknown(_) => "unknown".into(),
+        }
+    }
+}
+
+/// Data of the arm's configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Branch {
+    /// None: the configuration nearest to the point before.
+    Continuous,
+    /// Data that is not interpreted; equal data of two points is taken for the same configuration.
+    Opaque(String),
+    /// The configuration nearest to these joints, rad.
+    Near(Vec<f64>),
+    /// KUKA's S and T.
+    Kuka {
+        /// Bits 0 to 2: overhead, elbow, wrist.
+        status: i64,
+        /// A bit for each negative axis.
+        turn: Option<i64>,
+    },
+    /// ABB's cf1, cf4, cf6, cfx.
+    Abb([i64; 4]),
+    /// FANUC's letters and turn numbers.
+    Fanuc {
+        /// F, not N.
+        flip: bool,
+        /// U, not D.
+        up: bool,
+        /// T, not B.
+        toward: bool,
+        /// Turn numbers of three axes.
+        turns: [i64; 3],
+    },
+}
+
+/// Values of frames and tools by their names in the program.
+#[derive(Debug, Clone, Default)]
+pub struct Definitions(pub(crate) BTreeMap<String, Definition>);
+
+#[derive(Debug, Clone)]
+pub(crate) enum Definition {
+    Value(Pose),
+    SameAs(String),
+    /// It has a value that cannot be used, for this reason.
+    Unusable(String),
+}
+
+impl Definitions {
+    pub(crate) fn put(&mut self, name: String, definition: Definition) {
+        // A name with two values is neither.
+        if let Some(old) = self.0.get(&name) {
+            let same = match (old, &definition) {
+                (Definition::Value(a), Definition::Value(b)) => a == b,
+                (Definition::SameAs(a), Definition::SameAs(b)) => a == b,
+                _ => false,
+            };
+            if !same {
+                let words = format!("{name} has more than one value in the files given");
+                self.0.insert(name, Definition::Unusable(words));
+            }
+            return;
+        }
+        self.0.insert(name, definition);
+    }
+
+    /// The value of a name; none where the files do not have it.
+    ///
+    /// # Errors
+    /// When it has one that cannot be used.
+    pub fn get(&self, name: &str) -> Result<Option<Pose>, String> {
+        let mut name = name;
+        // Chains of names are short; a ring of them has no value.
+        for _ in 0..8 {
+            match self.0.get(name) {
+                None => return Ok(None),
+                Some(Definition::Value(pose)) => return Ok(Some(*pose)),
+                Some(Definition::Unusable(words)) => return Err(words.clone()),
+                Some(Definition::SameAs(other)) => name = other,
+            }
+        }
+        Ok(None)
+    }
+
+    /// The last name in a chain of names.
+    pub fn last_name<'a>(&'a self, name: &'a str) -> &'a str {
+        let mut name = name;
+        for _ in 0..8 {
+            match self.0.get(name) {
+                Some(Definition::SameAs(other)) => name = other,
+                _ => break,
+            }
+        }
+        name
+    }
+}
+
+/// The order in which points are reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// This point, by its place.
+    Point(usize),
+    /// Somewhere that is not known.
+    Elsewhere,
+}
+
+/// A statement about the program that is not about one of its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    /// From 1.
+    pub line: usize,
+    /// What it is about.
+    pub name: String,
+    /// In words.
+    pub words: String,
+    /// Whether a compensated program would move otherwise than it says: a position that is computed from a point.
+    pub refuses: bool,
+}
+
+/// What becomes of a point: its new numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replacement {
+    /// Pose in the point's frame (m) or joints in the program's units.
+    pub numbers: Vec<f64>,
+    /// Turn numbers of the configuration; empty: as they are.
+    pub turns: Vec<i64>,
+}
+
+impl Program {
+    /// Its language.
+    pub fn dialect(&self) -> Dialect {
+        self.dialect
+    }
+
+    /// Its points, in the order of the text.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// Frames and tools whose values stand in the files.
+    pub fn definitions(&self) -> &Definitions {
+        &self.definitions
+    }
+
+    /// What else there is to know.
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
+    }
+
+    /// The text with these points replaced: one for each point, none leaves it as it is. Nothing else changes.
+    ///
+    /// # Errors
+    /// When the replacements are not those of this program's points.
+    pub fn rewritten(&self, replacements: &[Option<Replacement>]) -> Result<Vec<u8>, ControllerError> {
+        let unfit = || ControllerError::Option("the replacements are not those of this program".into());
+        if replacements.len() != self.points.len() {
+            return Err(unfit());
+        }
+        let mut edits = Vec::new();
+        for (point, new) in self.points.iter().zip(replacements) {
+            let Some(new) = new else { continue };
+            if new.numbers.len() != point.slots.len()
+                || !(new.turns.is_empty() || new.turns.len() == point.turns.len())
+                || !new.numbers.iter().all(|value| value.is_finite())
+            {
+                return Err(unfit());
+            }
+            edits.extend(point.slots.iter().zip(&new.numbers).map(|(slot, &value)| (slot, value)));
+            edits.extend(point.turns.iter().zip(&new.turns).map(|(slot, &value)| (slot, value as f64)));
+        }
+        edits.sort_by_key(|(slot, _)| slot.range.start);
+        let mut out = Vec::with_capacity(self.text.len() + 64);
+        let mut from = 0;
+        for (slot, value) in edits {
+            if slot.range.start < from {
+                return Err(ControllerError::Option("two points share a number".into()));
+            }
+            out.extend_from_slice(&self.text[from..slot.range.start]);
+            out.extend_from_slice(slot.written(&self.text, value).as_bytes());
+            from = slot.range.end;
+        }
+        out.extend_from_slice(&self.text[from..]);
+        Ok(out)
+    }
+}
+
+impl Point {
+    /// Byte ranges of its numbers.
+    pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+        self.slots.iter().chain(&self.turns).map(|slot| slot.range.clone())
+    }
+
+    /// Numbers of the orientation as they stand, for the choice between those that mean the same.
+    pub(crate) fn written_orientation(&self) -> Vec<f64> {
+        self.written.get(3..).unwrap_or(&[]).to_vec()
+    }
+
+    /// The pose's numbers in the program's form: position, then orientation.
+    pub fn numbers_of(&self, pose: &Pose, dialect: Dialect, like: &[f64]) -> Vec<f64> {
+        let scale = dialect.length();
+        let form: Orientation = dialect.orientation();
+        let mut numbers: Vec<f64> = pose.translation.iter().map(|v| v / scale).collect();
+        numbers.extend(form.write(&pose.rotation, like));
+        numbers
+    }
+}

@@ -1,0 +1,166 @@
+//! Stäubli VAL3 data, `.dtx` (format 2 of VAL3's `Data`).
+//!
+//! ```text
+//! <Data name="pPick" type="pointRx" …> <Value key="0" x="…" y="…" z="…" rx="…" ry="…" rz="…" … fatherId="fPart[0]"/> </Data>
+//! <Data name="jHome" type="jointRx" …> <Value key="0" j1="…" … j6="…"/> </Data>
+//! <Data name="fPart" type="frame" …>   <Data name="tGripper" type="tool" …>
+//! ```
+//!
+//! An absent number is zero. The tool of a point is in the program (`.pgx`), not in the data: it has to be given.
+
+mod tags;
+
+use crate::error::syntax;
+use crate::number::{Form, Slot, number_at};
+use crate::program::{Branch, Definition, Definitions, Point, Reference, Step, Value};
+use crate::{ControllerError, Dialect, Program};
+use std::collections::BTreeMap;
+use tags::{Tag, tags};
+use truepose_kinematics::Pose;
+
+const POSE: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
+const JOINTS: [&str; 6] = ["j1", "j2", "j3", "j4", "j5", "j6"];
+
+pub(crate) fn read(text: &[u8], others: &[&[u8]]) -> Result<Program, ControllerError> {
+    let mut frames = BTreeMap::new();
+    let points = file(text, &mut frames)?;
+    for (k, other) in others.iter().enumerate() {
+        file(other, &mut frames).map_err(|error| error.in_other(k))?;
+    }
+    let mut definitions = Definitions::default();
+    for name in ["world[0]", "flange[0]"] {
+        definitions.put(name.into(), Definition::Value(Pose::IDENTITY));
+    }
+    for name in frames.keys() {
+        let definition = match placed(name, &frames) {
+            Some(pose) => Definition::Value(pose),
+            None => Definition::Unusable(format!("the frame under {name} is not in the files given")),
+        };
+        definitions.put(name.clone(), definition);
+    }
+    let order = (0..points.len()).map(Step::Point).collect();
+    Ok(Program { dialect: Dialect::Val3, text: text.to_vec(), points, definitions, order, notes: Vec::new() })
+}
+
+/// A frame or tool, and what it stands on.
+type Frames = BTreeMap<String, (Pose, String)>;
+
+fn placed(name: &str, frames: &Frames) -> Option<Pose> {
+    let mut pose = Pose::IDENTITY;
+    let mut name = name;
+    for _ in 0..32 {
+        if name == "world[0]" || name == "flange[0]" {
+            return Some(pose);
+        }
+        let (own, father) = frames.get(name)?;
+        pose = *own * pose;
+        name = father;
+    }
+    None
+}
+
+fn file(text: &[u8], frames: &mut Frames) -> Result<Vec<Point>, ControllerError> {
+    let mut points = Vec::new();
+    let mut data: Option<(String, String)> = None;
+    let mut any = false;
+    for tag in tags(text)? {
+        match (tag.name, tag.closes) {
+            ("Data", false) => {
+                any = true;
+                let of = |name: &str| tag.shown(text, name).unwrap_or_default();
+                data = Some((of("name"), of("type")));
+            }
+            ("Data", true) => data = None,
+            ("Value", false) => {
+                let Some((name, kind)) = &data else { continue };
+                let key = tag.shown(text, "key").unwrap_or_else(|| "0".into());
+                let name = format!("{name}[{key}]");
+                match kind.as_str() {
+                    "pointRx" | "pointRs" | "point" => points.push(point(text, name, &tag)),
+                    "jointRx" | "joint" => points.push(joints(text, name, &tag)),
+                    "frame" | "tool" => {
+                        let root = if kind == "frame" { "world[0]" } else { "flange[0]" };
+                        let father = tag.shown(text, "fatherId").unwrap_or_else(|| root.into());
+                        if let Some(pose) = numbers(text, &tag, &POSE).and_then(|n| Dialect::Val3.pose(&n)) {
+                            frames.insert(name, (pose, father));
+                        }
+                    }
+                    _ => {}
+                }
+            }
+            _ => {}
+        }
+    }
+    if !any {
+        return Err(syntax(text, 0, "it has no <Data …> of VAL3's data files (format 2)"));
+    }
+    Ok(points)
+}
+
+/// The numbers of attributes; an absent one is zero, one that is no number makes none of them.
+fn numbers(text: &[u8], tag: &Tag<'_>, names: &[&str]) -> Option<Vec<f64>> {
+    let one = |name: &&str| match tag.value(name) {
+        None => Some(0.0),
+        Some(range) => {
+            let bytes = &text[range.clone()];
+            number_at(bytes).filter(|(_, length)| *length == bytes.len()).map(|(value, _)| value)
+        }
+    };
+    names.iter().map(one).collect()
+}
+
+fn empty(name: String, tag: &Tag<'_>) -> Point {
+    Point {
+        name,
+        line: tag.line,
+        value: Value::Joints(Vec::new()),
+        external: Vec::new(),
+        fixed: None,
+        slots: Vec::new(),
+        written: Vec::new(),
+        turns: Vec::new(),
+    }
+}
+
+fn slots(tag: &Tag<'_>, names: &[&'static str], least: [usize; 6]) -> Vec<Slot> {
+    let behind = names.iter().filter_map(|name| tag.value(name)).map(|range| range.end + 1).max();
+    let behind = behind.unwrap_or(tag.behind_name);
+    let one = |(name, least): (&&'static str, usize)| match tag.value(name) {
+        Some(range) => Slot { range, form: Form::Real(least) },
+        None => Slot { range: behind..behind, form: Form::Absent(name, least) },
+    };
+    names.iter().zip(least).map(one).collect()
+}
+
+fn point(text: &[u8], name: String, tag: &Tag<'_>) -> Point {
+    let mut point = empty(name, tag);
+    point.written = numbers(text, tag, &POSE).unwrap_or_default();
+    let Some(pose) = Dialect::Val3.pose(&point.written) else {
+        point.fixed = Some("it is not made of numbers".into());
+        return point;
+    };
+    let frame = match tag.shown(text, "fatherId").as_deref() {
+        None | Some("world[0]") => Reference::Identity,
+        Some(name) => Reference::Named(name.into()),
+    };
+    let tool = Reference::Unknown("VAL3 has the tool in the program, not in the data".into());
+    let words: Vec<String> =
+        ["shoulder", "elbow", "wrist"].iter().filter_map(|name| tag.shown(text, name)).collect();
+    let same = |word: &String| word.ends_with("same") || word.ends_with("free");
+    let branch = if words.iter().all(same) { Branch::Continuous } else { Branch::Opaque(words.join(" ")) };
+    point.slots = slots(tag, &POSE, [3, 3, 3, 4, 4, 4]);
+    point.value = Value::Pose { pose, frame, tool, branch };
+    point
+}
+
+fn joints(text: &[u8], name: String, tag: &Tag<'_>) -> Point {
+    let mut point = empty(name, tag);
+    match numbers(text, tag, &JOINTS) {
+        Some(numbers) => {
+            point.slots = slots(tag, &JOINTS, [5; 6]);
+            point.value = Value::Joints(numbers);
+        }
+        None => point.fixed = Some("it is not made of numbers".into()),
+    }
+    point
+}

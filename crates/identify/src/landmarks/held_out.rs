@@ -1,0 +1,90 @@
+//! Held-out spread at landmarks: a group of landmarks is left out, and what the robot then says of its rows is held against their mean.
+//!
+//! ```text
+//! e_i = p_i − (1/n_k) Σ_{i' of k} p_i'          p from a fit without the rows of k's group
+//! ```
+//!
+//! The place of a landmark is known from its own rows only, so that rows that share it are left out together. What is left is precision at
+//! this place; accuracy shows in distances between landmarks.
+
+use crate::{CrossValidation, Fit, FitOptions, Folds, IdentifyError, Residuals, fit};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use truepose_errormodel::{Dataset, FittedModel, Visits};
+use truepose_kinematics::Conditions;
+use truepose_solvers::Solver;
+
+/// Where landmarks are by a fit that has not seen their rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LandmarkFold {
+    /// Landmarks of the group, by number.
+    pub landmarks: Vec<usize>,
+    /// Mean predicted position of each, m, measurement frame.
+    pub positions: Vec<Vector3<f64>>,
+}
+
+/// Leaves out one group of landmarks after the other, `groups` being that of each landmark. Rows without a landmark are left out in as many
+/// parts, in their order. None with fewer than two groups.
+///
+/// # Errors
+/// When a fit fails.
+pub fn landmark_cross_validation(
+    known: &Fit,
+    data: &Dataset,
+    groups: &[usize],
+    (solver, options): (&dyn Solver, &FitOptions),
+) -> Result<Option<(CrossValidation, Vec<LandmarkFold>)>, IdentifyError> {
+    let count = groups.iter().max().map_or(0, |last| last + 1);
+    if count < 2 {
+        return Ok(None);
+    }
+    let visits = Visits::of(data);
+    let fold = |visit: usize| {
+        let of = visits.rows[visit].first().and_then(|&row| data.landmark(row));
+        of.and_then(|k| groups.get(k)).copied().unwrap_or(visit % count)
+    };
+    let folds = Folds { of_visit: (0..visits.len()).map(fold).collect(), count };
+    let mut residuals = Residuals {
+        position: vec![Vector3::repeat(f64::NAN); data.len()],
+        orientation: vec![None; data.len()],
+    };
+    let (mut fold_rms, mut places) = (Vec::new(), Vec::new());
+    for left_out in 0..count {
+        let (out, rest): (Vec<usize>, Vec<usize>) =
+            (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] == left_out);
+        let again = fit(known.fitted.model(), &data.select(&rest), solver, options)?;
+        let part = judged(&again.fitted.without_landmarks()?, data, &out, &mut residuals)?;
+        fold_rms.push(residuals.positions_of(&out).rms);
+        places.push(part);
+    }
+    Ok(Some((CrossValidation { residuals, folds, fold_rms, refitted: count }, places)))
+}
+
+/// Residuals of rows, those at a landmark about their own mean.
+fn judged(
+    robot: &FittedModel,
+    data: &Dataset,
+    rows: &[usize],
+    residuals: &mut Residuals,
+) -> Result<LandmarkFold, IdentifyError> {
+    let data = &*data.derived_for(robot.model())?;
+    let mut predictor = robot.bind(&data.schema)?;
+    let mut conditions = Conditions::default();
+    let mut of_landmark = BTreeMap::<usize, Vec<(usize, Vector3<f64>)>>::new();
+    for &row in rows {
+        data.conditions_into(row, &mut conditions);
+        let at = predictor.predict(&conditions, data.target[row]).translation;
+        match data.landmark(row) {
+            Some(k) => of_landmark.entry(k).or_default().push((row, at)),
+            None => residuals.position[row] = data.measured_position(row) - at,
+        }
+    }
+    let mut fold = LandmarkFold { landmarks: Vec::new(), positions: Vec::new() };
+    for (landmark, touches) in of_landmark {
+        let mean = touches.iter().map(|(_, at)| at).sum::<Vector3<f64>>() / touches.len() as f64;
+        touches.iter().for_each(|&(row, at)| residuals.position[row] = mean - at);
+        fold.landmarks.push(landmark);
+        fold.positions.push(mean);
+    }
+    Ok(fold)
+}

@@ -1,0 +1,113 @@
+//! Which landmarks are unknown, and which of them known distances tie to which.
+
+use crate::IdentifyError;
+use nalgebra::Vector3;
+use truepose_errormodel::Surroundings;
+use truepose_errormodel::effects::{Landmarks, Point, Tied};
+
+/// Landmarks of unknown place that were touched, each behind the one that it is tied to.
+pub(super) struct Structure {
+    pub points: Vec<Point>,
+    /// Of each point, its number among the declared landmarks.
+    pub declared: Vec<usize>,
+    /// Of each declared landmark, its number among the points; none of those that are known or were not touched.
+    pub number: Vec<Option<usize>>,
+    /// Distances that are kept: points, m.
+    pub distances: Vec<([usize; 2], f64)>,
+    /// The group of each point.
+    pub groups: Vec<usize>,
+}
+
+impl Structure {
+    /// The landmarks with directions as they are now; those at known distances are brought there.
+    pub fn placed(&self, at: &mut [Vector3<f64>]) -> Landmarks {
+        let mut points = self.points.clone();
+        for (k, point) in points.iter_mut().enumerate() {
+            if let Some(tied) = &mut point.tied {
+                let way = at[k] - at[tied.to];
+                let along = way.try_normalize(1e-9).unwrap_or_else(Vector3::x);
+                tied.direction = along.into();
+                at[k] = at[tied.to] + along * tied.distance;
+            }
+        }
+        Landmarks { points }
+    }
+}
+
+/// Of the landmark of each row, as declared.
+pub(super) fn tied(
+    of_row: &[Option<usize>],
+    surroundings: &Surroundings,
+    remarks: &mut Vec<String>,
+) -> Result<Structure, IdentifyError> {
+    let landmarks = &surroundings.landmarks;
+    let mut rows = vec![0usize; landmarks.len()];
+    of_row.iter().flatten().for_each(|&k| rows[k] += 1);
+    for (landmark, &rows) in landmarks.iter().zip(&rows) {
+        if rows == 1 {
+            return Err(IdentifyError::Landmark {
+                name: landmark.name.clone(),
+                why: "one row touched it, which says nothing where its place is unknown: touch it from other postures as well, or leave the row out".into(),
+            });
+        }
+        if rows == 0 && !landmark.known {
+            remarks.push(format!("no row touched landmark {}", landmark.name));
+        }
+    }
+    let name = |k: usize| landmarks[k].name.as_str();
+    let mut of = Structure {
+        points: Vec::new(),
+        declared: Vec::new(),
+        number: vec![None; landmarks.len()],
+        distances: Vec::new(),
+        groups: Vec::new(),
+    };
+    let mut groups = 0;
+    for root in (0..landmarks.len()).filter(|&k| rows[k] > 0) {
+        if of.number[root].is_some() {
+            continue;
+        }
+        // Breadth first: what is tied stands behind what it is tied to.
+        let mut next = std::collections::VecDeque::from([(root, None)]);
+        while let Some((k, tie)) = next.pop_front() {
+            if of.number[k].is_some() {
+                continue;
+            }
+            let here = of.points.len();
+            of.number[k] = Some(here);
+            of.declared.push(k);
+            of.groups.push(groups);
+            let tied = tie.map(|(to, distance): (usize, f64)| {
+                of.distances.push(([to, here], distance));
+                Tied { to, direction: [1.0, 0.0, 0.0], distance }
+            });
+            of.points.push(Point { name: name(k).into(), tied });
+            for distance in &surroundings.distances {
+                let other = match distance.between {
+                    [a, b] if a == k => b,
+                    [a, b] if b == k => a,
+                    _ => continue,
+                };
+                if rows[other] > 0 && !landmarks[other].known && of.number[other].is_none() {
+                    next.push_back((other, Some((here, distance.value))));
+                }
+            }
+        }
+        groups += 1;
+    }
+    for distance in &surroundings.distances {
+        let [a, b] = distance.between;
+        let kept = of.distances.iter().any(|([i, j], _)| {
+            let pair = [of.declared[*i], of.declared[*j]];
+            pair == [a, b] || pair == [b, a]
+        });
+        if !kept {
+            remarks.push(format!(
+                "the distance from {} to {} is not used: both have to be touched and of unknown place, and distances must not close a ring",
+                name(a),
+                name(b)
+            ));
+        }
+    }
+    Ok(of)
+}

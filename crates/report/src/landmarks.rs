@@ -1,0 +1,184 @@
+//! Spread at landmarks, and distances between them.
+
+use crate::layout::{Alignment, table};
+use crate::{PositionStatistics, significant};
+use serde::{Deserialize, Serialize};
+use truepose_errormodel::Dataset;
+use truepose_identify::{LandmarkFold, Residuals, Touched};
+use truepose_kinematics::nalgebra::Vector3;
+
+/// A campaign at landmarks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LandmarksSummary {
+    /// Each landmark of unknown place.
+    pub points: Vec<LandmarkSummary>,
+    /// Spread of the rows of all landmarks about their own mean, each group of landmarks predicted without its rows.
+    pub held_out: Option<PositionStatistics>,
+    /// Known distances that the fit keeps.
+    pub distances: Vec<KnownDistanceSummary>,
+    /// RMS of the error of these distances where their landmarks were left out, mm; null where nothing was left out.
+    pub distance_rms_mm: Option<f64>,
+    /// What the data leaves open.
+    pub remarks: Vec<String>,
+}
+
+/// One landmark.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LandmarkSummary {
+    /// Its name.
+    pub name: String,
+    /// Rows that touched it.
+    pub rows: usize,
+    /// Where it is, mm, measurement frame (that of the base where nothing outside was measured).
+    pub xyz_mm: [f64; 3],
+    /// Spread of its rows with the fit.
+    pub train: PositionStatistics,
+    /// The same by a fit without them.
+    pub held_out: Option<PositionStatistics>,
+}
+
+/// A known distance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KnownDistanceSummary {
+    /// The landmarks.
+    pub between: [String; 2],
+    /// As it is stated, mm.
+    pub stated_mm: f64,
+    /// By a fit without the rows of both, mm.
+    pub held_out_mm: Option<f64>,
+}
+
+/// Spread of a landmark in units of the median of all, from which on it is named. With thirty rows each a spread is known to a tenth: two and
+/// a half times the median is no chance.
+const STRANGE: f64 = 2.5;
+
+impl LandmarksSummary {
+    /// Of a fit of these rows; `moved` is how far it has moved each landmark, m.
+    pub fn new(
+        found: &Touched,
+        moved: &[Vector3<f64>],
+        data: &Dataset,
+        (residuals, held_out): (&Residuals, Option<&Residuals>),
+        folds: &[LandmarkFold],
+    ) -> Self {
+        let rows_of = |k: usize| -> Vec<usize> {
+            (0..data.len()).filter(|&row| data.landmark(row) == Some(k)).collect()
+        };
+        let points = (0..found.names.len()).map(|k| {
+            let rows = rows_of(k);
+            let at = found.positions[k] + moved.get(k).copied().unwrap_or_default();
+            LandmarkSummary {
+                name: found.names[k].clone(),
+                rows: rows.len(),
+                xyz_mm: (at * 1e3).into(),
+                train: residuals.positions_of(&rows).into(),
+                held_out: held_out.map(|of| of.positions_of(&rows).into()),
+            }
+        });
+        let all: Vec<usize> = (0..data.len()).filter(|&row| data.landmark(row).is_some()).collect();
+        let place = |k: usize| {
+            let mut of = folds.iter().flat_map(|fold| fold.landmarks.iter().zip(&fold.positions));
+            of.find(|(landmark, _)| **landmark == k).map(|(_, at)| *at)
+        };
+        let distances: Vec<KnownDistanceSummary> = found
+            .distances
+            .iter()
+            .map(|&([a, b], metres)| KnownDistanceSummary {
+                between: [found.names[a].clone(), found.names[b].clone()],
+                stated_mm: 1e3 * metres,
+                held_out_mm: place(a).zip(place(b)).map(|(a, b)| 1e3 * (b - a).norm()),
+            })
+            .collect();
+        let errors: Vec<f64> =
+            distances.iter().filter_map(|d| Some((d.held_out_mm? - d.stated_mm).powi(2))).collect();
+        let distance_rms_mm =
+            (!errors.is_empty()).then(|| (errors.iter().sum::<f64>() / errors.len() as f64).sqrt());
+        LandmarksSummary {
+            points: points.collect(),
+            held_out: held_out.map(|of| of.positions_of(&all).into()),
+            distances,
+            distance_rms_mm,
+            remarks: found.remarks.clone(),
+        }
+    }
+
+    /// Spread before and after, in one sentence.
+    pub(crate) fn verdict(&self, stages: &[crate::StageSummary]) -> String {
+        let judged = |stage: &crate::StageSummary| stage.held_out.unwrap_or(stage.train);
+        let each = |stage: &crate::StageSummary| {
+            format!("{} mm ({})", significant(judged(stage).rms_mm, 3), stage.name)
+        };
+        let rows = match stages.last() {
+            Some(last) if last.held_out.is_some() => "each group of landmarks predicted without its rows",
+            _ => "on the rows of the fit (no rows were held out)",
+        };
+        format!(
+            "Spread at the landmarks (3-D RMS), {rows}: {}.",
+            stages.iter().map(each).collect::<Vec<_>>().join(" → ")
+        )
+    }
+
+    /// The landmarks of a group whose spread is out of line with the others: its rows, or its socket, are bad.
+    fn strange(&self) -> Vec<&LandmarkSummary> {
+        let spread = |point: &LandmarkSummary| point.held_out.unwrap_or(point.train).rms_mm;
+        let mut all: Vec<f64> = self.points.iter().map(spread).collect();
+        all.sort_by(f64::total_cmp);
+        let Some(&median) = all.get(all.len() / 2).filter(|_| all.len() >= 4) else { return Vec::new() };
+        self.points.iter().filter(|point| spread(point) > STRANGE * median).collect()
+    }
+
+    /// What it comes to, in sentences.
+    pub fn sentences(&self) -> String {
+        let mut text = match &self.held_out {
+            Some(spread) => format!(
+                "{} mm RMS (3-D) at landmarks that are left out of the fit in turn is precision at these places, not accuracy in the workspace.",
+                significant(spread.rms_mm, 3)
+            ),
+            None => {
+                "All landmarks are of one group: nothing could be left out, and no figure here is held out."
+                    .into()
+            }
+        };
+        let strange = self.strange();
+        if !strange.is_empty() {
+            let names: Vec<&str> = strange.iter().map(|point| point.name.as_str()).collect();
+            let spreads: Vec<String> = strange
+                .iter()
+                .map(|point| significant(point.held_out.unwrap_or(point.train).rms_mm, 3))
+                .collect();
+            text += &format!(
+                "\nOut of line with the others: {} ({} mm). Look for rows with another socket, a socket that moved, or joints near a limit; leave them out (`--exclude`, `use`) and compare.",
+                names.join(", "),
+                spreads.join(", ")
+            );
+        }
+        match (self.distance_rms_mm, self.distances.is_empty()) {
+            (Some(rms), _) => {
+                text += &format!(
+                    "\nKnown distances, of landmarks that were left out: {} mm RMS of error over {}.",
+                    significant(rms, 2),
+                    crate::count(self.distances.len(), "distance")
+                );
+            }
+            (None, true) => text += "\nNo distance is known: the spread says nothing about lengths.",
+            (None, false) => {}
+        }
+        text
+    }
+
+    /// A table of all landmarks.
+    pub(crate) fn text(&self) -> String {
+        use Alignment::{Left, Right};
+        let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |mm| significant(mm, 3));
+        let row = |point: &LandmarkSummary| {
+            let mut cells = vec![point.name.clone(), point.rows.to_string()];
+            cells.extend(point.xyz_mm.map(|v| format!("{v:.2}")));
+            cells.push(number(Some(point.train.rms_mm)));
+            cells.push(number(point.held_out.map(|spread| spread.rms_mm)));
+            cells
+        };
+        let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
+        let header = ["landmark", "rows", "x, mm", "y, mm", "z, mm", "spread, mm", "held out, mm"];
+        table(&header, &[Left, Right, Right, Right, Right, Right, Right], &rows)
+    }
+}

@@ -1,0 +1,206 @@
+//! The page of a compensated robot program: what became of every point.
+
+use super::commands::over_two_axes;
+use super::{Page, Report};
+use crate::figure::{Bar, Plot, bars, escape, quantile};
+use crate::{RunRecord, count, significant};
+use serde::{Deserialize, Serialize};
+
+/// Corrections as the page shows them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProgramView {
+    /// The robot's name.
+    pub robot: String,
+    /// Name of the program's file.
+    pub program: String,
+    /// Its language.
+    pub language: String,
+    /// Whether the program was written as it was.
+    pub dry_run: bool,
+    /// Names and units of the joints below: degrees or mm.
+    pub joints: Vec<String>,
+    /// Statements of the program whose positions are not in it.
+    pub notes: Vec<String>,
+    /// One for each point, in the order of the file.
+    pub points: Vec<CorrectionView>,
+}
+
+/// One point; null where it is not known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CorrectionView {
+    /// As the program calls it.
+    pub name: String,
+    /// Line of the program.
+    pub line: usize,
+    /// `pose` or `joints`.
+    pub kind: String,
+    /// `corrected`, `not significant` or `refused`.
+    pub outcome: String,
+    /// Why, where it is not corrected.
+    pub reason: String,
+    /// Desired position of the tool of the measurements, measurement frame, mm.
+    pub at_mm: Option<[f64; 3]>,
+    /// Displacement of the point, axes of the robot's base, mm.
+    pub displacement_mm: Option<[f64; 3]>,
+    /// Its size, mm.
+    pub correction_mm: Option<f64>,
+    /// Rotation of the point, degrees.
+    pub rotation_deg: Option<f64>,
+    /// Distance from the desired position within which the real tool lies with 95 % probability, mm.
+    pub within_95_mm: Option<f64>,
+    /// Joints of the nominal robot at the point, degrees or mm.
+    pub joints: Option<Vec<f64>>,
+}
+
+/// Builds the page.
+pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
+    let mut page = Page::new(&format!("{}: {}", view.robot, view.program));
+    page.head(run, &[("points", view.points.len().to_string()), ("language", view.language.clone())]);
+    page.section("Verdict");
+    let of = |outcome: &str| view.points.iter().filter(|point| point.outcome == outcome).count();
+    let sizes: Vec<f64> = view
+        .points
+        .iter()
+        .filter(|point| point.outcome == "corrected")
+        .filter_map(|point| point.correction_mm)
+        .collect();
+    let corrected = of("corrected");
+    let mut verdict = format!(
+        "{corrected} of {} {} compensated.",
+        count(view.points.len(), "point"),
+        if corrected == 1 { "is" } else { "are" }
+    );
+    if !sizes.is_empty() {
+        verdict.push_str(&format!(
+            " Correction: {} mm (median), {} mm (largest).",
+            significant(quantile(sizes.clone(), 0.5), 3),
+            significant(quantile(sizes, 1.0), 3)
+        ));
+    }
+    page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&verdict)));
+    if view.dry_run {
+        page.text("Dry run: the program was written as it was. The corrections below are not in it.");
+    }
+    if of("refused") > 0 {
+        page.text(&format!("{} unchanged: see the reasons below.", count(of("refused"), "point")));
+    }
+    let list: Vec<Bar> = ["corrected", "not significant", "refused"]
+        .into_iter()
+        .filter(|outcome| of(outcome) > 0)
+        .map(|outcome| Bar {
+            name: outcome.into(),
+            range: [0.0, of(outcome) as f64],
+            class: if outcome == "corrected" { "bar-after" } else { "bar-before" },
+            label: of(outcome).to_string(),
+        })
+        .collect();
+    if !list.is_empty() {
+        page.figure("outcomes", &bars("Points by outcome", &list, None), "Points by outcome.");
+    }
+    page.end_of_sheet();
+    corrections(&mut page, view);
+    refused(&mut page, view);
+    listed(&mut page, view);
+    if !view.notes.is_empty() {
+        page.section("Positions that are not in the program");
+        page.list(&view.notes);
+    }
+    page.section("Files");
+    page.reproduction(run);
+    page.finish()
+}
+
+/// The size of every correction, and where it is.
+fn corrections(page: &mut Page, view: &ProgramView) {
+    let known: Vec<(usize, f64)> =
+        view.points.iter().enumerate().filter_map(|(k, point)| Some((k, point.correction_mm?))).collect();
+    if known.is_empty() {
+        return;
+    }
+    page.section("Corrections");
+    let top = known.iter().map(|(_, size)| *size).fold(1e-9, f64::max);
+    let most = view.points.len().max(2) as f64;
+    let mut plot = Plot::new(420.0, 280.0, [0.5, most + 0.5], [0.0, 1.05 * top]).axes(
+        "size of the correction",
+        "point, in the order of the program",
+        "correction, mm",
+    );
+    let dots = |corrected: bool| {
+        let keep = move |k: usize| (view.points[k].outcome == "corrected") == corrected;
+        known.iter().filter(move |(k, _)| keep(*k)).map(|&(k, size)| ((k + 1) as f64, size))
+    };
+    plot.dots("before dots", dots(false));
+    plot.dots("after dots", dots(true));
+    page.figure(
+        "corrections",
+        &plot.finish("Size of the correction of every point"),
+        "Distance by which each point is displaced. Points that were refused with a known correction have the other colour.",
+    );
+    let placed: Vec<&CorrectionView> = view.points.iter().filter(|point| point.at_mm.is_some()).collect();
+    let at: Vec<[f64; 3]> = placed.iter().filter_map(|point| point.at_mm).collect();
+    let columns = [
+        placed.iter().map(|point| point.correction_mm.unwrap_or(f64::NAN)).collect(),
+        placed.iter().map(|point| point.within_95_mm.unwrap_or(f64::NAN)).collect(),
+    ];
+    over_two_axes(
+        page,
+        &at,
+        columns,
+        ["correction", "expected error (95 %)"],
+        false,
+        "RMS in cells over the workspace (measurement frame; each chart has its own scale). Right: distance from the desired position \
+         within which the tool lies with 95 % probability, from noise and from the uncertainty of the coefficients.",
+    );
+}
+
+fn refused(page: &mut Page, view: &ProgramView) {
+    let rows: Vec<Vec<String>> = view
+        .points
+        .iter()
+        .filter(|point| point.outcome == "refused")
+        .take(100)
+        .map(|point| vec![point.name.clone(), point.line.to_string(), point.reason.clone()])
+        .collect();
+    if !rows.is_empty() {
+        page.section("Unchanged points");
+        page.table(
+            "Points that cannot be compensated (the first 100)",
+            &["point", "line", "reason"],
+            &rows,
+            false,
+        );
+    }
+}
+
+fn listed(page: &mut Page, view: &ProgramView) {
+    const LISTED: usize = 200;
+    page.section("Points");
+    let shown = |v: Option<f64>| v.map_or_else(String::new, |v| significant(v, 3));
+    let row = |point: &CorrectionView| {
+        let mut cells = vec![point.name.clone(), point.line.to_string(), point.outcome.clone()];
+        let parts = point.displacement_mm.map_or([None; 3], |d| d.map(Some));
+        cells.extend(parts.map(|v| v.map_or_else(String::new, |v| format!("{v:.3}"))));
+        cells.push(shown(point.correction_mm));
+        cells.push(point.rotation_deg.map_or_else(String::new, |v| format!("{v:.4}")));
+        cells.push(shown(point.within_95_mm));
+        cells
+    };
+    let rows: Vec<Vec<String>> = view.points.iter().take(LISTED).map(row).collect();
+    let caption = if view.points.len() > LISTED {
+        format!("The first {LISTED} of {} points; the table beside the program has all", view.points.len())
+    } else {
+        "Points, rounded; the table beside the program has them in full precision".into()
+    };
+    let head = [
+        "point",
+        "line",
+        "outcome",
+        "dx, mm",
+        "dy, mm",
+        "dz, mm",
+        "correction, mm",
+        "turned, °",
+        "within (95 %), mm",
+    ];
+    page.table(&caption, &head, &rows, true);
+}
