@@ -132,30 +132,44 @@ pub struct ExportedText {
     pub statement: Vec<String>,
 }
 
-/// The fitted geometry as the text of a file: `urdf`, `dh`, `mdh`, `ros` or `iso230`. `urdf` is a URDF whose joint origins are corrected in
-/// place; `hayati`: nearly parallel axes may use Hayati's parameter; `entries`: values of each joint in `iso230`.
+/// What a file of the fitted geometry is to be.
+#[derive(Debug, Clone, Copy)]
+pub struct ExportTo<'a> {
+    /// `urdf`, `dh`, `mdh`, `ros`, `ros-yaml` or `iso230`.
+    pub format: &'a str,
+    /// The target at which the remaining error is computed.
+    pub target: Option<TargetId>,
+    /// A URDF whose joint origins are corrected in place.
+    pub urdf: Option<&'a Path>,
+    /// Nearly parallel axes may use Hayati's parameter.
+    pub hayati: bool,
+    /// Values of each joint in `iso230`.
+    pub entries: usize,
+    /// Of `ros-yaml`: `ur`, `franka`, `flexiv` or `xarm`.
+    pub style: Option<&'a str>,
+}
+
+/// The fitted geometry as the text of a file.
 ///
 /// # Errors
 /// When the format is not known or cannot hold the model, or is less accurate than the nominal geometry.
-pub fn export(
-    fitted: &FittedModel,
-    format: &str,
-    target: Option<TargetId>,
-    urdf: Option<&Path>,
-    hayati: bool,
-    entries: usize,
-) -> Result<ExportedText, String> {
-    let format = ExportFormat::from_str(format, false).map_err(|_| {
-        let known: Vec<String> = ExportFormat::value_variants()
-            .iter()
-            .filter_map(|known| Some(known.to_possible_value()?.get_name().to_owned()))
-            .collect();
-        format!("unknown format `{format}` (known: {})", known.join(", "))
-    })?;
+pub fn export(fitted: &FittedModel, to: ExportTo<'_>) -> Result<ExportedText, String> {
+    let ExportTo { target, urdf, hayati, entries, .. } = to;
+    let format: ExportFormat = named("format", to.format)?;
+    let style = to.style.map(|style| named("style", style)).transpose()?;
     let options = ExportOptions { target, ..ExportOptions::default() };
-    let wanted = Wanted { format, urdf, hayati, entries };
+    let wanted = Wanted { format, urdf, hayati, entries, style, like: None, hash: None };
     match text(&wanted, &fitted.clone().of_robot(), &options).map_err(|failure| failure.message())? {
         Some(written) => Ok(ExportedText { text: written.text, statement: written.statement }),
         None => Err("the parameters as described are a table; see `parameters`".into()),
     }
+}
+
+/// A word of an option.
+fn named<T: ValueEnum>(what: &str, word: &str) -> Result<T, String> {
+    T::from_str(word, false).map_err(|_| {
+        let names = T::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        let known: Vec<String> = names.map(|known| known.get_name().to_owned()).collect();
+        format!("unknown {what} `{word}` (known: {})", known.join(", "))
+    })
 }

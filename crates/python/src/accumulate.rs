@@ -12,19 +12,23 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use truepose_errormodel::Domain;
+use truepose_errormodel::{Domain, FittedModel};
 use truepose_identify::{Equations, FitPass, JudgePass, Judged, NoiseModel, Pass, Sums, Tally};
-use truepose_io::{fit_from_text, fit_json, sha256};
+use truepose_io::{fit_json, parse_fit, sha256};
 use truepose_solvers::Gram;
 use truepose_solvers::accumulator::Triangular;
 
 /// A pass as bytes, for workers.
 pub fn packed(pass: &Pass) -> PyResult<Vec<u8>> {
     let mut out = Packer::default();
+    // The rows that a fit holds are of no use there.
+    let model = |fitted: &FittedModel| {
+        fit_json("pass", &fitted.clone().with_domain(Domain::default()).with_fallback(None)).map_err(of_io)
+    };
     match pass {
         Pass::Fit(pass) => {
             out.whole(0);
-            out.bytes(fit_json("pass", &pass.fitted).map_err(of_io)?.as_bytes());
+            out.bytes(model(&pass.fitted)?.as_bytes());
             out.numbers(&pass.at);
             out.numbers(&[pass.noise.position_sd, pass.noise.orientation_sd, pass.noise.visit_sd]);
             out.whole(pass.kept.len() as u64);
@@ -34,7 +38,7 @@ pub fn packed(pass: &Pass) -> PyResult<Vec<u8>> {
         }
         Pass::Judge(pass) => {
             out.whole(1);
-            out.bytes(fit_json("pass", &pass.fitted).map_err(of_io)?.as_bytes());
+            out.bytes(model(&pass.fitted)?.as_bytes());
             out.whole(pass.changes.len() as u64);
             pass.changes.iter().for_each(|change| out.numbers(change));
         }
@@ -46,7 +50,7 @@ fn unpacked(py: Python<'_>, bytes: &[u8], effects: Vec<Py<PyAny>>, raised: &Rais
     let mut from = Unpacker::new(bytes)?;
     let kind = from.whole()?;
     let registry = registry(py, effects, raised)?;
-    let read = fit_from_text("pass", from.text()?, &registry);
+    let read = parse_fit(from.text()?, &registry);
     let fitted = read.map_err(|error| raised.take().unwrap_or_else(|| of_io(error)))?;
     Ok(match kind {
         0 => {
@@ -262,7 +266,7 @@ impl Accumulator {
         let mut content = made.content();
         if let Pass::Fit(pass) = &*made.pass {
             let registry = registry(py, known, &made.raised)?;
-            content.domain = fit_from_text("sums", from.text()?, &registry).map_err(of_io)?.domain;
+            content.domain = parse_fit(from.text()?, &registry).map_err(of_io)?.domain;
             for _ in 0..from.count()? {
                 let (block, mut sums) = (from.whole()?, pass.nothing());
                 (sums.rows, sums.visits, sums.observations) = (from.count()?, from.count()?, from.count()?);

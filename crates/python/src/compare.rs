@@ -29,6 +29,7 @@ pub fn compare(
     prior_strength: &Bound<'_, PyAny>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
+    data.plain()?;
     let (chain, rows) = (robot.chain.clone(), data.data.clone());
     let model = Model::of(py, model, &chain)?;
     let raised = model.raised.clone();

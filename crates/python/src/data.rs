@@ -37,6 +37,19 @@ impl Data {
         self.info.file.display().to_string()
     }
 
+    /// Refuses what the verbs of Python do not do yet.
+    pub fn plain(&self) -> PyResult<()> {
+        let what = match (self.info.sessions.is_empty(), self.info.landmarks.is_empty()) {
+            (true, true) => return Ok(()),
+            (false, _) => "sessions",
+            (true, false) => "landmarks",
+        };
+        Err(input(format!(
+            "{}: measurements with {what} are not available in Python yet; use the program",
+            self.name()
+        )))
+    }
+
     /// Suspected mistakes, with the name of the file.
     pub fn suspected(&self) -> Vec<String> {
         let words = |found| suspicion_text(&self.chain, &found, &self.data.line);

@@ -112,6 +112,7 @@ pub fn discover(
     nested: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Discovery> {
+    data.plain()?;
     let chain = robot.chain.clone();
     let model = Model::of(py, model, &chain)?;
     let (solver, solver_text) = solver(solver_text)?;

@@ -18,7 +18,7 @@ use truepose_cli::front;
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_identify::reduction::group_words;
 use truepose_identify::{Fit as Fitted, Residuals, student_quantile};
-use truepose_io::{fit_from_text, fit_json, poses_in_memory, read_fit};
+use truepose_io::{fit_json, parse_fit, poses_in_memory, read_fit};
 use truepose_report::identification_report;
 
 /// Where a fit came from.
@@ -47,6 +47,14 @@ impl Fit {
             Source::Identified(made) => Some(&made.found.fit),
             Source::Discovered(found) => Some(&found.0),
             Source::Loaded | Source::Other(..) => None,
+        }
+    }
+
+    /// Refuses what is not available yet.
+    fn plain(&self) -> PyResult<()> {
+        match self.fitted.sessions.is_empty() {
+            true => Ok(()),
+            false => Err(input("fits of several sessions are not available in Python yet; use the program")),
         }
     }
 
@@ -81,7 +89,7 @@ impl Fit {
     fn from_json(py: Python<'_>, text: &str, effects: Vec<Py<PyAny>>) -> PyResult<Self> {
         let raised = Raised::default();
         let registry = registry(py, effects, &raised)?;
-        let fitted = failed(&raised, py.detach(|| fit_from_text("fit", text, &registry)))?;
+        let fitted = failed(&raised, py.detach(|| parse_fit(text, &registry)))?;
         Ok(Fit::loaded(fitted, raised, py))
     }
 
@@ -190,6 +198,7 @@ impl Fit {
 
     /// Residuals of other rows.
     fn residuals_of<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<Both<'py>> {
+        self.plain()?;
         let (fitted, rows) = (self.fitted.clone(), data.data.clone());
         let effects = self.fitted.model().effects();
         let residuals = self.checked(py.detach(|| {
@@ -201,6 +210,7 @@ impl Fit {
 
     /// Predicts rows: columns of the file of predictions, without what it repeats of the input; and warnings.
     fn predict<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+        self.plain()?;
         let (fitted, input_rows) = (self.fitted.clone(), data.data.clone());
         let effects = self.fitted.model().effects();
         let predicted = self.checked(py.detach(|| {
@@ -222,6 +232,7 @@ impl Fit {
 
     /// Commands for desired poses; and warnings.
     fn compensate<'py>(&self, py: Python<'py>, poses: &Table) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+        self.plain()?;
         let fitted = (*self.fitted).clone().of_robot();
         let chain = fitted.chain();
         let (mut poses, _, said) = poses_in_memory(poses.table.clone(), chain).map_err(of_io)?;
@@ -253,10 +264,12 @@ impl Fit {
     }
 
     /// The fitted geometry as the text of a file, and what it leaves out.
+    #[allow(clippy::too_many_arguments)]
     fn export(
         &self,
         py: Python<'_>,
         format: &str,
+        style: Option<&str>,
         target: Option<&str>,
         urdf: Option<PathBuf>,
         hayati: bool,
@@ -268,8 +281,9 @@ impl Fit {
                 chain.target_named(name).ok_or_else(|| input(format!("the robot has no target `{name}`")))
             })
             .transpose()?;
-        let export =
-            || front::export(&self.fitted, format, target, urdf.as_deref(), hayati, entries).map_err(input);
+        let urdf = urdf.as_deref();
+        let to = front::ExportTo { format, target, urdf, hayati, entries, style };
+        let export = || front::export(&self.fitted, to).map_err(input);
         let written = self.checked(py.detach(export))?;
         Ok((written.text, written.statement))
     }

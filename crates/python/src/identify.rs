@@ -36,6 +36,7 @@ pub fn identify(
     fold_labels: Option<PyReadonlyArray1<'_, i64>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Fit> {
+    data.plain()?;
     let chain = robot.chain.clone();
     let model = Model::of(py, model, &chain)?;
     let (solver, solver_text) = solver(solver_text)?;

@@ -177,6 +177,11 @@ def test_bad_requests_of_a_fit(fit: tp.Fit) -> None:
             call()
 
 
+def test_sessions_are_refused(two: tp.Robot) -> None:
+    with pytest.raises(tp.InputError, match="sessions are not available in Python yet"):
+        tp.identify(two, {**GOOD, "session": ["a", "a", "b", "b"]})
+
+
 def test_a_reader_of_a_stream_that_breaks_is_an_error(two: tp.Robot) -> None:
     class Broken:
         def __arrow_c_stream__(self, requested_schema: object = None) -> object:

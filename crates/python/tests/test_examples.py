@@ -36,6 +36,11 @@ def test_own_effect(tmp_path: Path) -> None:
     assert "acme/encoder_gain j2: The encoder of j2" in run("own_effect.py", tmp_path)
 
 
+def test_cluster(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    assert "the bytes of one machine: True" in run("cluster.py", tmp_path)
+
+
 def test_the_corrected_urdf_is_the_same_robot_elsewhere() -> None:
     spec = importlib.util.spec_from_file_location("elsewhere", FOLDER / "elsewhere.py")
     assert spec is not None and spec.loader is not None

@@ -104,7 +104,7 @@ def test_exports(fit: tp.Fit, by_program: Path, tmp_path: Path, kind: str) -> No
         "urdf": lambda: fit.to_urdf(),
         "dh": lambda: fit.to_dh(),
         "mdh": lambda: fit.to_dh(modified=True),
-        "ros": lambda: fit.to_yaml("ur"),
+        "ros": lambda: fit.to_yaml(),
         "iso230": lambda: fit.to_iso230(),
     }[kind]
     if ran.returncode == 0:

@@ -34,6 +34,10 @@ pub(crate) struct Wanted<'a> {
     pub urdf: Option<&'a Path>,
     pub hayati: bool,
     pub entries: usize,
+    /// Of `ros-yaml`: the maker's form, a file of it, and the controller's hash.
+    pub style: Option<YamlStyle>,
+    pub like: Option<&'a Path>,
+    pub hash: Option<&'a str>,
 }
 
 /// Runs the verb.
@@ -56,14 +60,16 @@ pub fn run(args: &Export) -> Result<(), Failure> {
     let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
-    let made = match args.format {
-        ExportFormat::RosYaml => Some(ros_yaml(args, &fitted, &options)?),
-        format => {
-            let (urdf, hayati, entries) = (args.urdf.as_deref(), !args.no_hayati, args.entries as usize);
-            text(&Wanted { format, urdf, hayati, entries }, &fitted, &options)?
-        }
+    let wanted = Wanted {
+        format: args.format,
+        urdf: args.urdf.as_deref(),
+        hayati: !args.no_hayati,
+        entries: args.entries as usize,
+        style: args.style,
+        like: args.like.as_deref(),
+        hash: args.hash.as_deref(),
     };
-    let Some(written) = made else {
+    let Some(written) = text(&wanted, &fitted, &options)? else {
         return as_described(args, &fitted, &options);
     };
     write_whole(&args.out, written.text.as_bytes())?;
@@ -102,13 +108,13 @@ pub(crate) fn text(
             notes.extend(targets(fitted, &origins.value.targets));
             written(origins.value.to_ros_yaml(&notes), origins, notes)
         }
+        ExportFormat::RosYaml => ros_yaml(wanted, fitted, options)?,
         ExportFormat::Iso230 => {
             let tables = error_tables(fitted, options, wanted.entries)?;
             let notes = notes(fitted, &tables);
             written(tables.value.to_csv(fitted.chain(), &notes), tables, notes)
         }
-        // Needs more than the format: the style of a maker.
-        ExportFormat::RosYaml | ExportFormat::Parameters => return Ok(None),
+        ExportFormat::Parameters => return Ok(None),
     }))
 }
 
@@ -196,27 +202,27 @@ fn positions(table: &ParameterTable) -> Vec<Vector3<f64>> {
 }
 
 /// The kinematics file of a maker's ROS description.
-fn ros_yaml(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
-    let style = match args.style {
+fn ros_yaml(wanted: &Wanted<'_>, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
+    let style = match wanted.style {
         Some(YamlStyle::Ur) => RosStyle::Ur,
         Some(YamlStyle::Franka) => RosStyle::Franka,
         Some(YamlStyle::Flexiv) => RosStyle::Flexiv,
         Some(YamlStyle::Xarm) => RosStyle::XArm,
         None => return Err(Failure::Input("--format ros-yaml needs --style".into())),
     };
-    let like = match &args.like {
+    let like = match wanted.like {
         Some(file) => Some(read_kinematics(file, style.word())?),
         None => None,
     };
     let origins = joint_origins(fitted, options)?;
     let styled = origins.value.styled(style, fitted.chain(), like.as_ref());
-    let styled = styled.map_err(|error| match &args.like {
+    let styled = styled.map_err(|error| match wanted.like {
         Some(file) => Failure::Input(format!("{}: {error}", file.display())),
         None => Failure::Input(format!("--style {}: {error}", style.word())),
     })?;
     let mut notes = notes(fitted, &origins);
     notes.extend(targets(fitted, &origins.value.targets));
-    Ok(written(styled.to_yaml(args.hash.as_deref(), &notes), origins, notes))
+    Ok(written(styled.to_yaml(wanted.hash, &notes), origins, notes))
 }
 
 /// The parameters of the robot's own description.

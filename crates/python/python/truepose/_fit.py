@@ -361,19 +361,28 @@ class Fit:
         return self._export("mdh" if modified else "dh", path, target, hayati=hayati)
 
     def to_yaml(self, kind: str = "ros", path: Path | None = None, *, target: str | None = None) -> str:
-        """The fitted geometry as the kinematics file of ROS drivers (``ros`` or ``ur``): x y z roll pitch yaw of each joint."""
-        if kind not in ("ros", "ur"):
-            raise InputError(f"unknown kind of kinematics file `{kind}` (known: ros, ur)")
-        return self._export("ros", path, target)
+        """The fitted geometry as a kinematics file (YAML): ``ros`` (x y z roll pitch yaw of each joint), or in the form of a maker's ROS
+        description: ``ur``, ``franka``, ``flexiv``, ``xarm``."""
+        if kind == "ros":
+            return self._export("ros", path, target)
+        return self._export("ros-yaml", path, target, style=kind)
 
     def to_iso230(self, path: Path | None = None, *, entries: int = 181, target: str | None = None) -> str:
         """Component errors of each joint, named as in ISO 230-1 (CSV), with so many values of each joint."""
         return self._export("iso230", path, target, entries=entries)
 
     def _export(
-        self, kind: str, path: Path | None, target: str | None, *, urdf: str | None = None, hayati: bool = True, entries: int = 181
+        self,
+        kind: str,
+        path: Path | None,
+        target: str | None,
+        *,
+        urdf: str | None = None,
+        hayati: bool = True,
+        entries: int = 181,
+        style: str | None = None,
     ) -> str:
-        text, _ = self._core.export(kind, target, urdf, hayati, entries)
+        text, _ = self._core.export(kind, style, target, urdf, hayati, entries)
         if path is not None:
             _core.write_text(os.fspath(path), text)
         return text

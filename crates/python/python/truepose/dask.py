@@ -46,7 +46,8 @@ def identify(
     client = _client(client)
     if hasattr(parts, "to_delayed"):
         parts = client.compute(parts.to_delayed())
-    held = [part if isinstance(part, (str, os.PathLike)) or _is_future(part) else client.scatter(part) for part in parts]
+    # Nothing is scattered: what a lost worker held could not be made again.
+    held = [part if isinstance(part, (str, os.PathLike)) or _is_future(part) else client.submit(_same, part, pure=False) for part in parts]
     lengths = client.gather(client.map(length, held, pure=False))
     rows = Rows(robot, held, lengths=lengths, block=block)
 
@@ -64,9 +65,8 @@ def identify(
                 wanted.append(overlapping)
             used = sorted({part for overlapping in wanted for part, _, _ in overlapping})
             tasks.append((ranges, wanted, used, [held[part] for part in used]))
-        shipped = client.scatter(plan.pass_bytes, broadcast=True, hash=False)
         futures = [
-            client.submit(_task, shipped, plan.classes, robot, ranges, wanted, used, *parts_, positions_only=positions_only, pure=False)
+            client.submit(_task, plan.pass_bytes, plan.classes, robot, ranges, wanted, used, *parts_, positions_only=positions_only, pure=False)
             for ranges, wanted, used, parts_ in tasks
         ]
         result = plan.accumulator()
@@ -121,6 +121,10 @@ def _discovered(robot: Robot, data: Any, options: dict[str, Any]) -> tuple[dict[
 
     found = discover(robot, data, **options)
     return found.summary, found.fit
+
+
+def _same(part: Any) -> Any:
+    return part
 
 
 def _client(client: Any) -> Any:

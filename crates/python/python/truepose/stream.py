@@ -194,7 +194,8 @@ def length(part: Part) -> int:
     if isinstance(part, (str, os.PathLike)):
         return int(_parquet().ParquetFile(os.fspath(part)).metadata.num_rows)
     if isinstance(part, ArrowStream) or hasattr(part, "iloc"):
-        return len(part)  # type: ignore[arg-type]
+        sized: Any = part
+        return len(sized)
     return len(next(iter(part.values()), ()))
 
 
