@@ -12,7 +12,7 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 18] = [
     Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
     Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
     Step { environment: &[], arguments: &["test", "--workspace"] },
@@ -38,6 +38,7 @@ const STEPS: [Step; 17] = [
     Step { environment: &[], arguments: &["check", "-p", "truepose-simulate", "--no-default-features"] },
     Step { environment: &[], arguments: &["check", "-p", "truepose-report", "--no-default-features"] },
     Step { environment: &[("RUSTDOCFLAGS", "-D warnings")], arguments: &["doc", "--workspace", "--no-deps"] },
+    Step { environment: &[], arguments: &["xtask", "header"] },
     Step { environment: &[], arguments: &["xtask", "tidy"] },
 ];
 
@@ -67,6 +68,8 @@ pub fn run(root: &Path) -> Result<()> {
     for step in &STEPS {
         one(step, root)?;
     }
+    println!("── .ci/python");
+    finished(Command::new(root.join(".ci/python")).current_dir(root))?;
     let [install, fetch, check, advisories] = &DENY;
     if !works(&["deny", "--version"], root) {
         if one(install, root).is_err() {

@@ -4,6 +4,7 @@
 //! works while they do not build.
 
 mod ci;
+mod header;
 mod tidy;
 
 use anyhow::{Context, Result, bail};
@@ -24,9 +25,15 @@ enum Verb {
     Ci,
     /// Layers, file lengths, names, licences, READMEs: what neither rustc nor clippy looks at.
     Tidy,
+    /// The C header against what cbindgen makes of crates/ffi.
+    Header {
+        /// Write it instead.
+        #[arg(long)]
+        write: bool,
+    },
     /// A benchmark study, in release; leaves its table and figures in target/studies.
     Study {
-        /// Which: closed-loop, discovery, harm, orders, pps, reliability, sensitivity, solvers.
+        /// Which: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, solvers.
         name: String,
         /// Passed on to the study, e.g. `--short`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -64,6 +71,7 @@ fn run(verb: Verb) -> Result<()> {
     match verb {
         Verb::Ci => ci::run(&root),
         Verb::Tidy => tidy::run(&root),
+        Verb::Header { write } => header::run(&root, write),
         Verb::Study { name, rest } => finished(
             Command::new("cargo")
                 .args(["run", "--release", "--package", "truepose-studies", "--bin", "study", "--"])

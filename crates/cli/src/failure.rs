@@ -13,6 +13,16 @@ pub enum Failure {
     Changed,
 }
 
+impl Failure {
+    /// What went wrong, without the word in front of it.
+    pub fn message(self) -> String {
+        match self {
+            Failure::Criterion(message) | Failure::Input(message) => message,
+            Failure::Changed => self.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -3,10 +3,12 @@
 mod args;
 mod extensions;
 mod failure;
+pub mod front;
 mod library;
 mod progress;
 mod space;
 mod terminal;
+mod typed;
 mod verbs;
 mod watch;
 
@@ -15,11 +17,23 @@ pub use extensions::Extensions;
 use args::{Args, Verb};
 use failure::Failure;
 use space::granted;
+use std::ffi::OsString;
 use std::process::ExitCode;
 use watch::{Limits, watched};
 
 /// Runs the program with what was typed, and with these effects, solvers and hypotheses beside its own; the exit code.
 pub fn run(extensions: Extensions) -> ExitCode {
+    ExitCode::from(code(extensions))
+}
+
+/// [`run`] with these arguments in place of those of the process, of which the first is the name of the program: for a host in another
+/// language. Once in a process; ends it where the arguments are not valid.
+pub fn run_with(extensions: Extensions, arguments: Vec<OsString>) -> u8 {
+    typed::give(arguments);
+    code(extensions)
+}
+
+fn code(extensions: Extensions) -> u8 {
     extensions::install(extensions);
     let args = Args::typed();
     terminal::quiet(args.quiet);
@@ -30,16 +44,16 @@ pub fn run(extensions: Extensions) -> ExitCode {
         Ok(code) => code,
         Err(failure) => {
             terminal::error(&failure.to_string());
-            ExitCode::from(match failure {
+            match failure {
                 Failure::Criterion(_) => 1,
                 Failure::Input(_) => 2,
                 Failure::Changed => 3,
-            })
+            }
         }
     }
 }
 
-fn work(args: Args) -> Result<ExitCode, Failure> {
+fn work(args: Args) -> Result<u8, Failure> {
     let threads = args.threads.map_or_else(available, usize::from);
     let space = granted(threads)?;
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;

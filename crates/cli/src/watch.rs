@@ -5,7 +5,6 @@ use crate::failure::Failure;
 use crate::space::in_use;
 use crate::terminal;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -108,7 +107,7 @@ enum Event {
 pub fn watched(
     limits: Limits,
     work: impl FnOnce(&Watch) -> Result<(), Failure> + Send + 'static,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     if limits.memory.is_some() && in_use("VmRSS").is_none() {
         return Err(Failure::Input(
             "--memory-limit: this system does not report the memory that a program uses".into(),
@@ -128,15 +127,15 @@ pub fn watched(
     })?;
     loop {
         match receiver.recv_timeout(STEP) {
-            Ok(Event::Done(done)) => return done.map(|()| ExitCode::SUCCESS),
+            Ok(Event::Done(done)) => return done.map(|()| 0),
             Ok(Event::Interrupted) => return Ok(ended(&watch, "interrupted", began, INTERRUPTED)),
             // The handler of signals holds a sender for ever: a thread that panicked sends nothing.
-            Err(RecvTimeoutError::Disconnected) => return Ok(ExitCode::from(PANICKED)),
+            Err(RecvTimeoutError::Disconnected) => return Ok(PANICKED),
             Err(RecvTimeoutError::Timeout) if worker.is_finished() => {
                 // What it sent in its last moment is there by now.
                 return match receiver.try_recv() {
-                    Ok(Event::Done(done)) => done.map(|()| ExitCode::SUCCESS),
-                    _ => Ok(ExitCode::from(PANICKED)),
+                    Ok(Event::Done(done)) => done.map(|()| 0),
+                    _ => Ok(PANICKED),
                 };
             }
             Err(RecvTimeoutError::Timeout) => (),
@@ -159,8 +158,8 @@ pub fn watched(
 
 /// Shows and writes the findings so far. The program has to end now: the working thread stops at its next report, and cannot write any
 /// file.
-fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
-    let json = std::env::args_os().any(|argument| argument == "--json");
+fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> u8 {
+    let json = crate::typed::arguments().into_iter().any(|argument| argument == "--json");
     let mut status = watch.locked();
     let kept = status.keep.take().map_or_else(Kept::default, |write| write(why));
     let written = stop_writing();
@@ -192,5 +191,5 @@ fn ended(watch: &Watch, why: &str, began: Instant, code: u8) -> ExitCode {
         (false, _) => format!("the findings so far are in {}, marked as incomplete", files.join(" and ")),
     };
     terminal::error(&format!("error: {why}; {files}"));
-    ExitCode::from(code)
+    code
 }

@@ -143,8 +143,7 @@ impl<'m> Compensator<'m> {
 
     /// The command for a desired pose under these conditions; their joints are not read. The search begins at the seed,
     /// and goes on elsewhere when it leads nowhere. Beyond the data of a fit with findings it falls back to the declared model, as predictions
-    /// do. Never allocates (but to judge how far a fit with findings reaches), never panics: what are no numbers, or has
-    /// the wrong length, is answered with [`Status::NotConverged`].
+    /// do. Never allocates, never panics: what are no numbers, or has the wrong length, is answered with [`Status::NotConverged`].
     pub fn command(&mut self, target: &Target, conditions: &Conditions, seed: Option<&[f64]>) -> Command {
         let found = self.found(target, conditions, seed);
         match &mut self.beyond {

@@ -61,7 +61,10 @@ pub use repeats::{LackOfFit, Repeats, ResidualVariance, repeats};
 pub use residuals::{Residuals, Spread};
 pub use sessions::{SessionPlaced, Unified, unify};
 pub use shapes::{descend_nonlinear, judge_nonlinear};
-pub use streamed::{HeldOut, Source, Streamed, StreamedOptions, Tally, identify_streamed, sample_rows};
+pub use streamed::{
+    Equations, FitPass, HeldOut, JudgePass, Judged, Pass, Source, Streamed, StreamedOptions, StreamedRun,
+    Sums, Tally, identify_streamed, sample_rows,
+};
 pub use student::student_quantile;
 pub use suspicion::{Cause, Suspicion, suspicion, suspicions};
 pub use truepose_errormodel::NoiseModel;

@@ -18,6 +18,7 @@ mod predictions;
 mod robot;
 mod same_file;
 mod table;
+mod test_plan;
 mod text;
 mod toml_tree;
 mod unfinished;
@@ -28,24 +29,27 @@ pub use corrections::{CorrectionRow, corrections_file, read_bytes};
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
-pub use fit::{FIT_FORMAT, fit_json, read_fit, write_fit};
+pub use fit::{FIT_FORMAT, fit_from_text, fit_json, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{
-    ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, OrientationConvention,
-    read_measurements, sample_measurements,
+    ColumnInfo, ColumnMap, CsvInfo, Grouping, MeasurementsOptions, MeasurementsReader, MemoryColumn,
+    MemoryTable, OrientationConvention, measurements_in_memory, read_measurements, sample_measurements,
 };
-pub use model::read_model;
+pub use model::{model_from_text, read_model};
 pub use parameters::{ParameterRow, parameters_file};
 pub use plan::{PlannedVisit, write_plan};
-pub use poses::{CommandRow, CommandStatus, Poses, commands_file, read_poses, write_commands};
+pub use poses::{
+    CommandRow, CommandStatus, Poses, commands_file, poses_in_memory, read_poses, write_commands,
+};
 pub use predictions::{Prediction, PredictionsWriter, Repeated, write_predictions};
 pub use robot::{
     Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
-    read_details, read_kinematics, read_robot, robot_columns, robot_files, robot_sessions,
+    read_details, read_kinematics, read_robot, robot_columns, robot_files, robot_from_text, robot_sessions,
     robot_surroundings, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
+pub use test_plan::{TestPoseRow, write_test_plan};
 pub use text::read_text;
 pub use unfinished::{ScratchFolder, stop_writing};
 pub use unit::{Quantity, Unit};

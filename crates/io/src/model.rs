@@ -6,7 +6,7 @@ use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
 use serde_json::Value as Json;
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use truepose_errormodel::{AnyEffect, EffectRegistry, MOST_UNKNOWNS, ModelError, Term};
 use truepose_kinematics::Chain;
 
@@ -22,9 +22,25 @@ pub fn read_model(
     chain: &Chain,
     registry: &EffectRegistry,
 ) -> Result<Vec<Box<dyn AnyEffect>>, IoError> {
-    let path = path.as_ref();
-    let text = Text::read(path)?;
-    let document = Document::parse(&text)?;
+    read(&Text::read(path.as_ref())?, chain, registry)
+}
+
+/// Reads a declared model from the text of such a file. `name` stands in messages where the name of a file would.
+///
+/// # Errors
+/// As [`read_model`].
+pub fn model_from_text(
+    name: impl Into<PathBuf>,
+    text: impl Into<String>,
+    chain: &Chain,
+    registry: &EffectRegistry,
+) -> Result<Vec<Box<dyn AnyEffect>>, IoError> {
+    read(&Text { file: name.into(), text: text.into() }, chain, registry)
+}
+
+fn read(text: &Text, chain: &Chain, registry: &EffectRegistry) -> Result<Vec<Box<dyn AnyEffect>>, IoError> {
+    let path = text.file.as_path();
+    let document = Document::parse(text)?;
     let root = document.root("the model");
     root.only(&["effects"])?;
     let Some(effects) = root.get("effects") else {

@@ -1,8 +1,8 @@
 //! Desired poses in, joint commands out: the files of `truepose compensate`.
 
-use crate::measurements::{Needs, read_table};
+use crate::measurements::{From, Needs, read_table};
 use crate::table::TableWriter;
-use crate::{ColumnMap, CsvInfo, IoError, Quantity, Unit, Warning, WholeFile};
+use crate::{ColumnMap, CsvInfo, IoError, MemoryTable, Quantity, Unit, Warning, WholeFile};
 use std::path::Path;
 use truepose_errormodel::{Dataset, DwellTolerance};
 use truepose_kinematics::nalgebra::Vector3;
@@ -67,9 +67,21 @@ pub struct CommandRow {
 /// # Errors
 /// When the file cannot be read, lacks a position, or at the first cell that is wrong.
 pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
+    poses(From::File(path.as_ref()), chain)
+}
+
+/// Reads desired poses of a table in memory.
+///
+/// # Errors
+/// When it lacks a position, or at the first cell that is wrong.
+pub fn poses_in_memory(table: MemoryTable, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
+    poses(From::Memory(table), chain)
+}
+
+fn poses(from: From<'_>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: false, measured: false, position: true };
     let columns = ColumnMap::default();
-    let table = read_table(path.as_ref(), chain, needs, DwellTolerance::default(), &columns)?;
+    let table = read_table(from, chain, needs, DwellTolerance::default(), &columns)?;
     let joint_units = match &table.header.slots.joints {
         Some(slots) => slots.iter().map(|&k| table.header.columns[k].conversion).collect(),
         None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),

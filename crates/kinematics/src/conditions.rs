@@ -3,7 +3,7 @@
 use crate::{Chain, Load};
 
 /// Joints, load, approach, time and channels at one moment.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, PartialEq, Default)]
 pub struct Conditions {
     /// Variables of the movable joints in the order of [`Chain::movable`], rad or m: the controller's values, but for coupled joints
     /// ([`Chain::joints_from_controller`]).
@@ -16,6 +16,27 @@ pub struct Conditions {
     pub approach: Vec<f64>,
     /// Values of the channels (temperature, …), in the order of the schema that names them.
     pub channels: Vec<f64>,
+}
+
+impl Clone for Conditions {
+    fn clone(&self) -> Self {
+        Conditions {
+            joints: self.joints.clone(),
+            load: self.load,
+            time: self.time,
+            approach: self.approach.clone(),
+            channels: self.channels.clone(),
+        }
+    }
+
+    /// Without allocating where the lists have room: a derived `clone_from` would.
+    fn clone_from(&mut self, other: &Self) {
+        self.joints.clone_from(&other.joints);
+        self.load = other.load;
+        self.time = other.time;
+        self.approach.clone_from(&other.approach);
+        self.channels.clone_from(&other.channels);
+    }
 }
 
 impl Conditions {

@@ -201,7 +201,12 @@ impl DiscoverySummary {
     /// The same, with the held-out poses of `data` (as it was read) compared with a limit of the 3-D position error, m.
     pub fn with_specification(mut self, limit: f64, found: &Diagnosis, data: &Dataset) -> Self {
         let largest = crate::largest_error_by_pose(data, &found.holdout_rows, &found.after.holdout);
-        self.specification = Some(SpecificationSummary::new(limit, &largest));
+        let guarded = crate::poses::largest_error_and_uncertainty_by_pose(
+            data,
+            &found.holdout_rows,
+            &found.after.holdout,
+        );
+        self.specification = Some(SpecificationSummary::new(limit, &largest).with_guard_band(&guarded));
         self
     }
 }

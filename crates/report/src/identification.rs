@@ -89,6 +89,9 @@ pub struct IdentificationSummary {
     /// Spread at landmarks, where some were touched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub landmarks: Option<crate::LandmarksSummary>,
+    /// Uncertainty budget of one measured position about its prediction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget: Option<crate::BudgetSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -260,6 +263,7 @@ impl IdentificationSummary {
             specification: None,
             sessions: Vec::new(),
             landmarks: None,
+            budget: crate::BudgetSummary::of_identification(found, data).ok(),
             parameters: None,
         };
         let summary = IdentificationSummary { limit: limit(&summary), ..summary };

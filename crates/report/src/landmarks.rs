@@ -15,7 +15,7 @@ pub struct LandmarksSummary {
     /// Spread of the rows of all landmarks about their own mean, each group of landmarks predicted without its rows.
     pub held_out: Option<PositionStatistics>,
     /// Known distances that the fit keeps.
-    pub distances: Vec<DistanceSummary>,
+    pub distances: Vec<KnownDistanceSummary>,
     /// RMS of the error of these distances where their landmarks were left out, mm; null where nothing was left out.
     pub distance_rms_mm: Option<f64>,
     /// What the data leaves open.
@@ -39,7 +39,7 @@ pub struct LandmarkSummary {
 
 /// A known distance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DistanceSummary {
+pub struct KnownDistanceSummary {
     /// The landmarks.
     pub between: [String; 2],
     /// As it is stated, mm.
@@ -80,10 +80,10 @@ impl LandmarksSummary {
             let mut of = folds.iter().flat_map(|fold| fold.landmarks.iter().zip(&fold.positions));
             of.find(|(landmark, _)| **landmark == k).map(|(_, at)| *at)
         };
-        let distances: Vec<DistanceSummary> = found
+        let distances: Vec<KnownDistanceSummary> = found
             .distances
             .iter()
-            .map(|&([a, b], metres)| DistanceSummary {
+            .map(|&([a, b], metres)| KnownDistanceSummary {
                 between: [found.names[a].clone(), found.names[b].clone()],
                 stated_mm: 1e3 * metres,
                 held_out_mm: place(a).zip(place(b)).map(|(a, b)| 1e3 * (b - a).norm()),

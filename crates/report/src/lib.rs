@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod acceptance;
 mod comparison;
 mod discovery;
 mod figure;
@@ -20,6 +21,10 @@ mod suspicion;
 mod upkeep;
 mod wording;
 
+pub use acceptance::{
+    AcceptanceSummary, BudgetSummary, ComplianceSummary, ContributionSummary, DistanceSummary, FigureSummary,
+    Limit, PathSummary, StateSummary, TestPoseSummary, VerdictSummary,
+};
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
     AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
@@ -31,20 +36,20 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
-pub use landmarks::{DistanceSummary, LandmarkSummary, LandmarksSummary};
+pub use landmarks::{KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
 pub use page::{
     CommandView, CommandsView, CorrectionView, MapView, PlaceView, PlanView, PlannedView, PredictionView,
-    ProgramView, Report, commands_report, comparison_report, discovery_report, identification_report,
-    map_report, plan_report, prediction_report, program_report,
+    ProgramView, Report, acceptance_report, commands_report, comparison_report, discovery_report,
+    identification_report, map_report, plan_report, prediction_report, program_report,
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use sessions::{SessionSummary, session_summaries};
-pub use specification::{SpecificationSummary, Verdict};
+pub use specification::{GuardBandSummary, GuardedVerdict, SpecificationSummary, Verdict};
 pub use statistics::{OrientationStatistics, PositionStatistics};
 pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;

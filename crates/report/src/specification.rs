@@ -10,9 +10,14 @@
 //! *Pass* when L ≥ 95 %: with 95 % confidence, 95 % of poses are inside (a 95 %/95 % tolerance statement without a
 //! distribution). *Fail* when U < 95 %. Otherwise it is not decided; 59 poses that are all inside are the fewest that pass.
 //! Source: Clopper and Pearson 1934; Wilks 1941 for the limit.
+//!
+//! Measured errors contain the errors of the instrument. Where the instrument states standard deviations, each pose is compared with guard bands
+//! as well (ISO 14253-1): it conforms when e + 1.645 u ≤ limit, and does not when e − 1.645 u > limit. The robot conforms when the lower 95 %
+//! bound of the fraction of poses that conform is 95 % at the least, and does not when the upper bound of those that are not shown to fail is below.
 
 use crate::{count, significant};
 use serde::{Deserialize, Serialize};
+use truepose_acceptance::{Conformity, GuardBand, one_sided_factor};
 
 /// Confidence level, and the fraction of poses that has to be inside.
 const LEVEL: f64 = 0.95;
@@ -34,6 +39,53 @@ pub struct SpecificationSummary {
     pub tolerance_mm: Option<f64>,
     /// The verdict.
     pub verdict: Verdict,
+    /// The same with guard bands; none where the instrument states no standard deviations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guard_band: Option<GuardBandSummary>,
+}
+
+/// Held-out poses against a limit with guard bands.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GuardBandSummary {
+    /// Guard band divided by the standard uncertainty: 1.645, 95 % one-sided.
+    pub factor: f64,
+    /// RMS of the standard uncertainties of the measured errors, from the instrument, mm.
+    pub u_mm: f64,
+    /// Poses that conform.
+    pub conform: usize,
+    /// Poses that do not.
+    pub not_conform: usize,
+    /// Poses of which neither is shown.
+    pub undecided: usize,
+    /// With 95 % confidence, at least this fraction of all poses conforms.
+    pub share_at_least: f64,
+    /// With 95 % confidence, at most this fraction of all poses is not shown to fail.
+    pub share_at_most: f64,
+    /// The verdict.
+    pub verdict: GuardedVerdict,
+}
+
+/// Verdict of the decision rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GuardedVerdict {
+    /// 95 % of poses conform, with 95 % confidence.
+    Conform,
+    /// They do not.
+    NotConform,
+    /// Neither is shown.
+    Undecided,
+}
+
+impl GuardedVerdict {
+    /// Its words.
+    pub fn name(self) -> &'static str {
+        match self {
+            GuardedVerdict::Conform => "conform",
+            GuardedVerdict::NotConform => "not conform",
+            GuardedVerdict::Undecided => "undecided",
+        }
+    }
 }
 
 /// Whether 95 % of poses are inside, with 95 % confidence.
@@ -56,9 +108,7 @@ impl SpecificationSummary {
         sorted.sort_by(f64::total_cmp);
         let n = sorted.len();
         let inside = sorted.iter().filter(|v| **v <= limit).count();
-        let risk = 1.0 - LEVEL;
-        let lower = if inside == 0 { 0.0 } else { solve(|p| at_least(n, inside, p) - risk) };
-        let upper = if inside == n { 1.0 } else { solve(|p| risk - at_most(n, inside, p)) };
+        let (lower, upper) = bounds(n, inside);
         // The smallest order statistic that is above 95 % of poses with 95 % confidence.
         let order = (1..=n).find(|m| at_most(n, m - 1, LEVEL) >= LEVEL);
         SpecificationSummary {
@@ -73,7 +123,42 @@ impl SpecificationSummary {
                 (_, true) => Verdict::Fail,
                 _ => Verdict::Undecided,
             },
+            guard_band: None,
         }
+    }
+
+    /// The same with guard bands, of the largest error of each pose and its standard uncertainty (m); without uncertainties as it is.
+    #[must_use]
+    pub fn with_guard_band(self, worst: &[(f64, f64)]) -> Self {
+        let known: Vec<(f64, f64)> = worst
+            .iter()
+            .copied()
+            .filter(|(error, u)| error.is_finite() && u.is_finite() && *u > 0.0)
+            .collect();
+        let n = known.len();
+        if n == 0 || n != worst.iter().filter(|(error, _)| error.is_finite()).count() {
+            return self;
+        }
+        let limit = 1e-3 * self.limit_mm;
+        let verdict = |&(error, u): &(f64, f64)| GuardBand::of_known(error, u, limit).verdict;
+        let of = |wanted: Conformity| known.iter().filter(|pose| verdict(pose) == wanted).count();
+        let (conform, not_conform) = (of(Conformity::Conform), of(Conformity::NotConform));
+        let (at_least, at_most) = (bounds(n, conform).0, bounds(n, n - not_conform).1);
+        let guard_band = GuardBandSummary {
+            factor: one_sided_factor(),
+            u_mm: 1e3 * (known.iter().map(|(_, u)| u * u).sum::<f64>() / n as f64).sqrt(),
+            conform,
+            not_conform,
+            undecided: n - conform - not_conform,
+            share_at_least: at_least,
+            share_at_most: at_most,
+            verdict: match (at_least >= LEVEL, at_most < LEVEL) {
+                (true, _) => GuardedVerdict::Conform,
+                (_, true) => GuardedVerdict::NotConform,
+                _ => GuardedVerdict::Undecided,
+            },
+        };
+        SpecificationSummary { guard_band: Some(guard_band), ..self }
     }
 
     /// One sentence: the verdict with its figures.
@@ -93,9 +178,21 @@ impl SpecificationSummary {
             }
             None => String::new(),
         };
+        let guarded = self.guard_band.map_or_else(String::new, |guard| {
+            format!(
+                " With guard bands of {:.3} u (ISO 14253-1, 95 % one-sided; u = {} mm RMS, as the instrument states): {}; {} conform, {} do not, \
+                 {} undecided.",
+                guard.factor,
+                significant(guard.u_mm, 2),
+                guard.verdict.name(),
+                count(guard.conform, "pose"),
+                guard.not_conform,
+                guard.undecided
+            )
+        });
         format!(
             "Specification {} mm: {answer}. {} of {} are inside; with 95 % confidence (one-sided bounds), between {} and {} of all \
-             poses are inside (required: 95 %).{limit}",
+             poses are inside (required: 95 %).{limit}{guarded}",
             significant(self.limit_mm, 3),
             self.inside,
             count(self.poses, "held-out pose"),
@@ -114,6 +211,14 @@ impl Verdict {
             Verdict::Undecided => "not decided",
         }
     }
+}
+
+/// Lower and upper 95 % bound of a fraction, each one-sided.
+fn bounds(n: usize, inside: usize) -> (f64, f64) {
+    let risk = 1.0 - LEVEL;
+    let lower = if inside == 0 { 0.0 } else { solve(|p| at_least(n, inside, p) - risk) };
+    let upper = if inside == n { 1.0 } else { solve(|p| risk - at_most(n, inside, p)) };
+    (lower, upper)
 }
 
 /// P(K ≥ k).
@@ -162,6 +267,25 @@ mod tests {
         assert!((of(59).tolerance_mm.unwrap() - 500.0).abs() < 1e-9);
         // 0.05^(1/59)
         assert!((of(59).share_at_least - 0.05f64.powf(1.0 / 59.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn poses_near_the_limit_are_undecided_with_guard_bands() {
+        let near = |error: f64, count: usize| vec![(error, 0.05); count];
+        let of = |worst: &[(f64, f64)]| {
+            let errors: Vec<f64> = worst.iter().map(|pose| pose.0).collect();
+            SpecificationSummary::new(1.0, &errors).with_guard_band(worst).guard_band.unwrap()
+        };
+        // 0.95 is inside, but not by 1.645 × 0.05.
+        let band = of(&near(0.95, 80));
+        assert_eq!((band.conform, band.not_conform, band.undecided), (0, 0, 80));
+        assert_eq!(band.verdict, GuardedVerdict::Undecided);
+        assert!((band.factor - 1.6449).abs() < 1e-4 && (band.u_mm - 50.0).abs() < 1e-9);
+        assert_eq!(of(&near(0.9, 80)).verdict, GuardedVerdict::Conform);
+        assert_eq!(of(&near(1.1, 80)).verdict, GuardedVerdict::NotConform);
+        // Errors without an uncertainty have no guard band.
+        let unknown = [(0.5, f64::NAN), (0.5, 0.1)];
+        assert!(SpecificationSummary::new(1.0, &[0.5, 0.5]).with_guard_band(&unknown).guard_band.is_none());
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod clock;
 mod closed_loop;
 mod discovery;
 mod document;
+mod guard_band;
 mod harm;
 mod journal;
 mod orders;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
     let done = match name.as_str() {
         "discovery" => discovery::run(&rest),
         "closed-loop" | "drive" => closed_loop::run(&rest),
+        "guard-band" => guard_band::run(&rest),
         "harm" => harm::run(&rest),
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
@@ -44,7 +46,7 @@ fn main() -> ExitCode {
         "sensitivity" => sensitivity::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!(
-            "unknown study `{name}`; there are: closed-loop, discovery, harm, orders, pps, reliability, sensitivity, solvers"
+            "unknown study `{name}`; there are: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, solvers"
         )
         .into()),
     };

@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "acceptance")]
+pub use truepose_acceptance as acceptance;
 #[cfg(feature = "compensate")]
 pub use truepose_compensate as compensate;
 #[cfg(feature = "discover")]

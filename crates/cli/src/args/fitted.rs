@@ -2,18 +2,42 @@
 
 use super::Grouped;
 use super::program::{GivenPlace, RobotProgram, parse_given};
-use super::values::{input, parse_position, parse_three, parse_whole};
+use super::values::{input, parse_length, parse_position, parse_three, parse_whole};
 use std::path::PathBuf;
 
 /// `truepose plan`
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
-    #[arg(long, value_name = "FILE", value_parser = input())]
-    pub fit: PathBuf,
+    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "robot")]
+    pub fit: Option<PathBuf>,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
+    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283
+    #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
+    pub test: Option<PlannedTest>,
+    /// Robot of the test (.toml or .urdf), in place of a fit
+    #[arg(long, value_name = "FILE", requires = "test", conflicts_with = "fit")]
+    pub robot: Option<PathBuf>,
+    /// Base link of a URDF [default: its root]
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub base: Option<String>,
+    /// Tip link of a URDF [default: its only leaf]
+    #[arg(long, value_name = "LINK", requires = "robot")]
+    pub tip: Option<String>,
+    /// Edge of the test's cube, e.g. 400mm [default: the largest of the standard's sizes that the robot reaches]
+    #[arg(long, value_name = "LENGTH", requires = "test", allow_hyphen_values = true, value_parser = parse_length)]
+    pub edge: Option<f64>,
+    /// Its centre in the base frame, e.g. 600mm,0mm,500mm [default: where the largest cube fits]
+    #[arg(long, value_name = "X,Y,Z", requires = "test", allow_hyphen_values = true, value_parser = parse_position)]
+    pub centre: Option<[f64; 3]>,
+    /// Orientation of the tool in the base frame: roll, pitch, yaw, degrees [default: chosen with the cube]
+    #[arg(long, value_name = "R,P,Y", requires = "test", allow_hyphen_values = true, value_parser = parse_three)]
+    pub rpy: Option<[f64; 3]>,
+    /// Cycles of the test
+    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(2..=10_000))]
+    pub cycles: u16,
     /// Fit of a competing hypothesis: plan the pose measurements that distinguish the two
     #[arg(long, value_name = "FILE", value_parser = input(), alias = "discriminate")]
     pub rival: Option<PathBuf>,
@@ -49,6 +73,13 @@ pub struct Plan {
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,
+}
+
+/// Tests whose poses are planned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum PlannedTest {
+    /// Pose accuracy and repeatability of ISO 9283
+    Iso9283,
 }
 
 /// `truepose predict`

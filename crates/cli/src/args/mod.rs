@@ -1,5 +1,6 @@
 //! The command line.
 
+mod acceptance;
 mod fitted;
 mod grouped;
 mod measured;
@@ -8,7 +9,8 @@ mod program;
 mod upkeep;
 mod values;
 
-pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, Predict, YamlStyle};
+pub use acceptance::{FramesFrom, Iso9283};
+pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
@@ -44,7 +46,8 @@ impl Args {
     /// Parses the command line; ends the program where it is not valid.
     pub fn typed() -> Self {
         let command = negative(Args::command());
-        Args::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+        Args::from_arg_matches(&command.get_matches_from(crate::typed::arguments()))
+            .unwrap_or_else(|error| error.exit())
     }
 
     /// The command line, for completions and the manual page.
@@ -92,6 +95,9 @@ pub enum Verb {
     Export(Export),
     /// Map the robot's accuracy over its workspace, before and after compensation
     Map(Map),
+    /// Pose accuracy, repeatability and the other figures of ISO 9283 from repeated poses, with their uncertainty
+    #[command(name = "iso9283")]
+    Iso9283(Iso9283),
     /// Find base (tool, targets) of an identified arm in a new installation, from a few poses
     Transfer(Transfer),
     /// Make a prior for the next robot of a type from the fits of others

@@ -41,14 +41,14 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     let file = file(args);
     let placed = Placed::new(args, &fitted)?;
     let mut poses = read(args, &fitted, &placed)?;
-    let mut commands = commands(args, &fitted, &poses, watch)?;
-    if winds_up(&fitted, &poses) {
-        // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
-        follow(&mut poses, &commands);
-        commands = self::commands(args, &fitted, &poses, watch)?;
-    }
+    let progress = Progress::steps(poses.rows.len().div_ceil(CHUNK), watch);
+    let (commands, expected) =
+        commanded(&fitted, &mut poses, &|| progress.begin("commands")).map_err(|error| match error {
+            CompensateError::Model(error) => about(file)(error),
+            error => Failure::Input(format!("{}: {error}", args.fit.display())),
+        })?;
+    drop(progress);
     let channels = poses.rows.derived_for(fitted.model()).map_err(about(file))?.schema.channels.clone();
-    let expected = expected(&fitted, &poses, &mut commands)?;
     let rows: Vec<CommandRow> = commands
         .iter()
         .zip(&expected)
@@ -137,6 +137,22 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Commands for desired poses, in their order, and the expected accuracy of each. `begin` is called at each part of them.
+pub(crate) fn commanded(
+    fitted: &FittedModel,
+    poses: &mut Poses,
+    begin: &(dyn Fn() + Sync),
+) -> Result<(Vec<Command>, Vec<Expected>), CompensateError> {
+    let mut commands = commands(fitted, poses, begin)?;
+    if winds_up(fitted, poses) {
+        // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
+        follow(poses, &commands);
+        commands = self::commands(fitted, poses, begin)?;
+    }
+    let expected = expected(fitted, poses, &mut commands)?;
+    Ok((commands, expected))
+}
+
 /// The file of poses or joints.
 fn file(args: &Compensate) -> &Path {
     args.poses.as_ref().or(args.joints.as_ref()).unwrap_or(&args.fit)
@@ -212,19 +228,23 @@ fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), F
 }
 
 /// The expected accuracy of a command.
-struct Expected {
+pub(crate) struct Expected {
     /// Distance from the desired position within which the point lies with 95 % probability, m.
-    within_95: f64,
+    pub within_95: f64,
     /// Distance of the nominal robot from there under this command, m.
-    correction: f64,
+    pub correction: f64,
     /// Whether the command is the model's; else it is the nominal robot's.
-    corrected: bool,
-    beyond: Vec<(Beyond, f64)>,
+    pub corrected: bool,
+    pub beyond: Vec<(Beyond, f64)>,
 }
 
 /// Compares every command with the data of the fit and with the nominal command, which replaces it where it is expected to be
 /// more accurate.
-fn expected(fitted: &FittedModel, poses: &Poses, commands: &mut [Command]) -> Result<Vec<Expected>, Failure> {
+fn expected(
+    fitted: &FittedModel,
+    poses: &Poses,
+    commands: &mut [Command],
+) -> Result<Vec<Expected>, CompensateError> {
     let inputs = poses.rows.derived_for(fitted.model())?;
     let coverage = Coverage::new(fitted, &inputs.schema)?;
     let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
@@ -322,24 +342,17 @@ fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandR
 
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
 fn commands(
-    args: &Compensate,
     fitted: &FittedModel,
     poses: &Poses,
-    watch: &Watch,
-) -> Result<Vec<Command>, Failure> {
+    begin: &(dyn Fn() + Sync),
+) -> Result<Vec<Command>, CompensateError> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
-    let inputs = poses.rows.derived_for(fitted.model()).map_err(about(file(args)))?;
-    let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default()).map_err(
-        |error| match error {
-            CompensateError::Model(error) => about(file(args))(error),
-            error => Failure::Input(format!("{}: {error}", args.fit.display())),
-        },
-    )?;
-    let progress = Progress::steps(rows.len().div_ceil(CHUNK), watch);
+    let inputs = poses.rows.derived_for(fitted.model())?;
+    let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default())?;
     let parts: Vec<Vec<Command>> = rows
         .par_chunks(CHUNK)
         .map(|chunk| {
-            progress.begin("commands");
+            begin();
             let mut compensator = compensator.clone();
             let mut conditions = vec![Conditions::default(); TOGETHER];
             let mut commands = Vec::with_capacity(chunk.len());

@@ -3,10 +3,9 @@
 use crate::args::{Args, Completions, CompletionsOf};
 use crate::terminal;
 use clap_complete::Shell;
-use std::process::ExitCode;
 
 /// Writes them to standard output.
-pub fn write(args: &Completions) -> ExitCode {
+pub fn write(args: &Completions) -> u8 {
     let mut command = Args::whole();
     let mut text = Vec::new();
     let shell = match args.of {
@@ -25,13 +24,13 @@ pub fn write(args: &Completions) -> ExitCode {
                 done = done.and_then(|()| clap_mangen::Man::new(verb.clone()).title(name).render(&mut text));
             }
             if done.is_err() {
-                return ExitCode::FAILURE;
+                return 1;
             }
             terminal::print_bytes(&text);
-            return ExitCode::SUCCESS;
+            return 0;
         }
     };
     clap_complete::generate(shell, &mut command, "truepose", &mut text);
     terminal::print_bytes(&text);
-    ExitCode::SUCCESS
+    0
 }

@@ -155,7 +155,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
 }
 
 /// Channels that the search tests as one.
-fn repeated(data: &Dataset, file: &Path) -> Option<String> {
+pub(crate) fn repeated(data: &Dataset, file: &Path) -> Option<String> {
     let channels = &data.schema.channels;
     let pairs = data.repeated_channels().into_iter().enumerate().filter_map(|(k, first)| Some((k, first?)));
     let pairs: Vec<(usize, usize)> = pairs.collect();
@@ -215,14 +215,14 @@ fn add_rivals(
 
 /// Where a fit comes from.
 #[derive(Clone)]
-struct Origin {
-    solver: String,
-    rows: usize,
-    seed: u64,
+pub(crate) struct Origin {
+    pub solver: String,
+    pub rows: usize,
+    pub seed: u64,
 }
 
 impl Origin {
-    fn write(&self, fitted: &mut FittedModel, all_rows: bool) {
+    pub(crate) fn write(&self, fitted: &mut FittedModel, all_rows: bool) {
         let provenance = &mut fitted.provenance;
         provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
         provenance.insert("verb".into(), "discover".into());
@@ -285,7 +285,7 @@ fn incomplete(
     Kept { files: written, text: String::new() }
 }
 
-fn progress_text(step: &Progress) -> String {
+pub(crate) fn progress_text(step: &Progress) -> String {
     match step {
         Progress::Fitting => "fitting the declared model".into(),
         Progress::Screening(0) => "screening all candidates".into(),

@@ -6,6 +6,7 @@ use crate::args::{Export, ExportFormat, YamlStyle};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+use std::path::Path;
 use truepose_compensate::{
     Accuracy, AxisConvention, AxisTableOptions, Comparison, ExportOptions, Exported, JointOrigins,
     ParameterTable, RemainingError, RosStyle, axis_table, error_tables, joint_origins, parameter_table,
@@ -18,12 +19,21 @@ use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Coupling, Pose};
 
 /// The text of a file, with its statement of accuracy.
-struct Written {
-    text: String,
+pub(crate) struct Written {
+    pub text: String,
     left_out: Vec<&'static str>,
     remaining_error: RemainingError,
     comparison: Comparison,
-    statement: Vec<String>,
+    pub statement: Vec<String>,
+}
+
+/// What is written of a fit.
+pub(crate) struct Wanted<'a> {
+    pub format: ExportFormat,
+    /// The URDF that is corrected.
+    pub urdf: Option<&'a Path>,
+    pub hayati: bool,
+    pub entries: usize,
 }
 
 /// Runs the verb.
@@ -46,23 +56,15 @@ pub fn run(args: &Export) -> Result<(), Failure> {
     let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), true)?.of_robot();
     let target = target(&fitted, args.target.as_deref())?;
     let options = ExportOptions { target, ..ExportOptions::default() };
-    let written = match args.format {
-        ExportFormat::Urdf => urdf(args, &fitted, &options)?,
-        ExportFormat::Dh => axes(args, &fitted, &options, AxisConvention::Dh)?,
-        ExportFormat::Mdh => axes(args, &fitted, &options, AxisConvention::Mdh)?,
-        ExportFormat::Ros => {
-            let origins = joint_origins(&fitted, &options)?;
-            let mut notes = notes(&fitted, &origins);
-            notes.extend(targets(&fitted, &origins.value.targets));
-            written(origins.value.to_ros_yaml(&notes), origins, notes)
+    let made = match args.format {
+        ExportFormat::RosYaml => Some(ros_yaml(args, &fitted, &options)?),
+        format => {
+            let (urdf, hayati, entries) = (args.urdf.as_deref(), !args.no_hayati, args.entries as usize);
+            text(&Wanted { format, urdf, hayati, entries }, &fitted, &options)?
         }
-        ExportFormat::RosYaml => ros_yaml(args, &fitted, &options)?,
-        ExportFormat::Iso230 => {
-            let tables = error_tables(&fitted, &options, args.entries as usize)?;
-            let notes = notes(&fitted, &tables);
-            written(tables.value.to_csv(fitted.chain(), &notes), tables, notes)
-        }
-        ExportFormat::Parameters => return as_described(args, &fitted, &options),
+    };
+    let Some(written) = made else {
+        return as_described(args, &fitted, &options);
     };
     write_whole(&args.out, written.text.as_bytes())?;
     if args.json {
@@ -82,6 +84,32 @@ pub fn run(args: &Export) -> Result<(), Failure> {
         terminal::print(&format!("{line}\n"));
     }
     Ok(())
+}
+
+/// The text of a file; none of the parameters as described, which are a table.
+pub(crate) fn text(
+    wanted: &Wanted<'_>,
+    fitted: &FittedModel,
+    options: &ExportOptions,
+) -> Result<Option<Written>, Failure> {
+    Ok(Some(match wanted.format {
+        ExportFormat::Urdf => urdf(wanted, fitted, options)?,
+        ExportFormat::Dh => axes(wanted, fitted, options, AxisConvention::Dh)?,
+        ExportFormat::Mdh => axes(wanted, fitted, options, AxisConvention::Mdh)?,
+        ExportFormat::Ros => {
+            let origins = joint_origins(fitted, options)?;
+            let mut notes = notes(fitted, &origins);
+            notes.extend(targets(fitted, &origins.value.targets));
+            written(origins.value.to_ros_yaml(&notes), origins, notes)
+        }
+        ExportFormat::Iso230 => {
+            let tables = error_tables(fitted, options, wanted.entries)?;
+            let notes = notes(fitted, &tables);
+            written(tables.value.to_csv(fitted.chain(), &notes), tables, notes)
+        }
+        // Needs more than the format: the style of a maker.
+        ExportFormat::RosYaml | ExportFormat::Parameters => return Ok(None),
+    }))
 }
 
 fn written<T>(text: String, exported: Exported<T>, statement: Vec<String>) -> Written {
@@ -140,13 +168,13 @@ fn targets(fitted: &FittedModel, found: &[Vector3<f64>]) -> Vec<String> {
 }
 
 fn axes(
-    args: &Export,
+    wanted: &Wanted<'_>,
     fitted: &FittedModel,
     options: &ExportOptions,
     convention: AxisConvention,
 ) -> Result<Written, Failure> {
     // A robot that is described in this convention keeps the branch of its rows.
-    if !args.no_hayati
+    if wanted.hayati
         && let Ok(table) = parameter_table(fitted, options)
     {
         let mut notes = notes(fitted, &table);
@@ -155,7 +183,7 @@ fn axes(
             return Ok(written(text, table, notes));
         }
     }
-    let allow = AxisTableOptions { hayati: !args.no_hayati, ..AxisTableOptions::default() };
+    let allow = AxisTableOptions { hayati: wanted.hayati, ..AxisTableOptions::default() };
     let table = axis_table(fitted, options, &allow)?;
     let mut notes = notes(fitted, &table);
     notes.extend(targets(fitted, &table.value.targets));
@@ -206,7 +234,7 @@ fn as_described(args: &Export, fitted: &FittedModel, options: &ExportOptions) ->
     Ok(())
 }
 
-fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
+fn urdf(wanted: &Wanted<'_>, fitted: &FittedModel, options: &ExportOptions) -> Result<Written, Failure> {
     let origins = joint_origins(fitted, options)?;
     let mut notes = notes(fitted, &origins);
     notes.extend(targets(fitted, &origins.value.targets));
@@ -215,7 +243,7 @@ fn urdf(args: &Export, fitted: &FittedModel, options: &ExportOptions) -> Result<
         notes.push(format!("the base link is in the measurement frame at {}", place(base)));
     }
     let nominal = fitted.chain();
-    let text = match &args.urdf {
+    let text = match wanted.urdf {
         None => robot_urdf(&origins.value.to_chain(nominal)?, &notes),
         Some(path) => {
             let declared = nominal.tool();

@@ -105,7 +105,7 @@ fn may_be_written(option: &str, folder: &Path, file: &Path) -> bool {
 }
 
 /// Files of a report, whichever verb writes it.
-const PAGE: [&str; 10] = [
+const PAGE: [&str; 11] = [
     "index.html",
     "summary.html",
     "run.json",
@@ -116,6 +116,7 @@ const PAGE: [&str; 10] = [
     "map.json",
     "plan.json",
     "prediction.json",
+    "acceptance.json",
 ];
 
 fn refused(option: &str, words: String) -> Result<(), Failure> {
@@ -165,7 +166,8 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         Verb::Compare(of) => (measured(&of.measured), list(&[("--report", of.report.as_ref())])),
         Verb::Plan(of) => (
             list(&[
-                ("--fit", Some(&of.fit)),
+                ("--robot", of.robot.as_ref()),
+                ("--fit", of.fit.as_ref()),
                 ("--rival", of.rival.as_ref()),
                 ("--at", of.at.as_ref()),
                 ("--certificate", of.certificate.as_ref()),
@@ -202,6 +204,15 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         Verb::Map(of) => (
             list(&[("--fit", Some(&of.fit)), ("--certificate", of.certificate.as_ref())]),
             list(&[("--report", of.report.as_ref()), ("--out", Some(&of.out))]),
+        ),
+        Verb::Iso9283(of) => (
+            list(&[
+                ("--robot", of.robot.as_ref()),
+                ("--data", Some(&of.data)),
+                ("--fit", of.fit.as_ref()),
+                ("--certificate", of.certificate.as_ref()),
+            ]),
+            list(&[("--report", of.report.as_ref())]),
         ),
         Verb::Transfer(of) => {
             (list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]), list(&[("--out", Some(&of.out))]))

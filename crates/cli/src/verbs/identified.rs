@@ -7,7 +7,7 @@ use truepose_identify::IdentifyError;
 use truepose_report::{SpecificationSummary, Verdict, millimetres};
 
 /// Where a fit comes from.
-pub(super) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
+pub(crate) fn origin(provenance: &mut serde_json::Map<String, serde_json::Value>, solver: &str, rows: usize) {
     provenance.insert("program".into(), concat!("truepose ", env!("CARGO_PKG_VERSION")).into());
     provenance.insert("verb".into(), "identify".into());
     provenance.insert("solver".into(), solver.into());

@@ -202,7 +202,7 @@ pub(super) fn split(
 }
 
 /// How a split makes its folds.
-pub(super) fn split_words(split: &Split) -> String {
+pub(crate) fn split_words(split: &Split) -> String {
     match split {
         Split::Random { folds, seed } => format!("{folds} random folds over configurations, seed {seed}"),
         Split::LeaveOneOut => "one configuration at a time".into(),

@@ -1,26 +1,28 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
-mod beyond;
+pub(crate) mod beyond;
 mod campaign;
 mod check;
 mod compare;
-mod compensate;
+pub(crate) mod compensate;
 mod completions;
-mod discover;
+pub(crate) mod discover;
 mod effects;
-mod export;
+pub(crate) mod export;
 mod files;
 mod fleet;
 mod frames;
-mod identified;
-mod identify;
+pub(crate) mod identified;
+pub(crate) mod identify;
 mod init;
+mod iso9283;
 mod map;
 mod monitor;
 mod nominal;
-mod parameters;
+pub(crate) mod parameters;
 mod plan;
-mod predict;
+mod plan_iso9283;
+pub(crate) mod predict;
 mod program;
 mod repeated;
 mod reporting;
@@ -57,6 +59,7 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Compensate(verb) => compensate::run(verb, watch),
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
+        Verb::Iso9283(verb) => iso9283::run(verb, watch),
         Verb::Transfer(verb) => transfer::run(verb, watch),
         Verb::Fleet(verb) => fleet::run(verb),
         Verb::Monitor(verb) => monitor::run(verb, watch),

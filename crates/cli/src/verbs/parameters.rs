@@ -22,7 +22,12 @@ const FRAMES: &str = "frames";
 
 /// Records the units and frames of the robot's file in a fit.
 pub(super) fn record_details(fitted: &mut FittedModel, robot: &Path) -> Result<(), Failure> {
-    let RobotDetails { units, frames, .. } = read_details(robot)?;
+    record(fitted, &read_details(robot)?);
+    Ok(())
+}
+
+/// Records units and frames of a robot in a fit.
+pub(crate) fn record(fitted: &mut FittedModel, RobotDetails { units, frames, .. }: &RobotDetails) {
     let words = serde_json::json!({"length": units.length.word, "angle": units.angle.word});
     fitted.provenance.insert(UNITS.into(), words);
     if !frames.is_empty() {
@@ -34,14 +39,13 @@ pub(super) fn record_details(fitted: &mut FittedModel, robot: &Path) -> Result<(
         };
         fitted.provenance.insert(FRAMES.into(), frames.iter().map(one).collect::<Vec<_>>().into());
     }
-    Ok(())
 }
 
 const INSIDE: [(&str, FrameParent); 3] =
     [("base", FrameParent::Base), ("measurement", FrameParent::Measurement), ("flange", FrameParent::Flange)];
 
 /// The named frames of the robot's file, as the fit has them.
-pub(super) fn recorded_frames(fitted: &FittedModel) -> Vec<NamedFrame> {
+pub(crate) fn recorded_frames(fitted: &FittedModel) -> Vec<NamedFrame> {
     let one = |value: &serde_json::Value| {
         let numbers = |key: &str| -> Option<Vec<f64>> {
             value.get(key)?.as_array()?.iter().map(serde_json::Value::as_f64).collect()
@@ -58,7 +62,7 @@ pub(super) fn recorded_frames(fitted: &FittedModel) -> Vec<NamedFrame> {
 }
 
 /// The units of the robot's file, as the fit has them; without any, mm and degrees.
-fn units(fitted: &FittedModel) -> ExportUnits {
+pub(crate) fn units(fitted: &FittedModel) -> ExportUnits {
     let recorded = |key: &str, quantity: Quantity| {
         let word = fitted.provenance.get(UNITS)?.get(key)?.as_str()?;
         Unit::named(word).filter(|unit| unit.quantity == quantity).copied()
@@ -71,7 +75,7 @@ fn units(fitted: &FittedModel) -> ExportUnits {
 }
 
 /// The parameters of a fit, or why there are none.
-pub(super) fn parameters(fitted: &FittedModel) -> ParametersSummary {
+pub(crate) fn parameters(fitted: &FittedModel) -> ParametersSummary {
     match parameter_table(fitted, &ExportOptions::default()) {
         Ok(exported) => summary(fitted, &exported.value, &exported.left_out),
         Err(error) => ParametersSummary { absent: Some(error.to_string()), ..ParametersSummary::default() },

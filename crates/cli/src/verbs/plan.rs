@@ -4,7 +4,7 @@ use super::compensate::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;
-use crate::args::Plan;
+use crate::args::{Plan, PlannedTest};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
@@ -19,10 +19,14 @@ use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
+    if args.test == Some(PlannedTest::Iso9283) {
+        return super::plan_iso9283::run(args, watch);
+    }
     check_writable(&args.out)?;
+    let file = args.fit.as_ref().ok_or_else(|| Failure::Input("--fit: a fit is needed".into()))?;
     let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
     let registry = effects();
-    let fitted = chosen(read_fit(&args.fit, registry)?, args.session.as_deref(), true)?;
+    let fitted = chosen(read_fit(file, registry)?, args.session.as_deref(), true)?;
     let in_session = |fit| chosen(fit, args.session.as_deref(), true);
     let rival = args.rival.as_ref().map(|file| in_session(read_fit(file, registry)?)).transpose()?;
     let goals = match &args.at {
@@ -105,7 +109,7 @@ fn write_page(
     };
     let mut files = WholeFiles::default();
     let inputs: Vec<&Path> =
-        [Some(&args.fit), args.rival.as_ref(), args.at.as_ref(), args.certificate.as_ref()]
+        [args.fit.as_ref(), args.rival.as_ref(), args.at.as_ref(), args.certificate.as_ref()]
             .into_iter()
             .flatten()
             .map(PathBuf::as_path)

@@ -106,7 +106,7 @@ fn in_order<T>(parts: &[Part], values: &mut Vec<T>) {
 ///
 /// # Errors
 /// When the place of one is not known; names its first line.
-fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, String> {
+pub(crate) fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, String> {
     let mut warnings = Vec::new();
     let mut done = Vec::new();
     for (row, &target) in data.target.iter().enumerate().filter(|_| !fitted.domain.targets.is_empty()) {
@@ -120,7 +120,7 @@ fn targets_seen(fitted: &FittedModel, data: &Dataset) -> Result<Vec<String>, Str
 }
 
 /// Every row, in order, and what of it lies beyond the data of the fit.
-fn predict(
+pub(crate) fn predict(
     fitted: &FittedModel,
     coverage: &Coverage<'_>,
     inputs: &Dataset,

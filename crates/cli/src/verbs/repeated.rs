@@ -53,6 +53,10 @@ impl Repeated {
                 (verb.report, verb.out) = (report, own.join("predictions.csv"));
                 (Verb::Predict(verb), "prediction.json")
             }
+            Verb::Iso9283(mut verb) => {
+                verb.report = report;
+                (Verb::Iso9283(verb), "acceptance.json")
+            }
             _ => return Err(NOT_REPEATED.into()),
         };
         Ok(Repeated { verb, result })
@@ -61,7 +65,7 @@ impl Repeated {
 
 /// What is said of other verbs.
 const NOT_REPEATED: &str =
-    "only discover, identify, compare, compensate, map, plan and predict can be repeated";
+    "only discover, identify, compare, compensate, iso9283, map, plan and predict can be repeated";
 
 #[cfg(test)]
 mod tests {

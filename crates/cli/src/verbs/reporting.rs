@@ -69,7 +69,7 @@ impl Folder {
                 Ok(FileRecord { file: file.to_string_lossy().into_owned(), bytes, sha256 })
             })
             .collect::<Result<Vec<_>, Failure>>()?;
-        let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
+        let arguments: Vec<OsString> = crate::typed::arguments().into_iter().skip(1).collect();
         if let Some(name) = arguments.iter().find(|argument| argument.to_str().is_none()) {
             unrepeatable(Path::new(name), "is not UTF-8");
         }

@@ -6,6 +6,7 @@
     reason = "a test says what it saw, and fails by panicking"
 )]
 
+mod acceptance;
 mod bad_input;
 mod coupled;
 mod determinism;

@@ -29,7 +29,7 @@ window.addEventListener("load", function () {
 });
 </script></body>"#;
 
-fn asked(browser: &str, folder: &Folder, page: &str, axe: &str, width: u32) -> Value {
+pub fn asked(browser: &str, folder: &Folder, page: &str, axe: &str, width: u32) -> Value {
     folder.write("probed.html", &folder.read(page).replace("</body>", &format!("{axe}{PROBE}")));
     let arguments = ["--dump-dom".into(), format!("--window-size={width},900")];
     let (dom, log) = chromium(browser, folder, "probed.html", &arguments);

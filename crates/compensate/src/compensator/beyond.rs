@@ -33,7 +33,12 @@ impl<'m> Beyond<'m> {
         Ok(Some(Beyond {
             predictor: fitted.bind(schema)?,
             declared: Box::new(Compensator::bind(&fallback.declared, schema, options.clone())?),
-            conditions: Conditions::default(),
+            conditions: Conditions {
+                joints: vec![0.0; fitted.chain().movable().len()],
+                approach: vec![0.0; fitted.chain().movable().len()],
+                channels: vec![0.0; schema.channels.len()],
+                ..Conditions::default()
+            },
         }))
     }
 

@@ -7,6 +7,7 @@ mod landmarks;
 mod model;
 mod sample;
 mod sessions;
+mod spread;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};

@@ -3,6 +3,7 @@
 use super::domain::Domain;
 use super::fallback::{between, share};
 use super::sessions::Installed;
+use super::spread::position_covariance;
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
@@ -259,7 +260,13 @@ impl FittedModel {
             bound: self.model.bind(schema)?,
             nominal: PostureBuffer::new(self.chain()),
             rest: Equilibrium::new(&self.model),
-            conditions: Conditions::default(),
+            rows: DMatrix::zeros(6, self.coefficients.len()),
+            conditions: Conditions {
+                joints: vec![0.0; self.chain().movable().len()],
+                approach: vec![0.0; self.chain().movable().len()],
+                channels: vec![0.0; schema.channels.len()],
+                ..Conditions::default()
+            },
             declared: match &self.fallback {
                 Some(fallback) => Some(Box::new(fallback.declared.bind(schema)?)),
                 None => None,
@@ -287,6 +294,8 @@ pub struct Predictor<'m> {
     bound: BoundModel<'m>,
     nominal: PostureBuffer,
     rest: Equilibrium,
+    /// [`Predictor::sensitivity`] of the last posture that was judged.
+    rows: DMatrix<f64>,
     /// Used where a declared load is wrong.
     conditions: Conditions,
     /// Of the fallback.
@@ -313,11 +322,9 @@ impl Predictor<'_> {
 
     /// The prediction with its covariance, and what the coefficients leave open of it with every finding.
     pub(super) fn judged(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Predicted {
-        let rows = self.sensitivity(conditions, target);
+        self.differentiate(conditions, target);
         let found = self.found(target);
-        let rows = rows.rows(0, 3);
-        let spread = rows * &self.fitted.covariance * rows.transpose();
-        let covariance = Matrix3::from_iterator(spread.iter().copied());
+        let covariance = position_covariance(&self.rows, &self.fitted.covariance);
         let open = covariance.trace();
         let weight = self.fitted.fallback.as_ref().map_or(1.0, |fallback| fallback.weight(open));
         let (Some(declared), Some(fallback)) = (&mut self.declared, &self.fitted.fallback) else {
@@ -349,10 +356,17 @@ impl Predictor<'_> {
     /// How the prediction with every finding moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
     /// of the coefficient; 6 × p.
     pub fn sensitivity(&mut self, conditions: &Conditions, target: Option<TargetId>) -> DMatrix<f64> {
+        self.differentiate(conditions, target);
+        self.rows.clone()
+    }
+
+    /// Fills `rows`, without allocating.
+    fn differentiate(&mut self, conditions: &Conditions, target: Option<TargetId>) {
         self.settle(conditions);
         let (chain, rest) = (self.fitted.chain(), &self.rest);
         let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), target);
-        let mut rows = DMatrix::zeros(6, self.fitted.coefficients.len());
+        let rows = &mut self.rows;
+        rows.fill(0.0);
         for entry in rest.emission().entries() {
             let mut column = rows.column_mut(entry.column);
             let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
@@ -361,7 +375,6 @@ impl Predictor<'_> {
                 column[k + 3] += entry.value * r[k];
             }
         }
-        rows
     }
 
     /// How well the prediction with every finding is known: covariance of `[x y z rx ry rz]` (m, rad, measurement frame) that comes

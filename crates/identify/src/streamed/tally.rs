@@ -9,6 +9,14 @@ const BINS: usize = 256;
 /// Octaves of the histogram, downwards from 2^32.
 const OCTAVES: usize = 96;
 
+/// Sums are kept in units of 2⁻⁹⁶ as whole numbers: so they are exact, and whoever adds up the parts in whatever order has the same sum.
+const UNIT: f64 = (1u128 << 96) as f64;
+
+/// A number above zero in those units; what is beyond 4e9 is that.
+fn units(value: f64) -> u128 {
+    (value * UNIT) as u128
+}
+
 /// Count, mean, root mean square, maximum, and the 95 % quantile: exact up to 65 536 values or as many as are to be kept,
 /// right to 0.4 % beyond.
 #[derive(Debug, Clone)]
@@ -17,8 +25,8 @@ pub struct Tally {
     kept: Vec<f64>,
     bins: Vec<u64>,
     count: usize,
-    sum: f64,
-    squares: f64,
+    sum: u128,
+    squares: u128,
     max: f64,
 }
 
@@ -31,26 +39,66 @@ impl Default for Tally {
 impl Tally {
     /// One that is exact up to so many values.
     pub fn keeping(most: usize) -> Self {
-        Tally { most, kept: Vec::new(), bins: Vec::new(), count: 0, sum: 0.0, squares: 0.0, max: 0.0 }
+        Tally { most, kept: Vec::new(), bins: Vec::new(), count: 0, sum: 0, squares: 0, max: 0.0 }
     }
 
     /// Takes in some more; what is no number is left out.
     pub fn add(&mut self, values: impl Iterator<Item = f64>) {
         for value in values.filter(|value| value.is_finite()) {
             self.count += 1;
-            self.sum += value;
-            self.squares += value * value;
+            self.sum = self.sum.saturating_add(units(value));
+            self.squares = self.squares.saturating_add(units(value * value));
             self.max = self.max.max(value);
-            if self.bins.is_empty() {
-                self.kept.push(value);
-                if self.kept.len() > self.most {
-                    self.bins = vec![0; BINS * OCTAVES];
-                    std::mem::take(&mut self.kept).into_iter().for_each(|value| self.bins[bin(value)] += 1);
+            self.keep(value);
+        }
+    }
+
+    fn keep(&mut self, value: f64) {
+        if self.bins.is_empty() {
+            self.kept.push(value);
+            if self.kept.len() > self.most {
+                self.bins = vec![0; BINS * OCTAVES];
+                std::mem::take(&mut self.kept).into_iter().for_each(|value| self.bins[bin(value)] += 1);
+            }
+        } else {
+            self.bins[bin(value)] += 1;
+        }
+    }
+
+    /// Takes in what another one has seen. The result does not depend on who has seen what, nor on the order, to the last bit.
+    pub fn merge(&mut self, other: &Tally) {
+        self.count += other.count;
+        self.sum = self.sum.saturating_add(other.sum);
+        self.squares = self.squares.saturating_add(other.squares);
+        self.max = self.max.max(other.max);
+        if !other.bins.is_empty() && self.bins.is_empty() {
+            self.bins = vec![0; BINS * OCTAVES];
+            std::mem::take(&mut self.kept).into_iter().for_each(|value| self.bins[bin(value)] += 1);
+        }
+        self.bins.iter_mut().zip(&other.bins).for_each(|(into, more)| *into += more);
+        other.kept.iter().for_each(|&value| self.keep(value));
+    }
+
+    /// Everything in it as numbers, for [`Tally::restored`].
+    pub fn stored(&self) -> (u128, u128, f64, Vec<f64>, Vec<(u32, u64)>) {
+        let filled = self.bins.iter().enumerate().filter(|(_, count)| **count > 0);
+        let bins = filled.map(|(bin, &count)| (bin as u32, count)).collect();
+        (self.sum, self.squares, self.max, self.kept.clone(), bins)
+    }
+
+    /// What [`Tally::stored`] gave; bins that do not exist are left out.
+    pub fn restored((sum, squares, max, kept, filled): (u128, u128, f64, Vec<f64>, Vec<(u32, u64)>)) -> Self {
+        let mut made = Tally { sum, squares, max, count: kept.len(), kept, ..Tally::default() };
+        if !filled.is_empty() {
+            made.bins = vec![0; BINS * OCTAVES];
+            for (bin, count) in filled {
+                if let Some(into) = made.bins.get_mut(bin as usize) {
+                    *into += count;
+                    made.count += count as usize;
                 }
-            } else {
-                self.bins[bin(value)] += 1;
             }
         }
+        made
     }
 
     /// The statistics.
@@ -61,8 +109,8 @@ impl Tally {
         let n = self.count as f64;
         Spread {
             count: self.count,
-            mean: self.sum / n,
-            rms: (self.squares / n).sqrt(),
+            mean: self.sum as f64 / UNIT / n,
+            rms: (self.squares as f64 / UNIT / n).sqrt(),
             p95: self.quantile(0.95).min(self.max),
             max: self.max,
         }
@@ -114,6 +162,24 @@ mod tests {
             close(found.rms, exact.rms, 1e-12);
             close(found.max, exact.max, 0.0);
             close(found.p95, exact.p95, if count > KEPT { 4e-3 } else { 0.0 });
+        }
+    }
+
+    #[test]
+    fn parts_merge_to_the_whole_in_any_order() {
+        let value = |k: usize| 1e-4 * (1.0 + (k as f64 * 0.754).sin()).powi(2);
+        for count in [1000, KEPT, 4 * KEPT] {
+            let part = |from: usize, step: usize| {
+                let mut tally = Tally::default();
+                tally.add((from..count).step_by(step).map(value));
+                tally
+            };
+            let whole = part(0, 1).spread();
+            for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+                let mut sum = Tally::default();
+                order.into_iter().for_each(|k| sum.merge(&Tally::restored(part(k, 3).stored())));
+                assert_eq!(sum.spread(), whole);
+            }
         }
     }
 }

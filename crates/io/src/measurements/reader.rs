@@ -7,6 +7,7 @@ use super::mapping::ColumnMap;
 use super::names::Names;
 use super::problems::Problems;
 use super::row::RowReader;
+use super::sampled::Sample;
 use super::source::Source;
 use super::suspicious::{ReadSoFar, look_at_columns};
 use super::visits::{VisitNumbers, check_standstills, label_in_file};
@@ -59,28 +60,16 @@ pub struct MeasurementsReader {
 }
 
 impl MeasurementsReader {
-    /// Opens a file and reads its header.
-    ///
-    /// # Errors
-    /// When the file cannot be read or its header does not make sense.
-    pub fn open(
-        path: impl AsRef<Path>,
-        chain: &Chain,
-        options: &MeasurementsOptions,
-    ) -> Result<Self, IoError> {
-        let needs = Needs { joints: true, measured: options.measured_required, position: false };
-        MeasurementsReader::open_for(path.as_ref(), chain, needs, options.dwell, &options.columns)
-    }
-
-    pub(crate) fn open_for(
+    /// Reads the header of a source.
+    pub(super) fn begin(
         path: &Path,
+        (mut source, sample, remarks): (Source, Sample, Vec<String>),
         chain: &Chain,
         needs: Needs,
         dwell: DwellTolerance,
         columns: &ColumnMap,
     ) -> Result<Self, IoError> {
         let names = Names { chain, map: columns };
-        let (mut source, sample, remarks) = Source::open(path, &names)?;
         let remark = |message| Warning { file: path.into(), line: None, column: None, message };
         let mut warnings: Vec<Warning> = remarks.into_iter().map(remark).collect();
         let header = match source.header()? {

@@ -16,7 +16,6 @@ use truepose_kinematics::{Chain, Load, TargetId};
 const LARGEST: f64 = 1e30;
 
 /// A cell of a column.
-#[cfg(feature = "parquet")]
 pub(crate) enum Cell<'a> {
     Empty,
     Number(f64),
@@ -227,14 +226,12 @@ impl RowReader {
     }
 
     /// Takes a row whose cells stand in columns.
-    #[cfg(feature = "parquet")]
     pub fn take<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
         let taken = self.take_cells(line, cell);
         self.failed = taken.is_err();
         taken
     }
 
-    #[cfg(feature = "parquet")]
     fn take_cells<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
         if !self.begin(line) {
             return Ok(());

@@ -1,7 +1,8 @@
-//! Where the rows of a table come from: lines of text, or a Parquet file (feature `parquet`), which is recognised by its first bytes.
+//! Where the rows of a table come from: lines of text, a Parquet file (feature `parquet`), which is recognised by its first bytes, or memory.
 
 use super::dialect::{self, Dialect};
 use super::lines::Lines;
+use super::memory::{MemoryRows, MemoryTable};
 use super::names::Names;
 #[cfg(feature = "parquet")]
 use super::parquet::ParquetRows;
@@ -19,6 +20,7 @@ type Line<'a> = (u64, Cow<'a, [u8]>);
 #[derive(Debug)]
 pub(crate) enum Source {
     Text(Lines),
+    Memory(Box<MemoryRows>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetRows>),
 }
@@ -50,10 +52,16 @@ impl Source {
         Ok((Source::Text(lines), sample, remarks))
     }
 
+    /// Goes through a table in memory.
+    pub fn memory(table: MemoryTable) -> Self {
+        Source::Memory(Box::new(MemoryRows::new(table)))
+    }
+
     /// The names of the columns as a line of text, and its number; none in an empty file.
     pub fn header(&mut self) -> Result<Option<Line<'_>>, IoError> {
         match self {
             Source::Text(lines) => Ok(lines.next()?.map(|(line, text)| (line, Cow::Borrowed(text)))),
+            Source::Memory(rows) => Ok(Some((0, Cow::Owned(rows.header())))),
             #[cfg(feature = "parquet")]
             Source::Parquet(rows) => Ok(Some((0, Cow::Owned(rows.header())))),
         }
@@ -67,6 +75,7 @@ impl Source {
                 into.read(line, text)?;
                 Ok(Some(text.len() + 1))
             }
+            Source::Memory(rows) => rows.row(into),
             #[cfg(feature = "parquet")]
             Source::Parquet(rows) => rows.row(into),
         }
@@ -75,6 +84,7 @@ impl Source {
     pub fn file(&self) -> &Path {
         match self {
             Source::Text(lines) => lines.file(),
+            Source::Memory(rows) => rows.file(),
             #[cfg(feature = "parquet")]
             Source::Parquet(rows) => rows.file(),
         }
@@ -84,6 +94,7 @@ impl Source {
     pub fn size(&self) -> u64 {
         match self {
             Source::Text(lines) => lines.size(),
+            Source::Memory(rows) => rows.size(),
             #[cfg(feature = "parquet")]
             Source::Parquet(rows) => rows.size(),
         }
@@ -93,6 +104,7 @@ impl Source {
     pub fn handed_out(&self) -> u64 {
         match self {
             Source::Text(lines) => lines.handed_out(),
+            Source::Memory(rows) => rows.handed_out(),
             #[cfg(feature = "parquet")]
             Source::Parquet(rows) => rows.handed_out(),
         }
@@ -102,6 +114,10 @@ impl Source {
     pub fn jump(&mut self, to: u64) -> Result<(), IoError> {
         match self {
             Source::Text(lines) => lines.jump(to),
+            Source::Memory(rows) => {
+                rows.jump(to);
+                Ok(())
+            }
             #[cfg(feature = "parquet")]
             Source::Parquet(rows) => rows.jump(to),
         }

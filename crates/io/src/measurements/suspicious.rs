@@ -138,8 +138,9 @@ pub(super) fn look_at_columns(read: &ReadSoFar<'_>, chain: &Chain, warnings: &mu
             }
         }
     }
-    // A channel may have any unit; one in the unit of a joint's value is rather a joint under another name.
-    for &k in &header.slots.channels {
+    // A channel may have any unit; one in the unit of a joint's value is rather a joint under another name. Commanded poses are known by theirs.
+    let commanded = |k: usize| header.columns[k].name.starts_with("command_");
+    for &k in header.slots.channels.iter().filter(|&&k| !commanded(k)) {
         let unit = Unit::named(&header.columns[k].unit);
         if unit.is_some_and(|unit| matches!(unit.quantity, Quantity::Angle | Quantity::Length)) {
             let joints: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();

@@ -3,6 +3,7 @@
 use super::header::{Header, Needs};
 use super::info::CsvInfo;
 use super::mapping::ColumnMap;
+use super::memory::MemoryTable;
 use super::reader::{MeasurementsOptions, MeasurementsReader};
 use super::suspicious;
 use super::visits::{check_standstills, grouping};
@@ -22,8 +23,28 @@ pub fn read_measurements(
     chain: &Chain,
     options: &MeasurementsOptions,
 ) -> Result<(Dataset, CsvInfo, Vec<Warning>), IoError> {
+    measurements(From::File(path.as_ref()), chain, options)
+}
+
+/// Reads a table of measurements in memory: the same as a file of its columns.
+///
+/// # Errors
+/// When it lacks a column, or at the first cell that is wrong, with its row (from 1) and column.
+pub fn measurements_in_memory(
+    table: MemoryTable,
+    chain: &Chain,
+    options: &MeasurementsOptions,
+) -> Result<(Dataset, CsvInfo, Vec<Warning>), IoError> {
+    measurements(From::Memory(table), chain, options)
+}
+
+fn measurements(
+    from: From<'_>,
+    chain: &Chain,
+    options: &MeasurementsOptions,
+) -> Result<(Dataset, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: true, measured: options.measured_required, position: false };
-    let mut table = read_table(path.as_ref(), chain, needs, options.dwell, &options.columns)?;
+    let mut table = read_table(from, chain, needs, options.dwell, &options.columns)?;
     let data = &mut table.data;
     if !data.schema.approach {
         let derived = approach_from_order(data);
@@ -39,6 +60,12 @@ pub fn read_measurements(
     Ok((table.data, table.info, table.warnings))
 }
 
+/// Where a whole table comes from.
+pub(crate) enum From<'a> {
+    File(&'a Path),
+    Memory(MemoryTable),
+}
+
 /// A file as read, without derived columns.
 pub(crate) struct Table {
     pub data: Dataset,
@@ -48,13 +75,16 @@ pub(crate) struct Table {
 }
 
 pub(crate) fn read_table(
-    path: &Path,
+    from: From<'_>,
     chain: &Chain,
     needs: Needs,
     dwell: DwellTolerance,
     columns: &ColumnMap,
 ) -> Result<Table, IoError> {
-    let mut reader = MeasurementsReader::open_for(path, chain, needs, dwell, columns)?;
+    let mut reader = match from {
+        From::File(path) => MeasurementsReader::open_for(path, chain, needs, dwell, columns)?,
+        From::Memory(table) => MeasurementsReader::over_for(table, chain, needs, dwell, columns)?,
+    };
     let mut data = reader.read_all()?;
     let mut info = reader.info();
     let numbered = reader.rows.header.slots.visit.is_some();

@@ -52,7 +52,7 @@ pub struct Certificate {
 }
 
 /// Keys of `[certificate]`, with the words of the page.
-const ENTRIES: [(&str, &str); 12] = [
+const ENTRIES: [(&str, &str); 13] = [
     ("number", "certificate"),
     ("customer", "customer"),
     ("robot", "robot"),
@@ -64,6 +64,7 @@ const ENTRIES: [(&str, &str); 12] = [
     ("operator", "operator"),
     ("date", "date of measurement"),
     ("place", "place"),
+    ("environment", "environment"),
     ("remarks", "remarks"),
 ];
 

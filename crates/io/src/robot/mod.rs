@@ -22,6 +22,7 @@ pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
 pub use urdf_form::robot_urdf;
 pub use write::robot_toml;
 
+use crate::text::Text;
 use crate::{ColumnMap, IoError, Warning};
 use std::path::{Path, PathBuf};
 use truepose_errormodel::{SessionRules, Surroundings};
@@ -75,6 +76,20 @@ pub fn read_robot(path: impl AsRef<Path>, options: &RobotOptions) -> Result<(Cha
         _ => return Err(IoError::file(path, "a robot description ends in .toml, .urdf or .yaml")),
     };
     Ok((chain, warnings))
+}
+
+/// Reads the text of a TOML description. `name` stands in messages where the name of a file would; a `urdf` is looked for in its folder.
+///
+/// # Errors
+/// As [`read_robot`].
+pub fn robot_from_text(
+    name: impl Into<PathBuf>,
+    text: impl Into<String>,
+    options: &RobotOptions,
+) -> Result<(Chain, Vec<Warning>), IoError> {
+    let mut warnings = Vec::new();
+    let text = Text { file: name.into(), text: text.into() };
+    Ok((toml_form::of(&text, options, &mut warnings)?, warnings))
 }
 
 /// Which columns of tables of measurements are which, as `[columns]` of a robot description says; nothing where it says nothing.

@@ -36,11 +36,16 @@ pub(super) fn read(
     options: &RobotOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Chain, IoError> {
-    let text = Text::read(path)?;
+    of(&Text::read(path)?, options, warnings)
+}
+
+/// The robot of a text.
+pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning>) -> Result<Chain, IoError> {
+    let path = text.file.as_path();
     if text.text.trim().is_empty() {
         return Err(IoError::file(path, "is empty; a robot description begins with its name and its joints"));
     }
-    let document = Document::parse(&text)?;
+    let document = Document::parse(text)?;
     let root = document.root("the robot");
     root.only(&[
         "name",

@@ -45,6 +45,9 @@ impl fmt::Display for IdentificationSummary {
         }
         self.errors(f)?;
         self.noise(f)?;
+        if let Some(budget) = &self.budget {
+            write!(f, "\n{budget}")?;
+        }
         self.reduction(f)?;
         if !self.worst.is_empty() {
             let largest: Vec<String> =

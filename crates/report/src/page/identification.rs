@@ -22,8 +22,10 @@ impl IdentificationSummary {
             // Residuals on the rows of the fit do not estimate the error on other rows.
             (None, None) => return self,
         };
-        self.specification =
-            Some(SpecificationSummary::new(limit, &crate::largest_error_by_pose(data, &rows, errors)));
+        let guarded = crate::poses::largest_error_and_uncertainty_by_pose(data, &rows, errors);
+        let specification =
+            SpecificationSummary::new(limit, &crate::largest_error_by_pose(data, &rows, errors));
+        self.specification = Some(specification.with_guard_band(&guarded));
         self
     }
 }
@@ -66,6 +68,10 @@ pub fn identification_report(
     nonlinear_parameters(&mut page, &summary.nonlinear_parameters);
     page.identifiability(&found.fit, data)?;
     page.parameters(summary.parameters.as_ref());
+    if let Some(budget) = &summary.budget {
+        page.section("Uncertainty budget");
+        page.budget(budget);
+    }
     page.section("Settings, files");
     let row = |name: &str, value: String| vec![name.to_owned(), value];
     let settings = [

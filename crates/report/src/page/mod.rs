@@ -1,5 +1,6 @@
 //! The report: one self-contained page, and its figures as files.
 
+mod acceptance;
 mod commands;
 mod comparison;
 mod discovery;
@@ -15,6 +16,7 @@ mod rows;
 mod sheet;
 mod space;
 
+pub use acceptance::acceptance_report;
 pub use commands::{CommandView, CommandsView, commands_report};
 pub use comparison::comparison_report;
 pub use discovery::discovery_report;

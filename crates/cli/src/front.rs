@@ -1,0 +1,161 @@
+//! What the program does between reading and writing, for front ends in other languages: the same steps, so that the same bytes come out.
+
+use crate::args::ExportFormat;
+use crate::verbs::compensate::Expected;
+use crate::verbs::export::{Wanted, text};
+use crate::verbs::{beyond, compensate, discover, identified, identify, parameters, predict};
+use clap::ValueEnum;
+use std::path::Path;
+use truepose_compensate::{Command, CompensateError, ExportOptions};
+use truepose_discover::Progress;
+use truepose_errormodel::{Coverage, Dataset, FittedModel, ModelError};
+use truepose_identify::Split;
+use truepose_io::{ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
+use truepose_kinematics::TargetId;
+use truepose_report::ParametersSummary;
+
+/// Records in a fit that `identify` made it: with this solver, of so many rows, with this seed; `held_out` where a test set was drawn first.
+pub fn identified(fitted: &mut FittedModel, solver: &str, rows: usize, seed: u64, held_out: bool) {
+    identified::origin(&mut fitted.provenance, solver, rows);
+    fitted.provenance.insert("seed".into(), seed.into());
+    fitted.provenance.insert("structure_frozen_then_all_rows".into(), held_out.into());
+}
+
+/// Records in a fit that `identify --stream` made it, its structure from so many rows.
+pub fn streamed(fitted: &mut FittedModel, solver: &str, rows: usize, sampled: usize) {
+    identified::origin(&mut fitted.provenance, solver, rows);
+    fitted.provenance.insert("structure_from_rows".into(), sampled.into());
+}
+
+/// Records in a fit that `discover` made it; `all_rows` where its coefficients are those of all rows.
+pub fn discovered(fitted: &mut FittedModel, solver: &str, rows: usize, seed: u64, all_rows: bool) {
+    discover::Origin { solver: solver.into(), rows, seed }.write(fitted, all_rows);
+}
+
+/// Records units and frames of a robot's description in a fit.
+pub fn record_details(fitted: &mut FittedModel, details: &RobotDetails) {
+    parameters::record(fitted, details);
+}
+
+/// Units and frames that a fit has recorded.
+pub fn recorded_details(fitted: &FittedModel) -> (ExportUnits, Vec<NamedFrame>) {
+    (parameters::units(fitted), parameters::recorded_frames(fitted))
+}
+
+/// The parameters of a fit in the convention and the units of the robot's description, or why there are none.
+pub fn parameters(fitted: &FittedModel) -> ParametersSummary {
+    parameters::parameters(&fitted.clone().of_robot())
+}
+
+/// How a split makes its folds, in words.
+pub fn split_words(split: &Split) -> String {
+    identify::split_words(split)
+}
+
+/// A step of a discovery, in words.
+pub fn progress_words(step: &Progress) -> String {
+    discover::progress_text(step)
+}
+
+/// Channels that a search tests as one, in words; none where all differ.
+pub fn repeated_channels(data: &Dataset, name: &str) -> Option<String> {
+    discover::repeated(data, Path::new(name))
+}
+
+/// Predictions of all rows.
+#[derive(Debug)]
+pub struct Predicted {
+    /// One for each row.
+    pub rows: Vec<Prediction>,
+    /// Warnings about targets that the data of the fit does not have.
+    pub warnings: Vec<String>,
+}
+
+/// Predicts every row of a table.
+///
+/// # Errors
+/// When the data lacks a signal of the model, or a target's position is not known.
+pub fn predict(fitted: &FittedModel, data: &Dataset) -> Result<Predicted, String> {
+    let words = |error: ModelError| error.to_string();
+    let warnings = predict::targets_seen(fitted, data)?;
+    let inputs = data.derived_for(fitted.model()).map_err(words)?;
+    let coverage = Coverage::new(fitted, &inputs.schema).map_err(words)?;
+    let rows = predict::predict(fitted, &coverage, &inputs).0;
+    Ok(Predicted { rows, warnings })
+}
+
+/// The command for a desired pose, and its expected accuracy.
+#[derive(Debug, Clone)]
+pub struct Commanded {
+    /// The command.
+    pub command: Command,
+    /// Distance from the desired position within which the point lies with 95 % probability, m.
+    pub within_95: f64,
+    /// Whether the command is corrected; else it is that of the nominal robot, where that is expected to be more accurate.
+    pub corrected: bool,
+    /// Inputs beyond the data of the fit, in words; empty: none.
+    pub beyond: String,
+}
+
+/// Commands for desired poses. `fitted` is that of the robot alone ([`FittedModel::of_robot`]).
+///
+/// # Errors
+/// When a signal that the model needs is missing, or the robot has too many joints.
+pub fn command(fitted: &FittedModel, poses: &mut Poses) -> Result<Vec<Commanded>, CompensateError> {
+    let (commands, expected) = compensate::commanded(fitted, poses, &|| ())?;
+    let channels = poses.rows.derived_for(fitted.model())?.schema.channels.clone();
+    let one = |(command, Expected { within_95, corrected, beyond, .. }): (Command, Expected)| {
+        let beyond = beyond::words(&beyond, fitted.chain(), &channels);
+        Commanded { command, within_95, corrected, beyond }
+    };
+    Ok(commands.into_iter().zip(expected).map(one).collect())
+}
+
+/// Whether a target's position and, where it is wanted, the tool's orientation are known to a fit; a warning where they were only declared.
+///
+/// # Errors
+/// When one was to be estimated from data that does not determine it.
+pub fn known(fitted: &FittedModel, target: Option<TargetId>, oriented: bool) -> Result<Vec<String>, String> {
+    let mut warnings: Vec<String> = beyond::seen(fitted, target)?.into_iter().collect();
+    if oriented {
+        warnings.extend(beyond::oriented(fitted)?);
+    }
+    Ok(warnings)
+}
+
+/// A file of the fitted geometry.
+#[derive(Debug, Clone)]
+pub struct ExportedText {
+    /// Its text.
+    pub text: String,
+    /// What it is and what it leaves out.
+    pub statement: Vec<String>,
+}
+
+/// The fitted geometry as the text of a file: `urdf`, `dh`, `mdh`, `ros` or `iso230`. `urdf` is a URDF whose joint origins are corrected in
+/// place; `hayati`: nearly parallel axes may use Hayati's parameter; `entries`: values of each joint in `iso230`.
+///
+/// # Errors
+/// When the format is not known or cannot hold the model, or is less accurate than the nominal geometry.
+pub fn export(
+    fitted: &FittedModel,
+    format: &str,
+    target: Option<TargetId>,
+    urdf: Option<&Path>,
+    hayati: bool,
+    entries: usize,
+) -> Result<ExportedText, String> {
+    let format = ExportFormat::from_str(format, false).map_err(|_| {
+        let known: Vec<String> = ExportFormat::value_variants()
+            .iter()
+            .filter_map(|known| Some(known.to_possible_value()?.get_name().to_owned()))
+            .collect();
+        format!("unknown format `{format}` (known: {})", known.join(", "))
+    })?;
+    let options = ExportOptions { target, ..ExportOptions::default() };
+    let wanted = Wanted { format, urdf, hayati, entries };
+    match text(&wanted, &fitted.clone().of_robot(), &options).map_err(|failure| failure.message())? {
+        Some(written) => Ok(ExportedText { text: written.text, statement: written.statement }),
+        None => Err("the parameters as described are a table; see `parameters`".into()),
+    }
+}

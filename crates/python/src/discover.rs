@@ -1,0 +1,207 @@
+//! `discover`: finds what the declared model lacks.
+
+use crate::data::Data;
+use crate::error::input;
+use crate::fit::{Fit, Source};
+use crate::hypothesis::PythonHypothesis;
+use crate::model::{Model, of_python};
+use crate::options::{solver, split};
+use crate::page;
+use crate::robot::Robot;
+use crate::run::{Raised, supervised};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use truepose_cli::front;
+use truepose_discover::{Diagnosis, DiscoverOptions, Library, Progress, diagnose, nested as nested_folds};
+use truepose_errormodel::Dataset;
+use truepose_identify::{FitOptions, as_found};
+use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
+
+/// A discovery with its data.
+#[pyclass(frozen, module = "truepose._core")]
+pub struct Discovery {
+    found: Diagnosis,
+    data: Arc<Dataset>,
+    labels: Vec<i64>,
+    summary: DiscoverySummary,
+    objects: Vec<Py<PyAny>>,
+    raised: Raised,
+}
+
+#[pymethods]
+impl Discovery {
+    /// `discovery.json`.
+    fn summary(&self) -> PyResult<String> {
+        serde_json::to_string(&self.summary).map_err(input)
+    }
+
+    fn text(&self) -> String {
+        self.summary.to_string()
+    }
+
+    /// The enlarged fit.
+    fn fit(&self, py: Python<'_>) -> PyResult<Fit> {
+        Ok(Fit {
+            fitted: Arc::new(self.found.fit.fitted.clone()),
+            source: Source::Discovered(Box::new((self.found.fit.clone(), self.found.data.clone()))),
+            objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
+            raised: self.raised.clone(),
+        })
+    }
+
+    /// Fits of competing hypotheses: number of the finding (from 0), words, fit.
+    fn rivals(&self, py: Python<'_>) -> Vec<(usize, String, Fit)> {
+        let one = |rival: &truepose_discover::CompetingFit| {
+            let fit = Fit {
+                fitted: Arc::new(rival.fit.fitted.clone()),
+                source: Source::Discovered(Box::new((rival.fit.clone(), self.found.data.clone()))),
+                objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
+                raised: self.raised.clone(),
+            };
+            (rival.finding, rival.candidate.words(), fit)
+        };
+        self.found.competitors.iter().map(one).collect()
+    }
+
+    /// Figures of the report: name and SVG.
+    fn figures(&self) -> PyResult<Vec<(String, String)>> {
+        Ok(self.report()?.figures)
+    }
+
+    /// Writes the report into a folder.
+    fn write_report(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let mut summary = self.summary.clone();
+        summary.parameters = Some(front::parameters(&self.found.fit.fitted));
+        py.detach(|| {
+            page::write(&folder, "discovery.json", &summary, |run| {
+                discovery_report(&summary, &self.found, &self.data, &self.labels, run).map_err(input)
+            })
+        })
+    }
+}
+
+impl Discovery {
+    fn report(&self) -> PyResult<truepose_report::Report> {
+        let run = page::record("discovery.json", &[]);
+        discovery_report(&self.summary, &self.found, &self.data, &self.labels, &run).map_err(input)
+    }
+}
+
+/// What is found so far, for a run that is interrupted.
+type SoFar = Arc<Mutex<Option<Box<Diagnosis>>>>;
+
+#[pyfunction]
+#[pyo3(signature = (robot, data, model, solver_text, holdout, seed, alpha, rotations, most, hypotheses, without, rivals, nested, progress))]
+#[allow(clippy::too_many_arguments)]
+pub fn discover(
+    py: Python<'_>,
+    robot: &Robot,
+    data: &Data,
+    model: Option<Vec<(String, Py<PyAny>)>>,
+    solver_text: &str,
+    holdout: Option<f64>,
+    seed: u64,
+    alpha: f64,
+    rotations: usize,
+    most: usize,
+    hypotheses: Vec<Py<PyAny>>,
+    without: Vec<String>,
+    rivals: bool,
+    nested: usize,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Discovery> {
+    let chain = robot.chain.clone();
+    let model = Model::of(py, model, &chain)?;
+    let (solver, solver_text) = solver(solver_text)?;
+    let raised = model.raised.clone();
+    let mut library = Library::standard();
+    for hypothesis in hypotheses {
+        library = library.with(PythonHypothesis::new(hypothesis.bind(py), raised.clone())?);
+    }
+    for word in without {
+        let Some(family) = library.family(&word) else {
+            return Err(input(format!("without: no hypothesis has the family `{word}`")));
+        };
+        library = library.without(family);
+    }
+    let options = DiscoverOptions {
+        holdout,
+        seed,
+        rotations,
+        alpha,
+        most,
+        competing_fits: rivals,
+        library,
+        ..DiscoverOptions::default()
+    };
+    let nested_split = match nested {
+        0 => None,
+        folds => split(&data.data, folds, "random", seed, None)?,
+    };
+    let settings = DiscoverySettings { seed, holdout, rotations, alpha };
+    let so_far = SoFar::default();
+    let kept = so_far.clone();
+    let (rows, details, labels) = (data.data.clone(), robot.details.clone(), data.info.visit_labels.clone());
+    let words_of_solver = solver_text.clone();
+    let Model { effects, objects, .. } = model;
+    let run = {
+        let (rows, details) = (rows.clone(), details.clone());
+        move |working: &crate::run::Working| {
+            crate::model::prepare(&effects, &chain, &rows)?;
+            let observer = |step: Progress| match step {
+                Progress::Interim(diagnosis) => {
+                    *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(diagnosis);
+                    working.go_on()
+                }
+                step => working.step(&front::progress_words(&step)),
+            };
+            let mut found =
+                diagnose(&chain, &effects, &rows, &*solver, &options, &observer).map_err(input)?;
+            let mut summary = DiscoverySummary::new(&found, settings);
+            if let Some(split) = &nested_split {
+                let observer = |fold: usize, step: Progress| {
+                    working.step(&format!("fold {}: {}", fold + 1, front::progress_words(&step)))
+                };
+                let judged = nested_folds(&chain, &effects, &rows, split, &*solver, &options, &observer)
+                    .map_err(input)?;
+                summary.nested = Some(NestedSummary::new(&judged, front::split_words(split)));
+            }
+            if let Ok(found) = as_found(&found.placement, &found.data, &FitOptions::default()) {
+                summary.as_found = Some(found.into());
+            }
+            front::record_details(&mut found.fit.fitted, &details);
+            front::discovered(&mut found.fit.fitted, &solver_text, rows.len(), seed, true);
+            Ok((found, summary))
+        }
+    };
+    let finished = |found: Diagnosis, summary: DiscoverySummary, mut objects: Vec<Py<PyAny>>| {
+        for effect in of_python(found.fit.fitted.model().effects()) {
+            objects.push(effect.object().clone_ref(py));
+        }
+        let (data, labels, raised) = (rows.clone(), labels.clone(), raised.clone());
+        Discovery { found, data, labels, summary, objects, raised }
+    };
+    match supervised(py, progress, vec![raised.clone()], run) {
+        Ok((found, summary)) => Ok(finished(found, summary, objects)),
+        Err(error) if error.is_instance_of::<PyKeyboardInterrupt>(py) => {
+            let kept = so_far.lock().unwrap_or_else(PoisonError::into_inner).take();
+            let interrupted = py.import("truepose")?.getattr("Interrupted")?;
+            let found = match kept {
+                Some(mut found) => {
+                    let why = Some("interrupted".to_owned());
+                    let summary =
+                        DiscoverySummary { incomplete: why, ..DiscoverySummary::new(&found, settings) };
+                    front::record_details(&mut found.fit.fitted, &details);
+                    front::discovered(&mut found.fit.fitted, &words_of_solver, rows.len(), seed, false);
+                    found.fit.fitted.provenance.insert("incomplete".into(), "interrupted".into());
+                    Some(finished(*found, summary, objects))
+                }
+                None => None,
+            };
+            Err(PyErr::from_value(interrupted.call_method1("_of", (found,))?))
+        }
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,316 @@
+//! A fit: the model with its coefficients, and where it came from.
+
+use crate::arrays::{matrix, rows, vector};
+use crate::data::Data;
+use crate::error::{input, of_io, warnings};
+use crate::identified::Identified;
+use crate::model::{of_python, prepare, registry};
+use crate::page;
+use crate::robot::Robot;
+use crate::run::Raised;
+use crate::table::Table;
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Arc;
+use truepose_cli::front;
+use truepose_errormodel::{Dataset, FittedModel};
+use truepose_identify::reduction::group_words;
+use truepose_identify::{Fit as Fitted, Residuals, student_quantile};
+use truepose_io::{fit_from_text, fit_json, poses_in_memory, read_fit};
+use truepose_report::identification_report;
+
+/// Where a fit came from.
+pub enum Source {
+    /// A file.
+    Loaded,
+    Identified(Box<Identified>),
+    /// The fit of a discovery with its data, or of a competing hypothesis.
+    Discovered(Box<(Fitted, Dataset)>),
+    /// Another verb, with its summary as JSON and as text.
+    Other(String, String),
+}
+
+/// A fitted model.
+#[pyclass(frozen, module = "truepose._core")]
+pub struct Fit {
+    pub fitted: Arc<FittedModel>,
+    pub source: Source,
+    pub objects: Vec<Py<PyAny>>,
+    pub raised: Raised,
+}
+
+impl Fit {
+    fn whole(&self) -> Option<&Fitted> {
+        match &self.source {
+            Source::Identified(made) => Some(&made.found.fit),
+            Source::Discovered(found) => Some(&found.0),
+            Source::Loaded | Source::Other(..) => None,
+        }
+    }
+
+    /// What Python code raised meanwhile, else the result.
+    fn checked<T>(&self, result: PyResult<T>) -> PyResult<T> {
+        self.raised.take().map_or(result, Err)
+    }
+
+    fn loaded(fitted: FittedModel, raised: Raised, py: Python<'_>) -> Self {
+        let objects =
+            of_python(fitted.model().effects()).map(|effect| effect.object().clone_ref(py)).collect();
+        Fit { fitted: Arc::new(fitted), source: Source::Loaded, objects, raised }
+    }
+}
+
+fn failed<T>(raised: &Raised, result: Result<T, truepose_io::IoError>) -> PyResult<T> {
+    result.map_err(|error| raised.take().unwrap_or_else(|| of_io(error)))
+}
+
+#[pymethods]
+impl Fit {
+    /// Reads a fit file; `effects` are classes of Python effects that it contains.
+    #[staticmethod]
+    fn from_file(py: Python<'_>, path: PathBuf, effects: Vec<Py<PyAny>>) -> PyResult<Self> {
+        let raised = Raised::default();
+        let registry = registry(py, effects, &raised)?;
+        let fitted = failed(&raised, py.detach(|| read_fit(&path, &registry)))?;
+        Ok(Fit::loaded(fitted, raised, py))
+    }
+
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str, effects: Vec<Py<PyAny>>) -> PyResult<Self> {
+        let raised = Raised::default();
+        let registry = registry(py, effects, &raised)?;
+        let fitted = failed(&raised, py.detach(|| fit_from_text("fit", text, &registry)))?;
+        Ok(Fit::loaded(fitted, raised, py))
+    }
+
+    /// The text of the fit file.
+    fn to_json(&self) -> PyResult<String> {
+        fit_json("fit", &self.fitted).map_err(of_io)
+    }
+
+    /// Effects of Python in the model.
+    #[getter]
+    fn objects(&self, py: Python<'_>) -> Vec<Py<PyAny>> {
+        self.objects.iter().map(|object| object.clone_ref(py)).collect()
+    }
+
+    fn robot(&self) -> Robot {
+        Robot::of(self.fitted.chain(), &self.fitted)
+    }
+
+    /// The summary of the verb that made it, as JSON; none of a loaded one.
+    fn summary(&self) -> PyResult<Option<String>> {
+        match &self.source {
+            Source::Identified(made) => serde_json::to_string(&made.summary).map(Some).map_err(input),
+            Source::Other(json, _) => Ok(Some(json.clone())),
+            Source::Loaded | Source::Discovered(_) => Ok(None),
+        }
+    }
+
+    fn text(&self) -> Option<String> {
+        match &self.source {
+            Source::Identified(made) => Some(made.summary.to_string()),
+            Source::Other(_, text) => Some(text.clone()),
+            Source::Loaded | Source::Discovered(_) => None,
+        }
+    }
+
+    /// How it came about, as JSON.
+    fn provenance(&self) -> PyResult<String> {
+        serde_json::to_string(&self.fitted.provenance).map_err(input)
+    }
+
+    /// Of each coefficient: family of its effect, name, SI unit, value, standard deviation, half width of its 95 % interval (NaN where the
+    /// degrees of freedom are not known).
+    fn coefficients(&self) -> Vec<(&'static str, String, String, f64, f64, f64)> {
+        let model = self.fitted.model();
+        let half = self.whole().map(Fitted::half_widths);
+        let covariance = self.fitted.covariance();
+        let one = |(k, (column, &value)): (usize, (&truepose_errormodel::Column, &f64))| {
+            let family = model.effects()[model.effect_of(k)].kind();
+            let deviation = covariance[(k, k)].max(0.0).sqrt();
+            let half = half.as_ref().map_or(f64::NAN, |half| half[k]);
+            (family, column.name.clone(), column.unit.clone(), value, deviation, half)
+        };
+        model.columns().iter().zip(self.fitted.coefficients()).enumerate().map(one).collect()
+    }
+
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        matrix(py, self.fitted.covariance())
+    }
+
+    /// Of each group of errors that the data determines: words, unit, value, half width of its 95 % interval; none of a loaded fit.
+    fn groups(&self) -> Option<Vec<(String, String, f64, f64)>> {
+        let fit = self.whole()?;
+        let model = self.fitted.model();
+        let half = fit.half_widths();
+        let one = |group: &truepose_identify::reduction::Group| {
+            let unit = model.columns()[group.column].unit.clone();
+            (group_words(model, group), unit, self.fitted.coefficients()[group.column], half[group.column])
+        };
+        Some(fit.reduction.groups.iter().map(one).collect())
+    }
+
+    /// Factor from a standard deviation to the half width of a 95 % interval.
+    fn coverage_factor(&self) -> Option<f64> {
+        Some(student_quantile(0.975, self.whole()?.degrees_of_freedom()))
+    }
+
+    /// Standard deviation of one component of a new position, m, and the part that rows of a visit share.
+    #[getter]
+    fn noise(&self) -> (f64, f64) {
+        (self.fitted.noise.position_sd, self.fitted.repeatability_sd)
+    }
+
+    /// Residuals of the rows of the fit: positions, m, and orientations, rad.
+    fn residuals<'py>(&self, py: Python<'py>) -> Option<Both<'py>> {
+        Some(both(py, &self.whole()?.residuals))
+    }
+
+    /// The same of cross-validation, and the fold of each row, with the RMS of each fold, m.
+    #[allow(clippy::type_complexity)]
+    fn held_out<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> Option<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Vec<f64>, [f64; 4])> {
+        let Source::Identified(made) = &self.source else { return None };
+        let known = made.found.declared.held_out.as_ref()?;
+        let (position, orientation) = both(py, &known.residuals);
+        let spread = known.residuals.positions();
+        Some((
+            position,
+            orientation,
+            known.fold_rms.clone(),
+            [spread.mean, spread.rms, spread.p95, spread.max],
+        ))
+    }
+
+    /// Residuals of other rows.
+    fn residuals_of<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<Both<'py>> {
+        let (fitted, rows) = (self.fitted.clone(), data.data.clone());
+        let effects = self.fitted.model().effects();
+        let residuals = self.checked(py.detach(|| {
+            prepare(effects, fitted.chain(), &rows)?;
+            Residuals::of(&fitted, &rows).map_err(input)
+        }))?;
+        Ok(both(py, &residuals))
+    }
+
+    /// Predicts rows: columns of the file of predictions, without what it repeats of the input; and warnings.
+    fn predict<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+        let (fitted, input_rows) = (self.fitted.clone(), data.data.clone());
+        let effects = self.fitted.model().effects();
+        let predicted = self.checked(py.detach(|| {
+            prepare(effects, fitted.chain(), &input_rows)?;
+            front::predict(&fitted, &input_rows).map_err(input)
+        }))?;
+        let all = PyDict::new(py);
+        let list = &predicted.rows;
+        all.set_item("position", rows(py, list.iter().map(|p| p.pose.translation.into())))?;
+        let turned = |p: &truepose_io::Prediction| match p.oriented {
+            true => p.pose.quaternion(),
+            false => [f64::NAN; 4],
+        };
+        all.set_item("orientation", rows(py, list.iter().map(turned)))?;
+        all.set_item("within_95", vector(py, list.iter().map(|p| p.within_95).collect()))?;
+        all.set_item("extrapolates", vector(py, list.iter().map(|p| p.extrapolates).collect()))?;
+        Ok((all, predicted.warnings))
+    }
+
+    /// Commands for desired poses; and warnings.
+    fn compensate<'py>(&self, py: Python<'py>, poses: &Table) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
+        let fitted = (*self.fitted).clone().of_robot();
+        let chain = fitted.chain();
+        let (mut poses, _, said) = poses_in_memory(poses.table.clone(), chain).map_err(of_io)?;
+        let mut said = warnings(&said);
+        let oriented = poses.rows.orientation.iter().any(Option::is_some);
+        let mut targets = poses.rows.target.clone();
+        targets.sort_unstable();
+        targets.dedup();
+        for target in targets {
+            said.extend(front::known(&fitted, target, oriented).map_err(input)?);
+        }
+        let commands = self.checked(py.detach(|| front::command(&fitted, &mut poses).map_err(input)))?;
+        let all = PyDict::new(py);
+        let mut joints: Vec<Vec<f64>> = vec![Vec::new(); chain.movable().len()];
+        for command in &commands {
+            let mut values = command.command.joints.to_vec();
+            chain.joints_to_controller(&mut values);
+            joints.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        }
+        all.set_item("q", crate::arrays::beside(py, commands.len(), &joints))?;
+        let status: Vec<&str> = commands.iter().map(|c| c.command.status.word()).collect();
+        all.set_item("status", status)?;
+        let of = |value: fn(&front::Commanded) -> f64| vector(py, commands.iter().map(value).collect());
+        all.set_item("within_95", of(|c| c.within_95))?;
+        all.set_item("position_error", of(|c| c.command.position_error))?;
+        all.set_item("corrected", vector(py, commands.iter().map(|c| c.corrected).collect::<Vec<bool>>()))?;
+        all.set_item("beyond", commands.iter().map(|c| c.beyond.clone()).collect::<Vec<_>>())?;
+        Ok((all, said))
+    }
+
+    /// The fitted geometry as the text of a file, and what it leaves out.
+    fn export(
+        &self,
+        py: Python<'_>,
+        format: &str,
+        target: Option<&str>,
+        urdf: Option<PathBuf>,
+        hayati: bool,
+        entries: usize,
+    ) -> PyResult<(String, Vec<String>)> {
+        let chain = self.fitted.chain();
+        let target = target
+            .map(|name| {
+                chain.target_named(name).ok_or_else(|| input(format!("the robot has no target `{name}`")))
+            })
+            .transpose()?;
+        let export =
+            || front::export(&self.fitted, format, target, urdf.as_deref(), hayati, entries).map_err(input);
+        let written = self.checked(py.detach(export))?;
+        Ok((written.text, written.statement))
+    }
+
+    /// The parameters of the robot as it is described: nominal, calibrated, 95 % interval, as JSON.
+    fn parameters(&self, py: Python<'_>) -> PyResult<String> {
+        let made = self.checked(Ok(py.detach(|| front::parameters(&self.fitted))))?;
+        serde_json::to_string(&made).map_err(input)
+    }
+
+    /// Figures of the report: name and SVG; none of a loaded fit.
+    fn figures(&self) -> PyResult<Vec<(String, String)>> {
+        let Source::Identified(made) = &self.source else { return Ok(Vec::new()) };
+        let run = page::record("identification.json", &[]);
+        let report = identification_report(&made.summary, &made.found, &made.data, &made.labels, &run);
+        Ok(report.map_err(input)?.figures)
+    }
+
+    /// Writes the report into a folder.
+    fn write_report(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let Source::Identified(made) = &self.source else {
+            return Err(input(
+                "a report is made of an identification or a discovery, and not of a fit that was loaded",
+            ));
+        };
+        let mut summary = made.summary.clone();
+        summary.parameters = Some(front::parameters(&self.fitted));
+        py.detach(|| {
+            page::write(&folder, "identification.json", &summary, |run| {
+                identification_report(&summary, &made.found, &made.data, &made.labels, run).map_err(input)
+            })
+        })
+    }
+}
+
+/// Residuals of positions and of orientations, rows of three.
+type Both<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+fn both<'py>(py: Python<'py>, of: &Residuals) -> Both<'py> {
+    let turn = |turn: &Option<truepose_kinematics::nalgebra::Vector3<f64>>| {
+        turn.map_or([f64::NAN; 3], <[f64; 3]>::from)
+    };
+    (rows(py, of.position.iter().map(|v| (*v).into())), rows(py, of.orientation.iter().map(turn)))
+}

@@ -1,0 +1,105 @@
+//! Options as Python gives them.
+
+use crate::error::input;
+use numpy::PyReadonlyArray1;
+use pyo3::prelude::*;
+use truepose_errormodel::{Dataset, configurations};
+use truepose_identify::{PriorStrength, Split, hold_out};
+use truepose_solvers::{Solver, SolverSpec};
+
+/// A solver by its text, and the text as the program writes it.
+pub fn solver(text: &str) -> PyResult<(Box<dyn Solver>, String)> {
+    let spec: SolverSpec = text.parse().map_err(|error| input(format!("solver: {error}")))?;
+    Ok((spec.build(), spec.to_string()))
+}
+
+/// `evidence`, `none`, or a factor above zero.
+pub fn prior(of: &Bound<'_, PyAny>) -> PyResult<PriorStrength> {
+    if let Ok(factor) = of.extract::<f64>() {
+        return match factor.is_finite() && factor > 0.0 {
+            true => Ok(PriorStrength::Fixed(factor)),
+            false => Err(input("prior: a factor has to be above 0")),
+        };
+    }
+    match of.extract::<String>().as_deref() {
+        Ok("evidence") => Ok(PriorStrength::VarianceGroups),
+        Ok("none") => Ok(PriorStrength::None),
+        _ => Err(input("prior: expected \"evidence\", \"none\" or a number above 0")),
+    }
+}
+
+/// Number of different configurations outside of the test set.
+fn in_fit(data: &Dataset, holdout: Option<f64>, seed: u64) -> PyResult<usize> {
+    let of_visit = configurations(data);
+    let rows = match holdout {
+        Some(fraction) => hold_out(data, fraction, seed).map_err(input)?.0,
+        None => (0..data.len()).collect(),
+    };
+    let mut seen: Vec<usize> = rows.iter().map(|&row| of_visit[data.visit[row]]).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    Ok(seen.len())
+}
+
+/// How configurations are divided into folds; none for none.
+pub fn split(
+    data: &Dataset,
+    folds: usize,
+    kind: &str,
+    seed: u64,
+    holdout: Option<f64>,
+) -> PyResult<Option<Split>> {
+    if folds == 0 {
+        return Ok(None);
+    }
+    if folds == 1 {
+        return Err(input("folds: one fold leaves no data to fit; use 2 or more, or 0 for none"));
+    }
+    let have = in_fit(data, holdout, seed)?;
+    if have < 2 {
+        return Ok(None);
+    }
+    let folds = folds.min(have);
+    Ok(Some(match kind {
+        "random" => Split::Random { folds, seed },
+        "time" => Split::TimeBlocks { folds },
+        "joint" => Split::JointBlocks { folds, coordinate: None },
+        "leave-one-out" => Split::LeaveOneOut,
+        other => {
+            return Err(input(format!(
+                "split: unknown `{other}` (known: random, time, joint, leave-one-out)"
+            )));
+        }
+    }))
+}
+
+/// Folds that a label of each row numbers.
+pub fn groups(data: &Dataset, labels: &PyReadonlyArray1<'_, i64>) -> PyResult<Split> {
+    let labels = labels.as_array();
+    if labels.len() != data.len() {
+        return Err(input(format!("groups has {} labels, and the data {} rows", labels.len(), data.len())));
+    }
+    let visits = data.visit.iter().max().map_or(0, |last| last + 1);
+    let mut of_visit: Vec<Option<i64>> = vec![None; visits];
+    for (row, (&visit, &label)) in data.visit.iter().zip(labels).enumerate() {
+        if of_visit[visit].replace(label).is_some_and(|other| other != label) {
+            return Err(crate::error::at_row(
+                row as u64 + 1,
+                "groups",
+                "changes within a visit (pose measurement); a fold takes whole visits",
+            ));
+        }
+    }
+    let mut known: Vec<i64> = Vec::new();
+    let folds = of_visit.into_iter().flatten().map(|label| {
+        known.iter().position(|&other| other == label).unwrap_or_else(|| {
+            known.push(label);
+            known.len() - 1
+        })
+    });
+    let folds: Vec<usize> = folds.collect();
+    if known.len() < 2 {
+        return Err(input("groups has a single value; at least two folds are needed"));
+    }
+    Ok(Split::Given(folds))
+}

@@ -1,0 +1,193 @@
+//! The nominal robot.
+
+use crate::arrays::{beside, joints, matrix, transforms};
+use crate::error::{input, of_io, warnings};
+use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::Arc;
+use truepose_cli::front;
+use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel};
+use truepose_io::{
+    ColumnMap, RobotDetails, RobotOptions, fit_from_text, fit_json, read_details, read_robot, robot_columns,
+    robot_from_text, robot_toml,
+};
+use truepose_kinematics::nalgebra::DMatrix;
+use truepose_kinematics::{Chain, Conditions, JointKind, Posture, PostureBuffer, joint_jacobian};
+
+/// A robot with what its description says besides.
+#[pyclass(frozen, module = "truepose._core")]
+pub struct Robot {
+    pub chain: Arc<Chain>,
+    pub details: RobotDetails,
+    pub columns: ColumnMap,
+    pub warnings: Vec<String>,
+}
+
+impl Robot {
+    /// Of a chain, with what a fit has recorded of its description.
+    pub fn of(chain: &Chain, fitted: &FittedModel) -> Self {
+        let (units, frames) = front::recorded_details(fitted);
+        Robot {
+            chain: Arc::new(chain.clone()),
+            details: RobotDetails { units, frames, certificate: None },
+            columns: ColumnMap::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// One of a chain alone, for effects that are asked about another robot.
+    pub fn bare(chain: &Chain) -> Self {
+        Robot {
+            chain: Arc::new(chain.clone()),
+            details: RobotDetails::default(),
+            columns: ColumnMap::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Evaluates postures row by row.
+    fn each<T>(
+        &self,
+        py: Python<'_>,
+        q: &PyReadonlyArray2<'_, f64>,
+        of: impl Fn(Posture<'_>) -> T + Send + Sync,
+    ) -> PyResult<Vec<T>>
+    where
+        T: Send,
+    {
+        let rows = joints(&self.chain, q)?;
+        Ok(py.detach(|| {
+            let mut buffer = PostureBuffer::new(&self.chain);
+            rows.iter()
+                .map(|row| {
+                    let conditions = Conditions::at(&self.chain, row);
+                    of(buffer.update(&self.chain, &conditions))
+                })
+                .collect()
+        }))
+    }
+}
+
+/// A moving joint: name, unit, limits of the controller's value.
+type Described = (String, &'static str, Option<(f64, f64)>);
+
+#[pymethods]
+impl Robot {
+    /// Of a file, `.toml` or `.urdf`.
+    #[staticmethod]
+    fn from_file(path: PathBuf, base: Option<String>, tip: Option<String>) -> PyResult<Self> {
+        let (chain, said) = read_robot(&path, &RobotOptions { base, tip }).map_err(of_io)?;
+        Ok(Robot {
+            chain: Arc::new(chain),
+            details: read_details(&path).map_err(of_io)?,
+            columns: robot_columns(&path).map_err(of_io)?,
+            warnings: warnings(&said),
+        })
+    }
+
+    /// Of the text of a TOML description.
+    #[staticmethod]
+    fn from_text(name: &str, text: &str) -> PyResult<Self> {
+        let (chain, said) = robot_from_text(name, text, &RobotOptions::default()).map_err(of_io)?;
+        Ok(Robot { warnings: warnings(&said), ..Robot::bare(&chain) })
+    }
+
+    /// Every digit of it, for [`Robot::from_bytes`].
+    fn to_bytes(&self) -> PyResult<String> {
+        let model = ErrorModel::new((*self.chain).clone(), Vec::new()).map_err(input)?;
+        let mut fitted = FittedModel::new(model, Vec::new(), DMatrix::zeros(0, 0)).map_err(input)?;
+        front::record_details(&mut fitted, &self.details);
+        fit_json("robot", &fitted).map_err(of_io)
+    }
+
+    #[staticmethod]
+    fn from_bytes(text: &str) -> PyResult<Self> {
+        let fitted = fit_from_text("robot", text, &EffectRegistry::empty()).map_err(of_io)?;
+        Ok(Robot::of(fitted.chain(), &fitted))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.chain.name()
+    }
+
+    /// Of each moving joint: name, unit, limits of the controller's value.
+    #[getter]
+    fn joints(&self) -> Vec<Described> {
+        let one = |&joint: &_| {
+            let unit = if self.chain.joint(joint).kind == JointKind::Prismatic { "m" } else { "rad" };
+            (self.chain.joint(joint).name.clone(), unit, self.chain.controller_limits(joint))
+        };
+        self.chain.movable().iter().map(one).collect()
+    }
+
+    /// Names of the frames: base, joints, tool.
+    #[getter]
+    fn frames(&self) -> Vec<String> {
+        self.chain.frames().map(|frame| self.chain.frame_word(frame).to_owned()).collect()
+    }
+
+    /// Of each target: name, position in the tool's frame, m, whether it is known.
+    #[getter]
+    fn targets(&self) -> Vec<(String, [f64; 3], bool)> {
+        self.chain.targets().iter().map(|t| (t.name.clone(), t.position.into(), t.known)).collect()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// The tool in the measurement frame.
+    fn fk<'py>(&self, py: Python<'py>, q: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let poses = self.each(py, &q, |posture| *posture.tool())?;
+        Ok(transforms(py, &poses))
+    }
+
+    /// 6 × dof for each row: [v; ω] of the tool per unit of each joint's variable.
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        q: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let all = self.each(py, &q, |posture| joint_jacobian(&posture, &posture.tool().translation))?;
+        let dof = self.chain.movable().len();
+        // The controller's values, where joints are coupled.
+        let mut change = DMatrix::identity(dof, dof);
+        for k in 0..dof {
+            let (mut unit, mut zero) = (vec![0.0; dof], vec![0.0; dof]);
+            unit[k] = 1.0;
+            self.chain.joints_from_controller(&mut unit);
+            self.chain.joints_from_controller(&mut zero);
+            (0..dof).for_each(|i| change[(i, k)] = unit[i] - zero[i]);
+        }
+        let mut flat = DMatrix::zeros(6 * all.len(), dof);
+        for (k, jacobian) in all.iter().enumerate() {
+            flat.rows_mut(6 * k, 6).copy_from(&(jacobian * &change));
+        }
+        Ok(matrix(py, &flat))
+    }
+
+    fn to_toml(&self) -> String {
+        robot_toml(&self.chain)
+    }
+
+    /// Joint values that are spread over the limits, n × dof: a quick way to poses for trials.
+    fn lattice<'py>(&self, py: Python<'py>, count: usize) -> Bound<'py, PyArray2<f64>> {
+        // Multiples of the square roots of primes, modulo one (Richtmyer 1951).
+        let roots =
+            [2.0f64, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0, 41.0, 43.0, 47.0, 53.0];
+        let columns: Vec<Vec<f64>> = self
+            .chain
+            .movable()
+            .iter()
+            .zip(roots.iter().cycle())
+            .map(|(&joint, root)| {
+                let (lower, upper) = self.chain.controller_limits(joint).unwrap_or((-3.0, 3.0));
+                (1..=count).map(|k| lower + (upper - lower) * (k as f64 * root.sqrt()).fract()).collect()
+            })
+            .collect();
+        beside(py, count, &columns)
+    }
+}

@@ -1,0 +1,58 @@
+//! `simulate`: measurements of a robot with physical error sources.
+
+use crate::data::Data;
+use crate::error::{input, of_io};
+use crate::robot::Robot;
+use crate::run::supervised;
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use truepose_errormodel::{Dataset, configurations};
+use truepose_io::{CsvInfo, RobotOptions, read_details, read_robot, read_text};
+use truepose_simulate::{PlantDescription, SimulateError};
+
+/// Of a plant file: the nominal robot and its measurements.
+#[pyfunction]
+#[pyo3(signature = (plant, seed, campaign_seed))]
+pub fn simulate(
+    py: Python<'_>,
+    plant: PathBuf,
+    seed: Option<u64>,
+    campaign_seed: Option<u64>,
+) -> PyResult<(Robot, Data)> {
+    let text = read_text(&plant).map_err(of_io)?;
+    let file = plant.display().to_string();
+    let located = move |error: SimulateError| match error {
+        SimulateError::Description { line, column, message } => {
+            input(format!("{file}:{line}:{column}: {message}"))
+        }
+        error => input(format!("{file}: {error}")),
+    };
+    let mut description = PlantDescription::from_toml(&text).map_err(&located)?;
+    if let Some(seed) = seed {
+        description.seed = seed;
+    }
+    if description.robot.is_empty() {
+        return Err(input(format!("{}: names no robot; begin with `robot = \"arm.toml\"`", plant.display())));
+    }
+    let path = plant.parent().unwrap_or_else(|| Path::new("")).join(&description.robot);
+    let (chain, _) = read_robot(&path, &RobotOptions::default()).map_err(of_io)?;
+    let robot = Robot { details: read_details(&path).map_err(of_io)?, ..Robot::bare(&chain) };
+    let chain = robot.chain.clone();
+    let data: Dataset = supervised(py, None, Vec::new(), move |_| {
+        let measured = description.plant(&chain).and_then(|made| {
+            let seed = campaign_seed.unwrap_or(description.seed);
+            made.measure(&description.campaign.on(&chain, seed)?, seed)
+        });
+        measured.map_err(|error| located(error.located(&text)))
+    })?;
+    let info = CsvInfo {
+        file: "data".into(),
+        rows: data.len(),
+        visits: data.visit.iter().max().map_or(0, |last| last + 1),
+        configurations: configurations(&data).iter().max().map_or(0, |last| last + 1),
+        ..CsvInfo::default()
+    };
+    let data = Data::new(Arc::clone(&robot.chain), (data, info, Vec::new()));
+    Ok((robot, data))
+}

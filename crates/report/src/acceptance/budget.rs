@@ -1,0 +1,205 @@
+//! Uncertainty budgets (GUM) of an acceptance and of an identification.
+
+use crate::layout::Alignment::{Left, Right};
+use crate::{significant, table};
+use serde::Serialize;
+use std::fmt;
+use truepose_acceptance::{Budget, Contribution, Evaluation};
+use truepose_errormodel::{Dataset, configurations};
+use truepose_identify::{Identification, IdentifyError, Residuals};
+use truepose_kinematics::Conditions;
+
+/// One contribution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ContributionSummary {
+    /// Its source.
+    pub source: String,
+    /// `A` or `B` (GUM 4.2, 4.3).
+    pub evaluation: &'static str,
+    /// Standard uncertainty of x, y, z, mm.
+    pub u_mm: [f64; 3],
+    /// Standard uncertainty of the position, all axes, mm.
+    pub total_mm: f64,
+    /// Degrees of freedom; null where the contribution is known.
+    pub freedom: Option<f64>,
+    /// Part of the combined variance, 0 to 1.
+    pub fraction: f64,
+}
+
+/// A budget.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BudgetSummary {
+    /// Of what.
+    pub measurand: String,
+    /// Contributions.
+    pub contributions: Vec<ContributionSummary>,
+    /// Combined standard uncertainty of x, y, z, mm.
+    pub combined_mm: [f64; 3],
+    /// Combined standard uncertainty of the position, all axes, mm.
+    pub total_mm: f64,
+    /// The coverage factor k.
+    pub coverage_factor: f64,
+    /// Expanded uncertainties of x, y, z, mm.
+    pub expanded_mm: [f64; 3],
+    /// Expanded uncertainty of the position, all axes, mm.
+    pub expanded_total_mm: f64,
+    /// Effective degrees of freedom of the total (Welch and Satterthwaite); null where they are not limited.
+    pub freedom: Option<f64>,
+    /// What is not known, in words.
+    pub notes: Vec<String>,
+}
+
+/// Rows to which the covariance of the coefficients is propagated, at most.
+const ROWS: usize = 2000;
+
+impl BudgetSummary {
+    /// A budget in mm.
+    pub fn new(measurand: &str, budget: &Budget, notes: Vec<String>) -> Self {
+        let finite = |freedom: f64| freedom.is_finite().then_some(freedom);
+        let one = |c: &Contribution| ContributionSummary {
+            source: c.source.clone(),
+            evaluation: match c.evaluation {
+                Evaluation::A => "A",
+                Evaluation::B => "B",
+            },
+            u_mm: c.u.map(|u| 1e3 * u),
+            total_mm: 1e3 * c.total(),
+            freedom: finite(c.freedom),
+            fraction: budget.fraction(c),
+        };
+        let (k, combined) = (Budget::COVERAGE_FACTOR, budget.combined().map(|u| 1e3 * u));
+        BudgetSummary {
+            measurand: measurand.into(),
+            contributions: budget.contributions.iter().map(one).collect(),
+            combined_mm: combined,
+            total_mm: 1e3 * budget.total(),
+            coverage_factor: k,
+            expanded_mm: combined.map(|u| k * u),
+            expanded_total_mm: 1e3 * k * budget.total(),
+            freedom: finite(budget.freedom()),
+            notes,
+        }
+    }
+
+    /// Of test poses.
+    pub(super) fn of_assessment(budget: &Budget) -> Self {
+        let mut notes = Vec::new();
+        if budget.contributions.iter().any(|c| c.source == "instrument" && c.total() <= 0.0) {
+            notes.push("instrument: not stated (--instrument)".into());
+        }
+        Self::new("position that the calibrated robot attains once at a test pose, base frame", budget, notes)
+    }
+
+    /// Of the held-out rows of an identification: contributions to the variance of one measured position about its prediction.
+    ///
+    /// ```text
+    /// unexplained = mean e² − instrument − repeatability − model       e: held-out error of one axis; at least 0
+    /// ```
+    ///
+    /// # Errors
+    /// When the model cannot be evaluated on the data.
+    pub fn of_identification(found: &Identification, data: &Dataset) -> Result<Self, IdentifyError> {
+        let fitted = &found.fit.fitted;
+        let train = Residuals::default();
+        let (errors, rows, held): (&Residuals, Vec<usize>, bool) =
+            match (&found.test_set, &found.declared.held_out) {
+                (Some(test), _) => (&test.declared, test.rows.clone(), true),
+                (None, Some(folds)) => (&folds.residuals, (0..data.len()).collect(), true),
+                (None, None) if found.declared.train.position.len() == data.len() => {
+                    (&found.declared.train, (0..data.len()).collect(), false)
+                }
+                _ => (&train, Vec::new(), false),
+            };
+        let mut notes = Vec::new();
+        let mean = |values: &mut dyn Iterator<Item = f64>| {
+            let (sum, n) = values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+            if n > 0.0 { sum / n } else { 0.0 }
+        };
+        let each = |of: &dyn Fn(usize) -> f64| [of(0), of(1), of(2)];
+        let stated = each(&|k| mean(&mut rows.iter().map(|&row| data.position_sd[row][k].powi(2))));
+        if stated.iter().all(|v| *v <= 0.0) {
+            notes.push("instrument: not stated (columns sx, sy, sz)".into());
+        }
+        let (repeats, freedom) = match &found.repeats {
+            Some(repeats) => (repeats.rms.powi(2) / 3.0, repeats.freedom as f64),
+            None => {
+                notes.push("repeatability: unknown, no configuration was measured twice; it is contained in the last contribution".into());
+                (0.0, f64::INFINITY)
+            }
+        };
+        // Repeats contain the scatter of the instrument as well.
+        let repeatability = stated.map(|instrument| (repeats - instrument).max(0.0));
+        let inputs = data.derived_for(fitted.model())?;
+        let mut predictor = fitted.bind(&inputs.schema)?;
+        let mut conditions = Conditions::default();
+        let mut model = [0.0; 3];
+        let step = rows.len().div_ceil(ROWS).max(1);
+        let chosen: Vec<usize> = rows.iter().copied().step_by(step).collect();
+        for &row in &chosen {
+            inputs.conditions_into(row, &mut conditions);
+            let (_, spread) = predictor.with_covariance(&conditions, inputs.target[row]);
+            (0..3).for_each(|k| model[k] += spread[(k, k)] / chosen.len() as f64);
+        }
+        let square = each(&|k| mean(&mut errors.position.iter().map(|e| e[k].powi(2))));
+        if !held {
+            notes.push("no rows were held out: errors on the rows of the fit are too small".into());
+        }
+        let poses = configurations(data);
+        let mut tested: Vec<usize> = rows.iter().map(|&row| poses[data.visit[row]]).collect();
+        tested.sort_unstable();
+        tested.dedup();
+        let left = each(&|k| square[k] - stated[k] - repeatability[k] - model[k]);
+        let known = f64::INFINITY;
+        let budget = Budget {
+            contributions: vec![
+                Contribution::of_variances("instrument", Evaluation::B, stated, known),
+                Contribution::of_variances("repeatability", Evaluation::A, repeatability, freedom),
+                Contribution::of_variances("model parameters", Evaluation::A, model, known),
+                Contribution::of_variances(
+                    "unexplained by the model",
+                    Evaluation::A,
+                    left,
+                    tested.len() as f64,
+                ),
+            ],
+        };
+        Ok(Self::new("one measured position about its prediction, measurement frame", &budget, notes))
+    }
+
+    /// Cells of a table: names, then x, y, z, total.
+    pub(crate) fn rows(&self) -> Vec<Vec<String>> {
+        let mm = |v: f64| significant(v, 3);
+        let freedom = |of: Option<f64>| of.map_or_else(|| "∞".into(), |v| significant(v.max(1.0).round(), 3));
+        let mut rows: Vec<Vec<String>> = self
+            .contributions
+            .iter()
+            .map(|c| {
+                let mut row = vec![c.source.clone(), c.evaluation.into()];
+                row.extend(c.u_mm.map(mm));
+                row.extend([mm(c.total_mm), freedom(c.freedom), format!("{:.0} %", 100.0 * c.fraction)]);
+                row
+            })
+            .collect();
+        let mut combined = vec!["combined standard uncertainty".to_owned(), String::new()];
+        combined.extend(self.combined_mm.map(mm));
+        combined.extend([mm(self.total_mm), freedom(self.freedom), "100 %".into()]);
+        let mut expanded = vec![format!("expanded uncertainty, k = {}", self.coverage_factor), String::new()];
+        expanded.extend(self.expanded_mm.map(mm));
+        expanded.extend([mm(self.expanded_total_mm), String::new(), String::new()]);
+        rows.extend([combined, expanded]);
+        rows
+    }
+
+    /// Heads of the columns.
+    pub(crate) const HEAD: [&str; 8] =
+        ["contribution", "type", "u(x), mm", "u(y), mm", "u(z), mm", "total, mm", "ν", "variance"];
+}
+
+impl fmt::Display for BudgetSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "uncertainty budget (GUM): {}", self.measurand)?;
+        let alignment = [Left, Left, Right, Right, Right, Right, Right, Right];
+        write!(f, "{}", table(&Self::HEAD, &alignment, &self.rows()))?;
+        self.notes.iter().try_for_each(|note| writeln!(f, " {note}"))
+    }
+}
