@@ -5,6 +5,7 @@ mod places;
 use super::joint_units::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
+use super::sessions::chosen;
 use crate::args::Compensate;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -31,7 +32,7 @@ pub fn run(args: &Compensate, file: &Path) -> Result<(), Failure> {
     let table = table_of(&args.out);
     check_writable(&table)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = read_fit(&args.fit, effects())?.of_robot();
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();
     let about = |file: &Path, error: truepose_controllers::ControllerError| {
         let joint = match error {
             truepose_controllers::ControllerError::Syntax { .. } => ":",
