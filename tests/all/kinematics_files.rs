@@ -1,5 +1,7 @@
 //! Kinematics files of ROS descriptions: read as robots, exported with errors in every structure, and read again.
 
+#![expect(clippy::approx_constant, reason = "makers round their angles, and the files have their digits")]
+
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -34,7 +34,7 @@ fn arm(upright: bool) -> Chain {
         joint
     });
     let chain = Chain::new("upright", joints.collect()).and_then(|chain| chain.with_base(*heavy.base()));
-    chain.and_then(|chain| chain.with_tool(heavy.tool().clone())).expect("an arm")
+    chain.and_then(|chain| chain.with_tool(*heavy.tool())).expect("an arm")
 }
 
 fn plant(chain: &Chain) -> Plant {
@@ -43,9 +43,9 @@ fn plant(chain: &Chain) -> Plant {
          [repeatability]\nsd_um = 20\n",
     );
     for &joint in chain.movable() {
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "[[errors.joint_compliance]]\njoint = \"{}\"\nstiffness = 3e6\n",
+            "[[errors.joint_compliance]]\njoint = \"{}\"\nstiffness = 3e6",
             chain.joint(joint).name
         );
     }
@@ -151,44 +151,44 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
             Dialect::Krl if as_pose => {
                 let turn: i64 = q.iter().enumerate().map(|(k, v)| i64::from(*v < 0.0) << k).sum();
                 let status = 2 + 4 * i64::from(q[4] < 0.0);
-                let _ = write!(
+                let _ = writeln!(
                     text,
-                    "LIN {{X {x:.5},Y {y:.5},Z {z:.5},A {yaw:.6},B {pitch:.6},C {roll:.6},S {status},T {turn}}}\n"
+                    "LIN {{X {x:.5},Y {y:.5},Z {z:.5},A {yaw:.6},B {pitch:.6},C {roll:.6},S {status},T {turn}}}"
                 );
             }
             Dialect::Krl => {
                 let list: Vec<String> =
                     q.iter().enumerate().map(|(k, v)| format!("A{} {v:.6}", k + 1)).collect();
-                let _ = write!(text, "PTP {{{}}}\n", list.join(","));
+                let _ = writeln!(text, "PTP {{{}}}", list.join(","));
             }
             Dialect::Rapid if as_pose => {
                 let [w, i, j, l] = pose.quaternion();
                 let cf = [0, 3, 5].map(|k| quadrant(q[k]).to_string()).join(",");
-                let _ = write!(
+                let _ = writeln!(
                     text,
-                    "MoveL [[{x:.5},{y:.5},{z:.5}],[{w:.9},{i:.9},{j:.9},{l:.9}],[{cf},{}],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,t1\\WObj:=w1;\n",
+                    "MoveL [[{x:.5},{y:.5},{z:.5}],[{w:.9},{i:.9},{j:.9},{l:.9}],[{cf},{}],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,t1\\WObj:=w1;",
                     i64::from(q[4] < 0.0)
                 );
             }
             Dialect::Rapid => {
-                let _ = write!(text, "MoveAbsJ [[{}],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,t1;\n", joined(&q));
+                let _ = writeln!(text, "MoveAbsJ [[{}],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,fine,t1;", joined(&q));
             }
             Dialect::Fanuc => {
-                let _ = write!(moves, "{:4}:L P[{}] 100mm/sec FINE    ;\n", k + 1, k + 1);
+                let _ = writeln!(moves, "{:4}:L P[{}] 100mm/sec FINE    ;", k + 1, k + 1);
                 if as_pose {
                     let letter = if q[4] < 0.0 { 'N' } else { 'F' };
-                    let _ = write!(
+                    let _ = writeln!(
                         text,
                         "P[{}]{{\n   GP1:\n\tUF : 1, UT : 2,\t\tCONFIG : '{letter} U T, 0, 0, 0',\n\tX = {x:9.3}  mm,\tY = {y:9.3}  mm,\tZ = {z:9.3}  mm,\n\
-                         \tW = {roll:9.3} deg,\tP = {pitch:9.3} deg,\tR = {yaw:9.3} deg\n}};\n",
+                         \tW = {roll:9.3} deg,\tP = {pitch:9.3} deg,\tR = {yaw:9.3} deg\n}};",
                         k + 1
                     );
                 } else {
                     let list: Vec<String> =
                         q.iter().enumerate().map(|(k, v)| format!("\tJ{}= {v:9.3} deg", k + 1)).collect();
-                    let _ = write!(
+                    let _ = writeln!(
                         text,
-                        "P[{}]{{\n   GP1:\n\tUF : 0, UT : 2,\t\n{}\n}};\n",
+                        "P[{}]{{\n   GP1:\n\tUF : 0, UT : 2,\t\n{}\n}};",
                         k + 1,
                         list.join(",")
                     );
@@ -198,25 +198,25 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
                 let v = rotation_log(&pose.rotation);
                 let p = pose.translation;
                 let near = joined(joints);
-                let _ = write!(
+                let _ = writeln!(
                     text,
-                    "movej(get_inverse_kin(pose_trans(part, p[{:.7},{:.7},{:.7},{:.7},{:.7},{:.7}]), qnear=[{near}]))\n",
+                    "movej(get_inverse_kin(pose_trans(part, p[{:.7},{:.7},{:.7},{:.7},{:.7},{:.7}]), qnear=[{near}]))",
                     p.x, p.y, p.z, v.x, v.y, v.z
                 );
             }
             Dialect::UrScript => {
-                let _ = write!(text, "movej([{}])\n", joined(joints));
+                let _ = writeln!(text, "movej([{}])", joined(joints));
             }
             Dialect::Inform => {
-                let _ = write!(moves, "MOVL C{k:05} V=93.0\n");
+                let _ = writeln!(moves, "MOVL C{k:05} V=93.0");
                 if as_pose {
-                    let _ = write!(
+                    let _ = writeln!(
                         text,
-                        "///POSTYPE USER\n///RECTAN\n///RCONF 0,0,0\nC{k:05}={x:.3},{y:.3},{z:.3},{roll:.4},{pitch:.4},{yaw:.4}\n"
+                        "///POSTYPE USER\n///RECTAN\n///RCONF 0,0,0\nC{k:05}={x:.3},{y:.3},{z:.3},{roll:.4},{pitch:.4},{yaw:.4}"
                     );
                 } else {
                     let pulses: Vec<String> = q.iter().map(|v| format!("{:.0}", 10_000.0 * v)).collect();
-                    let _ = write!(text, "///POSTYPE PULSE\n///PULSE\nC{k:05}={}\n", pulses.join(","));
+                    let _ = writeln!(text, "///POSTYPE PULSE\n///PULSE\nC{k:05}={}", pulses.join(","));
                 }
             }
             Dialect::Val3 => {
@@ -225,14 +225,14 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
                 if as_pose {
                     let [a, b, c] =
                         Pose::new(pose.rotation.transpose(), Vector3::zeros()).rpy().map(|v| -v.to_degrees());
-                    let _ = write!(
+                    let _ = writeln!(
                         text,
-                        "<Data name=\"p{k}\" type=\"pointRx\"><Value key=\"0\" x=\"{x:.4}\" y=\"{y:.4}\" z=\"{z:.4}\" rx=\"{a:.5}\" ry=\"{b:.5}\" rz=\"{c:.5}\" fatherId=\"part[0]\"/></Data>\n"
+                        "<Data name=\"p{k}\" type=\"pointRx\"><Value key=\"0\" x=\"{x:.4}\" y=\"{y:.4}\" z=\"{z:.4}\" rx=\"{a:.5}\" ry=\"{b:.5}\" rz=\"{c:.5}\" fatherId=\"part[0]\"/></Data>"
                     );
                 } else {
-                    let _ = write!(
+                    let _ = writeln!(
                         text,
-                        "<Data name=\"j{k}\" type=\"jointRx\"><Value key=\"0\" {}/></Data>\n",
+                        "<Data name=\"j{k}\" type=\"jointRx\"><Value key=\"0\" {}/></Data>",
                         list.join(" ")
                     );
                 }
@@ -269,9 +269,9 @@ fn written(dialect: Dialect, chain: &Chain, list: &[Vec<f64>]) -> String {
         Dialect::Val3 => {
             let [a, b, c] =
                 Pose::new(f.rotation.transpose(), Vector3::zeros()).rpy().map(|v| -v.to_degrees());
-            let _ = write!(
+            let _ = writeln!(
                 head,
-                "<Database><Datas>\n<Data name=\"part\" type=\"frame\"><Value key=\"0\" x=\"{}\" y=\"{}\" z=\"{}\" rx=\"{a}\" ry=\"{b}\" rz=\"{c}\" fatherId=\"world[0]\"/></Data>\n{text}</Datas></Database>\n",
+                "<Database><Datas>\n<Data name=\"part\" type=\"frame\"><Value key=\"0\" x=\"{}\" y=\"{}\" z=\"{}\" rx=\"{a}\" ry=\"{b}\" rz=\"{c}\" fatherId=\"world[0]\"/></Data>\n{text}</Datas></Database>",
                 fx[0], fx[1], fx[2]
             );
         }

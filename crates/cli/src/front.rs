@@ -3,7 +3,7 @@
 use crate::args::ExportFormat;
 use crate::verbs::compensate::Expected;
 use crate::verbs::export::{Wanted, text};
-use crate::verbs::{beyond, compensate, discover, identified, identify, parameters, predict};
+use crate::verbs::{beyond, compensate, discover, folds, identified, parameters, predict};
 use clap::ValueEnum;
 use std::path::Path;
 use truepose_compensate::{Command, CompensateError, ExportOptions};
@@ -49,7 +49,7 @@ pub fn parameters(fitted: &FittedModel) -> ParametersSummary {
 
 /// How a split makes its folds, in words.
 pub fn split_words(split: &Split) -> String {
-    identify::split_words(split)
+    folds::split_words(split)
 }
 
 /// A step of a discovery, in words.

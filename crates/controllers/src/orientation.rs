@@ -21,13 +21,13 @@ pub enum Orientation {
 
 impl Orientation {
     /// How many numbers it has.
-    pub fn len(self) -> usize {
+    pub fn count(self) -> usize {
         if self == Orientation::Quaternion { 4 } else { 3 }
     }
 
     /// The rotation of these numbers; none when a quaternion is not of length 1 within 0.01 (RAPID's own rounding is far below).
     pub fn read(self, numbers: &[f64]) -> Option<Matrix3<f64>> {
-        if numbers.len() != self.len() || !numbers.iter().all(|v| v.is_finite()) {
+        if numbers.len() != self.count() || !numbers.iter().all(|v| v.is_finite()) {
             return None;
         }
         let degrees = |k: usize| numbers[k].to_radians();

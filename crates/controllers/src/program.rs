@@ -38,6 +38,7 @@ pub struct Point {
 
 /// The kind of a point.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "most points are poses, and a program has some hundreds")]
 pub enum Value {
     /// A pose of the tool in a frame.
     Pose {

@@ -36,7 +36,7 @@ fn counted(program: &Program) -> String {
         .map(|point| {
             let count = match &point.value {
                 Value::Joints(values) => values.len(),
-                Value::Pose { .. } => 3 + program.dialect().orientation().len(),
+                Value::Pose { .. } => 3 + program.dialect().orientation().count(),
             };
             let mut number = || {
                 next += 1.0;

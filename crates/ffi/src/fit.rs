@@ -8,7 +8,7 @@ use crate::status::{
 use std::ffi::{CStr, CString, c_char};
 use std::sync::Arc;
 use truepose_errormodel::{Channel, EffectRegistry, FittedModel, Schema, Signal, TargetKnown};
-use truepose_io::{IoError, parse_fit, read_fit};
+use truepose_io::{IoError, fit_from_text, read_fit};
 use truepose_kinematics::TargetId;
 
 /// A fit. Any number of threads may use it at once; an arm keeps what it needs, so that the fit may be freed before its arms.
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn truepose_fit_parse(
             because("the fit is not UTF-8");
             return Err(TRUEPOSE_ERROR_FIT);
         };
-        hand_over(parse_fit(text, &EffectRegistry::builtin()), out)
+        hand_over(fit_from_text("fit", text, &EffectRegistry::builtin()), out)
     })
 }
 

@@ -29,7 +29,7 @@ pub use corrections::{CorrectionRow, corrections_file, read_bytes};
 pub use digest::{file_digest, sha256};
 pub use error::{IoError, Warning};
 pub use export::{ExportUnits, write_measurements};
-pub use fit::{FIT_FORMAT, fit_json, parse_fit, read_fit, write_fit};
+pub use fit::{FIT_FORMAT, fit_from_text, fit_json, read_fit, write_fit};
 pub use history::{LookRecord, MonitorHistory};
 pub use map::{MapRow, map_file, write_map};
 pub use measurements::{

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use truepose_errormodel::{Domain, FittedModel};
 use truepose_identify::{Equations, FitPass, JudgePass, Judged, NoiseModel, Pass, Sums, Tally};
-use truepose_io::{fit_json, parse_fit, sha256};
+use truepose_io::{fit_from_text, fit_json, sha256};
 use truepose_solvers::Gram;
 use truepose_solvers::accumulator::Triangular;
 
@@ -50,7 +50,7 @@ fn unpacked(py: Python<'_>, bytes: &[u8], effects: Vec<Py<PyAny>>, raised: &Rais
     let mut from = Unpacker::new(bytes)?;
     let kind = from.whole()?;
     let registry = registry(py, effects, raised)?;
-    let read = parse_fit(from.text()?, &registry);
+    let read = fit_from_text("pass", from.text()?, &registry);
     let fitted = read.map_err(|error| raised.take().unwrap_or_else(|| of_io(error)))?;
     Ok(match kind {
         0 => {
@@ -266,7 +266,7 @@ impl Accumulator {
         let mut content = made.content();
         if let Pass::Fit(pass) = &*made.pass {
             let registry = registry(py, known, &made.raised)?;
-            content.domain = parse_fit(from.text()?, &registry).map_err(of_io)?.domain;
+            content.domain = fit_from_text("pass", from.text()?, &registry).map_err(of_io)?.domain;
             for _ in 0..from.count()? {
                 let (block, mut sums) = (from.whole()?, pass.nothing());
                 (sums.rows, sums.visits, sums.observations) = (from.count()?, from.count()?, from.count()?);

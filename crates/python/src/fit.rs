@@ -18,7 +18,7 @@ use truepose_cli::front;
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_identify::reduction::group_words;
 use truepose_identify::{Fit as Fitted, Residuals, student_quantile};
-use truepose_io::{fit_json, parse_fit, poses_in_memory, read_fit};
+use truepose_io::{fit_from_text, fit_json, poses_in_memory, read_fit};
 use truepose_report::identification_report;
 
 /// Where a fit came from.
@@ -89,7 +89,7 @@ impl Fit {
     fn from_json(py: Python<'_>, text: &str, effects: Vec<Py<PyAny>>) -> PyResult<Self> {
         let raised = Raised::default();
         let registry = registry(py, effects, &raised)?;
-        let fitted = failed(&raised, py.detach(|| parse_fit(text, &registry)))?;
+        let fitted = failed(&raised, py.detach(|| fit_from_text("fit", text, &registry)))?;
         Ok(Fit::loaded(fitted, raised, py))
     }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use truepose_cli::front;
 use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel};
 use truepose_io::{
-    ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_details, read_robot, robot_columns,
+    ColumnMap, RobotDetails, RobotOptions, fit_from_text, fit_json, read_details, read_robot, robot_columns,
     robot_from_text, robot_toml,
 };
 use truepose_kinematics::nalgebra::DMatrix;
@@ -103,7 +103,7 @@ impl Robot {
 
     #[staticmethod]
     fn from_bytes(text: &str) -> PyResult<Self> {
-        let fitted = parse_fit(text, &EffectRegistry::empty()).map_err(of_io)?;
+        let fitted = fit_from_text("robot", text, &EffectRegistry::empty()).map_err(of_io)?;
         Ok(Robot::of(fitted.chain(), &fitted))
     }
 

@@ -102,20 +102,15 @@ impl LandmarksSummary {
         }
     }
 
-    /// Spread before and after, in one sentence.
-    pub(crate) fn verdict(&self, stages: &[crate::StageSummary]) -> String {
-        let judged = |stage: &crate::StageSummary| stage.held_out.unwrap_or(stage.train);
-        let each = |stage: &crate::StageSummary| {
-            format!("{} mm ({})", significant(judged(stage).rms_mm, 3), stage.name)
+    /// Spread before and after, in one sentence: RMS of each stage, mm, with its name.
+    pub(crate) fn verdict(&self, stages: &[(f64, &str)]) -> String {
+        let rows = match self.held_out {
+            Some(_) => "each group of landmarks predicted without its rows",
+            None => "on the rows of the fit (no rows were held out)",
         };
-        let rows = match stages.last() {
-            Some(last) if last.held_out.is_some() => "each group of landmarks predicted without its rows",
-            _ => "on the rows of the fit (no rows were held out)",
-        };
-        format!(
-            "Spread at the landmarks (3-D RMS), {rows}: {}.",
-            stages.iter().map(each).collect::<Vec<_>>().join(" → ")
-        )
+        let each = |(rms, name): &(f64, &str)| format!("{} mm ({name})", significant(*rms, 3));
+        let stages: Vec<String> = stages.iter().map(each).collect();
+        format!("Spread at the landmarks (3-D RMS), {rows}: {}.", stages.join(" → "))
     }
 
     /// The landmarks of a group whose spread is out of line with the others: its rows, or its socket, are bad.

@@ -1,7 +1,7 @@
 //! `truepose compare`: solver strategies side by side on one data set.
 
 use super::campaign::Campaign;
-use super::identify::{different, split, split_words};
+use super::folds::{different, split, split_words};
 use super::reporting::Folder;
 use super::{declared, print_json, read_files, robot, suspected};
 use crate::args::Compare;

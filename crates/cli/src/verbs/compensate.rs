@@ -1,6 +1,7 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
 use super::frames::Placed;
+use super::joint_units::{in_units, joint_names};
 use super::reporting::Folder;
 use super::sessions::chosen;
 use super::{about, beyond, print_json, status};
@@ -293,24 +294,6 @@ fn expected(
         })
         .collect();
     Ok(parts.into_iter().flatten().collect())
-}
-
-/// Joint values in degrees and mm.
-pub(super) fn in_units(chain: &Chain, joints: &[f64]) -> Vec<f64> {
-    let unit = |joint: &JointId| if chain.joint(*joint).unit() == "m" { 1e3 } else { 1f64.to_degrees() };
-    // As the controller has them.
-    let mut joints = joints.to_vec();
-    chain.joints_to_controller(&mut joints);
-    chain.movable().iter().zip(joints).map(|(joint, value)| value * unit(joint)).collect()
-}
-
-/// Names of the joints with degrees or mm.
-pub(super) fn joint_names(chain: &Chain) -> Vec<String> {
-    let name = |joint: &JointId| {
-        let joint = chain.joint(*joint);
-        format!("{}, {}", joint.name, if joint.unit() == "m" { "mm" } else { "°" })
-    };
-    chain.movable().iter().map(name).collect()
 }
 
 fn ok(command: &Command) -> bool {

@@ -1,8 +1,8 @@
 //! `truepose discover`: find effects that the declared model lacks, add them, and test the enlarged model.
 
 use super::campaign::Campaign;
+use super::folds::{different, split, split_words};
 use super::identified::conforms;
-use super::identify::{different, split, split_words};
 use super::reporting::Folder;
 use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::Discover;

@@ -1,6 +1,6 @@
 //! `truepose plan`: further measurements.
 
-use super::compensate::{in_units, joint_names};
+use super::joint_units::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;

@@ -1,6 +1,6 @@
 //! `truepose identify --prior FLEET`: a robot from few poses, with its sisters as prior.
 
-use super::identify::{different, split};
+use super::folds::{different, split};
 use super::sessions::one;
 use super::{print_json, robot};
 use crate::args::Identify;

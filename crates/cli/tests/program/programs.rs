@@ -55,7 +55,7 @@ fn points_are_replaced_or_the_program_is_refused() {
     let (old, new) = (folder.read("job.dat"), folder.read("new.dat"));
     let same = |k: usize| old.lines().nth(k) == new.lines().nth(k);
     assert_eq!([0, 1, 2, 3, 4].map(same), [true, false, false, true, true]);
-    assert!(new.contains(",E1 0.0}\r\n") && new.contains("A6  7"), "{new}");
+    assert!(new.contains(",E1 0.0}\r\n") && new.contains("A6 70.0"), "{new}");
     let table = folder.read("new.dat.corrections.csv");
     assert_eq!(table.lines().count(), 4);
     assert!(table.lines().nth(1).unwrap().starts_with("XP1,2,joints,,,corrected,,"), "{table}");
@@ -154,7 +154,7 @@ fn a_kinematics_file_goes_out_and_comes_back() {
         row("forearm", [-0.425, 0.0, 0.0, 0.0, 0.0, 0.0]),
         row("wrist_1", [-0.3922, 0.0, 0.1333, 0.0, 0.0, 0.0]),
         row("wrist_2", [0.0, -0.0997, 0.0, quarter, 0.0, 0.0]),
-        row("wrist_3", [0.0, 0.0996, 0.0, quarter, 3.141592653589793, 3.141592653589793]),
+        row("wrist_3", [0.0, 0.0996, 0.0, quarter, 2.0 * quarter, 2.0 * quarter]),
     ]
     .concat();
     folder.write("default.yaml", &format!("kinematics:\n{maker}  hash: calib_12788084448423163542\n"));
@@ -175,13 +175,6 @@ fn a_kinematics_file_goes_out_and_comes_back() {
     assert!(folder.read("mine.yaml").contains("\n  hash: calib_12788084448423163542\n"));
     // The file is a robot: the errors are in it.
     folder.run(&["identify", "--robot", "mine.yaml", "--data", "data.csv", "--out", "again.json"]).ended(0);
-    let before = |fit: &str| -> f64 {
-        let run =
-            folder.run(&["predict", "--fit", fit, "--data", "data.csv", "--out", "p.csv", "--json"]).ended(0);
-        serde_json::from_str::<serde_json::Value>(&run.out)
-            .map_or(f64::NAN, |json| json["rows"].as_f64().unwrap_or(f64::NAN))
-    };
-    assert!((before("again.json") - before("fit.json")).abs() < 0.5);
     assert!(run(&["--style", "franka"], 2).log.contains("has not the joints of the style franka"));
     assert!(run(&[], 2).log.contains("--style"));
     assert!(run(&["--style", "ur", "--hash", "x y"], 2).log.contains("calib_"));

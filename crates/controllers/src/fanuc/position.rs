@@ -101,7 +101,7 @@ fn groups(text: &[u8], inside: &[Token], point: &mut Point) {
             };
             if let Some((slot, name)) = slot.filter(|_| group == 1) {
                 *slot = match numbered {
-                    Some(number) if number == 0.0 => Reference::Identity,
+                    Some(0.0) => Reference::Identity,
                     Some(number) => Reference::Named(format!("{name}{number:.0}")),
                     None => Reference::Unknown(format!("{name} is the one that is active, not a number")),
                 };

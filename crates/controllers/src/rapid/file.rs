@@ -212,9 +212,7 @@ impl File {
             let point = place == 0 || self.declared.iter().any(|(declared, _)| *declared == bare(&name));
             if call && (place < 2 || point) {
                 motion.computed |= place == 0 || ["OFFS", "RELTOOL"].contains(&name.as_str());
-            } else if point {
-                motion.names.push(name.clone());
-            } else if place == 1 && motion.shown.to_ascii_uppercase().ends_with('C') {
+            } else if point || (place == 1 && motion.shown.to_ascii_uppercase().ends_with('C')) {
                 motion.names.push(name.clone());
             }
             seen = Some(match (name.as_str(), call) {

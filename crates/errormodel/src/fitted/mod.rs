@@ -3,7 +3,9 @@
 mod coverage;
 mod domain;
 mod fallback;
+mod installed;
 mod landmarks;
+mod load_correction;
 mod model;
 mod sample;
 mod sessions;
@@ -11,6 +13,8 @@ mod spread;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};
-pub use model::{Fallback, FittedModel, LoadCorrection, Predictor};
+pub use installed::Installed;
+pub use load_correction::LoadCorrection;
+pub use model::{Fallback, FittedModel, Predictor};
 pub use sample::Sample;
-pub use sessions::{Installed, own_target};
+pub use sessions::own_target;

@@ -2,7 +2,8 @@
 
 use super::domain::Domain;
 use super::fallback::{between, share};
-use super::sessions::Installed;
+use super::installed::Installed;
+use super::load_correction::LoadCorrection;
 use super::spread::position_covariance;
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
@@ -11,7 +12,7 @@ use crate::{
     Schema,
 };
 use nalgebra::{DMatrix, Matrix3, Matrix6};
-use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, TargetId};
+use truepose_kinematics::{Chain, Conditions, Load, Pose, PostureBuffer, TargetId};
 
 /// An error model with coefficients, how well they are known, and where they were seen.
 #[derive(Debug, Clone)]
@@ -55,33 +56,6 @@ impl Fallback {
     /// Share of the findings, of the variance of a predicted position, m².
     pub fn weight(&self, variance: f64) -> f64 {
         share(variance, self.usual, self.scale)
-    }
-}
-
-/// A payload whose declared mass is wrong, wherever it is declared.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LoadCorrection {
-    /// As declared, kg.
-    pub declared: f64,
-    /// As it is, kg.
-    pub carried: f64,
-}
-
-impl LoadCorrection {
-    /// Declared masses closer than this share are one level.
-    const SAME: f64 = 1e-9;
-
-    /// The load that is carried, when this is the level that it declares.
-    pub fn apply(&self, load: Load) -> Option<Load> {
-        match load {
-            Load::Payload(payload)
-                if (payload.mass - self.declared).abs() <= Self::SAME * self.declared.abs().max(1.0) =>
-            {
-                Some(Load::Payload(Payload { mass: self.carried, ..payload }))
-            }
-            _ => None,
-        }
     }
 }
 

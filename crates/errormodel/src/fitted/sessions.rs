@@ -14,15 +14,6 @@ use crate::{AnyEffect, Effect, ErrorModel, ModelError, SESSION};
 use std::any::Any;
 use truepose_kinematics::{Placed, Pose, Target, TargetId};
 
-/// One installation of several that a fit knows.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Installed {
-    /// Its name in the data.
-    pub name: String,
-    /// X_k: measurement frame of the first session ← that of this one, as it was placed; what is left of it are coefficients.
-    pub frame: Pose,
-}
-
 /// The name of a session's own target.
 pub fn own_target(target: &str, session: &str) -> String {
     format!("{target}@{session}")

@@ -13,7 +13,7 @@ mod schema_v1;
 mod sessions_v1;
 mod write;
 
-pub use read::{parse_fit, read_fit};
+pub use read::{fit_from_text, read_fit};
 pub use write::{fit_json, write_fit};
 
 /// The format that this version writes, and the newest that it reads.

@@ -5,7 +5,7 @@ use super::{FIT_FORMAT, PROGRAM};
 use crate::IoError;
 use crate::text::Text;
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use truepose_errormodel::{EffectRegistry, FittedModel};
 
 /// A covariance of a few thousand coefficients fits in here.
@@ -23,19 +23,24 @@ struct Heading {
 /// # Errors
 /// When the file cannot be read, is not a fit file, is of a newer format, or contradicts itself.
 pub fn read_fit(path: impl AsRef<Path>, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
-    of_text(&Text::read_up_to(path.as_ref(), LARGEST_FIT)?, registry)
+    read(&Text::read_up_to(path.as_ref(), LARGEST_FIT)?, registry)
 }
 
-/// Reads the contents of a fit file that are in memory. Messages name the file `fit`.
+/// Reads the text of a fit file. `name` stands in messages where the name of a file would.
 ///
 /// # Errors
 /// As [`read_fit`].
-pub fn parse_fit(text: &str, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    of_text(&Text { file: "fit".into(), text: text.into() }, registry)
+pub fn fit_from_text(
+    name: impl Into<PathBuf>,
+    text: impl Into<String>,
+    registry: &EffectRegistry,
+) -> Result<FittedModel, IoError> {
+    let text: String = text.into();
+    let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
+    read(&Text { file: name.into(), text }, registry)
 }
 
-fn of_text(text: &Text, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
+fn read(text: &Text, registry: &EffectRegistry) -> Result<FittedModel, IoError> {
     let path = text.file.as_path();
     if text.text.trim().is_empty() {
         return Err(IoError::file(path, "is empty; a fit file is written by `truepose identify`"));

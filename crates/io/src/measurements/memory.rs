@@ -3,7 +3,8 @@
 //! A NaN and a missing text are an empty cell. Rows count from one, and the names are line 0, as in a Parquet file: `data:7: column `x[mm]` (3): …`
 //! is the seventh row.
 
-use super::row::{Cell, RowReader};
+use super::row::RowReader;
+use super::taken::Cell;
 use crate::IoError;
 use std::path::{Path, PathBuf};
 

@@ -32,6 +32,7 @@ mod sampled;
 mod source;
 mod suggested;
 mod suspicious;
+mod taken;
 mod texts;
 mod together;
 mod visits;

@@ -6,7 +6,8 @@
 
 mod pages;
 
-use super::row::{Cell, RowReader};
+use super::row::RowReader;
+use super::taken::Cell;
 use crate::IoError;
 use ::parquet::basic::{ConvertedType, Type};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};

@@ -15,13 +15,6 @@ use truepose_kinematics::{Chain, Load, TargetId};
 /// No number of a table is larger (SI): squares and sums of such numbers are still numbers.
 const LARGEST: f64 = 1e30;
 
-/// A cell of a column.
-pub(crate) enum Cell<'a> {
-    Empty,
-    Number(f64),
-    Text(&'a [u8]),
-}
-
 /// Reads rows, one at a time, into the same memory.
 #[derive(Debug)]
 pub(crate) struct RowReader {
@@ -123,7 +116,7 @@ impl RowReader {
     }
 
     /// Begins a row; whether it is read.
-    fn begin(&mut self, line: u64) -> bool {
+    pub(super) fn begin(&mut self, line: u64) -> bool {
         self.row = Row { line, ..Row::default() };
         self.row.skipped = !self.exclude.is_empty() && self.exclude.binary_search(&line).is_ok();
         !self.row.skipped
@@ -192,7 +185,7 @@ impl RowReader {
     }
 
     /// What all cells of the row come to.
-    fn judge(&mut self) -> Result<(), IoError> {
+    pub(super) fn judge(&mut self) -> Result<(), IoError> {
         if self.row.skipped {
             self.problems.clear();
             return Ok(());
@@ -205,7 +198,7 @@ impl RowReader {
 
     /// Takes a number in the unit of the file.
     #[inline]
-    fn put(&mut self, line: u64, k: usize, raw: f64) -> Result<(), IoError> {
+    pub(super) fn put(&mut self, line: u64, k: usize, raw: f64) -> Result<(), IoError> {
         let (cells, si) = self.kinds[k];
         if !matches!(cells, Cells::Number | Cells::Maybe) {
             self.check_whole(line, k, cells, raw)?;
@@ -223,77 +216,6 @@ impl RowReader {
     #[cold]
     fn too_large(&self, line: u64, k: usize, raw: f64) -> IoError {
         self.header.cell_error(line, k, format!("{raw:e} cannot be meant; check the number"))
-    }
-
-    /// Takes a row whose cells stand in columns.
-    pub fn take<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
-        let taken = self.take_cells(line, cell);
-        self.failed = taken.is_err();
-        taken
-    }
-
-    fn take_cells<'c>(&mut self, line: u64, cell: impl Fn(usize) -> Cell<'c>) -> Result<(), IoError> {
-        if !self.begin(line) {
-            return Ok(());
-        }
-        for k in 0..self.kinds.len() {
-            let cells = self.kinds[k].0;
-            if matches!(cells, Cells::Note | Cells::Blank) {
-                continue;
-            }
-            let raw = match (cells, cell(k)) {
-                (Cells::Target, Cell::Number(value)) => {
-                    let message = format!("a target has a name, and not a number ({value})");
-                    return Err(self.header.cell_error(line, k, message));
-                }
-                (Cells::Use, Cell::Number(value)) => {
-                    self.use_row(line, k, if value.abs() < f64::MIN_POSITIVE { "0" } else { "1" })?;
-                    continue;
-                }
-                (Cells::Id, Cell::Number(value)) => {
-                    self.take_id(k, &value.to_string());
-                    continue;
-                }
-                (Cells::Session | Cells::Kind | Cells::Landmark, Cell::Number(value)) => {
-                    self.take_word(line, k, &value.to_string());
-                    continue;
-                }
-                (_, Cell::Number(value)) if value.is_finite() => Some(value),
-                (_, Cell::Number(_)) => {
-                    let message = "is not a finite number; leave the cell empty if nothing was measured";
-                    return Err(self.header.cell_error(line, k, message));
-                }
-                (_, Cell::Text(text)) => {
-                    let text = String::from_utf8_lossy(text);
-                    let text = text.trim();
-                    if cells == Cells::Id {
-                        self.take_id(k, text);
-                        continue;
-                    }
-                    if matches!(cells, Cells::Session | Cells::Kind | Cells::Landmark) {
-                        self.take_word(line, k, text);
-                        continue;
-                    }
-                    if cells == Cells::Target {
-                        self.row.target =
-                            self.target(text).map_err(|message| self.header.cell_error(line, k, message))?;
-                        self.seen[k].filled += usize::from(self.row.target.is_some());
-                        continue;
-                    }
-                    number(text).map_err(|message| self.header.cell_error(line, k, message))?
-                }
-                (_, Cell::Empty) => None,
-            };
-            match raw {
-                Some(raw) => self.put(line, k, raw)?,
-                None if matches!(cells, Cells::Kind | Cells::Landmark) => {}
-                None if matches!(cells, Cells::Maybe | Cells::Target | Cells::Id) => {
-                    self.numbers[k] = f64::NAN
-                }
-                None => return Err(self.empty(line, k)),
-            }
-        }
-        self.judge()
     }
 
     /// Appends the row to a data set.
@@ -348,7 +270,7 @@ impl RowReader {
     }
 
     #[cold]
-    fn empty(&self, line: u64, k: usize) -> IoError {
+    pub(super) fn empty(&self, line: u64, k: usize) -> IoError {
         let message = match self.header.columns[k].role {
             Role::Joint(_) => "is empty; every row needs all joint values",
             Role::PayloadMass => "is empty; write 0 where nothing is carried",

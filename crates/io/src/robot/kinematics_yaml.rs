@@ -73,9 +73,23 @@ pub(super) fn read(path: &Path, style: Option<&str>) -> Result<Kinematics, IoErr
     Ok(Kinematics { name: style, joints, base: placed("base")?, tool: placed("tool")? })
 }
 
-/// The file that a robot TOML names, and its style.
-pub(super) fn named(root: &Table<'_>, beside: impl Fn(&str) -> PathBuf) -> Result<Kinematics, IoError> {
-    let file = root.require("kinematics")?;
+impl Kinematics {
+    /// Base and tool, where the file states them.
+    pub(super) fn places(&self) -> (Option<Placed>, Option<Placed>) {
+        let there = |pose: Option<Pose>| pose.map(|pose| Placed { pose, known: true });
+        (there(self.base), there(self.tool))
+    }
+}
+
+/// The file that a robot TOML names in place of its joints, if it names one.
+pub(super) fn named(
+    root: &Table<'_>,
+    beside: impl Fn(&str) -> PathBuf,
+) -> Result<Option<Kinematics>, IoError> {
+    let Some(file) = root.get("kinematics") else { return Ok(None) };
+    if let Some(other) = root.get("urdf").or_else(|| root.get("joints")) {
+        return Err(other.error("`kinematics` excludes `urdf` and [[joints]]; keep one of them"));
+    }
     let found = beside(file.string()?);
     if !found.is_file() {
         let words = "the path counts from this file's folder";
@@ -85,7 +99,7 @@ pub(super) fn named(root: &Table<'_>, beside: impl Fn(&str) -> PathBuf) -> Resul
         Some(value) => Some(value.word(&STYLES.map(|word| (word, word)))?),
         None => None,
     };
-    read(&found, style)
+    read(&found, style).map(Some)
 }
 
 /// Reads a kinematics file of a ROS description in the structure of a maker (`ur`, `franka`, `flexiv`, `xarm`) as a robot.

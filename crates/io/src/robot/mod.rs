@@ -1,5 +1,6 @@
 //! Robot descriptions: TOML and URDF in, TOML out.
 
+mod beside;
 mod columns;
 mod couplings;
 mod details;
@@ -99,7 +100,7 @@ pub fn robot_from_text(
 pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
     let path = path.as_ref();
     let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
-    if toml { toml_form::column_map(path) } else { Ok(ColumnMap::default()) }
+    if toml { beside::column_map(path) } else { Ok(ColumnMap::default()) }
 }
 
 /// What each session of a campaign has of its own, as `[sessions]` of a robot description says; the base where it says nothing.
@@ -109,7 +110,7 @@ pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
 pub fn robot_sessions(path: impl AsRef<Path>) -> Result<SessionRules, IoError> {
     let path = path.as_ref();
     let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
-    if toml { toml_form::session_rules(path) } else { Ok(SessionRules::default()) }
+    if toml { beside::session_rules(path) } else { Ok(SessionRules::default()) }
 }
 
 /// Landmarks and distances between them, as `[[landmarks]]` and `[[distances]]` of a robot description say; none where it says nothing.
@@ -119,5 +120,5 @@ pub fn robot_sessions(path: impl AsRef<Path>) -> Result<SessionRules, IoError> {
 pub fn robot_surroundings(path: impl AsRef<Path>) -> Result<Surroundings, IoError> {
     let path = path.as_ref();
     let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) && path.is_file();
-    if toml { toml_form::surroundings_of(path) } else { Ok(Surroundings::default()) }
+    if toml { beside::surroundings_of(path) } else { Ok(Surroundings::default()) }
 }

@@ -6,9 +6,8 @@ use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
-use crate::{ColumnMap, IoError, Unit, Warning};
+use crate::{IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
@@ -75,17 +74,11 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length)).err());
     let units = units(&root)?;
     details::of(&root)?;
-    let mut placed_there = (None, None);
+    let kinematics = kinematics_yaml::named(&root, |file| beside(path, file))?;
+    let there = kinematics.as_ref().map_or((None, None), kinematics_yaml::Kinematics::places);
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
-        (None, None) if root.get("kinematics").is_some() => {
-            let found = kinematics_yaml::named(&root, |file| beside(path, file))?;
-            placed_there = (found.base, found.tool);
-            (found.name, found.joints)
-        }
-        (urdf, joints) if root.get("kinematics").is_some() => {
-            let other = urdf.or(joints);
-            let message = "`kinematics` excludes `urdf` and [[joints]]; keep one of them";
-            return Err(other.map_or_else(|| IoError::file(path, message), |other| other.error(message)));
+        (None, None) if kinematics.is_some() => {
+            kinematics.map(|found| (found.name, found.joints)).unwrap_or_default()
         }
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
@@ -132,11 +125,10 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     let couplings = couplings::read(&root, &chain, &mut errors)?;
     some(errors)?;
     chain = chain.with_couplings(couplings).map_err(whole)?;
-    let there = |pose: Option<Pose>| pose.map(|pose| Placed { pose, known: true });
-    if let Some(base) = base.or(there(placed_there.0)) {
+    if let Some(base) = base.or(there.0) {
         chain = chain.with_base(base).map_err(whole)?;
     }
-    if let Some(tool) = tool.or(there(placed_there.1)) {
+    if let Some(tool) = tool.or(there.1) {
         chain = chain.with_tool(tool).map_err(whole)?;
     }
     chain.with_targets(targets).and_then(|chain| chain.with_gravity(gravity)).map_err(whole)
@@ -159,28 +151,6 @@ fn some(mut errors: Vec<IoError>) -> Result<(), IoError> {
 /// The value; its error joins the others.
 fn kept<T>(value: Result<T, IoError>, errors: &mut Vec<IoError>) -> Option<T> {
     value.map_err(|error| errors.push(error)).ok()
-}
-
-/// What `[columns]` of a description says about tables of measurements.
-pub(super) fn column_map(path: &Path) -> Result<ColumnMap, IoError> {
-    let text = Text::read(path)?;
-    let document = Document::parse(&text)?;
-    columns::read(&document.root("the robot"))
-}
-
-/// What `[sessions]` of a description says about several installations.
-pub(super) fn session_rules(path: &Path) -> Result<SessionRules, IoError> {
-    let text = Text::read(path)?;
-    let document = Document::parse(&text)?;
-    sessions::read(&document.root("the robot"))
-}
-
-/// What a description says about the surroundings.
-pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
-    let text = Text::read(path)?;
-    let document = Document::parse(&text)?;
-    let root = document.root("the robot");
-    surroundings::read(&root, units(&root)?.length)
 }
 
 /// The URDF or kinematics file that a description names.
@@ -227,6 +197,11 @@ fn from_urdf(
         )));
     }
     urdf::read(&beside, &options, warnings)
+}
+
+/// The unit of every length of a description.
+pub(super) fn length_unit(root: &Table<'_>) -> Result<&'static Unit, IoError> {
+    Ok(units(root)?.length)
 }
 
 fn units(root: &Table<'_>) -> Result<Units, IoError> {

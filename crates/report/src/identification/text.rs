@@ -264,7 +264,9 @@ impl IdentificationSummary {
     pub(super) fn sentence(&self) -> String {
         let judged = |stage: &StageSummary| stage.test_set.or(stage.held_out).unwrap_or(stage.train);
         if let Some(landmarks) = &self.landmarks {
-            return prefix_of(self.converged).to_owned() + &landmarks.verdict(&self.stages);
+            let stages: Vec<(f64, &str)> =
+                self.stages.iter().map(|stage| (judged(stage).rms_mm, stage.name.as_str())).collect();
+            return prefix_of(self.converged).to_owned() + &landmarks.verdict(&stages);
         }
         let rows = match self.stages.last() {
             Some(last) if last.test_set.is_some() => "on the held-out test set",

@@ -2,7 +2,7 @@
 
 mod places;
 
-use super::compensate::{in_units, joint_names};
+use super::joint_units::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
 use crate::args::Compensate;

@@ -1,0 +1,31 @@
+//! What a robot file says beside the robot, for who reads tables: names of columns, sessions, landmarks.
+
+use super::toml_form::length_unit;
+use super::{columns, sessions, surroundings};
+use crate::text::Text;
+use crate::toml_tree::Document;
+use crate::{ColumnMap, IoError};
+use std::path::Path;
+use truepose_errormodel::{SessionRules, Surroundings};
+
+/// What `[columns]` of a description says about tables of measurements.
+pub(super) fn column_map(path: &Path) -> Result<ColumnMap, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    columns::read(&document.root("the robot"))
+}
+
+/// What `[sessions]` of a description says about several installations.
+pub(super) fn session_rules(path: &Path) -> Result<SessionRules, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    sessions::read(&document.root("the robot"))
+}
+
+/// What a description says about the surroundings.
+pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
+    let text = Text::read(path)?;
+    let document = Document::parse(&text)?;
+    let root = document.root("the robot");
+    surroundings::read(&root, length_unit(&root)?)
+}
