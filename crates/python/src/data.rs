@@ -102,6 +102,12 @@ pub fn read_data(
     let options = reading(robot, measured, orientation, columns, ignore)?;
     let chain = robot.chain.clone();
     let read = py.detach(|| read_measurements(Path::new(&path), &chain, &options)).map_err(of_io)?;
+    let info = &read.1;
+    if info.sessions.len() > 1 || !info.landmarks.is_empty() {
+        return Err(input(
+            "several sessions, and rows at landmarks, are read by the program only: `truepose identify` and `truepose discover` write fits that `truepose.load` reads; of several sessions, give the rows of one",
+        ));
+    }
     Ok(Data::new(chain, positions(read, positions_only)))
 }
 

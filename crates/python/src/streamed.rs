@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::{Arc, Mutex, PoisonError};
 use truepose_cli::front;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, LANDMARK, SESSION};
 use truepose_identify::{FitOptions, Pass, StreamedOptions, StreamedRun};
 use truepose_io::MeasurementsReader;
 use truepose_report::StreamedSummary;
@@ -25,6 +25,11 @@ pub fn take_block(py: Python<'_>, robot: &Robot, table: &Table, positions_only: 
     let (chain, table) = (robot.chain.clone(), table.table.clone());
     let (data, info, warnings) = py.detach(|| {
         let mut reader = MeasurementsReader::in_memory(table, &chain, &options).map_err(of_io)?;
+        if [SESSION, LANDMARK].into_iter().any(|name| reader.schema().channel(name).is_some()) {
+            return Err(input(
+                "columns `session` and `landmark` need the whole table, and are not read in blocks",
+            ));
+        }
         let mut data = Dataset::default();
         reader.read_block(usize::MAX, &mut data).map_err(of_io)?;
         if positions_only {

@@ -198,3 +198,11 @@ def test_a_reader_of_a_stream_that_breaks_is_an_error(two: tp.Robot) -> None:
     nested = pa.table({**GOOD, "y[m]": [[1.0], [2.0], [3.0], [4.0]]})
     with pytest.raises(tp.InputError, match=r"y\[m\]"):
         tp.identify(two, nested)
+
+
+def test_sessions_and_landmarks_are_left_to_the_program(robot: tp.Robot, frame: pd.DataFrame) -> None:
+    two = frame.assign(session=["north"] * (len(frame) // 2) + ["south"] * (len(frame) - len(frame) // 2))
+    with pytest.raises(tp.InputError, match="sessions"):
+        tp.identify(robot, two)
+    one = tp.identify(robot, frame.assign(session="north"), folds=0)
+    assert one.to_bytes() == tp.identify(robot, frame, folds=0).to_bytes()

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::Path;
-use truepose_errormodel::{AnyEffect, Dataset};
+use truepose_errormodel::{AnyEffect, Dataset, LANDMARK, SESSION};
 use truepose_identify::{IdentifyError, Source, StreamedOptions, identify_streamed};
 use truepose_io::{IoError, MeasurementsOptions, MeasurementsReader, sample_measurements, write_fit};
 use truepose_kinematics::Chain;
@@ -37,11 +37,17 @@ pub fn identify(
             "--folds: one fold leaves no data to fit; use 2 or more, or 0 for none".into(),
         ));
     }
+    let reading = args.measured.reading()?;
+    let schema = MeasurementsReader::open(data, chain, &reading)?.schema().clone();
+    if let Some(column) = [SESSION, LANDMARK].into_iter().find(|name| schema.channel(name).is_some()) {
+        let words = format!("--stream: a column `{}` needs the whole file", column.trim_end_matches('~'));
+        return Err(Failure::Input(format!("{}: {words}; leave --stream out", data.display())));
+    }
     let solver = args.solver.build();
     let mut file = Table {
         path: &args.measured.data,
         chain,
-        reading: args.measured.reading()?,
+        reading,
         positions_only: args.positions_only,
         passes: 0,
         watch,

@@ -95,6 +95,10 @@ fn what_is_not_known_of_a_session_is_asked_for() {
     let error = identify.ended(INPUT).log;
     assert!(error.contains("session hall B: ") && error.contains("it has 1 pose"), "{error}");
     assert!(!folder.file("few.json").exists());
+    // Blocks know nothing of the others.
+    let words = ["identify", "--robot", "robot.toml", "--data", "fit.csv", "--stream", "--out", "s.json"];
+    let error = folder.run(&words).ended(INPUT).log;
+    assert!(error.contains("a column `session` needs the whole file"), "{error}");
     // An empty name.
     folder.write("empty.csv", &folder.read("fit.csv").replacen(",north\n", ",\n", 1));
     let error = folder.run(&["check", "--robot", "robot.toml", "--data", "empty.csv"]).ended(INPUT).log;
