@@ -23,7 +23,7 @@ use truepose_io::{
     read_measurements, read_poses,
 };
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
-use truepose_kinematics::{Chain, Conditions, JointId, Pose};
+use truepose_kinematics::{Chain, Conditions, Pose};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
 /// Poses that one thread takes at a time.
