@@ -33,9 +33,6 @@ const TOGETHER: usize = 64;
 
 /// Runs the verb.
 pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
-    if let Some(file) = &args.robot_program.program {
-        return super::program::run(args, file);
-    }
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
     let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();

@@ -58,7 +58,10 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Discover(verb) => discover::run(verb, watch),
         Verb::Plan(verb) => plan::run(verb, watch),
         Verb::Predict(verb) => predict::run(verb, watch),
-        Verb::Compensate(verb) => compensate::run(verb, watch),
+        Verb::Compensate(verb) => match &verb.robot_program.program {
+            Some(file) => program::run(verb, file),
+            None => compensate::run(verb, watch),
+        },
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),
         Verb::Iso9283(verb) => iso9283::run(verb, watch),

@@ -31,15 +31,15 @@ const UR: [(&str, &str); 6] = [
 const STYLES: [&str; 4] = ["ur", "franka", "flexiv", "xarm"];
 
 /// Joints of a file, and where base and tool are if it states that.
-pub(super) struct Kinematics {
-    pub(super) name: String,
-    pub(super) joints: Vec<Joint>,
-    pub(super) base: Option<Pose>,
-    pub(super) tool: Option<Pose>,
+struct Kinematics {
+    name: String,
+    joints: Vec<Joint>,
+    base: Option<Pose>,
+    tool: Option<Pose>,
 }
 
 /// Reads a file; a style that is given is not searched for.
-pub(super) fn read(path: &Path, style: Option<&str>) -> Result<Kinematics, IoError> {
+fn read(path: &Path, style: Option<&str>) -> Result<Kinematics, IoError> {
     let text = Text::read(path)?;
     let root = Node::parse(&text)?;
     let own = root.get("truepose");
@@ -73,20 +73,12 @@ pub(super) fn read(path: &Path, style: Option<&str>) -> Result<Kinematics, IoErr
     Ok(Kinematics { name: style, joints, base: placed("base")?, tool: placed("tool")? })
 }
 
-impl Kinematics {
-    /// Base and tool, where the file states them.
-    pub(super) fn places(&self) -> (Option<Placed>, Option<Placed>) {
-        let there = |pose: Option<Pose>| pose.map(|pose| Placed { pose, known: true });
-        (there(self.base), there(self.tool))
-    }
-}
+/// Name and joints of a file, and base and tool where it states them.
+type Named = (Option<(String, Vec<Joint>)>, (Option<Placed>, Option<Placed>));
 
 /// The file that a robot TOML names in place of its joints, if it names one.
-pub(super) fn named(
-    root: &Table<'_>,
-    beside: impl Fn(&str) -> PathBuf,
-) -> Result<Option<Kinematics>, IoError> {
-    let Some(file) = root.get("kinematics") else { return Ok(None) };
+pub(super) fn named(root: &Table<'_>, beside: impl Fn(&str) -> PathBuf) -> Result<Named, IoError> {
+    let Some(file) = root.get("kinematics") else { return Ok((None, (None, None))) };
     if let Some(other) = root.get("urdf").or_else(|| root.get("joints")) {
         return Err(other.error("`kinematics` excludes `urdf` and [[joints]]; keep one of them"));
     }
@@ -99,7 +91,9 @@ pub(super) fn named(
         Some(value) => Some(value.word(&STYLES.map(|word| (word, word)))?),
         None => None,
     };
-    read(&found, style).map(Some)
+    let Kinematics { name, joints, base, tool } = read(&found, style)?;
+    let there = |pose: Option<Pose>| pose.map(|pose| Placed { pose, known: true });
+    Ok((Some((name, joints)), (there(base), there(tool))))
 }
 
 /// Reads a kinematics file of a ROS description in the structure of a maker (`ur`, `franka`, `flexiv`, `xarm`) as a robot.

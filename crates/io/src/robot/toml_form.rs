@@ -74,12 +74,9 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length)).err());
     let units = units(&root)?;
     details::of(&root)?;
-    let kinematics = kinematics_yaml::named(&root, |file| beside(path, file))?;
-    let there = kinematics.as_ref().map_or((None, None), kinematics_yaml::Kinematics::places);
+    let (found, there) = kinematics_yaml::named(&root, |file| beside(path, file))?;
     let (name, joints) = match (root.get("urdf"), root.get("joints")) {
-        (None, None) if kinematics.is_some() => {
-            kinematics.map(|found| (found.name, found.joints)).unwrap_or_default()
-        }
+        (None, None) if found.is_some() => found.unwrap_or_default(),
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
         }
@@ -217,10 +214,8 @@ fn units(root: &Table<'_>) -> Result<Units, IoError> {
             angle = value.word(&["rad", "deg"].map(named))?;
         }
     }
-    match (length, angle) {
-        (Some(length), Some(angle)) => Ok(Units { length, angle }),
-        _ => Err(root.error("the units of this file are not known")),
-    }
+    let both = length.zip(angle).map(|(length, angle)| Units { length, angle });
+    both.ok_or_else(|| root.error("the units of this file are not known"))
 }
 
 fn joints(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<Vec<Joint>, IoError> {
