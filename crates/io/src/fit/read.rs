@@ -219,7 +219,7 @@ mod tests {
         assert_eq!(
             with("geometric", "geometrics"),
             "fit.json: unknown effect family `geometrics`; known families: backlash, base_compliance, coupling, \
-             drift, expansion, geometric, guideway, instrument, joint_compliance, link_compliance, load_nonlinearity, polynomial, \
+             drift, expansion, geometric, guideway, instrument, joint_compliance, landmarks, link_compliance, load_nonlinearity, polynomial, \
              shift, thermal, transmission"
         );
         assert_eq!(

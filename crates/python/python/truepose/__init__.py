@@ -34,6 +34,7 @@ from truepose._discovery import Discovery, Finding, Rival
 from truepose._effect import Column, Declared, Effect, Hypothesis, Postures, Setting, Variant
 from truepose._errors import Interrupted
 from truepose._fit import Commands, Fit, HeldOut, Predictions, Residuals, load
+from truepose._recording import Recording, read_mcap
 from truepose._robot import Joint, Robot, Target
 from truepose._table import Table
 from truepose._verbs import (
@@ -88,6 +89,7 @@ __all__ = [
     "Polynomial",
     "Postures",
     "Predictions",
+    "Recording",
     "Residuals",
     "Rival",
     "Robot",
@@ -109,6 +111,7 @@ __all__ = [
     "monitor",
     "plan",
     "read",
+    "read_mcap",
     "simulate",
     "transfer",
 ]
