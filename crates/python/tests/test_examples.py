@@ -1,4 +1,4 @@
-"""The scripts of examples/06_python run, and say what they should; the README's class names exist."""
+"""The scripts of examples/07_python run, and say what they should; the README's class names exist."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 import truepose as tp
 
-FOLDER = Path(__file__).resolve().parents[3] / "examples" / "06_python"
+FOLDER = Path(__file__).resolve().parents[3] / "examples" / "07_python"
 
 
 def run(name: str, tmp_path: Path) -> str:

@@ -324,7 +324,10 @@ fn wrong_usage_is_refused() {
         (&["--solver", "magic"], "magic"),
         (&["--require", "0.15"], "a length needs a unit"),
         (&["--require=-1mm"], "a length above 0 is needed"),
-        (&["--prior", "much"], "expected `evidence`, `none` or a number above 0"),
+        (
+            &["--prior", "much"],
+            "expected `evidence`, `none`, a number above 0, or a file of `truepose fleet`",
+        ),
         (&["--holdout", "1.5"], "option `holdout` is 1.5"),
         (&["--threads", "0"], "0 is not in 1..=1024"),
         (&["--robot", "other.toml"], "--robot"),

@@ -94,7 +94,7 @@ fn verify_refuses_arguments_and_inputs_that_are_not_of_a_run() {
     refused(&|a| *a = vec!["--help".into()], "its arguments are not valid");
     refused(
         &|a| *a = ["simulate", "--plant", "plant.toml", "--out", "planted.csv"].map(Into::into).to_vec(),
-        "only discover, identify, compare, compensate, map, plan and predict can be repeated",
+        "only discover, identify, compare, compensate, iso9283, map, plan and predict can be repeated",
     );
     // A word of another option is no verb.
     refused(
