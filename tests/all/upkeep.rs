@@ -10,7 +10,7 @@ use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
 use truepose_simulate::{Campaign, Flaws, Observation, Plant, PlantOptions, flaws};
 use truepose_solvers::PivotedQr;
 use truepose_upkeep::{
-    Installation, MonitorOptions, TransferOptions, UpkeepError, fleet, monitor, sister, transfer,
+    Installation, MonitorOptions, TransferOptions, UpkeepError, check_poses, fleet, monitor, sister, transfer,
 };
 
 /// Constant errors, a soft joint, an instrument and a robot that repeats to 20 µm an axis.
@@ -278,4 +278,32 @@ fn what_is_no_fleet_is_told() {
 
 fn mixed_of(here: &Chain) -> Vec<FittedModel> {
     (0..4).map(|robot| identified(here, &sister_of(here, robot, 40, 10 + robot).data)).collect()
+}
+
+#[test]
+fn planned_poses_show_changes_that_random_ones_of_the_same_number_do_not() {
+    let here = with_three_targets(&samples::ur10());
+    let data = observed(&here, Flaws::default(), 150, (3, 103)).data;
+    let arm = identified(&here, &data);
+    let planned = check_poses(&arm, 8, 0.01).unwrap();
+    assert_eq!(planned.poses.len(), 8);
+    // Among the configurations of the fit, each once.
+    for pose in &planned.poses {
+        let seen = |row: usize| (0..6).all(|k| data.joints[k][row] == pose.joints[k]);
+        assert!((0..data.len()).any(seen));
+    }
+    let detectable = |poses: &[usize]| {
+        let rows: Vec<usize> = (0..data.len()).filter(|&row| poses.contains(&data.visit[row])).collect();
+        let look = monitor(&arm, &data.select(&rows), MonitorOptions::default()).unwrap();
+        let logs: f64 = look.detectable.iter().map(|d| d.change.ln()).sum();
+        logs / look.detectable.len() as f64
+    };
+    let random = detectable(&[3, 21, 40, 58, 77, 95, 111, 140]);
+    let logs: f64 = planned.detectable.iter().map(|d| d.change.ln()).sum();
+    let best = logs / planned.detectable.len() as f64;
+    println!("planned {:.3} of the change that random poses show", (best - random).exp());
+    assert!(best < random - 0.05, "{best} {random}");
+    let mut bare = arm.clone();
+    bare.domain.sample = Default::default();
+    assert!(check_poses(&bare, 8, 0.01).unwrap_err().to_string().contains("configurations"));
 }

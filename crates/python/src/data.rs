@@ -39,7 +39,7 @@ impl Data {
 
     /// Refuses what the verbs of Python do not do yet.
     pub fn plain(&self) -> PyResult<()> {
-        let what = match (self.info.sessions.is_empty(), self.info.landmarks.is_empty()) {
+        let what = match (self.info.sessions.len() < 2, self.info.landmarks.is_empty()) {
             (true, true) => return Ok(()),
             (false, _) => "sessions",
             (true, false) => "landmarks",
@@ -102,12 +102,7 @@ pub fn read_data(
     let options = reading(robot, measured, orientation, columns, ignore)?;
     let chain = robot.chain.clone();
     let read = py.detach(|| read_measurements(Path::new(&path), &chain, &options)).map_err(of_io)?;
-    let info = &read.1;
-    if info.sessions.len() > 1 || !info.landmarks.is_empty() {
-        return Err(input(
-            "several sessions, and rows at landmarks, are read by the program only: `truepose identify` and `truepose discover` write fits that `truepose.load` reads; of several sessions, give the rows of one",
-        ));
-    }
+    one_installation(&read.1)?;
     Ok(Data::new(chain, positions(read, positions_only)))
 }
 
@@ -128,7 +123,18 @@ pub fn take_data(
     let options = reading(robot, measured, orientation, columns, ignore)?;
     let (chain, table) = (robot.chain.clone(), table.table.clone());
     let read = py.detach(|| measurements_in_memory(table, &chain, &options)).map_err(of_io)?;
+    one_installation(&read.1)?;
     Ok(Data::new(chain, positions(read, positions_only)))
+}
+
+/// Refuses what the program alone can read.
+fn one_installation(info: &CsvInfo) -> PyResult<()> {
+    if info.sessions.len() > 1 || !info.landmarks.is_empty() {
+        return Err(input(
+            "several sessions, and rows at landmarks, are read by the program only: `truepose identify` and `truepose discover` write fits that `truepose.load` reads; of several sessions, give the rows of one",
+        ));
+    }
+    Ok(())
 }
 
 fn positions<I, W>((mut data, info, said): (Dataset, I, W), alone: bool) -> (Dataset, I, W) {

@@ -178,7 +178,7 @@ def test_bad_requests_of_a_fit(fit: tp.Fit) -> None:
 
 
 def test_sessions_are_refused(two: tp.Robot) -> None:
-    with pytest.raises(tp.InputError, match="sessions are not available in Python yet"):
+    with pytest.raises(tp.InputError, match="several sessions"):
         tp.identify(two, {**GOOD, "session": ["a", "a", "b", "b"]})
 
 

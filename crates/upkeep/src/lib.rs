@@ -14,6 +14,8 @@ pub use advice::Advised;
 pub use error::UpkeepError;
 pub use fleet::{Fleet, fleet};
 pub use installation::Installation;
-pub use monitor::{Change, Coefficient, Detectable, Look, MonitorOptions, level, monitor};
+pub use monitor::{
+    Change, CheckPoses, Coefficient, Detectable, Look, MonitorOptions, check_poses, level, monitor,
+};
 pub use sister::{Sister, sister};
 pub use transfer::{ArmFits, Band, Transfer, TransferOptions, transfer};

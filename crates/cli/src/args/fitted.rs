@@ -14,7 +14,7 @@ pub struct Plan {
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
-    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283
+    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283; or monitor, the poses of the fit that show changes best (12, or --count)
     #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
     pub test: Option<PlannedTest>,
     /// Robot of the test (.toml or .urdf), in place of a fit
@@ -55,9 +55,9 @@ pub struct Plan {
     /// File with the head of the report, [certificate] (TOML)
     #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
     pub certificate: Option<PathBuf>,
-    /// Number of pose measurements
-    #[arg(long, default_value_t = 30, value_parser = parse_whole::<usize>)]
-    pub count: usize,
+    /// Number of pose measurements [default: 30; 12 for monitor]
+    #[arg(long, value_parser = parse_whole::<usize>)]
+    pub count: Option<usize>,
     /// Available payloads, kg [default: none]
     #[arg(long, value_name = "KG", value_delimiter = ',', allow_negative_numbers = true)]
     pub loads: Vec<f64>,
@@ -80,6 +80,8 @@ pub struct Plan {
 pub enum PlannedTest {
     /// Pose accuracy and repeatability of ISO 9283
     Iso9283,
+    /// Looks at the robot with `truepose monitor`
+    Monitor,
 }
 
 /// `truepose predict`

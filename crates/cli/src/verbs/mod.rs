@@ -24,6 +24,7 @@ mod nominal;
 pub(crate) mod parameters;
 mod plan;
 mod plan_iso9283;
+mod plan_monitor;
 pub(crate) mod predict;
 mod program;
 mod repeated;

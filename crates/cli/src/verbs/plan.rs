@@ -17,10 +17,15 @@ use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Load, Payload};
 use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
 
+/// Pose measurements where the user gives no number.
+const POSES: usize = 30;
+
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
-    if args.test == Some(PlannedTest::Iso9283) {
-        return super::plan_iso9283::run(args, watch);
+    match args.test {
+        Some(PlannedTest::Iso9283) => return super::plan_iso9283::run(args, watch),
+        Some(PlannedTest::Monitor) => return super::plan_monitor::run(args, watch),
+        None => {}
     }
     check_writable(&args.out)?;
     let file = args.fit.as_ref().ok_or_else(|| Failure::Input("--fit: a fit is needed".into()))?;
@@ -42,10 +47,11 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
         return Err(Failure::Input(format!("--loads: {mass} is not a mass; give kilograms, 0 or more")));
     }
     let com = Vector3::from_column_slice(&args.com) * 1e-3;
+    let count = args.count.unwrap_or(POSES);
     let options = PlanOptions {
-        count: args.count,
+        count,
         loads: args.loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect(),
-        pool: args.pool.max(args.count),
+        pool: args.pool.max(count),
         seed: args.seed,
     };
     watch.doing("choosing pose measurements");

@@ -85,3 +85,14 @@ fn an_arm_is_carried_into_another_installation() {
     // The fit of another installation is a fit like any other.
     folder.run(&["monitor", "--fit", "moved.json", "--data", "fresh.csv"]).ended(0);
 }
+
+#[test]
+fn poses_for_looks_are_planned_and_read_by_check() {
+    let folder = Folder::with_data();
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    let plan = ["plan", "--for", "monitor", "--fit", "fit.json", "--out", "look.csv", "--count", "5"];
+    let told = folder.run(&plan).ended(0).out;
+    assert!(told.contains("5 poses of the fit") && told.contains("9 cases of 10"), "{told}");
+    folder.run(&["check", "--robot", "robot.toml", "--data", "look.csv"]).ended(0);
+    assert_eq!(folder.read("look.csv").lines().filter(|line| !line.starts_with('#')).count(), 6);
+}

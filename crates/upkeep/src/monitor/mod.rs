@@ -18,10 +18,12 @@
 //! Source: score tests, Rao (1948). A change that one coefficient explains is looked for in the directions of the suspects; any other one in
 //! T_0.
 
+mod check_poses;
 mod score;
 mod spending;
 mod suspects;
 
+pub use check_poses::{CheckPoses, check_poses};
 pub use spending::level;
 
 use crate::UpkeepError;

@@ -66,7 +66,7 @@ impl ScoreTest {
     }
 
     /// The whitened columns X of a suspect and their information XᵀQX; none where these rows do not show it.
-    fn visible(&self, rows: &Prediction, suspect: &Suspect) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    pub fn visible(&self, rows: &Prediction, suspect: &Suspect) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let x = rows.arm.select_columns(&suspect.columns);
         let information = self.product(&x, &x);
         let alone = x.tr_mul(&x);
