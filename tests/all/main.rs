@@ -8,6 +8,7 @@
 
 mod beams;
 mod cancelled;
+mod census;
 mod compensation;
 mod constraints;
 mod convergence;

@@ -20,6 +20,13 @@ pub fn with_three_targets(chain: &Chain) -> Chain {
         .unwrap()
 }
 
+/// The robot's first target alone.
+pub fn with_one_target(chain: &Chain) -> Chain {
+    let chain = with_three_targets(chain);
+    let first = chain.targets()[..1].to_vec();
+    chain.with_targets(first).unwrap()
+}
+
 /// The same robot with ±0.4 m for every slide without limits: a campaign needs to know how far it may go.
 pub fn bounded(chain: &Chain) -> Chain {
     let joints = chain

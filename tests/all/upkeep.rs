@@ -1,7 +1,7 @@
 //! An identified arm in another installation, and whether it has changed since; the robots are plants with an instrument and joints that
 //! do not repeat exactly.
 
-use crate::plants::with_three_targets;
+use crate::plants::{with_one_target, with_three_targets};
 use truepose_errormodel::effects::{Geometric, JointCompliance, Transmission};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
 use truepose_identify::{FitOptions, Folds, Residuals, Split, fit};
@@ -37,13 +37,6 @@ fn identified(chain: &Chain, data: &Dataset) -> FittedModel {
         vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
     let model = ErrorModel::new(chain.clone(), effects).unwrap();
     fit(&model, data, &PivotedQr::default(), &FitOptions::default()).unwrap().fitted
-}
-
-/// The robot's first target alone.
-fn with_one_target(chain: &Chain) -> Chain {
-    let chain = with_three_targets(chain);
-    let first = chain.targets()[..1].to_vec();
-    chain.with_targets(first).unwrap()
 }
 
 /// RMS distance of predictions to where the target really is, m.

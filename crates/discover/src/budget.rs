@@ -10,6 +10,11 @@ constants! {
     Budget {
         /// Rows that are searched at once; of more than a quarter above, whole poses are drawn.
         sample_rows: usize = 1000;
+        /// Rows that are fitted and judged at once; of more than a quarter above, whole poses are drawn, and coefficients come from sums over
+        /// all rows.
+        fitted_rows: usize = 20000;
+        /// Findings that all rows may add to those of a sample.
+        census: usize = 8;
         /// Noise estimates of one likelihood.
         noise_iterations: usize = 5;
         /// Passes over outliers of one fit.

@@ -2,14 +2,16 @@
 
 use crate::accept::model::Model;
 use crate::accept::outcome::Outcome;
+use crate::census::Census;
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::fallback;
-use crate::conclude::fallback::{Checks, Unseen, withdrawn};
+use crate::conclude::fallback::{Checks, Unseen};
 use crate::conclude::final_fit::DeclaredFit;
 use crate::conclude::interim::InterimReport;
 use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::report::conclude;
 use crate::conclude::stated::StatedScale;
+use crate::conclude::widened::Partitioned;
 use crate::data::derived;
 use crate::data::sample::{is_sampled, sample};
 use crate::error::DiscoverError;
@@ -74,11 +76,28 @@ pub(crate) fn on_split(
 ) -> Result<Diagnosis, DiscoverError> {
     let mut scale = StatedScale::default();
     let mut scalings = 0;
+    let all = Partitioned { data, rows: &rows };
+    let part = all.part(options.seed, options.budget.fitted_rows);
     loop {
-        let scaled = if scale.is_one() { Cow::Borrowed(data) } else { Cow::Owned(scale.applied(data)) };
+        let applied =
+            |data| if scale.is_one() { Cow::Borrowed(data) } else { Cow::Owned(scale.applied(data)) };
         let may_scale = scalings < SCALINGS;
-        let run = Run { chain, declared, solver, options, checks, scale, may_scale };
-        match attempt(&run, (&scaled, rows.clone()), progress)? {
+        let done = match &part {
+            None => {
+                let run = Run { chain, declared, solver, options, checks, scale, may_scale, all: None };
+                attempt(&run, (&applied(data), rows.clone()), progress)?
+            }
+            Some(part) => {
+                let whole = applied(data);
+                let all = Partitioned { data: &whole, rows: &rows };
+                let run = Run { chain, declared, solver, options, checks, scale, may_scale, all: Some(&all) };
+                match attempt(&run, (&applied(&part.data), part.rows.clone()), progress)? {
+                    Attempt::Done(found) => Attempt::Done(Box::new(part.widened(*found, &all, options)?)),
+                    again => again,
+                }
+            }
+        };
+        match done {
             Attempt::Done(found) => return Ok(*found),
             Attempt::Overstated(factor) => scale = scale.times(factor),
         }
@@ -95,6 +114,8 @@ struct Run<'a> {
     checks: Checks,
     scale: StatedScale,
     may_scale: bool,
+    /// All rows, where the run is given a part of them.
+    all: Option<&'a Partitioned<'a>>,
 }
 
 enum Attempt {
@@ -107,7 +128,7 @@ fn attempt(
     (data, (train_rows, holdout_rows)): (&Dataset, (Vec<usize>, Vec<usize>)),
     progress: &Begin<'_>,
 ) -> Result<Attempt, DiscoverError> {
-    let Run { chain, declared, solver, options, checks, scale, may_scale } = *run;
+    let Run { chain, declared, solver, options, checks, scale, may_scale, all } = *run;
     let train = data.select(&train_rows);
     progress(Progress::Fitting)?;
     let placement = place(chain, &train)?;
@@ -149,13 +170,24 @@ fn attempt(
         return Ok(Attempt::Overstated(factor));
     }
     progress(Progress::Checking)?;
-    let mut unsearched = None;
+    let (mut unsearched, mut before_census) = (None, None);
     let all_rows = Context { data: &train, ..context.clone() };
     let mut context = &context;
     if part.len() < train.len() {
         unsearched = Some(fallback::unsearched(context, &outcome.model, &train)?);
-        // Findings of a sample are fitted to all training rows.
-        outcome.model = outcome.model.on_data_of(&all_rows)?;
+        let every = match all {
+            Some(all) => Cow::Owned(all.data.select(&all.rows.0)),
+            None => Cow::Borrowed(&train),
+        };
+        let census = Census::new((context, &all_rows), &every, &outcome.model)?;
+        drop(every);
+        let searched = outcome.clone();
+        outcome = census.of(outcome, progress)?;
+        if outcome.model.findings.len() > searched.model.findings.len() {
+            let searched = Outcome { model: census.settled(&searched.model)?, ..searched };
+            before_census = Some(searched);
+        }
+        outcome.model = census.settled(&outcome.model)?;
         context = &all_rows;
     }
     outcome.model = outcome.model.between_rows(context)?;
@@ -164,8 +196,17 @@ fn attempt(
     let inner = &DiscoverOptions { rotations, ..options.clone() };
     let again = |rows, checks| on_split(chain, declared, (&train, rows), solver, inner, checks, &|_| Ok(()));
     let nested = fallback::nested(context, &outcome.model, (&partition, &train), checks, &again)?;
-    let unseen = Unseen { unsearched, nested };
-    let withdrawn = withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
+    let held = |model: &Model| all.map(|all| all.held_out_errors(model)).transpose();
+    let mut unseen = Unseen { unsearched, nested, held: held(&outcome.model)? };
+    let mut withdrawn = fallback::withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
+    // What the census added may be at fault: the findings of the search are judged without it.
+    if withdrawn.is_some()
+        && let Some(searched) = before_census
+    {
+        outcome = searched;
+        unseen.held = held(&outcome.model)?;
+        withdrawn = fallback::withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
+    }
     if withdrawn.is_some() {
         outcome.model = outcome.model.without_findings();
     }

@@ -2,6 +2,7 @@
 
 mod accept;
 mod budget;
+mod census;
 mod conclude;
 mod constants;
 mod contest;

@@ -27,7 +27,7 @@ pub use parts::TrainAndHoldout;
 use crate::{PositionStatistics, SpecificationSummary};
 use serde::{Deserialize, Serialize};
 use truepose_discover::{Diagnosis, HeldOut, Termination, Verdict};
-use truepose_errormodel::{Dataset, Visits};
+use truepose_errormodel::Dataset;
 use truepose_identify::AsFound;
 
 /// The report of a discovery: `discovery.json`.
@@ -156,8 +156,8 @@ impl DiscoverySummary {
         }
         DiscoverySummary {
             robot: found.fit.fitted.chain().name().into(),
-            rows: found.data.len(),
-            visits: Visits::of(&found.data).len(),
+            rows: found.rows,
+            visits: found.visits,
             held_out: found.held_out,
             holdout_rows: match found.held_out {
                 HeldOut::TestSet => found.holdout_rows.iter().map(|row| row + 1).collect(),

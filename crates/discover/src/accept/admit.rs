@@ -103,7 +103,8 @@ pub(crate) fn without_insignificant(
     Ok(model)
 }
 
-fn doubt_of(objection: Objection) -> Doubt {
+/// The doubt that an objection is.
+pub(crate) fn doubt_of(objection: Objection) -> Doubt {
     match objection {
         Objection::NotSignificant => Doubt::NotSignificant,
         Objection::NotPhysical => Doubt::NotPhysical,

@@ -162,6 +162,20 @@ impl Evidence {
         belongs_to_time: bool,
     ) -> Option<Doubt> {
         let won = self.random.before - self.random.after;
+        let doubt = self.doubt_beyond_size((policy, alpha), belongs_to_time);
+        let small = self.random.won < policy.held_out_gain && won < policy.held_out_noise * floor;
+        match doubt {
+            None | Some(Doubt::Unstable) if small => Some(Doubt::TooSmall),
+            doubt => doubt,
+        }
+    }
+
+    /// The same without the lower bounds of its size: where the data is so much that the smallest effect that it shows is relevant.
+    pub(crate) fn doubt_beyond_size(
+        &self,
+        (policy, alpha): (&Policy, f64),
+        belongs_to_time: bool,
+    ) -> Option<Doubt> {
         let blocks_agree = self.blocks.is_none_or(|blocks| {
             let won = blocks.won.max(blocks.middle);
             match belongs_to_time {
@@ -173,8 +187,6 @@ impl Evidence {
             Some(Doubt::Chance)
         } else if self.random.t < policy.held_out_t || !blocks_agree {
             Some(Doubt::NotPredictive)
-        } else if self.random.won < policy.held_out_gain && won < policy.held_out_noise * floor {
-            Some(Doubt::TooSmall)
         } else if self.stability < policy.stability {
             Some(Doubt::Unstable)
         } else {

@@ -11,7 +11,7 @@ use crate::model::refits::Refits;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use truepose_errormodel::AnyEffect;
-use truepose_identify::Residuals;
+use truepose_identify::{Fit, Residuals};
 
 /// The declared model with its findings.
 #[derive(Clone)]
@@ -40,6 +40,17 @@ impl Model {
             declared: Arc::clone(&self.declared),
             refits: Arc::default(),
         }
+    }
+
+    /// The same structure with the coefficients of other rows.
+    pub fn with_fit(self, fit: Fit) -> Self {
+        let current = Arc::new(self.current.with_fit(fit));
+        Model { current, refits: Arc::default(), ..self }
+    }
+
+    /// The same with other coefficients of the declared model alone.
+    pub fn with_declared(self, fit: Fit) -> Self {
+        Model { declared: Arc::new(self.declared.with_fit(fit)), ..self }
     }
 
     /// Fits the declared model with these findings. Corrected masses are estimated in the fit, so that

@@ -22,6 +22,10 @@ use truepose_identify::{Fit, Placement, Repeats};
 /// The result of [`diagnose`](crate::diagnose()). Errors in m; fits in SI units.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
+    /// Rows of the data.
+    pub rows: usize,
+    /// Pose measurements of the data.
+    pub visits: usize,
     /// Placement of base, tool and targets that are declared unknown.
     pub placement: Placement,
     /// Accepted effects, in the order in which they were added.

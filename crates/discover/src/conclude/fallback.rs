@@ -54,6 +54,8 @@ pub(crate) struct Unseen {
     pub unsearched: Option<[Residuals; 2]>,
     /// Those of [`nested`], where poses are few.
     pub nested: Option<[Residuals; 2]>,
+    /// Those of all held-out rows, where the data of the run is a part of them.
+    pub held: Option<[Residuals; 2]>,
 }
 
 /// Runs the search on another partition (training, test) of the training rows.
@@ -98,12 +100,18 @@ pub(crate) fn withdrawn(
         return Ok(Some(failed));
     }
     if checks.test_set && partition.held_out == HeldOut::TestSet {
-        let held = partition.data.select(&partition.holdout_rows);
-        let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
-        let out = gross(context, model, partition)?;
-        let found = &model.current.found;
-        let pair = [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
-        if let Some(failed) = loss(Check::TestSet, &blank(pair, &out), &any_loss) {
+        let pair = match &unseen.held {
+            Some(pair) => pair.clone(),
+            None => {
+                let held = partition.data.select(&partition.holdout_rows);
+                let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
+                let found = &model.current.found;
+                let pair =
+                    [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
+                blank(pair, &gross(context, model, partition)?)
+            }
+        };
+        if let Some(failed) = loss(Check::TestSet, &pair, &any_loss) {
             return Ok(Some(failed));
         }
     }

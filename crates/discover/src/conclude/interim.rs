@@ -21,7 +21,7 @@ use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
 use crate::model::prepared::with_loads;
 use crate::termination::Termination;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::{Fit, ResidualVariance, repeats};
 
 /// The fit and errors of the declared model, and the errors after each finding.
@@ -117,6 +117,8 @@ impl InterimReport {
         let interrupted = Termination::Interrupted;
         let (verdict, unexplained) = verdict(&noise_floor, interrupted, variances, last, context.policy());
         Ok(Diagnosis {
+            rows: partition.data.len(),
+            visits: Visits::of(partition.data).len(),
             placement: partition.placement.clone(),
             findings,
             competitors: Vec::new(),

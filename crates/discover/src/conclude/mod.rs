@@ -15,3 +15,4 @@ pub(crate) mod stated;
 pub(crate) mod trace;
 pub(crate) mod trial;
 pub(crate) mod verdict;
+pub(crate) mod widened;

@@ -177,6 +177,8 @@ pub(crate) fn conclude(
         fit.fitted.fallback = Some(fallback);
     }
     Ok(Diagnosis {
+        rows: partition.data.len(),
+        visits: Visits::of(partition.data).len(),
         placement: partition.placement.clone(),
         findings,
         refused,

@@ -41,6 +41,13 @@ pub(crate) struct ModelFit {
     pub fit: Fit,
 }
 
+impl ModelFit {
+    /// The same with the coefficients of other rows.
+    pub fn with_fit(&self, fit: Fit) -> Self {
+        ModelFit { found: self.found.clone(), outliers: self.outliers.clone(), data: self.data.clone(), fit }
+    }
+}
+
 impl Context<'_> {
     /// What is believed before the data is seen.
     pub fn policy(&self) -> &Policy {

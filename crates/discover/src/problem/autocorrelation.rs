@@ -20,6 +20,8 @@ use rayon::prelude::*;
 
 /// Normal vectors of the test.
 const DRAWS: usize = 999;
+/// How many of them are in memory.
+const AT_ONCE: usize = 64;
 /// Standard deviations of S below which no vectors are drawn.
 const CLOSE: f64 = 1.5;
 /// What the test says.
@@ -74,10 +76,14 @@ pub(crate) fn autocorrelation(
         (times.len() as f64 * normal_tail(largest)).clamp(0.0, 1.0)
     } else {
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x7d11_c0de);
-        let noise = DMatrix::from_fn(m + below, DRAWS, |_, _| gaussian(&mut random));
-        let along = top.tr_mul(&noise.rows(0, m)) + bottom.tr_mul(&noise.rows(m, below));
-        let drawn = sequence.means(&(noise.rows(0, m) - &top * along));
-        let above = (0..DRAWS).into_par_iter().filter(|&k| score(&drawn, k).0 >= largest).count();
+        let mut above = 0;
+        for first in (0..DRAWS).step_by(AT_ONCE) {
+            let count = AT_ONCE.min(DRAWS - first);
+            let noise = DMatrix::from_fn(m + below, count, |_, _| gaussian(&mut random));
+            let along = top.tr_mul(&noise.rows(0, m)) + bottom.tr_mul(&noise.rows(m, below));
+            let drawn = sequence.means(&(noise.rows(0, m) - &top * along));
+            above += (0..count).into_par_iter().filter(|&k| score(&drawn, k).0 >= largest).count();
+        }
         (1.0 + above as f64) / (1.0 + DRAWS as f64)
     };
     // Of neighbours alone: what is expected of independent poses is taken off.

@@ -87,6 +87,11 @@ impl Tables {
         }
     }
 
+    /// c of a visit at a site.
+    pub fn score(&self, visit: usize, site: usize) -> f64 {
+        self.scores[visit * self.sites + site]
+    }
+
     /// M between two sites of a visit.
     fn square(&self, visit: usize, a: usize, b: usize) -> f64 {
         self.squares[(visit * self.sites + a) * self.sites + b]
@@ -274,4 +279,18 @@ pub(crate) struct Sums {
     pub raw: DMatrix<f64>,
     /// Xᵀr̃, k.
     pub score: DVector<f64>,
+}
+
+impl Sums {
+    /// Of no visit: r columns of the model, k of the candidate.
+    pub fn zeros(r: usize, k: usize) -> Self {
+        Sums { along: DMatrix::zeros(r, k), raw: DMatrix::zeros(k, k), score: DVector::zeros(k) }
+    }
+
+    /// Adds those of other visits.
+    pub fn merge(&mut self, other: &Sums) {
+        self.along += &other.along;
+        self.raw += &other.raw;
+        self.score += &other.score;
+    }
 }

@@ -130,6 +130,11 @@ impl Screen {
         }
     }
 
+    /// The candidates that are functions of the visit at one site.
+    pub fn functions(&self) -> Option<&Functions> {
+        self.functions.as_ref()
+    }
+
     /// The largest surprisal over everything that was looked at.
     pub fn largest(&self) -> f64 {
         let single = self.candidates.iter().filter_map(|s| s.score.as_ref()).map(|score| score.surprisal);

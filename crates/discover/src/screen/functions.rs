@@ -6,9 +6,11 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::series::{Series, functions, series};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
+use crate::problem::tables::Tables;
 use crate::screen::screened::Screened;
 use crate::significance::rotation::{Largest, Rotations};
-use nalgebra::DMatrix;
+use crate::statistics::product::cross;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 use truepose_errormodel::AnyEffect;
@@ -24,6 +26,8 @@ pub(crate) struct Functions {
     sites: Vec<[usize; 6]>,
     /// Of every visit, visits × functions.
     values: DMatrix<f32>,
+    /// All functions, side by side.
+    effects: Vec<Box<dyn AnyEffect>>,
 }
 
 /// Scores of one set of functions at one frame.
@@ -104,7 +108,7 @@ impl Functions {
                             let score = through.iter().flat_map(|t| {
                                 t.1.rows(own.start, own.len()).iter().copied().collect::<Vec<_>>()
                             });
-                            let score = nalgebra::DVector::from_iterator(6 * own.len(), score);
+                            let score = DVector::from_iterator(6 * own.len(), score);
                             projection.judged(&raw, &along, &score)
                         });
                         AtFrame { single, all }
@@ -117,7 +121,42 @@ impl Functions {
             .frames()
             .map(|frame| Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis))))
             .collect();
-        Ok(Functions { sets, scores, sites, values: values.map(|v| v as f32) })
+        Ok(Functions { sets, scores, sites, values: values.map(|v| v as f32), effects })
+    }
+
+    /// Xᵀr̃ of every function (rows) at every site (columns), in other rows.
+    pub fn through(
+        &self,
+        linearisation: &Linearisation<'_>,
+        tables: &Tables,
+    ) -> Result<DMatrix<f64>, DiscoverError> {
+        let mut values = DMatrix::zeros(tables.stations.len(), self.values.ncols());
+        let stations = tables.stations.iter().copied();
+        linearisation.evaluate(&self.effects)?.each(stations, &mut |visit, entries| {
+            for &(column, _, value) in entries {
+                values[(visit, column)] += value;
+            }
+        })?;
+        let at_sites = DMatrix::from_fn(values.nrows(), linearisation.site_count(), |visit, site| {
+            tables.score(visit, site)
+        });
+        Ok(cross(&values, &at_sites))
+    }
+
+    /// Of these scores, functions × sites, those of a candidate; none when it has another form.
+    pub fn scores_at(
+        &self,
+        linearisation: &Linearisation<'_>,
+        candidate: &Candidate,
+        scores: &DMatrix<f64>,
+    ) -> Option<DVector<f64>> {
+        let (frame, set, component) = self.place(linearisation, candidate)?;
+        let own = &self.sets[set].1;
+        let at = |k: usize| scores.column(self.sites[frame][k]).rows(own.start, own.len()).into_owned();
+        Some(match component {
+            Some(k) => at(k),
+            None => DVector::from_iterator(6 * own.len(), (0..6).flat_map(|k| at(k).data.as_vec().clone())),
+        })
     }
 
     /// The largest explained fractions of these candidates, of which those of this form are taken in, under random rotations: `at` are the

@@ -107,6 +107,20 @@ fn waves(values: &[f64], periods: &[f64]) -> DMatrix<f64> {
 }
 
 impl Periodogram {
+    /// The sites of the joint's motion, with their shares.
+    pub fn shares(&self) -> &[(usize, f64)] {
+        &self.shares
+    }
+
+    /// Gains and surprisals of every period from its basis, by other rows.
+    pub fn rejudge(&mut self, judged: impl Fn(usize, &DMatrix<f32>) -> (f64, f64)) {
+        for (k, basis) in self.bases.iter().enumerate() {
+            if let Some(basis) = basis {
+                (self.gains[k], self.surprisals[k]) = judged(k, basis);
+            }
+        }
+    }
+
     /// The period with the smallest p: (period, gain, surprisal).
     pub fn strongest(&self) -> Option<(f64, f64, f64)> {
         let surprisal = |k: &usize| self.surprisals[*k];
