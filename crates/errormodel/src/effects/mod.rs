@@ -42,7 +42,7 @@ mod travel;
 
 pub use backlash::{Backlash, Side};
 pub use base_compliance::{BaseCompliance, Tilt};
-pub use coupling::Coupling;
+pub use coupling::{Coupling, CouplingMode};
 pub use drift::Drift;
 pub use expansion::{Basis, Expansion, Factor, Input, Place};
 pub use geometric::{AllTargets, Geometric, Where};
