@@ -8,20 +8,24 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::compliance::{OfBase, OfJoints, OfLinks};
 use crate::hypotheses::constant::{OfFrames, OfTargets};
 use crate::hypotheses::coupling::Drag;
+use crate::hypotheses::linkage::Parallelogram;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::guideway::Rail;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::instrument::{JointLog, LengthScale};
+use crate::hypotheses::instrument::{JointLog, LengthScale, LineOfSight, Refraction};
 use crate::hypotheses::loaded::CurvedSpring;
 use crate::hypotheses::measured_torque::OfMeasuredTorque;
 use crate::hypotheses::own_motion::{OwnCurve, OwnGain};
 use crate::hypotheses::payload::WrongPayload;
+use crate::hypotheses::sag::{Ram, SaggingRail};
+use crate::hypotheses::self_heating::SelfHeating;
 use crate::hypotheses::setting::Setting;
-use crate::hypotheses::thermal::Growth;
+use crate::hypotheses::thermal::{ArmGrowth, Gradient, Growth};
 use crate::hypotheses::time::{Jump, Slow};
 use crate::hypotheses::transmission::Drive;
 use crate::hypotheses::unmodelled::Unmodelled;
 use crate::hypotheses::variant::Variant;
+use crate::hypotheses::yielding::{Creep, SoftWhenWarm, TiltingBearing};
 use std::collections::HashMap;
 use std::sync::Arc;
 use truepose_errormodel::Dataset;
@@ -46,7 +50,11 @@ impl Library {
                 Arc::new(OfJoints),
                 Arc::new(OfMeasuredTorque),
                 Arc::new(CurvedSpring),
+                Arc::new(TiltingBearing),
+                Arc::new(Creep),
+                Arc::new(SoftWhenWarm),
                 Arc::new(OfLinks),
+                Arc::new(Ram),
                 Arc::new(OfBase),
             ],
             vec![Arc::new(WrongPayload)],
@@ -56,10 +64,11 @@ impl Library {
                 Arc::new(OwnCurve),
                 Arc::new(LostMotion),
                 Arc::new(Drag),
+                Arc::new(Parallelogram),
             ],
-            vec![Arc::new(Rail)],
-            vec![Arc::new(JointLog), Arc::new(LengthScale)],
-            vec![Arc::new(Growth)],
+            vec![Arc::new(Rail), Arc::new(SaggingRail)],
+            vec![Arc::new(JointLog), Arc::new(LengthScale), Arc::new(Refraction), Arc::new(LineOfSight)],
+            vec![Arc::new(Growth), Arc::new(Gradient), Arc::new(ArmGrowth), Arc::new(SelfHeating)],
             vec![Arc::new(Slow), Arc::new(Jump)],
             vec![Arc::new(Unmodelled)],
         ];

@@ -9,6 +9,7 @@ use crate::hypotheses::transmission::longest;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
 use crate::screen::periodogram::turns;
+use truepose_kinematics::JointId;
 
 /// What a shape is worth: the gain in the screen's units.
 fn gain(linearisation: &Linearisation<'_>, projection: &Projection, candidate: &Candidate) -> f64 {
@@ -30,8 +31,30 @@ fn better(
     candidate: &Candidate,
 ) -> Option<Candidate> {
     let [_] = candidate.effects() else { return None };
-    let Nonlinear { value, search } = candidate.nonlinear().next()?;
-    let at = |value: f64| candidate.with_value(value);
+    let [_, second] = candidate.pair();
+    if second.is_none() {
+        return one(linearisation, projection, candidate, false);
+    }
+    // Each in turn, with the other one as it was found.
+    let mut now = candidate.clone();
+    for k in 0..SWEEPS {
+        now = one(linearisation, projection, &now, k % 2 == 0).unwrap_or(now);
+    }
+    Some(now)
+}
+
+/// Passes over two nonlinear parameters, the second one first.
+const SWEEPS: usize = 4;
+
+/// The candidate with one of its nonlinear parameters, the second or the first, at its best value nearby.
+fn one(
+    linearisation: &Linearisation<'_>,
+    projection: &Projection,
+    candidate: &Candidate,
+    second: bool,
+) -> Option<Candidate> {
+    let Nonlinear { value, search } = candidate.pair()[usize::from(second)]?;
+    let at = |value: f64| if second { candidate.with_second(value) } else { candidate.with_value(value) };
     let gain =
         |value: f64| at(value).map_or(f64::NEG_INFINITY, |other| gain(linearisation, projection, &other));
     match search {
@@ -44,21 +67,32 @@ fn better(
             let best = climb((centre - half).max(slowest), centre + half, |frequency| gain(1.0 / frequency));
             at(1.0 / best)
         }
-        Refinement::Instant { .. } => {
-            let instants = instants(linearisation.data);
-            let first = instants.partition_point(|&t| t < value);
-            // The neighbours that the coarse grid left out, and a few more.
-            let reach = instants.len().div_ceil(64).max(3) + 2;
-            let near = first.saturating_sub(reach)..(first + reach).min(instants.len());
-            let best = instants[near].iter().map(|&t| (gain(t), t)).max_by(|a, b| a.0.total_cmp(&b.0))?;
-            at(best.1)
-        }
+        Refinement::Instant { .. } => at(nearest_best(&instants(linearisation.data), value, gain)?),
+        Refinement::Edge(joint) => at(nearest_best(&edges(linearisation, joint), value, gain)?),
         Refinement::Scale(multiples) => {
             let [lower, upper] = multiples.map(|times| (times * value).ln());
             at(climb(lower, upper, |log| gain(log.exp())).exp())
         }
+        Refinement::Within([lower, upper]) => at(climb(lower, upper, gain)),
         Refinement::Grid => None,
     }
+}
+
+/// The best of the places near a value: the neighbours that the coarse grid left out, and a few more.
+fn nearest_best(places: &[f64], value: f64, gain: impl Fn(f64) -> f64) -> Option<f64> {
+    let first = places.partition_point(|&place| place < value);
+    let reach = places.len().div_ceil(64).max(3) + 2;
+    let near = first.saturating_sub(reach)..(first + reach).min(places.len());
+    places[near].iter().map(|&t| (gain(t), t)).max_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+}
+
+/// Places between neighbouring visited values of a joint, rad or m.
+fn edges(linearisation: &Linearisation<'_>, joint: JointId) -> Vec<f64> {
+    let Some(column) = linearisation.chain().coordinate(joint) else { return Vec::new() };
+    let mut values = linearisation.data.joints[column].clone();
+    values.sort_by(f64::total_cmp);
+    values.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    values.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect()
 }
 
 /// Maximum of a function with one peak in [lower, upper], by golden section.
