@@ -74,7 +74,7 @@ impl Plant {
             .station
             .map(|motion| motion.path(self.instrument.station, poses, &mut stream(Stream::Station)));
         let displaced = disturbed.displaced_poses(poses, &mut stream(Stream::BadPoses));
-        let wound_up = self.path_errors(campaign);
+        let (times, wound_up) = (campaign.times(), self.path_errors(campaign)?);
         let mut seen = Observation {
             data: self.empty_data(campaign),
             true_poses: Vec::new(),
@@ -96,7 +96,7 @@ impl Plant {
                 + displaced[index].unwrap_or_default();
             for (k, &target) in targets.iter().enumerate() {
                 let row = seen.data.len();
-                let time = campaign.start_s + campaign.visit_s * index as f64 + campaign.row_s * k as f64;
+                let time = times[index] + campaign.row_s * k as f64;
                 let conditions = Conditions {
                     joints: visit.joints.iter().zip(&wound_up[index]).map(|(q, off)| q + off).collect(),
                     load: carried,
@@ -109,7 +109,11 @@ impl Plant {
                 let reached = self.reached(&conditions, &off_joints, &tool)?;
                 let at = (reached * Point3::from(self.true_target(target)?)).coords;
                 let off = shared + away + turned.cross(&(at - reached.translation.vector));
-                let seen_at = station.as_ref().map_or(at + off, |path| path.seen(index, &(at + off)));
+                let mut seen_at = station.as_ref().map_or(at + off, |path| path.seen(index, &(at + off)));
+                if let Some(beam) = &disturbed.beam {
+                    let facing = reached.rotation * Vector3::z();
+                    seen_at += beam.displacement(&self.instrument.station, &(at + off), &self.up(), &facing);
+                }
                 let mut measured = seen_at + self.instrument.error(&point, &mut of_row);
                 if of_outlier.random::<f64>() < self.blunders.outlier_share {
                     let size = self.blunders.outlier_size * (0.5 + of_outlier.random::<f64>());

@@ -2,12 +2,16 @@
 
 pub mod backlash;
 pub mod beam;
+pub mod bridge;
 pub mod changes;
 pub mod coupling;
+pub mod creep;
 pub mod curve;
 pub mod foundation;
 pub mod guideway;
+pub mod heating;
 pub mod joint_stiffness;
+pub mod linkage;
 pub mod mounting;
 pub mod presliding;
 pub mod temperature;
