@@ -289,8 +289,16 @@ mod tests {
         }
         families.sort_unstable();
         families.dedup();
-        let expected =
-            [Family::Backlash, Family::Transmission, Family::LoadNonlinearity, Family::Shift, Family::Drift];
+        let expected = [
+            Family::JointCompliance,
+            Family::Backlash,
+            Family::Transmission,
+            Family::Coupling,
+            Family::LoadNonlinearity,
+            Family::Shift,
+            Family::Thermal,
+            Family::Drift,
+        ];
         assert_eq!(families, expected);
     }
 

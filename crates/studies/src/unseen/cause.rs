@@ -5,9 +5,10 @@
 
 use super::robots::Robot;
 use super::stream::Draw;
+use super::words::WORDS;
 use std::error::Error;
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, JointId, JointKind};
+use truepose_kinematics::{JointId, JointKind};
 use truepose_simulate::description::PlantOptions;
 use truepose_simulate::flaws::{self, BacklashSide, Wheel};
 use truepose_simulate::physics::changes::{Amount, Change, Mover};
@@ -37,6 +38,22 @@ pub enum Cause {
     WarmUp,
     Station,
     Masses,
+    Creep,
+    Heating,
+    Pauses,
+    Gradient,
+    WholeArm,
+    Lubricant,
+    TwoConstants,
+    Undone,
+    Settles,
+    TiltingBearing,
+    Refraction,
+    Sight,
+    Bridge,
+    Ram,
+    Wear,
+    FourBar,
 }
 
 /// Causes that the vocabulary has a family for.
@@ -84,11 +101,12 @@ impl Cause {
             Cause::WarmUp => "warm_up",
             Cause::Station => "station",
             Cause::Masses => "masses",
+            other => other.word_of_row(),
         }
     }
 
     pub fn inside(self) -> bool {
-        INSIDE.contains(&self)
+        INSIDE.contains(&self) || WORDS.contains(&self)
     }
 
     /// Families that are right, and whether the joint has to be that of the cause.
@@ -108,6 +126,7 @@ impl Cause {
             Cause::WarmUp => &[("thermal", false), ("drift", false)],
             Cause::Station => &[("drift", false), ("shift", false), ("instrument", false)],
             Cause::Masses => &[("joint_compliance", false), ("load_nonlinearity", false)],
+            other => other.families_of_words(),
         }
     }
 
@@ -133,7 +152,11 @@ impl Cause {
 
     /// Declared compliance of the robot over that of other robots: masses matter where drives deflect, as those of light arms.
     pub fn softness(self) -> f64 {
-        if self == Cause::Masses { 20.0 } else { 1.0 }
+        match self {
+            Cause::Masses => 20.0,
+            Cause::Lubricant => 8.0,
+            _ => 1.0,
+        }
     }
 
     /// Whether its size is given by what it is (10 % of each mass), not by the noise.
@@ -151,17 +174,18 @@ impl Cause {
 #[derive(Debug, Clone)]
 pub struct Hidden {
     pub cause: Cause,
-    joint: JointId,
+    pub(super) joint: JointId,
     name: String,
     driver: String,
     /// Uniform numbers in [0, 1).
-    u: [f64; 6],
+    pub(super) u: [f64; 6],
     /// Largest load of the joint about or along its axis, N·m or N, and the largest of all joints.
-    load: (f64, f64),
-    duration: f64,
-    reach: f64,
-    slide: bool,
-    range: f64,
+    pub(super) load: (f64, f64),
+    pub(super) duration: f64,
+    pub(super) reach: f64,
+    pub(super) slide: bool,
+    pub(super) range: f64,
+    pub(super) limits: (f64, f64),
 }
 
 impl Hidden {
@@ -174,7 +198,7 @@ impl Hidden {
             Cause::JointCompliance => turns(joint) && loads[k] > 0.1 * largest,
             Cause::Eccentric | Cause::Mesh | Cause::Coupling => turns(joint),
             Cause::LinkBending | Cause::Bearing | Cause::Flange => k < 3,
-            _ => true,
+            other => other.fits(chain, (k, joint), loads[k] > 0.1 * largest),
         };
         let places: Vec<(usize, JointId)> =
             chain.movable().iter().copied().enumerate().filter(|&place| can(place)).collect();
@@ -201,6 +225,7 @@ impl Hidden {
             reach: robot.reach,
             slide: !turns(joint),
             range: upper - lower,
+            limits: (lower, upper),
         })
     }
 
@@ -209,6 +234,7 @@ impl Hidden {
         match self.cause {
             Cause::BaseTilt | Cause::BasePlate => "base".into(),
             Cause::Shift | Cause::WarmUp | Cause::Station | Cause::Masses => String::new(),
+            other if other.families().iter().all(|(_, at_joint)| !at_joint) => String::new(),
             _ => self.name.clone(),
         }
     }
@@ -256,7 +282,7 @@ impl Hidden {
                 errors.base_compliance =
                     Some(flaws::BaseCompliance { tilt_stiffness: Some(tilt), sink_stiffness: None });
             }
-            Cause::Backlash => errors.backlash.push(flaws::Backlash {
+            Cause::Backlash | Cause::Wear => errors.backlash.push(flaws::Backlash {
                 joint,
                 width_mrad: (!self.slide).then_some(mrad),
                 width_mm: self.slide.then_some(mm),
@@ -364,20 +390,4 @@ impl Hidden {
             remaining: 0.15 + 0.3 * self.u[1],
         }
     }
-}
-
-/// The declared errors' own compliances: drives that turn by 0.05 to 0.4 mrad under their largest load, times a factor.
-pub fn compliances(
-    chain: &Chain,
-    loads: &[f64],
-    factor: f64,
-    draw: &mut Draw,
-) -> Vec<flaws::JointCompliance> {
-    let largest = loads.iter().copied().fold(1e-3, f64::max);
-    let one = |(k, &joint): (usize, &JointId)| flaws::JointCompliance {
-        joint: chain.joint(joint).name.clone(),
-        stiffness: Some(loads[k].max(0.05 * largest) / (1e-3 * factor * draw.logarithmic(0.05, 0.4))),
-        ..flaws::JointCompliance::default()
-    };
-    chain.movable().iter().enumerate().map(one).collect()
 }

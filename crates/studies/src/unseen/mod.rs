@@ -8,6 +8,7 @@
 //! `--one KIND CELL NUMBER` shows one report.
 
 mod cause;
+mod compliances;
 mod description;
 mod found;
 mod interval;
@@ -21,6 +22,7 @@ mod size;
 mod stream;
 mod summary;
 mod trial;
+mod words;
 
 use crate::document;
 use crate::journal::{Journal, Line, commit};

@@ -176,7 +176,11 @@ fn against_truth(
     record.set_some("floor_ratio", reported.floor_mm.map(|mm| mm / floor_mm));
     record.set_some("floor_covered", reported.floor_ci95_mm.map(|ci| (ci[0]..=ci[1]).contains(&floor_mm)));
     let options = DiscoverOptions::default().fit;
-    let after = fresh_error(&made.truth, &diagnosis.fit.fitted)?;
+    // Fresh positions are those of the robot: without what the instrument adds.
+    let beam = made.hidden.as_ref().is_some_and(|hidden| hidden.cause.is_beam());
+    let fitted = diagnosis.fit.fitted.clone();
+    let fitted = if beam { fitted.of_robot() } else { fitted };
+    let after = fresh_error(&made.truth, &fitted)?;
     let declared = declared_fit(&made.robot.chain, &made.declared, &made.data, &options)?;
     let declared = fresh_error(&made.truth, &declared)?;
     let trained = fresh_error(&made.truth, &diagnosis.declared.fitted)?;
@@ -187,6 +191,8 @@ fn against_truth(
     };
     record.set("fresh_mm", 1e3 * after);
     record.set("fresh_ratio", after / alone.max(1e-12));
+    // Of a held-out row, with its noise: over that of the robot without the cause, whose model has nothing more to estimate.
+    record.set("held_ratio", after.hypot(made.floor) / alone.hypot(made.floor));
     record.set("declared_ratio", declared / alone.max(1e-12));
     record.set("harm", after > HARM * declared);
     record.set("left", (after * after - alone * alone).max(0.0).sqrt() / made.floor);
