@@ -208,9 +208,11 @@ impl Assembly {
                 carried.hang(link * Point3::from(own.com), self.gravity * own.mass);
             }
             let at_axis = carried.seen_from(&shape.axes[i]);
-            let softer = moved.softer[i].exp();
-            next.joints[i] = errors.stiffness.deflection(joint.kind, &joint.axis, &at_axis).map(|v| v * softer);
-            let q = self.value(conditions, i);
+            let (softer, q) = (moved.softer[i].exp(), self.value(conditions, i));
+            let mut on_drive = at_axis;
+            on_drive.moment += joint.axis.into_inner() * errors.spring.map_or(0.0, |spring| spring.torque(q));
+            next.joints[i] =
+                errors.stiffness.deflection(joint.kind, &joint.axis, &on_drive).map(|v| v * softer);
             let bent = errors.bridge.map(|bridge| bridge.deflection(q, &joint.axis, &at_axis));
             let out = errors.ram.map(|ram| ram.deflection(q, &joint.axis, &at_axis));
             for more in [bent, out].into_iter().flatten() {

@@ -85,7 +85,7 @@ impl Plant {
         };
         let targets = self.measured_targets(campaign);
         for (index, (visit, approach)) in campaign.visits.iter().zip(campaign.approaches()).enumerate() {
-            let carried = self.really_carried(visit.load, &mut of_payload);
+            let carried = self.really_carried(visit.load, times[index], &mut of_payload);
             let before = &campaign.visits[index.saturating_sub(1)].joints;
             let logged =
                 disturbed.log.map_or_else(|| visit.joints.clone(), |log| log.recorded(before, &visit.joints));
@@ -183,7 +183,7 @@ impl Plant {
     }
 
     /// The true load of the tool when this is declared.
-    fn really_carried(&self, declared: Load, rng: &mut ChaCha8Rng) -> Load {
+    fn really_carried(&self, declared: Load, time: f64, rng: &mut ChaCha8Rng) -> Load {
         let chance = rng.random::<f64>();
         let Load::Payload(payload) = declared else { return declared };
         let labels = &self.blunders.mislabelled;
@@ -194,6 +194,9 @@ impl Plant {
             }
             None => payload.mass,
         };
+        let stretch =
+            self.blunders.wrong_stretch.filter(|([from, until], _)| (*from..*until).contains(&time));
+        let mass = stretch.map_or(mass, |(_, factor)| factor * mass);
         Load::Payload(Payload { mass, ..payload })
     }
 

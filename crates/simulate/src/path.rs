@@ -41,7 +41,9 @@ impl Plant {
 
     /// Load of each movable joint at each visit, N·m or N.
     fn loads_of(&self, campaign: &Campaign) -> Result<Vec<Vec<f64>>, SimulateError> {
-        let at = |visit: &Visit| self.joint_loads(&Conditions::at(self.chain(), &visit.joints).with_load(visit.load));
+        let at = |visit: &Visit| {
+            self.joint_loads(&Conditions::at(self.chain(), &visit.joints).with_load(visit.load))
+        };
         campaign.visits.iter().map(at).collect()
     }
 }

@@ -14,6 +14,7 @@ use crate::physics::joint_stiffness::JointStiffness;
 use crate::physics::linkage::FourBar;
 use crate::physics::mounting::{LiftingFlange, TiltingBearing};
 use crate::physics::presliding::Presliding;
+use crate::physics::spring::GasSpring;
 use crate::physics::transmission::TransmissionError;
 use crate::physics::wave::LoadedWaves;
 use crate::rigid::{Rigid, TakenApart};
@@ -67,6 +68,8 @@ pub struct JointTruth {
     pub bridge: Option<Bridge>,
     /// A slide that comes out of its bushes.
     pub ram: Option<Ram>,
+    /// A spring that turns the joint beside its load; it acts through the stiffness of the drive.
+    pub spring: Option<GasSpring>,
     /// A closed linkage that drives the joint.
     pub linkage: Option<FourBar>,
     /// Coupling to other joints.

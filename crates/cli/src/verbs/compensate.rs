@@ -17,7 +17,9 @@ use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
 };
-use truepose_errormodel::{Beyond, Coverage, ErrorModel, FittedModel, History, Signal, history_of, presliding_of};
+use truepose_errormodel::{
+    Beyond, Coverage, ErrorModel, FittedModel, History, Signal, history_of, presliding_of,
+};
 use truepose_io::{
     CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
     read_measurements, read_poses,

@@ -5,8 +5,8 @@ use crate::args::Effects;
 use crate::extensions::{effects, own_solvers};
 use crate::failure::Failure;
 use crate::terminal;
-use truepose_report::Alignment::Left;
 use truepose_errormodel::EffectRegistry;
+use truepose_report::Alignment::Left;
 use truepose_report::{explanation, table};
 use truepose_solvers::SolverSpec;
 
@@ -19,8 +19,7 @@ pub fn run(args: &Effects) -> Result<(), Failure> {
     let mut solvers = SolverSpec::known();
     solvers.extend(own_solvers().map(|name| (name, "a solver of this program's own")));
     if args.json {
-        let effects: Vec<_> =
-            registry.kinds().map(|(kind, about)| summary(kind, about)).collect();
+        let effects: Vec<_> = registry.kinds().map(|(kind, about)| summary(kind, about)).collect();
         let solvers: Vec<_> =
             solvers.iter().map(|(n, about)| serde_json::json!({"name": n, "about": about})).collect();
         return print_json(&serde_json::json!({"effects": effects, "solvers": solvers}));

@@ -142,7 +142,9 @@ fn a_criterion_that_is_not_met_ends_with_1() {
 /// Every example of `truepose effects FAMILY` is a model that can be read, on a robot that has its joints.
 #[test]
 fn examples_of_effects_are_read() {
-    let joint = |name: &str, kind: &str| format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nlimits = [-2.0, 2.0]\n");
+    let joint = |name: &str, kind: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nlimits = [-2.0, 2.0]\n")
+    };
     let arm: String = (1..=6)
         .map(|k| joint(&format!("j{k}"), "revolute") + "dh = { theta = 0, d = 0.3, a = 0.4, alpha = 1.5 }\n")
         .collect();
@@ -160,7 +162,8 @@ fn examples_of_effects_are_read() {
         let model = rest.split("```").next().unwrap();
         let file = folder.path().join(format!("{family}.toml"));
         std::fs::write(&file, model).unwrap();
-        let effects = truepose_io::read_model(&file, &chain, &registry).unwrap_or_else(|e| panic!("{family}: {e}"));
+        let effects =
+            truepose_io::read_model(&file, &chain, &registry).unwrap_or_else(|e| panic!("{family}: {e}"));
         assert!(effects.iter().all(|effect| effect.kind() == family), "{family}");
         read += 1;
     }

@@ -134,7 +134,9 @@ impl Hypothesis for LostMotion {
         if play.between.is_some() || play.side != Side::Approach {
             return Vec::new();
         }
-        parts(setting, play.joint).map(|part| Backlash { between: Some(part), ..play.clone() }.boxed()).collect()
+        parts(setting, play.joint)
+            .map(|part| Backlash { between: Some(part), ..play.clone() }.boxed())
+            .collect()
     }
 }
 

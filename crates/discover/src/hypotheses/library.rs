@@ -8,11 +8,11 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::compliance::{OfBase, OfJoints, OfLinks};
 use crate::hypotheses::constant::{OfFrames, OfTargets};
 use crate::hypotheses::coupling::Drag;
-use crate::hypotheses::linkage::Parallelogram;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::guideway::Rail;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::instrument::{JointLog, LengthScale, LineOfSight, Refraction};
+use crate::hypotheses::linkage::Parallelogram;
 use crate::hypotheses::loaded::CurvedSpring;
 use crate::hypotheses::measured_torque::OfMeasuredTorque;
 use crate::hypotheses::own_motion::{OwnCurve, OwnGain};
@@ -25,7 +25,7 @@ use crate::hypotheses::time::{Jump, Slow};
 use crate::hypotheses::transmission::Drive;
 use crate::hypotheses::unmodelled::Unmodelled;
 use crate::hypotheses::variant::Variant;
-use crate::hypotheses::yielding::{Creep, SoftWhenWarm, TiltingBearing};
+use crate::hypotheses::yielding::{Counterbalance, Creep, SoftWhenWarm, TiltingBearing};
 use std::collections::HashMap;
 use std::sync::Arc;
 use truepose_errormodel::Dataset;
@@ -53,6 +53,7 @@ impl Library {
                 Arc::new(TiltingBearing),
                 Arc::new(Creep),
                 Arc::new(SoftWhenWarm),
+                Arc::new(Counterbalance),
                 Arc::new(OfLinks),
                 Arc::new(Ram),
                 Arc::new(OfBase),

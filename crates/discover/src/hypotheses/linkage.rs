@@ -38,7 +38,8 @@ impl Hypothesis for Parallelogram {
             let moved = setting.range(joint).is_some() && setting.range(driver).is_some();
             for crossed in [false, true].into_iter().filter(|_| moved) {
                 let sign = if crossed { -1.0 } else { 1.0 };
-                let angles = || setting.data.joints[b].iter().zip(&setting.data.joints[a]).map(|(b, a)| b + sign * a);
+                let angles =
+                    || setting.data.joints[b].iter().zip(&setting.data.joints[a]).map(|(b, a)| b + sign * a);
                 let lower = angles().fold(f64::INFINITY, f64::min);
                 let upper = angles().fold(f64::NEG_INFINITY, f64::max);
                 // A linkage that passes its dead centre is none.

@@ -122,10 +122,15 @@ impl Hypothesis for SelfHeating {
 /// Time constants to try, s, and from how long an interval on it is a pause, s, where there are pauses; none without a time.
 pub(crate) fn clock(setting: &Setting<'_>) -> Option<(Vec<f64>, Option<f64>)> {
     let [from, until] = setting.time_range()?;
-    let mut times: Vec<f64> =
-        Visits::of(setting.data).rows.iter().filter_map(|rows| setting.data.time.get(*rows.first()?)).copied().collect();
+    let mut times: Vec<f64> = Visits::of(setting.data)
+        .rows
+        .iter()
+        .filter_map(|rows| setting.data.time.get(*rows.first()?))
+        .copied()
+        .collect();
     times.sort_by(f64::total_cmp);
-    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|h| *h > 0.0).collect();
+    let mut intervals: Vec<f64> =
+        times.windows(2).map(|pair| pair[1] - pair[0]).filter(|h| *h > 0.0).collect();
     intervals.sort_by(f64::total_cmp);
     let median = *intervals.get(intervals.len() / 2)?;
     let (shortest, longest) = (2.0 * (until - from) / times.len() as f64, LONGEST * (until - from));
@@ -153,7 +158,9 @@ mod tests {
     fn record(pause: f64) -> Dataset {
         let rows = 40;
         let mut data = Dataset {
-            joints: (0..6).map(|j| (0..rows).map(|row| (0.7 * ((row * (j + 3)) as f64)).sin()).collect()).collect(),
+            joints: (0..6)
+                .map(|j| (0..rows).map(|row| (0.7 * ((row * (j + 3)) as f64)).sin()).collect())
+                .collect(),
             position: vec![[0.0; 3]; rows],
             target: vec![None; rows],
             visit: (0..rows).collect(),
@@ -169,13 +176,15 @@ mod tests {
     #[test]
     fn the_time_at_work_is_proposed_where_there_are_pauses() {
         let chain = samples::ur10();
-        let words = |data: &Dataset| {
-            let all = SelfHeating.variants(&Setting::new(&chain, data));
-            assert!(all.iter().all(|v| v.change.effects().iter().all(|e| e.validate(&chain).is_ok()) || v.place.joint.is_some()));
-            let mut words: Vec<String> = all.iter().map(|v| v.place.words()).collect();
-            words.dedup();
-            words
-        };
+        let words =
+            |data: &Dataset| {
+                let all = SelfHeating.variants(&Setting::new(&chain, data));
+                assert!(all.iter().all(|v| v.change.effects().iter().all(|e| e.validate(&chain).is_ok())
+                    || v.place.joint.is_some()));
+                let mut words: Vec<String> = all.iter().map(|v| v.place.words()).collect();
+                words.dedup();
+                words
+            };
         let (steady, paused) = (words(&record(0.0)), words(&record(1000.0)));
         assert!(steady.contains(&"j3 on travel_3".into()) && steady.iter().all(|w| !w.contains("working")));
         assert!(paused.contains(&"base on working_150".into()), "{paused:?}");

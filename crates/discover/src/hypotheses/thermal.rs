@@ -113,7 +113,10 @@ impl Hypothesis for Growth {
         let near = |a: &f64, b: &f64| (a / (5.0 * lag)).ln().abs().total_cmp(&(b / (5.0 * lag)).ln().abs());
         let second = grid.filter(own).map(|(_, lag)| lag).min_by(near);
         let second = second.filter(|second| *second > 2.0 * lag);
-        second.map(|second| Thermal { second_lag: Some(second), ..growth.clone() }.boxed()).into_iter().collect()
+        second
+            .map(|second| Thermal { second_lag: Some(second), ..growth.clone() }.boxed())
+            .into_iter()
+            .collect()
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {

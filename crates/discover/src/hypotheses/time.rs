@@ -214,7 +214,8 @@ impl Hypothesis for Jump {
                 Shift { at, until, gap: None, ..jump.clone() }.boxed()
             })
             .collect();
-        let settling = |share: f64| Shift { settling: Some(share * (last - jump.at)), ..jump.clone() }.boxed();
+        let settling =
+            |share: f64| Shift { settling: Some(share * (last - jump.at)), ..jump.clone() }.boxed();
         all.extend([0.05, 0.2].into_iter().filter(|_| last > jump.at).map(settling));
         all
     }

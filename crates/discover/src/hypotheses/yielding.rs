@@ -12,6 +12,7 @@ use crate::hypotheses::self_heating::clock;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
 use crate::hypotheses::view::TraceView;
+use std::f64::consts::FRAC_PI_4;
 use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::JointCompliance;
 use truepose_kinematics::JointId;
@@ -47,7 +48,8 @@ impl Hypothesis for TiltingBearing {
         if loaded(setting).next().is_none() {
             return Vec::new();
         }
-        let one = |&joint: &JointId| Variant::new(of("bearing", setting, joint), JointCompliance::bearing(joint));
+        let one =
+            |&joint: &JointId| Variant::new(of("bearing", setting, joint), JointCompliance::bearing(joint));
         setting.chain.movable().iter().map(one).collect()
     }
 
@@ -165,6 +167,85 @@ impl Hypothesis for SoftWhenWarm {
     }
 }
 
+/// A spring or counterbalance turns a joint.
+#[derive(Debug)]
+pub(crate) struct Counterbalance;
+
+/// Levers of which one is about twice the other: 2ab/(a² + b²).
+const RATIO: f64 = 0.8;
+
+impl Hypothesis for Counterbalance {
+    fn family(&self) -> Family {
+        Family::JointCompliance
+    }
+
+    fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
+        let turns = |joint: &&JointId| !setting.slides(**joint) && setting.range(**joint).is_some();
+        let at = |&joint: &JointId| {
+            (0..8).map(move |k| {
+                let effect = JointCompliance::spring(joint, f64::from(k) * FRAC_PI_4, RATIO);
+                Variant::new(of("spring", setting, joint), effect)
+            })
+        };
+        setting.chain.movable().iter().filter(turns).flat_map(at).collect()
+    }
+
+    fn meaning(&self, place: &Place) -> String {
+        format!(
+            "A spring turns {}: a counterbalance or balancer with another force than was thought, or none that was declared. Check its pressure \
+             or preload, and its levers.",
+            place.part()
+        )
+    }
+
+    fn drivers(&self, place: &Place, _: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
+        place.joint.clone().map(Driver::Joint).into_iter().collect()
+    }
+
+    fn view(&self, place: &Place, effects: &[Box<dyn AnyEffect>]) -> TraceView {
+        TraceView::of_motion(self.drivers(place, effects))
+    }
+
+    // An eccentric gear is nearly the same, and simpler.
+    fn rank(&self) -> Family {
+        Family::Coupling
+    }
+
+    fn limits(&self) -> &[Limit] {
+        &[Limit::DriveAngle]
+    }
+
+    fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let offset = concrete::<JointCompliance>(effect)?.offset?;
+        Some(Nonlinear::new(offset, Refinement::Within([offset - FRAC_PI_4, offset + FRAC_PI_4])))
+    }
+
+    fn with_value(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let spring = concrete::<JointCompliance>(effect)?.clone();
+        Some(Box::new(JointCompliance { offset: Some(value), offset_range: range, ..spring }))
+    }
+
+    fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let ratio = concrete::<JointCompliance>(effect)?.ratio?;
+        Some(Nonlinear::new(ratio, Refinement::Within([0.2, 0.98])))
+    }
+
+    fn with_second(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let spring = concrete::<JointCompliance>(effect)?.clone();
+        Some(Box::new(JointCompliance { ratio: Some(value), ratio_range: range, ..spring }))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,7 +257,9 @@ mod tests {
         let chain = samples::ur10();
         let rows = 40;
         let mut data = Dataset {
-            joints: (0..6).map(|j| (0..rows).map(|row| (0.7 * ((row * (j + 3)) as f64)).sin()).collect()).collect(),
+            joints: (0..6)
+                .map(|j| (0..rows).map(|row| (0.7 * ((row * (j + 3)) as f64)).sin()).collect())
+                .collect(),
             position: vec![[0.0; 3]; rows],
             target: vec![None; rows],
             visit: (0..rows).collect(),

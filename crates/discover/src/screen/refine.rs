@@ -3,6 +3,7 @@
 //! Variable projection: the unknowns are eliminated for each trial shape, the gain is what is left to climb.
 
 use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::change::Change;
 use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::time::instants;
 use crate::hypotheses::transmission::longest;
@@ -30,6 +31,9 @@ fn better(
     projection: &Projection,
     candidate: &Candidate,
 ) -> Option<Candidate> {
+    if let Change::CorrectLoad { during: Some(during), .. } = candidate.change {
+        return Some(stretch(linearisation, projection, candidate, during));
+    }
     let [_] = candidate.effects() else { return None };
     let [_, second] = candidate.pair();
     if second.is_none() {
@@ -76,6 +80,37 @@ fn one(
         Refinement::Within([lower, upper]) => at(climb(lower, upper, gain)),
         Refinement::Grid => None,
     }
+}
+
+/// A payload that is wrong in a stretch of time, with its ends between the best pose measurements nearby.
+fn stretch(
+    linearisation: &Linearisation<'_>,
+    projection: &Projection,
+    candidate: &Candidate,
+    [mut from, mut until]: [f64; 2],
+) -> Candidate {
+    let with = |ends: [f64; 2]| {
+        let mut other = candidate.clone();
+        if let Change::CorrectLoad { during, .. } = &mut other.change {
+            *during = Some(ends);
+        }
+        other
+    };
+    // As far as a quarter of the record is from the next one.
+    let instants = instants(linearisation.data);
+    let near = |value: f64| {
+        let first = instants.partition_point(|&t| t < value);
+        let reach = instants.len() / 4;
+        instants[first.saturating_sub(reach)..(first + reach).min(instants.len())].iter().copied()
+    };
+    for _ in 0..2 {
+        let gain = |ends: [f64; 2]| gain(linearisation, projection, &with(ends));
+        let ends = near(until).filter(|&t| t > from).chain([until]).map(|t| (gain([from, t]), t));
+        until = ends.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(until, |best| best.1);
+        let begins = near(from).filter(|&t| t < until).chain([from]).map(|t| (gain([t, until]), t));
+        from = begins.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(from, |best| best.1);
+    }
+    with([from, until])
 }
 
 /// The best of the places near a value: the neighbours that the coarse grid left out, and a few more.

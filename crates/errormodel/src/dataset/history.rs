@@ -189,7 +189,11 @@ mod tests {
             assert_eq!(part, [found[4], found[1]]);
         }
         assert_eq!(samples::skewed().joint(JointId(2)).moves(), false);
-        assert!(record(&samples::skewed()).history(History::Travel(JointId(2)), 1.0, &samples::skewed()).is_none());
+        assert!(
+            record(&samples::skewed())
+                .history(History::Travel(JointId(2)), 1.0, &samples::skewed())
+                .is_none()
+        );
     }
 
     #[test]
@@ -203,7 +207,14 @@ mod tests {
             assert_eq!(history_channel(history, 600.0), name);
             assert_eq!(history_of(name), Some((history, 600.0)));
         }
-        for other in ["work_3", "work_0~lag=60", "works_3~lag=60", "temperature~lag=600", "working_0~lag=6", "tau_3~lag=-1"] {
+        for other in [
+            "work_3",
+            "work_0~lag=60",
+            "works_3~lag=60",
+            "temperature~lag=600",
+            "working_0~lag=6",
+            "tau_3~lag=-1",
+        ] {
             assert_eq!(history_of(other), None, "{other}");
         }
     }

@@ -76,7 +76,15 @@ pub struct Backlash {
 impl Backlash {
     /// Of one joint, by what decides the side.
     pub fn of(joint: JointId, side: Side) -> Self {
-        Backlash { joint, side, flank_load: None, flank_range: None, width: None, width_range: None, between: None }
+        Backlash {
+            joint,
+            side,
+            flank_load: None,
+            flank_range: None,
+            width: None,
+            width_range: None,
+            between: None,
+        }
     }
 
     /// Friction with memory in one joint, with this pre-sliding distance, rad or m.

@@ -114,7 +114,9 @@ impl Effect for Coupling {
         let expected = if joint.kind == JointKind::Prismatic { 5e-5 } else { 1e-4 };
         if self.mode == CouplingMode::Linkage {
             let name = format!("linkage {} by {}", joint.name, driver.name);
-            return ["crank", "rod"].map(|what| Column::new(format!("{name} {what}"), "rad", expected)).into();
+            return ["crank", "rod"]
+                .map(|what| Column::new(format!("{name} {what}"), "rad", expected))
+                .into();
         }
         let [lower, upper] = travel(self.range, self.driver, chain);
         let head = format!("coupling {} by {}", joint.name, driver.name);
@@ -255,9 +257,8 @@ mod tests {
         };
         for [q2, q3] in [[0.2, 0.1], [-0.4, 0.3], [0.3, -0.5]] {
             let all = emitted(&effect, &chain, &Conditions::at(&chain, &[0.0, q2, q3, 0.0, 0.0, 0.0]));
-            let value = |column: usize| -> f64 {
-                all.iter().filter(|e| e.column == column).map(|e| e.value).sum()
-            };
+            let value =
+                |column: usize| -> f64 { all.iter().filter(|e| e.column == column).map(|e| e.value).sum() };
             let more = [2e-6, -3e-6];
             // −(δc cos α − δh)… : rod and crank act against each other.
             let expected = solved(q3 - q2 + 1.4, more);

@@ -155,8 +155,7 @@ impl Effect for Drift {
             constant.map(|constant| free(name, "s", constant, range, Search::Smooth))
         };
         let first = of("time_constant", self.time_constant, self.time_constant_range);
-        let second =
-            of("second_time_constant", self.second_time_constant, self.second_time_constant_range);
+        let second = of("second_time_constant", self.second_time_constant, self.second_time_constant_range);
         first.into_iter().chain(second).flatten().collect()
     }
 

@@ -54,7 +54,15 @@ fn six() -> usize {
 impl Guideway {
     /// Of one slide, all six components over its limits.
     pub fn of(joint: JointId) -> Self {
-        Guideway { joint, components: None, range: None, pieces: six(), screw: None, screw_range: None, by_load: false }
+        Guideway {
+            joint,
+            components: None,
+            range: None,
+            pieces: six(),
+            screw: None,
+            screw_range: None,
+            by_load: false,
+        }
     }
 
     /// A rail that gives way under its load, over this travel (m) in so many pieces.

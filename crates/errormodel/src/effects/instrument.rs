@@ -71,7 +71,11 @@ const OFFSET: f64 = 1e-5;
 impl Instrument {
     /// A log that lags in these joints, in each by a fraction of its own.
     pub fn lag(joints: &[JointId]) -> Self {
-        Instrument { mode: InstrumentMode::Lag, joints: Some(joints.to_vec()), ..Instrument::of(InstrumentMode::Lag) }
+        Instrument {
+            mode: InstrumentMode::Lag,
+            joints: Some(joints.to_vec()),
+            ..Instrument::of(InstrumentMode::Lag)
+        }
     }
 
     /// A wrong unit of length.
@@ -102,8 +106,7 @@ impl Instrument {
 
 impl Effect for Instrument {
     const FAMILY: &'static str = "instrument";
-    const ABOUT: &'static str =
-        "what the measurement adds: a joint log that lags (mode `lag`), a wrong unit of length (`scale`), a beam that bends (`refraction`), an offset along it (`sight`)";
+    const ABOUT: &'static str = "what the measurement adds: a joint log that lags (mode `lag`), a wrong unit of length (`scale`), a beam that bends (`refraction`), an offset along it (`sight`)";
 
     fn load_dependent(&self) -> bool {
         false
@@ -165,13 +168,19 @@ impl Effect for Instrument {
             return Err(refused(Self::FAMILY, "the mode `lag` needs `joints`: whose recorded values lag"));
         }
         if self.mode == InstrumentMode::Lag && self.station.is_some() {
-            return Err(refused(Self::FAMILY, "`station` belongs to the modes `scale`, `refraction` and `sight`"));
+            return Err(refused(
+                Self::FAMILY,
+                "`station` belongs to the modes `scale`, `refraction` and `sight`",
+            ));
         }
         if self.station.iter().flatten().any(|value| !value.is_finite()) {
             return Err(refused(Self::FAMILY, "`station` has to be finite"));
         }
         if self.mode == InstrumentMode::Refraction && chain.gravity_in_measurement_frame().norm() < 1e-9 {
-            return Err(refused(Self::FAMILY, "`refraction` bends the beam up or down, and the robot has no gravity"));
+            return Err(refused(
+                Self::FAMILY,
+                "`refraction` bends the beam up or down, and the robot has no gravity",
+            ));
         }
         if self.mode != InstrumentMode::Lag && (self.joints.is_some() || self.shared) {
             return Err(refused(Self::FAMILY, "`joints` and `shared` belong to the mode `lag`"));

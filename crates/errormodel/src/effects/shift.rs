@@ -139,8 +139,9 @@ impl Effect for Shift {
     fn shape(&self) -> Vec<NonlinearParameter> {
         let at = free("at", "s", self.at, self.at_range, Search::Instant);
         let until = self.until.map(|until| free("until", "s", until, self.until_range, Search::Instant));
-        let settling =
-            self.settling.map(|constant| free("settling", "s", constant, self.settling_range, Search::Smooth));
+        let settling = self
+            .settling
+            .map(|constant| free("settling", "s", constant, self.settling_range, Search::Smooth));
         at.into_iter().chain(until.into_iter().flatten()).chain(settling.into_iter().flatten()).collect()
     }
 
@@ -150,7 +151,8 @@ impl Effect for Shift {
         let ranges = [self.at_range, self.until_range, self.settling_range];
         let none = ranges.iter().all(Option::is_none);
         let mut next = |k: usize, known: Option<f64>| {
-            known.map(|known| if none || ranges[k].is_some() { values.next().unwrap_or(known) } else { known })
+            known
+                .map(|known| if none || ranges[k].is_some() { values.next().unwrap_or(known) } else { known })
         };
         let at = next(0, Some(self.at)).unwrap_or(self.at);
         let until = next(1, self.until);

@@ -86,7 +86,17 @@ impl Transmission {
     pub fn turning(joint: JointId, harmonics: Vec<u32>) -> Self {
         let (period, period_range, mode, range, pieces) =
             (None, None, TransmissionMode::Periodic, None, None);
-        Transmission { joint, harmonics, period, period_range, by_load: false, mode, range, pieces, between: None }
+        Transmission {
+            joint,
+            harmonics,
+            period,
+            period_range,
+            by_load: false,
+            mode,
+            range,
+            pieces,
+            between: None,
+        }
     }
 
     /// An error in proportion to the joint's value.

@@ -88,6 +88,8 @@ impl Campaign {
         let paused = |index: usize| -> f64 {
             self.pauses.iter().filter(|(before, _)| *before <= index).map(|(_, seconds)| seconds).sum()
         };
-        (0..self.visits.len()).map(|index| self.start_s + self.visit_s * index as f64 + paused(index)).collect()
+        (0..self.visits.len())
+            .map(|index| self.start_s + self.visit_s * index as f64 + paused(index))
+            .collect()
     }
 }

@@ -14,6 +14,7 @@ pub mod joint_stiffness;
 pub mod linkage;
 pub mod mounting;
 pub mod presliding;
+pub mod spring;
 pub mod temperature;
 pub mod transmission;
 pub mod warming;

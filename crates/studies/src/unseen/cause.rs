@@ -54,6 +54,8 @@ pub enum Cause {
     Ram,
     Wear,
     FourBar,
+    Label,
+    Spring,
 }
 
 /// Causes that the vocabulary has a family for.
@@ -154,7 +156,7 @@ impl Cause {
     pub fn softness(self) -> f64 {
         match self {
             Cause::Masses => 20.0,
-            Cause::Lubricant => 8.0,
+            Cause::Lubricant | Cause::Label | Cause::Spring => 8.0,
             _ => 1.0,
         }
     }

@@ -13,6 +13,7 @@ mod description;
 mod found;
 mod interval;
 mod judged;
+mod oracle;
 mod plant;
 mod record;
 mod reported;

@@ -235,7 +235,8 @@ impl Ground<'_> {
             let mut truth = plant.truth().clone();
             hidden.amend(&mut truth, &mut plant.disturbances, size)?;
             let shop = plant.shop.clone();
-            hidden.amend_words(&self.robot.chain, &shop, (&mut truth, &mut plant.disturbances), size)?;
+            let wrong = (&mut truth, &mut plant.disturbances, &mut plant.blunders);
+            hidden.amend_words(&self.robot.chain, &shop, wrong, size)?;
             plant = plant.with_truth(truth)?;
         }
         Ok(plant)

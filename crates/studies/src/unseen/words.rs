@@ -18,6 +18,8 @@
 //! | ram | a tapered ram in its bush | link_compliance, its joint |
 //! | wear | backlash in a part of the travel with soft edges | backlash, its joint |
 //! | four_bar | a closed linkage, exactly | coupling, its joint |
+//! | label | the load of a stretch of the poses was another one | payload |
+//! | spring | a gas spring over a crank | joint_compliance, transmission, its joint |
 
 use super::cause::{Cause, Hidden};
 use super::description::Description;
@@ -33,12 +35,13 @@ use truepose_simulate::physics::creep::Creep;
 use truepose_simulate::physics::heating::Heating;
 use truepose_simulate::physics::linkage::FourBar;
 use truepose_simulate::physics::mounting::TiltingBearing;
+use truepose_simulate::physics::spring::GasSpring;
 use truepose_simulate::physics::temperature::Shop;
 use truepose_simulate::physics::warming::WarmUp;
-use truepose_simulate::{Beam, Campaign, ChannelPlan, Disturbances, Truth};
+use truepose_simulate::{Beam, Blunders, Campaign, ChannelPlan, Disturbances, Truth};
 
 /// All of them, in the order of the vocabulary.
-pub const WORDS: [Cause; 16] = [
+pub const WORDS: [Cause; 18] = [
     Cause::Creep,
     Cause::Heating,
     Cause::Pauses,
@@ -55,6 +58,8 @@ pub const WORDS: [Cause; 16] = [
     Cause::Ram,
     Cause::Wear,
     Cause::FourBar,
+    Cause::Label,
+    Cause::Spring,
 ];
 
 /// Length of a pause, s, and how many parts of a campaign they part.
@@ -84,6 +89,8 @@ impl Cause {
             Cause::Ram => "ram",
             Cause::Wear => "wear",
             Cause::FourBar => "four_bar",
+            Cause::Label => "label",
+            Cause::Spring => "spring",
             _ => "unknown",
         }
     }
@@ -100,6 +107,8 @@ impl Cause {
             Cause::Ram => &[("link_compliance", true)],
             Cause::Wear => &[("backlash", true)],
             Cause::FourBar => &[("coupling", true)],
+            Cause::Label => &[("payload", false)],
+            Cause::Spring => &[("joint_compliance", true), ("transmission", true)],
             _ => &[("joint_compliance", true), ("link_compliance", true), ("load_nonlinearity", true)],
         }
     }
@@ -124,7 +133,15 @@ impl Cause {
         }
         one.columns.temperature = matches!(self, Cause::WholeArm | Cause::Lubricant) || draw.chance(0.3);
         one.columns.approach = true;
-        let carries = [Cause::Creep, Cause::Lubricant, Cause::TiltingBearing, Cause::Bridge, Cause::Ram];
+        let carries = [
+            Cause::Creep,
+            Cause::Lubricant,
+            Cause::TiltingBearing,
+            Cause::Bridge,
+            Cause::Ram,
+            Cause::Label,
+            Cause::Spring,
+        ];
         one.loads |= carries.contains(&self);
         one.compliance |= carries.contains(&self);
     }
@@ -138,7 +155,11 @@ impl Cause {
         if self == Cause::Gradient {
             let duration = visit_s * poses as f64;
             for (name, part) in ["front", "back"].into_iter().zip(SIDES) {
-                campaign.channels.push(ChannelPlan::Body { name: name.into(), lag_s: part * duration, sd: 0.02 });
+                campaign.channels.push(ChannelPlan::Body {
+                    name: name.into(),
+                    lag_s: part * duration,
+                    sd: 0.02,
+                });
             }
         }
     }
@@ -147,7 +168,7 @@ impl Cause {
     pub fn fits(self, chain: &Chain, (k, joint): (usize, JointId), loaded: bool) -> bool {
         let slides = chain.joint(joint).kind == JointKind::Prismatic;
         match self {
-            Cause::Creep | Cause::Lubricant => !slides && loaded,
+            Cause::Creep | Cause::Lubricant | Cause::Spring => !slides && loaded,
             Cause::Bridge | Cause::Ram => slides && k < 2,
             Cause::TiltingBearing => k < 3,
             Cause::FourBar => {
@@ -162,12 +183,34 @@ impl Cause {
 }
 
 impl Hidden {
+    /// Middle and half width of a worn part, rad or m.
+    pub(super) fn worn(&self) -> [f64; 2] {
+        let (lower, upper) = self.limits;
+        let long = upper - lower;
+        [lower + long * (0.3 + 0.4 * self.u[0]), long * (0.12 + 0.08 * self.u[1])]
+    }
+
+    /// Whether the angle of a linkage is the difference of its joints, and what it is where both are zero, rad.
+    pub(super) fn crank(&self, chain: &Chain) -> (bool, f64) {
+        let crossed = self.u[0] <= 0.5;
+        let (a, b) = self.limits;
+        let (c, d) = chain.joints()[self.joint.index() - 1].limits.unwrap_or((-1.0, 1.0));
+        let sum = if crossed { -(c + d) } else { c + d };
+        (crossed, FRAC_PI_2 - 0.5 * (a + b) - 0.5 * sum + 0.1 * (self.u[1] - 0.5))
+    }
+
+    /// Where a spring is longest, rad: near an end of the travel, as a balancer is.
+    pub(super) fn longest(&self) -> f64 {
+        let (lower, upper) = self.limits;
+        (if self.u[1] > 0.5 { upper } else { lower }) + 0.6 * (self.u[2] - 0.5)
+    }
+
     /// Errors of these causes.
     pub fn amend_words(
         &self,
         chain: &Chain,
         shop: &Shop,
-        (truth, disturbances): (&mut Truth, &mut Disturbances),
+        (truth, disturbances, blunders): (&mut Truth, &mut Disturbances, &mut Blunders),
         size: f64,
     ) -> Result<(), Box<dyn Error>> {
         let (u, angle) = (self.u, 1e-4 * size);
@@ -188,7 +231,8 @@ impl Hidden {
             }
             Cause::Heating => {
                 let friction = 0.5 * self.load.0 * (0.5 + u[3]);
-                let (motor_s, gear_s) = (self.duration * (0.02 + 0.05 * u[1]), self.duration * (0.05 + 0.1 * u[2]));
+                let (motor_s, gear_s) =
+                    (self.duration * (0.02 + 0.05 * u[1]), self.duration * (0.05 + 0.1 * u[2]));
                 // A radian a minute against friction and load.
                 let rate = 4.0 * own / (2.0 * friction * self.range / 3.0 / 60.0);
                 let near = 0.2 + 0.4 * u[4];
@@ -239,7 +283,8 @@ impl Hidden {
                 joint.bearing = Some(TiltingBearing { angle, preload, soft, ratio: 1.0 + 2.0 * u[4] });
             }
             Cause::Refraction => {
-                disturbances.beam = Some(Beam { curvature: 2e-5 * size, fall: 1.0 + 4.0 * u[1], offset: 0.0 });
+                disturbances.beam =
+                    Some(Beam { curvature: 2e-5 * size, fall: 1.0 + 4.0 * u[1], offset: 0.0 });
             }
             Cause::Sight => disturbances.beam = Some(Beam { curvature: 0.0, fall: 1.0, offset: 1e-4 * size }),
             Cause::Bridge => {
@@ -259,21 +304,27 @@ impl Hidden {
                 let weight = 9.81 * 40.0 * self.reach * self.reach;
                 let stiffness = weight * full.powi(3) / (3.0 * angle * self.reach);
                 let bush = 6.0 * stiffness / full;
-                joint.ram = Some(Ram { length, stiffness, taper: 0.3 * u[1], full: full + 0.1 * self.reach, bush });
+                joint.ram =
+                    Some(Ram { length, stiffness, taper: 0.3 * u[1], full: full + 0.1 * self.reach, bush });
             }
             Cause::Wear => {
-                let (lower, upper) = self.limits;
-                let middle = lower + (upper - lower) * (0.3 + 0.4 * u[0]);
-                joint.worn = Some([middle, (upper - lower) * (0.12 + 0.08 * u[1])]);
+                joint.worn = Some(self.worn());
             }
             Cause::FourBar => {
-                let driver = self.joint.index() - 1;
-                let sign = if u[0] > 0.5 { 1.0 } else { -1.0 };
-                let limits = |k: usize| chain.joints()[k].limits.unwrap_or((-1.0, 1.0));
-                let ((a, b), (c, d)) = (limits(place), limits(driver));
-                let offset = FRAC_PI_2 - 0.5 * (a + b) - 0.5 * sign * (c + d) + 0.1 * (u[1] - 0.5);
+                let (driver, (crossed, offset)) = (place - 1, self.crank(chain));
+                let sign = if crossed { -1.0 } else { 1.0 };
                 let longer = [4.0 * own * (0.5 + u[2]), 2.0 * own * (u[3] - 0.5)];
                 joint.linkage = Some(FourBar { driver, sign, offset, arm: 2.0 + 2.0 * u[4], longer });
+            }
+            Cause::Spring => {
+                let levers = [0.3 * self.reach, (0.08 + 0.1 * u[0]) * self.reach];
+                let force = 0.2 * size * self.load.0 / levers[1];
+                let (offset, column) = (self.longest(), 2.0 * (levers[0] + levers[1]) + u[3]);
+                joint.spring = Some(GasSpring { force, levers, offset, column, exponent: 1.1 + 0.2 * u[4] });
+            }
+            Cause::Label => {
+                let until = instant + self.duration * (0.2 + 0.25 * u[1]);
+                blunders.wrong_stretch = Some(([instant, until], 1.0 + 0.1 * size));
             }
             _ => {}
         }
@@ -295,11 +346,16 @@ mod tests {
             .par_iter()
             .map(|cause| {
                 // Not every robot has a place for a linkage.
-                let robots = (0..20).map(|number| Task::of(Kind::Words, cause.word(), Half::Tuning, number).run());
+                let robots =
+                    (0..20).map(|number| Task::of(Kind::Words, cause.word(), Half::Tuning, number).run());
                 let record = robots.into_iter().find(|record| !record.text("ended").starts_with("no plant"));
                 let Some(record) = record else { return format!("{}: no robot", cause.word()) };
                 let good = record.yes("listed") == Some(true) && record.number("held_ratio") < Some(1.5);
-                if good { String::new() } else { format!("{} {:?}", record.text("words"), record.number("held_ratio")) }
+                if good {
+                    String::new()
+                } else {
+                    format!("{} {:?}", record.text("words"), record.number("held_ratio"))
+                }
             })
             .filter(|words| !words.is_empty())
             .collect();

@@ -27,8 +27,8 @@ pub use mode::ComplianceMode;
 use crate::effects::checks::{joint_moves, listed_once, refused};
 use crate::effects::geometric::EXPECTED_ANGLE;
 use crate::effects::link_compliance::OwnWeight;
-use crate::lanes::{LaneEmission, LanePosture};
 use crate::effects::travel::{free, positive};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
@@ -62,6 +62,18 @@ pub struct JointCompliance {
     /// Of the mode `temperature`: where the stiffness is as declared, in the channel's unit; 20 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<f64>,
+    /// Of the mode `spring`: the angle at which it is longest, rad; zero when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<f64>,
+    /// Between which angles `offset` is to be found, rad; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_range: Option<[f64; 2]>,
+    /// Of the mode `spring`: 2ab/(a² + b²) of its levers, between 0 and 1; 0.8 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+    /// Between which values `ratio` is to be found; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio_range: Option<[f64; 2]>,
 }
 
 fn two() -> usize {
@@ -83,6 +95,10 @@ impl Default for JointCompliance {
             lag: None,
             lag_range: None,
             reference: None,
+            offset: None,
+            offset_range: None,
+            ratio: None,
+            ratio_range: None,
         }
     }
 }
@@ -215,7 +231,7 @@ impl Effect for JointCompliance {
     fn load_dependent(&self) -> bool {
         match self.mode {
             ComplianceMode::Axis => self.channel.is_none(),
-            ComplianceMode::Creep => false,
+            ComplianceMode::Creep | ComplianceMode::Spring => false,
             ComplianceMode::Bearing | ComplianceMode::Temperature => true,
         }
     }
@@ -246,6 +262,15 @@ impl Effect for JointCompliance {
         if !self.mode.is_axis() && self.own_weight != OwnWeight::Declared {
             return refuse("`own_weight` belongs to the mode `axis`");
         }
+        if self.mode == ComplianceMode::Spring {
+            self.validate_spring(chain)?;
+        } else if self.offset.is_some()
+            || self.offset_range.is_some()
+            || self.ratio.is_some()
+            || self.ratio_range.is_some()
+        {
+            return refuse("`offset` and `ratio` belong to the mode `spring`");
+        }
         match self.mode {
             ComplianceMode::Creep => match self.lag {
                 None => return refuse("the mode `creep` needs `lag`, a time constant in s"),
@@ -260,7 +285,9 @@ impl Effect for JointCompliance {
             }
             _ => {}
         }
-        if self.channel.is_some() && matches!(self.mode, ComplianceMode::Bearing | ComplianceMode::Creep) {
+        if self.channel.is_some()
+            && matches!(self.mode, ComplianceMode::Bearing | ComplianceMode::Creep | ComplianceMode::Spring)
+        {
             return refuse("`channel` belongs to the modes `axis` and `temperature`");
         }
         if self.channel.is_some() && self.mode.is_axis() {
@@ -278,11 +305,23 @@ impl Effect for JointCompliance {
     }
 
     fn shape(&self) -> Vec<NonlinearParameter> {
-        self.lag.map_or_else(Vec::new, |lag| free("lag", "s", lag, self.lag_range, Search::Smooth))
+        let lag = self.lag.map(|lag| free("lag", "s", lag, self.lag_range, Search::Smooth));
+        let offset = self.offset.map(|at| free("offset", "rad", at, self.offset_range, Search::Smooth));
+        let ratio = self.ratio.map(|ratio| free("ratio", "1", ratio, self.ratio_range, Search::Smooth));
+        lag.into_iter().chain(offset).chain(ratio).flatten().collect()
     }
 
     fn with_nonlinear(&self, values: &[f64]) -> Self {
-        JointCompliance { lag: self.lag.map(|lag| values.first().copied().unwrap_or(lag)), ..self.clone() }
+        let mut values = values.iter().copied();
+        // Those with a range; where none has one, all in turn.
+        let ranges = [self.lag_range, self.offset_range, self.ratio_range];
+        let none = ranges.iter().all(Option::is_none);
+        let mut next = |k: usize, known: Option<f64>| {
+            known
+                .map(|known| if none || ranges[k].is_some() { values.next().unwrap_or(known) } else { known })
+        };
+        let (lag, offset) = (next(0, self.lag), next(1, self.offset));
+        JointCompliance { lag, offset, ratio: next(2, self.ratio), ..self.clone() }
     }
 }
 

@@ -4,6 +4,7 @@
 //! bearing       w = C m                     rotation w across the axis by the moment m across it; C symmetric 2 × 2 in the axes of the link behind
 //! creep         δq_j = c τ̃_j                τ̃_j follows the load late, lag · dτ̃/dt = τ_j − τ̃: a part of the deflection that comes late
 //! temperature   δq_j = c (T − T_ref) τ_j    the stiffness changes with the temperature
+//! spring        δq_j = k_1 sin x + k_2 sin x / √(1 + s cos x),   x = q_j − φ     the torque of a counterbalance that nobody declared
 //! ```
 //!
 //! | symbol | here | unit |
@@ -12,11 +13,16 @@
 //! | c | one unknown a joint | rad/(N·m), rad/(N·m·K); m/N, m/(N·K) |
 //! | τ̃_j | a derived channel ([`crate::History::Load`]), `tau_3~lag=600` | N·m or N |
 //!
+//! A spring between a point of the link in front, a from the axis, and one of the link behind, b from it, has the length √(a² + b²) √(1 + s cos x), s =
+//! 2ab/(a² + b²) (`ratio`), and φ (`offset`) is where it is longest; k_1 is its stiffness, k_2 its free length, both times the joint's compliance, rad.
+//!
 //! The bearing tilts about the point of the axis that the description has for it; a slide about the origin of its carriage. What yields at once is the plain
 //! `joint_compliance`, beside which these stand. Sources: Harris and Kotzalas, *Rolling Bearing Analysis* (moment load); Zener's anelastic solid.
 
 use super::{JointCompliance, across};
-use crate::{Column, Emission, History, history_channel};
+use crate::effects::checks::refused;
+use crate::effects::travel::ascending;
+use crate::{Column, Effect, Emission, History, ModelError, history_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
@@ -34,6 +40,8 @@ pub enum ComplianceMode {
     Creep,
     /// About or along its axis, in proportion to a temperature as well.
     Temperature,
+    /// About its axis, under the torque of a spring.
+    Spring,
 }
 
 impl ComplianceMode {
@@ -65,6 +73,12 @@ impl JointCompliance {
         JointCompliance { mode, channel, reference: Some(reference), ..JointCompliance::of(joint) }
     }
 
+    /// A spring that is longest at this angle (rad), with 2ab/(a² + b²) of its levers.
+    pub fn spring(joint: JointId, offset: f64, ratio: f64) -> Self {
+        let mode = ComplianceMode::Spring;
+        JointCompliance { mode, offset: Some(offset), ratio: Some(ratio), ..JointCompliance::of(joint) }
+    }
+
     /// The columns of a mode other than `axis`, of one joint.
     pub(super) fn columns_of_mode(&self, chain: &Chain, id: JointId, columns: &mut Vec<Column>) {
         let joint = chain.joint(id);
@@ -78,7 +92,16 @@ impl JointCompliance {
             }
             ComplianceMode::Temperature => {
                 let unit = if slides { "m/(N*K)" } else { "rad/(N*m*K)" };
-                columns.push(Column::new(format!("compliance {name} by temperature"), unit, PER_KELVIN * scale));
+                columns.push(Column::new(
+                    format!("compliance {name} by temperature"),
+                    unit,
+                    PER_KELVIN * scale,
+                ));
+            }
+            ComplianceMode::Spring => {
+                // A tenth of a milliradian: 10 µrad/(N·m) under a tenth of what is balanced.
+                let column = |what: &str| Column::new(format!("spring {name} {what}"), joint.unit(), 1e-4);
+                columns.extend(["stiffness", "free length"].map(column));
             }
             ComplianceMode::Bearing => {
                 let mut put = |what: &str, lower: f64| {
@@ -95,11 +118,27 @@ impl JointCompliance {
         }
     }
 
+    pub(super) fn validate_spring(&self, chain: &Chain) -> Result<(), ModelError> {
+        let refuse = |reason: &str| Err(refused(JointCompliance::FAMILY, reason));
+        if self.joints(chain).iter().any(|&joint| chain.joint(joint).kind != JointKind::Revolute) {
+            return refuse("the mode `spring` is of a joint that turns");
+        }
+        if self.ratio.is_some_and(|ratio| !(0.0..1.0).contains(&ratio)) {
+            return refuse("`ratio` lies between 0 and 1");
+        }
+        if self.offset.is_some_and(|offset| !offset.is_finite()) {
+            return refuse("`offset` has to be finite");
+        }
+        ascending(JointCompliance::FAMILY, "offset_range", self.offset_range)?;
+        ascending(JointCompliance::FAMILY, "ratio_range", self.ratio_range)
+    }
+
     /// How many unknowns a joint has in such a mode.
     fn count(&self, chain: &Chain, joint: JointId) -> usize {
         match (self.mode, chain.joint(joint).kind) {
             (ComplianceMode::Bearing, JointKind::Prismatic) => 4,
             (ComplianceMode::Bearing, _) => 3,
+            (ComplianceMode::Spring, _) => 2,
             _ => 1,
         }
     }
@@ -118,6 +157,12 @@ impl JointCompliance {
                     out.along(column, &motion, warmer * at.joint_load(joint));
                 }
                 ComplianceMode::Bearing => tilt(joint, column, at, out),
+                ComplianceMode::Spring => {
+                    let (sine, cosine) = (at.joint(joint) - self.offset.unwrap_or(0.0)).sin_cos();
+                    out.along(column, &motion, sine);
+                    let length = (1.0 + self.ratio.unwrap_or(HALF) * cosine).sqrt();
+                    out.along(column + 1, &motion, sine / length);
+                }
             }
             column += self.count(chain, joint);
         }
@@ -135,6 +180,8 @@ impl JointCompliance {
     }
 }
 
+/// Levers of a spring of which one is about twice the other.
+const HALF: f64 = 0.8;
 /// Where a stiffness is as declared when nothing else is said, degC.
 const ROOM: f64 = 20.0;
 
@@ -168,8 +215,8 @@ fn tilt(joint: JointId, column: usize, at: &Posture<'_>, out: &mut Emission) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Signal;
     use crate::testkit::{check_effect, emitted};
-    use crate::{Effect, Signal};
     use truepose_kinematics::{Conditions, Load, Payload, samples};
 
     #[test]
@@ -179,12 +226,41 @@ mod tests {
             for &joint in chain.movable() {
                 check_effect(&JointCompliance::bearing(joint), &chain);
             }
-            check_effect(&JointCompliance { joints: all.clone(), ..JointCompliance::bearing(JointId(1)) }, &chain);
+            check_effect(
+                &JointCompliance { joints: all.clone(), ..JointCompliance::bearing(JointId(1)) },
+                &chain,
+            );
             let late = JointCompliance { joints: all.clone(), ..JointCompliance::creep(JointId(1), 600.0) };
             check_effect(&JointCompliance { lag_range: Some([60.0, 6000.0]), ..late }, &chain);
             let warm = JointCompliance::by_temperature(JointId(1), "oil", 22.0);
             check_effect(&JointCompliance { joints: all, ..warm }, &chain);
         }
+    }
+
+    #[test]
+    fn a_spring_turns_its_joint_by_its_lever() {
+        let chain = samples::ur10();
+        let spring = JointCompliance::spring(JointId(2), 0.4, 0.7);
+        let (offset_range, ratio_range) = (Some([-1.0, 1.0]), Some([0.1, 0.95]));
+        check_effect(&JointCompliance { offset_range, ratio_range, ..spring.clone() }, &chain);
+        check_effect(&JointCompliance { ratio_range, ..spring.clone() }, &chain);
+        // Levers a and b with 2ab/(a² + b²) = 0.7, by the length of the spring.
+        let (a, b) = (1.0f64, (1.0 - (1.0 - 0.49f64).sqrt()) / 0.7);
+        let length = |x: f64| (a * a + b * b + 2.0 * a * b * x.cos()).sqrt();
+        for q in [-1.3, 0.2, 0.9] {
+            let at = Conditions::at(&chain, &[0.0, q, 0.0, 0.0, 0.0, 0.0]);
+            let all = emitted(&spring, &chain, &at);
+            let value = |k: usize| all.iter().filter(|e| e.column == k).map(|e| e.value).sum::<f64>();
+            let (stiffness, free) = (3.0, 0.5);
+            let energy = |x: f64| 0.5 * stiffness * (length(x) - free).powi(2);
+            let (x, step) = (q - 0.4, 1e-6);
+            let torque = -(energy(x + step) - energy(x - step)) / (2.0 * step);
+            let scale = (a * a + b * b).sqrt();
+            let expected = stiffness * a * b * value(0) - stiffness * free * a * b / scale * value(1);
+            assert!((torque - expected).abs() < 1e-8, "{q}: {torque} {expected}");
+        }
+        let slide = JointCompliance::spring(samples::pps().movable()[0], 0.4, 0.7);
+        assert!(Effect::validate(&slide, &samples::pps()).unwrap_err().to_string().contains("turns"));
     }
 
     /// Rotation of a bearing in the measurement frame per unit of a column.
@@ -208,7 +284,8 @@ mod tests {
             let load = Load::Payload(Payload { mass: 10.0, com: Vector3::zeros() });
             let (loaded, empty) = (Conditions::at(&chain, &q).with_load(load), Conditions::at(&chain, &q));
             let effect = JointCompliance::bearing(joint);
-            let turn = |column| turned(&effect, &chain, &loaded, column) - turned(&effect, &chain, &empty, column);
+            let turn =
+                |column| turned(&effect, &chain, &loaded, column) - turned(&effect, &chain, &empty, column);
             let mut buffer = truepose_kinematics::PostureBuffer::new(&chain);
             let posture = buffer.update(&chain, &loaded);
             let motion = chain.joint_motion(joint).expect("it turns");

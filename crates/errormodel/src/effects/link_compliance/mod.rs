@@ -122,8 +122,7 @@ impl LinkCompliance {
 
 impl Effect for LinkCompliance {
     const FAMILY: &'static str = "link_compliance";
-    const ABOUT: &'static str =
-        "a link bends and twists under the wrench at its tip and under its own weight; a ram with its extension (ram)";
+    const ABOUT: &'static str = "a link bends and twists under the wrench at its tip and under its own weight; a ram with its extension (ram)";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = Vec::new();

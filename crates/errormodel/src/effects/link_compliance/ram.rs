@@ -31,7 +31,9 @@ impl LinkCompliance {
     pub(super) fn column_of_ram(&self, chain: &Chain) -> Vec<Column> {
         let name = self.slide().map_or("", |joint| &chain.joint(joint).name);
         // 500 N bend a metre of it by a millimetre.
-        vec![Column::new(format!("bending {name} by extension"), "1/(N*m^2)", 6e-6).within(0.0, f64::INFINITY)]
+        vec![
+            Column::new(format!("bending {name} by extension"), "1/(N*m^2)", 6e-6).within(0.0, f64::INFINITY),
+        ]
     }
 
     pub(super) fn eval_ram(&self, length: f64, at: &Posture<'_>, out: &mut Emission) {
@@ -95,7 +97,8 @@ mod tests {
             }
         }
         let turn = LinkCompliance::ram(JointId(2), 0.6, false);
-        let refused = |effect: LinkCompliance| Effect::validate(&effect, &samples::ur10()).unwrap_err().to_string();
+        let refused =
+            |effect: LinkCompliance| Effect::validate(&effect, &samples::ur10()).unwrap_err().to_string();
         assert!(refused(turn.clone()).contains("a slide"));
         assert!(refused(LinkCompliance { ram: None, retracts: true, ..turn }).contains("without `ram`"));
     }

@@ -24,7 +24,9 @@ use crate::effects::checks::refused;
 use crate::effects::spot::Part;
 use crate::effects::spot::Spot;
 use crate::effects::travel::{ascending, free};
-use crate::{Column, Effect, Emission, History, ModelError, NonlinearParameter, Search, Signal, late_channel};
+use crate::{
+    Column, Effect, Emission, History, ModelError, NonlinearParameter, Search, Signal, late_channel,
+};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, JointKind, Posture, Site};
 
@@ -145,7 +147,8 @@ impl Thermal {
             lag.map_or_else(|| source.to_owned(), |lag| late_channel(source, lag))
         };
         lags.into_iter().flat_map(move |lag| {
-            std::iter::once(named(&self.channel, lag)).chain(self.minus.iter().map(move |minus| named(minus, lag)))
+            std::iter::once(named(&self.channel, lag))
+                .chain(self.minus.iter().map(move |minus| named(minus, lag)))
         })
     }
 
@@ -235,7 +238,8 @@ impl Effect for Thermal {
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = self.columns_once(chain);
         if self.parts() > 1 {
-            let second = self.columns_once(chain).into_iter().filter(|column| !column.name.ends_with("reference"));
+            let second =
+                self.columns_once(chain).into_iter().filter(|column| !column.name.ends_with("reference"));
             let second: Vec<Column> = second.collect();
             columns.extend(second.into_iter().map(|c| Column { name: format!("{} second", c.name), ..c }));
         }
@@ -285,7 +289,9 @@ impl Effect for Thermal {
         }
         if self.grows == Some(Grows::Arm) {
             if self.spot != Spot::Frame(FrameId::BASE) || self.components.is_some() {
-                return refuse("`grows = \"arm\"` belongs to `frame = \"base\"`, without `components`".into());
+                return refuse(
+                    "`grows = \"arm\"` belongs to `frame = \"base\"`, without `components`".into(),
+                );
             }
         } else {
             self.grown(chain)?;
@@ -313,7 +319,11 @@ impl Effect for Thermal {
         let none = self.lag_range.is_none() && self.second_lag_range.is_none();
         let lag = if none || self.lag_range.is_some() { values.next() } else { None };
         let second = if none || self.second_lag_range.is_some() { values.next() } else { None };
-        Thermal { lag: lag.or(self.lag), second_lag: second.filter(|_| self.second_lag.is_some()).or(self.second_lag), ..self.clone() }
+        Thermal {
+            lag: lag.or(self.lag),
+            second_lag: second.filter(|_| self.second_lag.is_some()).or(self.second_lag),
+            ..self.clone()
+        }
     }
 }
 
