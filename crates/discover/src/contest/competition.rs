@@ -123,15 +123,18 @@ fn richer(
     let setting = Setting::new(linearisation.chain(), linearisation.data);
     let mut sizes = Vec::new();
     let mut all: Vec<(Candidate, f64)> = Vec::new();
-    for (variant, _, freedom) in &cause.variants {
+    let penalty = penalty_per_coefficient(linearisation.len());
+    // What does not pay for its own unknowns is not made richer.
+    let pays = cause.variants.iter().filter(|(_, gain, freedom)| *gain > penalty * *freedom as f64);
+    for (variant, _, freedom) in pays {
         let size = (*freedom, variant.scales());
-        if sizes.contains(&size) || sizes.len() >= linearisation.budget.variants {
+        if sizes.contains(&size) || sizes.len() >= linearisation.budget.richer {
             continue;
         }
         sizes.push(size);
         for more in variant.richer(&setting) {
             if let Some(score) = screen.projection.judge(linearisation, &more) {
-                let worth = score.gain - penalty_per_coefficient(linearisation.len()) * score.freedom as f64;
+                let worth = score.gain - penalty * score.freedom as f64;
                 all.push((more, worth));
             }
         }

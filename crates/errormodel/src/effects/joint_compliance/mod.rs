@@ -27,7 +27,7 @@ pub use mode::ComplianceMode;
 use crate::effects::checks::{joint_moves, listed_once, refused};
 use crate::effects::geometric::EXPECTED_ANGLE;
 use crate::effects::link_compliance::OwnWeight;
-use crate::effects::travel::{free, positive};
+use crate::effects::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
@@ -252,44 +252,7 @@ impl Effect for JointCompliance {
         if self.links == 0 {
             return Err(refused(Self::FAMILY, "`links` counts the joint's own: it is 1 or more"));
         }
-        let refuse = |reason: &str| Err(refused(Self::FAMILY, reason));
-        if self.mode != ComplianceMode::Creep && (self.lag.is_some() || self.lag_range.is_some()) {
-            return refuse("`lag` and `lag_range` belong to the mode `creep`");
-        }
-        if self.mode != ComplianceMode::Temperature && self.reference.is_some() {
-            return refuse("`reference` belongs to the mode `temperature`");
-        }
-        if !self.mode.is_axis() && self.own_weight != OwnWeight::Declared {
-            return refuse("`own_weight` belongs to the mode `axis`");
-        }
-        if self.mode == ComplianceMode::Spring {
-            self.validate_spring(chain)?;
-        } else if self.offset.is_some()
-            || self.offset_range.is_some()
-            || self.ratio.is_some()
-            || self.ratio_range.is_some()
-        {
-            return refuse("`offset` and `ratio` belong to the mode `spring`");
-        }
-        match self.mode {
-            ComplianceMode::Creep => match self.lag {
-                None => return refuse("the mode `creep` needs `lag`, a time constant in s"),
-                Some(_) if self.joints.is_none() => return refuse("the mode `creep` needs `joints`"),
-                Some(lag) => positive(Self::FAMILY, "lag", lag, self.lag_range)?,
-            },
-            ComplianceMode::Temperature if self.channel.is_none() => {
-                return refuse("the mode `temperature` needs `channel`, a thermometer");
-            }
-            ComplianceMode::Temperature if self.reference.is_some_and(|at| !at.is_finite()) => {
-                return refuse("`reference` has to be finite");
-            }
-            _ => {}
-        }
-        if self.channel.is_some()
-            && matches!(self.mode, ComplianceMode::Bearing | ComplianceMode::Creep | ComplianceMode::Spring)
-        {
-            return refuse("`channel` belongs to the modes `axis` and `temperature`");
-        }
+        self.validate_mode(chain)?;
         if self.channel.is_some() && self.mode.is_axis() {
             if self.joints.as_ref().is_none_or(|joints| joints.len() != 1) {
                 return Err(refused(

@@ -21,7 +21,8 @@
 
 use super::{JointCompliance, across};
 use crate::effects::checks::refused;
-use crate::effects::travel::ascending;
+use crate::effects::link_compliance::OwnWeight;
+use crate::effects::travel::{ascending, positive};
 use crate::{Column, Effect, Emission, History, ModelError, history_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
@@ -118,7 +119,50 @@ impl JointCompliance {
         }
     }
 
-    pub(super) fn validate_spring(&self, chain: &Chain) -> Result<(), ModelError> {
+    /// Refuses keys of other modes, and modes without their keys.
+    pub(super) fn validate_mode(&self, chain: &Chain) -> Result<(), ModelError> {
+        let refuse = |reason: &str| Err(refused(JointCompliance::FAMILY, reason));
+        if self.mode != ComplianceMode::Creep && (self.lag.is_some() || self.lag_range.is_some()) {
+            return refuse("`lag` and `lag_range` belong to the mode `creep`");
+        }
+        if self.mode != ComplianceMode::Temperature && self.reference.is_some() {
+            return refuse("`reference` belongs to the mode `temperature`");
+        }
+        if !self.mode.is_axis() && self.own_weight != OwnWeight::Declared {
+            return refuse("`own_weight` belongs to the mode `axis`");
+        }
+        if self.mode == ComplianceMode::Spring {
+            self.validate_spring(chain)?;
+        } else if self.offset.is_some()
+            || self.offset_range.is_some()
+            || self.ratio.is_some()
+            || self.ratio_range.is_some()
+        {
+            return refuse("`offset` and `ratio` belong to the mode `spring`");
+        }
+        match self.mode {
+            ComplianceMode::Creep => match self.lag {
+                None => return refuse("the mode `creep` needs `lag`, a time constant in s"),
+                Some(_) if self.joints.is_none() => return refuse("the mode `creep` needs `joints`"),
+                Some(lag) => positive(JointCompliance::FAMILY, "lag", lag, self.lag_range)?,
+            },
+            ComplianceMode::Temperature if self.channel.is_none() => {
+                return refuse("the mode `temperature` needs `channel`, a thermometer");
+            }
+            ComplianceMode::Temperature if self.reference.is_some_and(|at| !at.is_finite()) => {
+                return refuse("`reference` has to be finite");
+            }
+            _ => {}
+        }
+        if self.channel.is_some()
+            && matches!(self.mode, ComplianceMode::Bearing | ComplianceMode::Creep | ComplianceMode::Spring)
+        {
+            return refuse("`channel` belongs to the modes `axis` and `temperature`");
+        }
+        Ok(())
+    }
+
+    fn validate_spring(&self, chain: &Chain) -> Result<(), ModelError> {
         let refuse = |reason: &str| Err(refused(JointCompliance::FAMILY, reason));
         if self.joints(chain).iter().any(|&joint| chain.joint(joint).kind != JointKind::Revolute) {
             return refuse("the mode `spring` is of a joint that turns");
