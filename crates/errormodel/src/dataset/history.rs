@@ -188,7 +188,7 @@ mod tests {
             let part = data.select(&[4, 1]).history(history, lag, &chain).unwrap();
             assert_eq!(part, [found[4], found[1]]);
         }
-        assert_eq!(samples::skewed().joint(JointId(2)).moves(), false);
+        assert!(!samples::skewed().joint(JointId(2)).moves());
         assert!(
             record(&samples::skewed())
                 .history(History::Travel(JointId(2)), 1.0, &samples::skewed())

@@ -252,7 +252,8 @@ mod tests {
             conditions.approach[1] = -1.0;
             emitted(&worn, &chain, &conditions).iter().map(|e| e.value).sum::<f64>()
         };
-        assert_eq!([0.1, 0.2, 0.49, 0.5].map(at), [0.0, 0.5, 0.5, 0.0]);
+        let halves = [0.1, 0.2, 0.49, 0.5].map(|q| (2.0 * at(q)).round() as i32);
+        assert_eq!(halves, [0, 1, 1, 0]);
         let none = Backlash { between: Some([0.5, 0.2]), ..worn };
         assert!(Effect::validate(&none, &chain).unwrap_err().to_string().contains("`between`"));
     }

@@ -125,9 +125,8 @@ pub(super) fn loads(loads: &[LoadCorrection]) -> Result<(), String> {
                 return Err(format!("`loads[{k}].{key}` is {mass} kg, below zero"));
             }
         }
-        if let Some([from, until]) = load.during
-            && !(from < until)
-        {
+        let ascends = |[from, until]: [f64; 2]| from < until;
+        if let Some([from, until]) = load.during.filter(|during| !ascends(*during)) {
             return Err(format!("`loads[{k}].during` is reversed: [{from}, {until}]"));
         }
         let same = |other: &LoadCorrection| {

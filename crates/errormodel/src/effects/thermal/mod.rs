@@ -189,10 +189,10 @@ impl Thermal {
         let chain = at.chain();
         if self.grows == Some(Grows::Arm) {
             for &joint in chain.movable() {
-                if chain.joint(joint).kind == JointKind::Prismatic {
-                    if let Some(motion) = chain.joint_motion(joint) {
-                        out.along(first, &motion, at.joint(joint) * warmer);
-                    }
+                if chain.joint(joint).kind == JointKind::Prismatic
+                    && let Some(motion) = chain.joint_motion(joint)
+                {
+                    out.along(first, &motion, at.joint(joint) * warmer);
                 }
                 lengthen(joint, first, warmer, at, out);
             }
@@ -333,18 +333,18 @@ impl Thermal {
         let refuse = |reason: String| Err(refused(Self::FAMILY, reason));
         match self.growth(chain) {
             None if self.grows.is_some() => {
-                return refuse("`grows` belongs to a joint; a frame has `components`".into());
+                refuse("`grows` belongs to a joint; a frame has `components`".into())
             }
             Some((joint, Grows::Length)) if chain.link_length(joint) < 1e-6 => {
                 let name = &chain.joint(joint).name;
-                return refuse(format!("the link behind joint `{name}` has no length that could grow"));
+                refuse(format!("the link behind joint `{name}` has no length that could grow"))
             }
             Some((joint, Grows::Scale)) if chain.joint(joint).kind != JointKind::Prismatic => {
                 let name = &chain.joint(joint).name;
-                return refuse(format!("joint `{name}` turns; the scale that grows is a slide's"));
+                refuse(format!("joint `{name}` turns; the scale that grows is a slide's"))
             }
             growth if self.offset && !matches!(growth, Some((_, Grows::Scale))) => {
-                return refuse("`offset` belongs to a slide's scale; elsewhere the constants have it".into());
+                refuse("`offset` belongs to a slide's scale; elsewhere the constants have it".into())
             }
             _ => Ok(()),
         }
