@@ -194,9 +194,10 @@ impl Plant {
             }
             None => payload.mass,
         };
-        let stretch =
-            self.blunders.wrong_stretch.filter(|([from, until], _)| (*from..*until).contains(&time));
-        let mass = stretch.map_or(mass, |(_, factor)| factor * mass);
+        let stretch = self.blunders.wrong_stretch.filter(|([from, until], label, _)| {
+            (*from..*until).contains(&time) && (label - payload.mass).abs() < 1e-9
+        });
+        let mass = stretch.map_or(mass, |(_, _, factor)| factor * mass);
         Load::Payload(Payload { mass, ..payload })
     }
 

@@ -14,7 +14,7 @@ use truepose_solvers::SolverSpec;
 pub fn run(args: &Effects) -> Result<(), Failure> {
     let registry = effects();
     if let Some(family) = &args.family {
-        return one(args, &registry, family);
+        return one(args, registry, family);
     }
     let mut solvers = SolverSpec::known();
     solvers.extend(own_solvers().map(|name| (name, "a solver of this program's own")));

@@ -33,9 +33,20 @@ fn of(mode: &str, setting: &Setting<'_>, joint: JointId) -> Place {
     Place { mode: Some(mode.into()), ..Place::joint(setting.chain, joint) }
 }
 
+/// Of the load of the joint that carries most, below which a joint carries nothing.
+const CARRIES: f64 = 1e-2;
+
 /// Joints whose load differs between poses.
-fn loaded<'s>(setting: &'s Setting<'_>) -> impl Iterator<Item = JointId> + use<'s> {
-    setting.chain.movable().iter().copied().filter(|&joint| setting.load_range(joint).is_some())
+fn loaded(setting: &Setting<'_>) -> std::vec::IntoIter<JointId> {
+    let swing = |&joint: &JointId| {
+        let load = setting.load_range(joint).map_or(0.0, |[lower, upper]| upper - lower);
+        (joint, setting.slides(joint), load)
+    };
+    let all: Vec<(JointId, bool, f64)> = setting.chain.movable().iter().map(swing).collect();
+    // Newton metres with newton metres, newtons with newtons.
+    let most = |slides: bool| all.iter().filter(|one| one.1 == slides).map(|one| one.2).fold(0.0, f64::max);
+    let carries = |one: &&(JointId, bool, f64)| one.2 > CARRIES * most(one.1);
+    all.iter().filter(carries).map(|one| one.0).collect::<Vec<_>>().into_iter()
 }
 
 impl Hypothesis for TiltingBearing {

@@ -188,6 +188,8 @@ pub struct Hidden {
     pub(super) slide: bool,
     pub(super) range: f64,
     pub(super) limits: (f64, f64),
+    /// Heaviest payload, kg.
+    pub(super) payload: f64,
 }
 
 impl Hidden {
@@ -228,6 +230,7 @@ impl Hidden {
             slide: !turns(joint),
             range: upper - lower,
             limits: (lower, upper),
+            payload: robot.payload,
         })
     }
 

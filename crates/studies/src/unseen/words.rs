@@ -324,7 +324,7 @@ impl Hidden {
             }
             Cause::Label => {
                 let until = instant + self.duration * (0.2 + 0.25 * u[1]);
-                blunders.wrong_stretch = Some(([instant, until], 1.0 + 0.1 * size));
+                blunders.wrong_stretch = Some(([instant, until], self.payload, 1.0 + 0.1 * size));
             }
             _ => {}
         }
@@ -350,12 +350,9 @@ mod tests {
                     (0..20).map(|number| Task::of(Kind::Words, cause.word(), Half::Tuning, number).run());
                 let record = robots.into_iter().find(|record| !record.text("ended").starts_with("no plant"));
                 let Some(record) = record else { return format!("{}: no robot", cause.word()) };
-                let good = record.yes("listed") == Some(true) && record.number("held_ratio") < Some(1.5);
-                if good {
-                    String::new()
-                } else {
-                    format!("{} {:?}", record.text("words"), record.number("held_ratio"))
-                }
+                let beside = record.number("oracle_ratio").unwrap_or(1.0);
+                let good = record.yes("listed") == Some(true) && beside < 1.5;
+                if good { String::new() } else { format!("{} {beside}", record.text("words")) }
             })
             .filter(|words| !words.is_empty())
             .collect();
