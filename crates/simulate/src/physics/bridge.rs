@@ -119,6 +119,6 @@ mod tests {
         assert!((six[2] + 30.0 / 2e5).abs() < 1e-12 && (six[4] - 30.0 / 1e5).abs() < 1e-12, "{six:?}");
         let soft = Ram { taper: 0.5, bush: 1e4, ..ram };
         assert!(soft.deflection(0.8, &Vector3::x_axis(), &force)[2] < at(0.8, &force)[2]);
-        assert_eq!(at(-0.3, &force), [0.0; 6]);
+        assert!(at(-0.3, &force).iter().all(|part| part.abs() <= 0.0));
     }
 }
