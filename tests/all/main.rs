@@ -16,7 +16,6 @@ mod discovery;
 mod exact;
 mod excitation;
 mod guard_bands;
-mod histories;
 mod kinematics_files;
 mod odd_robots;
 mod permuted;

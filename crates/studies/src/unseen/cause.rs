@@ -5,12 +5,9 @@
 
 use super::robots::Robot;
 use super::stream::Draw;
-use super::words::WORDS;
 use std::error::Error;
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{JointId, JointKind};
-use truepose_simulate::description::PlantOptions;
-use truepose_simulate::flaws::{self, BacklashSide, Wheel};
 use truepose_simulate::physics::changes::{Amount, Change, Mover};
 use truepose_simulate::physics::mounting::{LiftingFlange, TiltingBearing};
 use truepose_simulate::physics::presliding::Presliding;
@@ -68,6 +65,28 @@ pub const INSIDE: [Cause; 8] = [
     Cause::Mesh,
     Cause::Coupling,
     Cause::Shift,
+];
+
+/// Causes for which the vocabulary has a word that is no formula of the plant, in its order.
+pub const WORDS: [Cause; 18] = [
+    Cause::Creep,
+    Cause::Heating,
+    Cause::Pauses,
+    Cause::Gradient,
+    Cause::WholeArm,
+    Cause::Lubricant,
+    Cause::TwoConstants,
+    Cause::Undone,
+    Cause::Settles,
+    Cause::TiltingBearing,
+    Cause::Refraction,
+    Cause::Sight,
+    Cause::Bridge,
+    Cause::Ram,
+    Cause::Wear,
+    Cause::FourBar,
+    Cause::Label,
+    Cause::Spring,
 ];
 
 /// Causes without a word of their own.
@@ -177,8 +196,8 @@ impl Cause {
 pub struct Hidden {
     pub cause: Cause,
     pub(super) joint: JointId,
-    name: String,
-    driver: String,
+    pub(super) name: String,
+    pub(super) driver: String,
     /// Uniform numbers in [0, 1).
     pub(super) u: [f64; 6],
     /// Largest load of the joint about or along its axis, N·m or N, and the largest of all joints.
@@ -256,60 +275,8 @@ impl Hidden {
     }
 
     /// A deflection of this size (0.1 mrad or 0.1 mm at size one) under the largest load.
-    fn stiffness(&self, size: f64) -> f64 {
+    pub(super) fn stiffness(&self, size: f64) -> f64 {
         self.load.0 / (1e-4 * size * if self.slide { self.reach } else { 1.0 })
-    }
-
-    /// Errors in everyday units.
-    pub fn options(&self, options: &mut PlantOptions, size: f64) {
-        let joint = self.name.clone();
-        let (mrad, mm) = (0.1 * size, 0.1 * size * self.reach);
-        let errors = &mut options.errors;
-        match self.cause {
-            Cause::JointCompliance => errors.joint_compliance.push(flaws::JointCompliance {
-                joint,
-                stiffness: Some(self.stiffness(size)),
-                ..flaws::JointCompliance::default()
-            }),
-            Cause::LinkBending => {
-                // Deflection F L³/3EI of about 0.1 mm × size, with F L the largest moment.
-                let bending = self.load.1 * self.reach * self.reach / (3.0 * 1e-4 * size * self.reach);
-                errors.link_compliance.push(flaws::LinkCompliance {
-                    joint,
-                    bending_nm2: [bending * (0.6 + self.u[0]), bending],
-                    torsion_nm2: bending * (0.5 + self.u[1]),
-                    ..flaws::LinkCompliance::default()
-                });
-            }
-            Cause::BaseTilt => {
-                let tilt = self.load.1 / (1e-4 * size);
-                let tilt = [tilt * (0.5 + self.u[0]), tilt * (0.5 + self.u[1]), 4.0 * tilt];
-                errors.base_compliance =
-                    Some(flaws::BaseCompliance { tilt_stiffness: Some(tilt), sink_stiffness: None });
-            }
-            Cause::Backlash | Cause::Wear => errors.backlash.push(flaws::Backlash {
-                joint,
-                width_mrad: (!self.slide).then_some(mrad),
-                width_mm: self.slide.then_some(mm),
-                side: BacklashSide::Approach,
-                flank_load: None,
-            }),
-            Cause::Eccentric | Cause::Mesh => errors.transmission.push(flaws::Transmission {
-                joint,
-                wheel: if self.cause == Cause::Mesh { Wheel::Mesh } else { Wheel::Eccentric },
-                amplitude_mrad: mrad,
-                cycles: (self.cause == Cause::Mesh).then(|| (3.0 + 20.0 * self.u[0]).round()),
-                phase_deg: None,
-            }),
-            Cause::Coupling => errors.coupling.push(flaws::Dragging {
-                joint,
-                driver: self.driver.clone(),
-                ratio_milli: mrad,
-                eccentricity_mrad: 0.3 * mrad,
-            }),
-            Cause::Masses => errors.mass_scatter = 0.1 * size,
-            _ => {}
-        }
     }
 
     /// Errors that have no everyday form.

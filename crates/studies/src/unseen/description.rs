@@ -16,10 +16,9 @@
 //!
 //! Robots of one number have the same geometry, noise and cause in all cells of a kind: cells are compared in pairs.
 
-use super::cause::{Cause, INSIDE, OUTSIDE};
+use super::cause::{Cause, INSIDE, OUTSIDE, WORDS};
 use super::robots::{MAKES, Make};
 use super::stream::{Draw, Half, Key, Part};
-use super::words::WORDS;
 
 /// A kind of campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -227,7 +226,7 @@ impl Description {
                 one.size = 5.0;
                 fewer(&mut one, 130);
                 if let Some(cause) = one.cause {
-                    cause.describe(&mut one, &mut draw);
+                    one.show(cause, &mut draw);
                 }
             }
         }
@@ -236,6 +235,29 @@ impl Description {
             one.compliance |= cause.needs_compliance();
         }
         one
+    }
+
+    /// What a campaign needs so that it can be seen at all.
+    fn show(&mut self, cause: Cause, draw: &mut Draw) {
+        match cause {
+            Cause::Bridge | Cause::Ram => self.make = Make::Gantry,
+            Cause::FourBar => self.make = draw.of(&[Make::Elbow, Make::Tree]),
+            // Arms whose joints carry weights.
+            _ => self.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]),
+        }
+        self.columns.temperature = matches!(cause, Cause::WholeArm | Cause::Lubricant) || draw.chance(0.3);
+        self.columns.approach = true;
+        let carries = [
+            Cause::Creep,
+            Cause::Lubricant,
+            Cause::TiltingBearing,
+            Cause::Bridge,
+            Cause::Ram,
+            Cause::Label,
+            Cause::Spring,
+        ];
+        self.loads |= carries.contains(&cause);
+        self.compliance |= carries.contains(&cause);
     }
 
     /// Nothing hidden, nothing wrong.

@@ -1,11 +1,10 @@
 //! Tables of what is found and how it is named.
 
-use super::cause::{INSIDE, OUTSIDE};
+use super::cause::{INSIDE, OUTSIDE, WORDS};
 use super::description::Kind;
 use super::interval::{Fraction, brier, calibration};
 use super::record::Record;
 use super::select::{fraction, numbers, of, quantiles};
-use super::words::WORDS;
 use std::fmt::{Error, Write};
 
 pub fn power(records: &[&Record]) -> Result<String, Error> {

@@ -10,6 +10,7 @@
 mod cause;
 mod compliances;
 mod description;
+mod everyday;
 mod found;
 mod interval;
 mod judged;

@@ -22,9 +22,6 @@
 //! | spring | a gas spring over a crank | joint_compliance, transmission, its joint |
 
 use super::cause::{Cause, Hidden};
-use super::description::Description;
-use super::robots::Make;
-use super::stream::Draw;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use truepose_kinematics::nalgebra::Vector3;
@@ -39,28 +36,6 @@ use truepose_simulate::physics::spring::GasSpring;
 use truepose_simulate::physics::temperature::Shop;
 use truepose_simulate::physics::warming::WarmUp;
 use truepose_simulate::{Beam, Blunders, Campaign, ChannelPlan, Disturbances, Truth};
-
-/// All of them, in the order of the vocabulary.
-pub const WORDS: [Cause; 18] = [
-    Cause::Creep,
-    Cause::Heating,
-    Cause::Pauses,
-    Cause::Gradient,
-    Cause::WholeArm,
-    Cause::Lubricant,
-    Cause::TwoConstants,
-    Cause::Undone,
-    Cause::Settles,
-    Cause::TiltingBearing,
-    Cause::Refraction,
-    Cause::Sight,
-    Cause::Bridge,
-    Cause::Ram,
-    Cause::Wear,
-    Cause::FourBar,
-    Cause::Label,
-    Cause::Spring,
-];
 
 /// Length of a pause, s, and how many parts of a campaign they part.
 const PAUSE: f64 = 2400.0;
@@ -121,29 +96,6 @@ impl Cause {
     /// Whether it is seen where temperatures change by kelvins.
     pub fn is_thermal(self) -> bool {
         matches!(self, Cause::Gradient | Cause::WholeArm | Cause::Lubricant)
-    }
-
-    /// What a campaign needs so that it can be seen at all.
-    pub fn describe(self, one: &mut Description, draw: &mut Draw) {
-        match self {
-            Cause::Bridge | Cause::Ram => one.make = Make::Gantry,
-            Cause::FourBar => one.make = draw.of(&[Make::Elbow, Make::Tree]),
-            // Arms whose joints carry weights.
-            _ => one.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]),
-        }
-        one.columns.temperature = matches!(self, Cause::WholeArm | Cause::Lubricant) || draw.chance(0.3);
-        one.columns.approach = true;
-        let carries = [
-            Cause::Creep,
-            Cause::Lubricant,
-            Cause::TiltingBearing,
-            Cause::Bridge,
-            Cause::Ram,
-            Cause::Label,
-            Cause::Spring,
-        ];
-        one.loads |= carries.contains(&self);
-        one.compliance |= carries.contains(&self);
     }
 
     /// Pauses and thermometers of a campaign of so many seconds between poses.
@@ -334,6 +286,7 @@ impl Hidden {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cause::WORDS;
     use super::super::description::Kind;
     use super::super::stream::Half;
     use super::super::trial::Task;
