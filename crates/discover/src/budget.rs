@@ -26,6 +26,9 @@ constants! {
         causes: usize = 10;
         /// Variants of each.
         variants: usize = 3;
+        /// Richer variants of a cause (a part of the travel, an interval, a second time constant) that are compared, of those that are proposed;
+        /// and variants of it that they are proposed for.
+        richer: usize = 2;
         /// Transmissions that may be given further periods in one contest.
         transmissions: usize = 2;
         /// Further periods of one transmission.

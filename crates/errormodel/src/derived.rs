@@ -1,6 +1,6 @@
 //! The channels that a model reads and that can be made from other columns of the data.
 
-use crate::dataset::{Channel, Dataset, presliding_of, step_of};
+use crate::dataset::{Channel, Dataset, history_of, presliding_of, step_of};
 use crate::error::ModelError;
 use crate::model::ErrorModel;
 use crate::signal::Signal;
@@ -21,7 +21,8 @@ impl Dataset {
                 if data.schema.channel(name).is_some() {
                     continue;
                 }
-                if self.late(name).is_some() && !self.schema.time {
+                let lags = self.late(name).is_some() || history_of(name).is_some();
+                if lags && !self.schema.time {
                     return Err(ModelError::MissingSignal {
                         kind: effect.kind().into(),
                         signal: format!("{} to make `{name}`", Signal::Time.describe(model.chain())),
@@ -45,6 +46,11 @@ impl Dataset {
         let channel = |unit: &str| Channel { name: name.to_owned(), unit: unit.into(), temperature: false };
         if let Some((joint, width)) = presliding_of(name) {
             return Some((channel("1"), self.presliding(chain.coordinate(joint)?, width)));
+        }
+        if let Some((history, lag)) = history_of(name)
+            && self.late(name).is_none()
+        {
+            return Some((channel(history.unit(chain)), self.history(history, lag, chain)?));
         }
         let joint = step_of(name)?;
         let column = chain.coordinate(joint)?;

@@ -24,10 +24,10 @@ mod term;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, KnownDistance, LANDMARK, Landmark,
-    Measurement, Record, SESSION, Schema, Seen, SessionRules, Surroundings, Visits, approach_from_order,
-    configurations, is_derived, late_channel, presliding, presliding_channel, presliding_of, step_channel,
-    step_of, visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, History, KnownDistance, LANDMARK,
+    Landmark, Measurement, Record, SESSION, Schema, Seen, SessionRules, Surroundings, Visits,
+    approach_from_order, configurations, follow, history_channel, history_of, is_derived, late_channel,
+    presliding, presliding_channel, presliding_of, step_channel, step_of, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};

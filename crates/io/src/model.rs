@@ -359,7 +359,8 @@ driver = "d2"
             ),
             (
                 error("family = \"joint_compliance\"\njonts = [\"roll\"]"),
-                "m.toml:3:1: effect `joint_compliance`: unknown field `jonts`, expected one of `joints`, `own_weight`, `links`, `channel`; did you mean `joints`?",
+                "m.toml:3:1: effect `joint_compliance`: unknown field `jonts`, expected one of `joints`, `own_weight`, `links`, `channel`, `mode`, \
+                 `lag`, `lag_range`, `reference`, `offset`, `offset_range`, `ratio`, `ratio_range`; did you mean `joints`?",
             ),
             (
                 error("family = \"geometric\"\ncomponents = [\"x\", \"rq\"]"),

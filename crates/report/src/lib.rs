@@ -3,6 +3,7 @@
 mod acceptance;
 mod comparison;
 mod discovery;
+mod explanation;
 mod figure;
 mod identification;
 mod landmarks;
@@ -32,6 +33,7 @@ pub use discovery::{
     NoiseReference, PartName, RefusedSummary, StatedScaleSummary, TooFewPoses, TrainAndHoldout,
     UnexplainedSummary, UntestableSummary, WithdrawnSummary,
 };
+pub use explanation::{Explanation, explanation};
 pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,

@@ -110,7 +110,7 @@ impl Assembly {
         let mut iterations = 0;
         loop {
             let shape = self.outward(truth, conditions, &moved, &now);
-            let (next, loads) = self.inward(truth, conditions, &shape);
+            let (next, loads) = self.inward(truth, conditions, &moved, &shape);
             let change_m = now.farthest(&next);
             if change_m <= STILL {
                 return Ok(Equilibrium { tool: shape.tool, loads });
@@ -122,6 +122,11 @@ impl Assembly {
                 return Err(SimulateError::NoEquilibrium { robot: self.name.clone(), iterations, change_m });
             }
         }
+    }
+
+    /// The direction against gravity; z where there is none.
+    pub fn up(&self) -> Vector3<f64> {
+        (-self.gravity).try_normalize(1e-12).unwrap_or_else(Vector3::z)
     }
 
     fn value(&self, conditions: &Conditions, place: usize) -> f64 {
@@ -141,8 +146,13 @@ impl Assembly {
                 .iter()
                 .map(|c| c.error(self.joints[c.driver].kind, self.value(conditions, c.driver)))
                 .sum();
-            let motion =
-                q * (1.0 + moved.scales[i]) + transmission + dragged + moved.joints[i] + now.backlash[i];
+            let linked = errors.linkage.map_or(0.0, |bar| bar.error(q, self.value(conditions, bar.driver)));
+            let motion = q * (1.0 + moved.scales[i])
+                + transmission
+                + dragged
+                + linked
+                + moved.joints[i]
+                + now.backlash[i];
             at = at * joint.before * joint.motion(motion);
             if let Some(guideway) = &errors.guideway {
                 at *= displaced(&guideway.displacement(q));
@@ -160,7 +170,13 @@ impl Assembly {
         shape
     }
 
-    fn inward(&self, truth: &Truth, conditions: &Conditions, shape: &Shape) -> (Deflections, Vec<f64>) {
+    fn inward(
+        &self,
+        truth: &Truth,
+        conditions: &Conditions,
+        moved: &Moved,
+        shape: &Shape,
+    ) -> (Deflections, Vec<f64>) {
         let n = self.joints.len();
         let mut next = Deflections {
             base: [0.0; 6],
@@ -192,7 +208,16 @@ impl Assembly {
                 carried.hang(link * Point3::from(own.com), self.gravity * own.mass);
             }
             let at_axis = carried.seen_from(&shape.axes[i]);
-            next.joints[i] = errors.stiffness.deflection(joint.kind, &joint.axis, &at_axis);
+            let (softer, q) = (moved.softer[i].exp(), self.value(conditions, i));
+            let mut on_drive = at_axis;
+            on_drive.moment += joint.axis.into_inner() * errors.spring.map_or(0.0, |spring| spring.torque(q));
+            next.joints[i] =
+                errors.stiffness.deflection(joint.kind, &joint.axis, &on_drive).map(|v| v * softer);
+            let bent = errors.bridge.map(|bridge| bridge.deflection(q, &joint.axis, &at_axis));
+            let out = errors.ram.map(|ram| ram.deflection(q, &joint.axis, &at_axis));
+            for more in [bent, out].into_iter().flatten() {
+                next.joints[i].iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            }
             if let Some(bearing) = &errors.bearing {
                 turn(&mut next.joints[i], &bearing.tilt(&joint.axis, &at_axis.moment));
             }
@@ -206,7 +231,9 @@ impl Assembly {
             };
             if let (Some(backlash), Some(k)) = (&errors.backlash, self.coordinates[i]) {
                 let approach = conditions.approach.get(k).copied().unwrap_or(0.0);
-                next.backlash[i] = backlash.error(approach, loads[i]);
+                // The edges of what is worn are no steps.
+                let worn = errors.worn.map_or(1.0, |[middle, half]| (-((q - middle) / half).powi(8)).exp());
+                next.backlash[i] = worn * backlash.error(approach, loads[i]);
             }
             if let Some(waves) = &errors.waves {
                 next.backlash[i] += waves.error(joint.kind, self.value(conditions, i), loads[i]);

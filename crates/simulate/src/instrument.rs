@@ -91,6 +91,8 @@ pub struct Blunders {
     pub wrong_payload_share: f64,
     /// True mass over declared mass on those.
     pub wrong_payload_factor: f64,
+    /// A stretch of time (s), the declared mass (kg) that was another load then, and true mass over declared mass.
+    pub wrong_stretch: Option<([f64; 2], f64, f64)>,
 }
 
 impl Instrument {

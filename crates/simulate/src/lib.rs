@@ -17,7 +17,7 @@ mod truth;
 
 pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
 pub use description::{PlantDescription, PlantOptions};
-pub use disturbance::{Disturbances, LogLag, StationMotion, Wander};
+pub use disturbance::{Beam, Disturbances, LogLag, StationMotion, Wander};
 pub use error::SimulateError;
 pub use flaws::Flaws;
 pub use instrument::{Blunders, Instrument, Repeatability, Tail};

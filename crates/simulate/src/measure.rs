@@ -74,7 +74,7 @@ impl Plant {
             .station
             .map(|motion| motion.path(self.instrument.station, poses, &mut stream(Stream::Station)));
         let displaced = disturbed.displaced_poses(poses, &mut stream(Stream::BadPoses));
-        let wound_up = self.path_errors(campaign);
+        let (times, wound_up) = (campaign.times(), self.path_errors(campaign)?);
         let mut seen = Observation {
             data: self.empty_data(campaign),
             true_poses: Vec::new(),
@@ -85,7 +85,7 @@ impl Plant {
         };
         let targets = self.measured_targets(campaign);
         for (index, (visit, approach)) in campaign.visits.iter().zip(campaign.approaches()).enumerate() {
-            let carried = self.really_carried(visit.load, &mut of_payload);
+            let carried = self.really_carried(visit.load, times[index], &mut of_payload);
             let before = &campaign.visits[index.saturating_sub(1)].joints;
             let logged =
                 disturbed.log.map_or_else(|| visit.joints.clone(), |log| log.recorded(before, &visit.joints));
@@ -96,7 +96,7 @@ impl Plant {
                 + displaced[index].unwrap_or_default();
             for (k, &target) in targets.iter().enumerate() {
                 let row = seen.data.len();
-                let time = campaign.start_s + campaign.visit_s * index as f64 + campaign.row_s * k as f64;
+                let time = times[index] + campaign.row_s * k as f64;
                 let conditions = Conditions {
                     joints: visit.joints.iter().zip(&wound_up[index]).map(|(q, off)| q + off).collect(),
                     load: carried,
@@ -109,7 +109,11 @@ impl Plant {
                 let reached = self.reached(&conditions, &off_joints, &tool)?;
                 let at = (reached * Point3::from(self.true_target(target)?)).coords;
                 let off = shared + away + turned.cross(&(at - reached.translation.vector));
-                let seen_at = station.as_ref().map_or(at + off, |path| path.seen(index, &(at + off)));
+                let mut seen_at = station.as_ref().map_or(at + off, |path| path.seen(index, &(at + off)));
+                if let Some(beam) = &disturbed.beam {
+                    let facing = reached.rotation * Vector3::z();
+                    seen_at += beam.displacement(&self.instrument.station, &(at + off), &self.up(), &facing);
+                }
                 let mut measured = seen_at + self.instrument.error(&point, &mut of_row);
                 if of_outlier.random::<f64>() < self.blunders.outlier_share {
                     let size = self.blunders.outlier_size * (0.5 + of_outlier.random::<f64>());
@@ -179,7 +183,7 @@ impl Plant {
     }
 
     /// The true load of the tool when this is declared.
-    fn really_carried(&self, declared: Load, rng: &mut ChaCha8Rng) -> Load {
+    fn really_carried(&self, declared: Load, time: f64, rng: &mut ChaCha8Rng) -> Load {
         let chance = rng.random::<f64>();
         let Load::Payload(payload) = declared else { return declared };
         let labels = &self.blunders.mislabelled;
@@ -190,6 +194,10 @@ impl Plant {
             }
             None => payload.mass,
         };
+        let stretch = self.blunders.wrong_stretch.filter(|([from, until], label, _)| {
+            (*from..*until).contains(&time) && (label - payload.mass).abs() < 1e-9
+        });
+        let mass = stretch.map_or(mass, |(_, _, factor)| factor * mass);
         Load::Payload(Payload { mass, ..payload })
     }
 

@@ -1,26 +1,50 @@
 //! What the path between poses leaves behind in each joint.
 
-use crate::{Campaign, Plant};
+use crate::{Campaign, Plant, SimulateError, Visit};
+use truepose_kinematics::Conditions;
 
 impl Plant {
-    /// Error of each movable joint at each pose that depends on the path there, rad or m: friction with memory. Before its
+    /// Error of each movable joint at each pose that depends on the path there, rad or m: friction with memory, creep, heat of its own. Before its
     /// first pose the robot came from the middle of its campaign, from far enough that the direction decides.
-    pub(crate) fn path_errors(&self, campaign: &Campaign) -> Vec<Vec<f64>> {
+    pub(crate) fn path_errors(&self, campaign: &Campaign) -> Result<Vec<Vec<f64>>, SimulateError> {
         let movable = self.chain().movable();
         let mut errors = vec![vec![0.0; movable.len()]; campaign.visits.len()];
-        for (coordinate, joint) in movable.iter().enumerate() {
-            let Some(friction) = &self.truth().joints[joint.index()].presliding else { continue };
-            let at = |k: usize| campaign.visits[k].joints[coordinate];
-            let count = campaign.visits.len();
-            let mut before = (0..count).map(at).sum::<f64>() / count.max(1) as f64;
+        let truths = || movable.iter().map(|joint| &self.truth().joints[joint.index()]);
+        let loads = match truths().any(|truth| truth.creep.is_some() || truth.heating.is_some()) {
+            true => self.loads_of(campaign)?,
+            false => Vec::new(),
+        };
+        let times = campaign.times();
+        for (coordinate, truth) in truths().enumerate() {
+            let values: Vec<f64> = campaign.visits.iter().map(|visit| visit.joints[coordinate]).collect();
+            let mut add = |more: Vec<f64>| {
+                errors.iter_mut().zip(more).for_each(|(errors, more)| errors[coordinate] += more);
+            };
+            let load = || loads.iter().map(|loads| loads[coordinate]).collect::<Vec<f64>>();
+            if let Some(creep) = &truth.creep {
+                add(creep.errors(&times, &load()));
+            }
+            if let Some(heating) = &truth.heating {
+                add(heating.errors(&times, &values, &load()));
+            }
+            let Some(friction) = &truth.presliding else { continue };
+            let mut before = values.iter().sum::<f64>() / values.len().max(1) as f64;
             let mut memory = friction.fresh();
-            for (k, errors) in errors.iter_mut().enumerate() {
-                friction.advance(&mut memory, at(k) - before);
-                before = at(k);
-                errors[coordinate] = friction.error(&memory);
+            for (errors, value) in errors.iter_mut().zip(values) {
+                friction.advance(&mut memory, value - before);
+                before = value;
+                errors[coordinate] += friction.error(&memory);
             }
         }
-        errors
+        Ok(errors)
+    }
+
+    /// Load of each movable joint at each visit, N·m or N.
+    fn loads_of(&self, campaign: &Campaign) -> Result<Vec<Vec<f64>>, SimulateError> {
+        let at = |visit: &Visit| {
+            self.joint_loads(&Conditions::at(self.chain(), &visit.joints).with_load(visit.load))
+        };
+        campaign.visits.iter().map(at).collect()
     }
 }
 
@@ -40,7 +64,7 @@ mod tests {
         // To 0 from below, from above, and from just above.
         let way = [-1.0, 0.0, 1.0, 0.0, 1.0, -1.0, 0.02, 0.0];
         let campaign = Campaign::of(way.map(posture).to_vec());
-        let errors = plant.path_errors(&campaign);
+        let errors = plant.path_errors(&campaign).expect("errors");
         assert!((errors[1][0] + 1e-4).abs() < 1e-12 && (errors[3][0] - 1e-4).abs() < 1e-12);
         assert!(errors[7][0].abs() < 9e-5, "{}", errors[7][0]);
         assert!(errors.iter().all(|e| e[1..].iter().all(|v| *v == 0.0)));

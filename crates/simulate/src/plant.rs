@@ -108,6 +108,11 @@ impl Plant {
         self.assembly.equilibrium(&self.truth, conditions)
     }
 
+    /// The direction against gravity; z where there is none.
+    pub(crate) fn up(&self) -> Vector3<f64> {
+        self.assembly.up()
+    }
+
     /// Where a target really sits in the tool's axes, m.
     pub(crate) fn true_target(&self, target: Option<TargetId>) -> Result<Vector3<f64>, SimulateError> {
         let Some(TargetId(k)) = target else { return Ok(Vector3::zeros()) };

@@ -3,13 +3,18 @@
 use crate::SimulateError;
 use crate::physics::backlash::DeadBand;
 use crate::physics::beam::Beam;
+use crate::physics::bridge::{Bridge, Ram};
 use crate::physics::changes::Change;
 use crate::physics::coupling::Coupling;
+use crate::physics::creep::Creep;
 use crate::physics::foundation::Foundation;
 use crate::physics::guideway::GuidewayProfile;
+use crate::physics::heating::Heating;
 use crate::physics::joint_stiffness::JointStiffness;
+use crate::physics::linkage::FourBar;
 use crate::physics::mounting::{LiftingFlange, TiltingBearing};
 use crate::physics::presliding::Presliding;
+use crate::physics::spring::GasSpring;
 use crate::physics::transmission::TransmissionError;
 use crate::physics::wave::LoadedWaves;
 use crate::rigid::{Rigid, TakenApart};
@@ -53,6 +58,20 @@ pub struct JointTruth {
     pub flange: Option<LiftingFlange>,
     /// Backlash.
     pub backlash: Option<DeadBand>,
+    /// A part of the travel in which backlash is worn: middle and half width, rad or m; all of it where there is none.
+    pub worn: Option<[f64; 2]>,
+    /// A late deflection; it acts in a campaign.
+    pub creep: Option<Creep>,
+    /// A joint that heats itself; it acts in a campaign.
+    pub heating: Option<Heating>,
+    /// The rail of a slide between its posts.
+    pub bridge: Option<Bridge>,
+    /// A slide that comes out of its bushes.
+    pub ram: Option<Ram>,
+    /// A spring that turns the joint beside its load; it acts through the stiffness of the drive.
+    pub spring: Option<GasSpring>,
+    /// A closed linkage that drives the joint.
+    pub linkage: Option<FourBar>,
     /// Coupling to other joints.
     pub couplings: Vec<Coupling>,
     /// The link's true mass and centre.

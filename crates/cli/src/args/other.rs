@@ -42,6 +42,9 @@ pub struct Init {
 /// `truepose effects`
 #[derive(Debug, clap::Args)]
 pub struct Effects {
+    /// One family in depth: law, parameters with units, example, what it is confused with, what to look at
+    #[arg(value_name = "FAMILY")]
+    pub family: Option<String>,
     /// Print JSON instead of text
     #[arg(long)]
     pub json: bool,

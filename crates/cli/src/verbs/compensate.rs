@@ -17,7 +17,9 @@ use truepose_compensate::{
     Command, CommandRequest, CompensateError, Compensator, CompensatorOptions, Status, Target,
     correction_helps, radius_95,
 };
-use truepose_errormodel::{Beyond, Coverage, ErrorModel, FittedModel, Signal, presliding_of};
+use truepose_errormodel::{
+    Beyond, Coverage, ErrorModel, FittedModel, History, Signal, history_of, presliding_of,
+};
 use truepose_io::{
     CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
     read_measurements, read_poses,
@@ -180,8 +182,14 @@ fn winds_up(fitted: &FittedModel, poses: &Poses) -> bool {
     let needs = fitted.model().effects().iter().flat_map(|effect| effect.needs());
     needs.into_iter().any(|need| {
         matches!(need, Signal::Channel(name)
-            if presliding_of(&name).is_some() && poses.rows.schema.channel(&name).is_none())
+            if by_the_way(&name) && poses.rows.schema.channel(&name).is_none())
     })
+}
+
+/// Whether a channel of this name is made from the way of a joint.
+fn by_the_way(channel: &str) -> bool {
+    let history = |history| matches!(history, History::Load(_) | History::Work(_) | History::Travel(_));
+    presliding_of(channel).is_some() || history_of(channel).is_some_and(|(what, _)| history(what))
 }
 
 /// The joints of the poses as commanded; where there is no command a joint stays where it was.

@@ -138,3 +138,34 @@ fn a_criterion_that_is_not_met_ends_with_1() {
         identify(met).ended(0);
     }
 }
+
+/// Every example of `truepose effects FAMILY` is a model that can be read, on a robot that has its joints.
+#[test]
+fn examples_of_effects_are_read() {
+    let joint = |name: &str, kind: &str| {
+        format!("[[joints]]\nname = \"{name}\"\ntype = \"{kind}\"\nlimits = [-2.0, 2.0]\n")
+    };
+    let arm: String = (1..=6)
+        .map(|k| joint(&format!("j{k}"), "revolute") + "dh = { theta = 0, d = 0.3, a = 0.4, alpha = 1.5 }\n")
+        .collect();
+    let slide = joint("x", "prismatic") + "origin = { xyz = [0, 0, 0], rpy = [0, 0, 0], axis = [1, 0, 0] }\n";
+    let robot = format!("name = \"r\"\n[units]\nlength = \"m\"\nangle = \"rad\"\n{slide}{arm}");
+    let folder = tempfile::tempdir().unwrap();
+    let robot_file = folder.path().join("robot.toml");
+    std::fs::write(&robot_file, robot).unwrap();
+    let (chain, _) = truepose_io::read_robot(&robot_file, &truepose_io::RobotOptions::default()).unwrap();
+    let registry = truepose_errormodel::EffectRegistry::builtin();
+    let mut read = 0;
+    for (family, _) in registry.kinds() {
+        let text = truepose_report::explanation(family).unwrap().text;
+        let Some((_, rest)) = text.split_once("```toml\n") else { continue };
+        let model = rest.split("```").next().unwrap();
+        let file = folder.path().join(format!("{family}.toml"));
+        std::fs::write(&file, model).unwrap();
+        let effects =
+            truepose_io::read_model(&file, &chain, &registry).unwrap_or_else(|e| panic!("{family}: {e}"));
+        assert!(effects.iter().all(|effect| effect.kind() == family), "{family}");
+        read += 1;
+    }
+    assert_eq!(read, 15, "landmarks and sessions come from the data");
+}

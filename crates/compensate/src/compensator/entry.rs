@@ -54,7 +54,7 @@ impl Compensator<'_> {
 
     /// Load, time, channels and approach of conditions that were checked.
     pub(super) fn take_over(&mut self, conditions: &Conditions) {
-        self.conditions.load = self.fitted.carried(conditions.load);
+        self.conditions.load = self.fitted.carried(conditions.load, conditions.time);
         self.conditions.time = conditions.time;
         if conditions.approach.is_empty() {
             self.conditions.approach.fill(0.0);

@@ -2,7 +2,7 @@
 
 use super::options::CorrectOptions;
 use crate::ControllerError;
-use truepose_errormodel::{Channel, FittedModel, Schema, Signal, presliding_of};
+use truepose_errormodel::{Channel, FittedModel, Schema, Signal, history_of, presliding_of};
 
 /// The schema of the channels that the model reads, and their values.
 pub(super) fn signals(
@@ -26,6 +26,10 @@ pub(super) fn signals(
         if presliding_of(&name).is_some() {
             let words =
                 "the model depends on the way of a joint (presliding), which a list of points does not state";
+            return Err(ControllerError::Fit(words.into()));
+        }
+        if history_of(&name).is_some() {
+            let words = "the model depends on what the robot has done and carried before (creep, self-heating), which a list of points does not state";
             return Err(ControllerError::Fit(words.into()));
         }
         // A channel that lags behind another, or is its mean, has that one's value where that one is constant.

@@ -98,7 +98,9 @@ impl InterimReport {
             alternatives: Vec::new(),
             poses: Vec::new(),
             rows: match accepted.candidate.change {
-                Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
+                Change::CorrectLoad { level, during, .. } => {
+                    payload::rows_at(partition.data, (level, during))
+                }
                 Change::Add(_) | Change::Exclude { .. } => Vec::new(),
             },
             trace: None,

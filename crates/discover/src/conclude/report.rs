@@ -98,7 +98,9 @@ pub(crate) fn conclude(
             parameters: parameters(&fit, &found[k], effects.clone()),
             shape: shape(&fit, &effects),
             rows: match accepted.candidate.change {
-                Change::CorrectLoad { level, .. } => payload::rows_at(partition.data, level),
+                Change::CorrectLoad { level, during, .. } => {
+                    payload::rows_at(partition.data, (level, during))
+                }
                 Change::Add(_) | Change::Exclude { .. } => Vec::new(),
             },
             poses: Vec::new(),
@@ -212,8 +214,8 @@ pub(crate) fn at_run_time(fit: &mut Fit, found: &[Candidate], data: &Dataset) {
     fit.fitted.loads = found
         .iter()
         .filter_map(|candidate| match candidate.change {
-            Change::CorrectLoad { level, mass, .. } => {
-                Some(LoadCorrection { declared: level, carried: mass })
+            Change::CorrectLoad { level, mass, during, .. } => {
+                Some(LoadCorrection { declared: level, carried: mass, during })
             }
             Change::Add(_) | Change::Exclude { .. } => None,
         })

@@ -11,6 +11,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
+use crate::hypotheses::setting::Setting;
 use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
@@ -107,11 +108,42 @@ fn refined_variants(
         let variant = refined(linearisation, &screen.projection, candidate);
         competitors.extend(competitor(linearisation, screen, visits, variant)?);
     }
-    if let Some(more) = cause.variants.first().and_then(|(candidate, ..)| candidate.richer()) {
-        let more = refined(linearisation, &screen.projection, &more);
-        competitors.extend(competitor(linearisation, screen, visits, more)?);
-    }
+    competitors.extend(richer(linearisation, screen, visits, cause)?);
     Ok(competitors)
+}
+
+/// The best richer variants of a group, one for each number of coefficients and of nonlinear parameters: all are compared by their gain,
+/// the best ones as competitors.
+fn richer(
+    linearisation: &Linearisation<'_>,
+    screen: &Screen,
+    visits: &Visits,
+    cause: &Cause,
+) -> Result<Vec<Competitor>, DiscoverError> {
+    let setting = Setting::new(linearisation.chain(), linearisation.data);
+    let mut sizes = Vec::new();
+    let mut all: Vec<(Candidate, f64)> = Vec::new();
+    let penalty = penalty_per_coefficient(linearisation.len());
+    // What does not pay for its own unknowns is not made richer.
+    let pays = cause.variants.iter().filter(|(_, gain, freedom)| *gain > penalty * *freedom as f64);
+    for (variant, _, freedom) in pays {
+        let size = (*freedom, variant.scales());
+        if sizes.contains(&size) || sizes.len() >= linearisation.budget.richer {
+            continue;
+        }
+        sizes.push(size);
+        for more in variant.richer(&setting) {
+            if let Some(score) = screen.projection.judge(linearisation, &more) {
+                let worth = score.gain - penalty * score.freedom as f64;
+                all.push((more, worth));
+            }
+        }
+    }
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    all.truncate(linearisation.budget.richer);
+    let refined = all.into_iter().map(|(more, _)| refined(linearisation, &screen.projection, &more));
+    let competitors = refined.map(|more| competitor(linearisation, screen, visits, more));
+    competitors.filter_map(Result::transpose).collect()
 }
 
 /// Adds further periods to the best transmissions.

@@ -7,20 +7,30 @@
 use truepose_errormodel::{Dataset, LoadCorrection};
 use truepose_kinematics::{Conditions, Load};
 
+/// A stretch of time, s; none: all of it.
+pub(crate) type Stretch = Option<[f64; 2]>;
+
 fn replaced(load: Load, level: f64, mass: f64) -> Option<Load> {
-    LoadCorrection { declared: level, carried: mass }.apply(load)
+    LoadCorrection { declared: level, carried: mass, during: None }.apply(load, 0.0)
 }
 
-/// The same conditions with another mass (kg), when they declare this level (kg); `None` else.
-pub(crate) fn changed(conditions: &Conditions, level: f64, mass: f64) -> Option<Conditions> {
-    replaced(conditions.load, level, mass).map(|load| Conditions { load, ..conditions.clone() })
+/// The same conditions with another mass (kg), when they declare this level (kg) in this stretch; `None` else.
+pub(crate) fn changed(
+    conditions: &Conditions,
+    (level, during): (f64, Stretch),
+    mass: f64,
+) -> Option<Conditions> {
+    let correction = LoadCorrection { declared: level, carried: mass, during };
+    let load = correction.apply(conditions.load, conditions.time)?;
+    Some(Conditions { load, ..conditions.clone() })
 }
 
-/// The same data with another mass (kg) in the rows that declare this level (kg).
-pub(crate) fn corrected(data: &Dataset, level: f64, mass: f64) -> Dataset {
+/// The same data with another mass (kg) in the rows that declare this level (kg) in this stretch.
+pub(crate) fn corrected(data: &Dataset, (level, during): (f64, Stretch), mass: f64) -> Dataset {
     let mut data = data.clone();
-    for load in &mut data.load {
-        if let Some(other) = replaced(*load, level, mass) {
+    let correction = LoadCorrection { declared: level, carried: mass, during };
+    for (load, time) in data.load.iter_mut().zip(&data.time) {
+        if let Some(other) = correction.apply(*load, *time) {
             *load = other;
         }
     }
@@ -41,7 +51,8 @@ pub(crate) fn levels(data: &Dataset) -> Vec<f64> {
     levels
 }
 
-/// Rows (0-based) that declare a level (kg).
-pub(crate) fn rows_at(data: &Dataset, level: f64) -> Vec<usize> {
-    (0..data.len()).filter(|&row| replaced(data.load[row], level, level).is_some()).collect()
+/// Rows (0-based) that declare a level (kg) in a stretch.
+pub(crate) fn rows_at(data: &Dataset, (level, during): (f64, Stretch)) -> Vec<usize> {
+    let correction = LoadCorrection { declared: level, carried: level, during };
+    (0..data.len()).filter(|&row| correction.apply(data.load[row], data.time[row]).is_some()).collect()
 }

@@ -87,6 +87,9 @@ impl Hypothesis for LostMotion {
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
         let play = concrete::<Backlash>(effect)?;
+        if let Some([lower, _]) = play.between {
+            return Some(Nonlinear::new(lower, Refinement::Edge(play.joint)));
+        }
         if let Some(width) = play.width {
             return Some(Nonlinear::new(width, Refinement::Scale([1.0 / RATIO, RATIO])));
         }
@@ -100,11 +103,57 @@ impl Hypothesis for LostMotion {
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
         let play = concrete::<Backlash>(effect)?.clone();
+        if let Some([_, upper]) = play.between {
+            return Some(Box::new(Backlash { between: Some([value, upper]), ..play }));
+        }
         if play.side == Side::Presliding {
             return Some(Box::new(Backlash { width: Some(value), width_range: range, ..play }));
         }
         Some(Box::new(Backlash { flank_load: Some(value), flank_range: range, ..play }))
     }
+
+    fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let play = concrete::<Backlash>(effect)?;
+        Some(Nonlinear::new(play.between?[1], Refinement::Edge(play.joint)))
+    }
+
+    fn with_second(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        _: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let play = concrete::<Backlash>(effect)?.clone();
+        let between = Some([play.between?[0], value]);
+        Some(Box::new(Backlash { between, ..play }))
+    }
+
+    // Local wear: in a part of the travel.
+    fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
+        let Some(play) = concrete::<Backlash>(effect) else { return Vec::new() };
+        if play.between.is_some() || play.side != Side::Approach {
+            return Vec::new();
+        }
+        parts(setting, play.joint)
+            .map(|part| Backlash { between: Some(part), ..play.clone() }.boxed())
+            .collect()
+    }
+}
+
+/// Parts of the visited travel in which a joint may be worn: all runs of sixths but the whole.
+pub(crate) fn parts(setting: &Setting<'_>, joint: JointId) -> impl Iterator<Item = [f64; 2]> {
+    const PARTS: usize = 6;
+    let range = setting.range(joint);
+    range.into_iter().flat_map(|[lower, upper]| {
+        let margin = 1e-6 * (upper - lower);
+        let at = move |k: usize| match k {
+            0 => lower - margin,
+            PARTS => upper + margin,
+            _ => lower + (upper - lower) * k as f64 / PARTS as f64,
+        };
+        let runs = (0..PARTS).flat_map(|from| (from + 1..=PARTS).map(move |to| (from, to)));
+        runs.filter(|&(from, to)| to - from < PARTS).map(move |(from, to)| [at(from), at(to)])
+    })
 }
 
 /// Loads at which play may be taken up: shares of the largest load seen.

@@ -8,6 +8,7 @@ use crate::hypotheses::limits::Limit;
 use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
+use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
 use std::sync::Arc;
 use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
@@ -91,11 +92,12 @@ impl Candidate {
         near.into_iter().map(|effect| self.with_effects(vec![effect])).collect()
     }
 
-    /// The same cause with more terms; none where there is no such variant.
-    pub(crate) fn richer(&self) -> Option<Candidate> {
-        let [effect] = self.effects() else { return None };
-        let effect = self.hypothesis.richer(&**effect)?;
-        Some(Candidate { width: None, ..self.with_effects(vec![effect]) })
+    /// The same cause with more terms, or in a part of the data alone; none where there are no such variants.
+    pub(crate) fn richer(&self, setting: &Setting<'_>) -> Vec<Candidate> {
+        let [effect] = self.effects() else { return Vec::new() };
+        let richer = self.hypothesis.richer_in(&**effect, setting).into_iter();
+        let fits = richer.filter(|effect| effect.validate(setting.chain).is_ok());
+        fits.map(|effect| Candidate { width: None, ..self.with_effects(vec![effect]) }).collect()
     }
 
     /// The joint whose motion it is periodic in, where a cause may have further periods.
@@ -112,7 +114,21 @@ impl Candidate {
 
     /// The nonlinear parameters of its effects that were found rather than known.
     pub(crate) fn nonlinear(&self) -> impl Iterator<Item = Nonlinear> {
-        self.effects().iter().filter_map(|effect| self.hypothesis.nonlinear(&**effect))
+        self.effects().iter().flat_map(|effect| {
+            [self.hypothesis.nonlinear(&**effect), self.hypothesis.second(&**effect)].into_iter().flatten()
+        })
+    }
+
+    /// Its first and second nonlinear parameter, where it has one effect.
+    pub(crate) fn pair(&self) -> [Option<Nonlinear>; 2] {
+        let [effect] = self.effects() else { return [None, None] };
+        [self.hypothesis.nonlinear(&**effect), self.hypothesis.second(&**effect)]
+    }
+
+    /// The candidate, of one effect, with another value of its second nonlinear parameter.
+    pub(crate) fn with_second(&self, value: f64) -> Option<Candidate> {
+        let [effect] = self.effects() else { return None };
+        Some(self.with_effects(vec![self.hypothesis.with_second(&**effect, value, None)?]))
     }
 
     /// How many of them are on a coarse grid of variants, so that they are penalised as unknowns.
@@ -141,14 +157,28 @@ impl Candidate {
     pub(crate) fn shapes_of(&self, effect: &dyn AnyEffect, data: &Dataset) -> Vec<NonlinearParameter> {
         /// Times, up and down.
         const REACH: f64 = 4.0;
-        let Some(Nonlinear { value, search }) = self.hypothesis.nonlinear(effect) else { return Vec::new() };
-        let range = match search {
+        let range = |Nonlinear { value, search }: Nonlinear| match search {
             Refinement::Instant { .. } => {
                 data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)])
             }
-            Refinement::Period(_) | Refinement::Scale(_) | Refinement::Grid => [value / REACH, value * REACH],
+            Refinement::Within(range) => range,
+            Refinement::Period(_) | Refinement::Scale(_) | Refinement::Edge(_) | Refinement::Grid => {
+                [value / REACH, value * REACH]
+            }
         };
-        let free = self.hypothesis.with_value(effect, value, Some(range));
-        free.map_or_else(Vec::new, |effect| effect.shape())
+        let Some(first) = self.hypothesis.nonlinear(effect) else { return Vec::new() };
+        // The ends of a part of the travel have no interval.
+        if matches!(first.search, Refinement::Edge(_)) {
+            return Vec::new();
+        }
+        let Some(mut free) = self.hypothesis.with_value(effect, first.value, Some(range(first))) else {
+            return Vec::new();
+        };
+        if let Some(second) = self.hypothesis.second(effect)
+            && let Some(both) = self.hypothesis.with_second(&*free, second.value, Some(range(second)))
+        {
+            free = both;
+        }
+        free.shape()
     }
 }

@@ -8,7 +8,7 @@ use truepose_errormodel::AnyEffect;
 pub enum Change {
     /// Effects are added; several belong to one cause (periods of one transmission).
     Add(Vec<Box<dyn AnyEffect>>),
-    /// Rows that declare this payload (kg) carried another mass (kg).
+    /// Rows that declare this payload (kg), all or those of a stretch of time, carried another mass (kg).
     CorrectLoad {
         /// As declared.
         level: f64,
@@ -16,6 +16,8 @@ pub enum Change {
         mass: f64,
         /// Standard deviation of that, kg; zero before it was fitted.
         deviation: f64,
+        /// From which instant until which, s; always when absent.
+        during: Option<[f64; 2]>,
     },
     /// Rows (0-based, of the whole data) are kept out of the fit: no repeatable effect explains them.
     Exclude {

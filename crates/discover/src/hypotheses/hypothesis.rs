@@ -79,6 +79,21 @@ pub trait Hypothesis: Debug + Send + Sync {
         None
     }
 
+    /// A second parameter in which an effect is not linear, where it was found: the end of an interval, another time constant.
+    fn second(&self, _effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        None
+    }
+
+    /// The effect with another value of the second parameter: fixed, or to be found within a range. None where [`Self::second`] is none.
+    fn with_second(
+        &self,
+        _effect: &dyn AnyEffect,
+        _value: f64,
+        _range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        None
+    }
+
     /// The effect of a change point that is known to lie between two instants, s; none of an effect without change point.
     fn between(&self, _effect: &dyn AnyEffect, _instants: [f64; 2]) -> Option<Box<dyn AnyEffect>> {
         None
@@ -98,5 +113,12 @@ pub trait Hypothesis: Debug + Send + Sync {
     /// The effect with more terms, tried when the variants of its place are compared.
     fn richer(&self, _effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
         None
+    }
+
+    /// Richer forms of an effect that the data may tell apart, tried when the variants of its place are compared: an interval in place of a step,
+    /// a part of the travel in place of all of it. They are proposed for causes that are compared alone, so that the number of candidates of a screen
+    /// does not grow with them.
+    fn richer_in(&self, effect: &dyn AnyEffect, _setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
+        self.richer(effect).into_iter().collect()
     }
 }

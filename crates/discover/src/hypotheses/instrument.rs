@@ -1,4 +1,4 @@
-//! Errors of the measurement: a log of joint values that lags, a wrong unit of length.
+//! Errors of the measurement: a log of joint values that lags, a wrong unit of length, a beam that bends, an offset along it.
 
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
@@ -7,7 +7,7 @@ use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
 use crate::hypotheses::view::TraceView;
-use truepose_errormodel::effects::Instrument;
+use truepose_errormodel::effects::{Instrument, InstrumentMode};
 use truepose_errormodel::{AnyEffect, Signal};
 use truepose_kinematics::JointId;
 
@@ -80,6 +80,46 @@ impl Hypothesis for LengthScale {
     fn meaning(&self, _: &Place) -> String {
         "All measured lengths are longer or shorter by one fraction: the scale of the instrument, its refraction index or scale bar, or \
          every length and scale of the robot alike. Measure a known length to tell which. Commands are not corrected for it."
+            .into()
+    }
+}
+
+/// The beam of the instrument bends.
+#[derive(Debug)]
+pub(crate) struct Refraction;
+
+/// The instrument or its reflector has an offset along the line of sight.
+#[derive(Debug)]
+pub(crate) struct LineOfSight;
+
+impl Hypothesis for Refraction {
+    fn family(&self) -> Family {
+        Family::Instrument
+    }
+
+    fn variants(&self, _: &Setting<'_>) -> Vec<Variant> {
+        vec![Variant::new(of("refraction", Place::default()), Instrument::of(InstrumentMode::Refraction))]
+    }
+
+    fn meaning(&self, _: &Place) -> String {
+        "Measured points are too high or too low by the square of their distance: the beam bends in air that is warmer above than below. Keep it \
+         away from heaters and sunlit walls, stir the air, or move the instrument nearer. Commands are not corrected for it."
+            .into()
+    }
+}
+
+impl Hypothesis for LineOfSight {
+    fn family(&self) -> Family {
+        Family::Instrument
+    }
+
+    fn variants(&self, _: &Setting<'_>) -> Vec<Variant> {
+        vec![Variant::new(of("sight", Place::default()), Instrument::of(InstrumentMode::Sight))]
+    }
+
+    fn meaning(&self, _: &Place) -> String {
+        "All points are too far or too near along the line of sight: check the centring of the reflector, the constant of its ball or nest, and \
+         the zero of the distance meter. Commands are not corrected for it."
             .into()
     }
 }

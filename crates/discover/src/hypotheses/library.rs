@@ -11,17 +11,21 @@ use crate::hypotheses::coupling::Drag;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::guideway::Rail;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::instrument::{JointLog, LengthScale};
+use crate::hypotheses::instrument::{JointLog, LengthScale, LineOfSight, Refraction};
+use crate::hypotheses::linkage::Parallelogram;
 use crate::hypotheses::loaded::CurvedSpring;
 use crate::hypotheses::measured_torque::OfMeasuredTorque;
 use crate::hypotheses::own_motion::{OwnCurve, OwnGain};
 use crate::hypotheses::payload::WrongPayload;
+use crate::hypotheses::sag::{Ram, SaggingRail};
+use crate::hypotheses::self_heating::SelfHeating;
 use crate::hypotheses::setting::Setting;
-use crate::hypotheses::thermal::Growth;
+use crate::hypotheses::thermal::{ArmGrowth, Gradient, Growth};
 use crate::hypotheses::time::{Jump, Slow};
 use crate::hypotheses::transmission::Drive;
 use crate::hypotheses::unmodelled::Unmodelled;
 use crate::hypotheses::variant::Variant;
+use crate::hypotheses::yielding::{Counterbalance, Creep, SoftWhenWarm, TiltingBearing};
 use std::collections::HashMap;
 use std::sync::Arc;
 use truepose_errormodel::Dataset;
@@ -46,7 +50,12 @@ impl Library {
                 Arc::new(OfJoints),
                 Arc::new(OfMeasuredTorque),
                 Arc::new(CurvedSpring),
+                Arc::new(TiltingBearing),
+                Arc::new(Creep),
+                Arc::new(SoftWhenWarm),
+                Arc::new(Counterbalance),
                 Arc::new(OfLinks),
+                Arc::new(Ram),
                 Arc::new(OfBase),
             ],
             vec![Arc::new(WrongPayload)],
@@ -56,10 +65,11 @@ impl Library {
                 Arc::new(OwnCurve),
                 Arc::new(LostMotion),
                 Arc::new(Drag),
+                Arc::new(Parallelogram),
             ],
-            vec![Arc::new(Rail)],
-            vec![Arc::new(JointLog), Arc::new(LengthScale)],
-            vec![Arc::new(Growth)],
+            vec![Arc::new(Rail), Arc::new(SaggingRail)],
+            vec![Arc::new(JointLog), Arc::new(LengthScale), Arc::new(Refraction), Arc::new(LineOfSight)],
+            vec![Arc::new(Growth), Arc::new(Gradient), Arc::new(ArmGrowth), Arc::new(SelfHeating)],
             vec![Arc::new(Slow), Arc::new(Jump)],
             vec![Arc::new(Unmodelled)],
         ];
@@ -280,8 +290,16 @@ mod tests {
         }
         families.sort_unstable();
         families.dedup();
-        let expected =
-            [Family::Backlash, Family::Transmission, Family::LoadNonlinearity, Family::Shift, Family::Drift];
+        let expected = [
+            Family::JointCompliance,
+            Family::Backlash,
+            Family::Transmission,
+            Family::Coupling,
+            Family::LoadNonlinearity,
+            Family::Shift,
+            Family::Thermal,
+            Family::Drift,
+        ];
         assert_eq!(families, expected);
     }
 

@@ -23,7 +23,7 @@ impl Nonlinear {
     /// Whether variants have it on a coarse grid only, so that it is penalised as an unknown. Parameters on a fine grid are penalised by the
     /// number of variants.
     pub fn is_scale(&self) -> bool {
-        matches!(self.search, Refinement::Scale(_))
+        matches!(self.search, Refinement::Scale(_) | Refinement::Within(_))
     }
 }
 
@@ -41,6 +41,10 @@ pub enum Refinement {
     },
     /// A positive number: one maximum between these multiples of the value, over the logarithm.
     Scale([f64; 2]),
+    /// A number of either sign: one maximum between these values.
+    Within([f64; 2]),
+    /// An end of a part of the travel of a joint, rad or m: all places between neighbouring values nearby are tried.
+    Edge(JointId),
     /// The values of the variants are all that the data has (lags of derived channels).
     Grid,
 }

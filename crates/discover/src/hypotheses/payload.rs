@@ -11,6 +11,18 @@ use crate::hypotheses::variant::Variant;
 use crate::hypotheses::view::TraceView;
 use truepose_errormodel::AnyEffect;
 
+/// Stretches of the record in which a label may be wrong: runs of quarters of the time, s; none of data without a time.
+fn stretches(setting: &Setting<'_>) -> impl Iterator<Item = [f64; 2]> {
+    const PARTS: usize = 4;
+    let range = setting.time_range();
+    range.into_iter().flat_map(|[first, last]| {
+        // The last row belongs to the last part.
+        let at = move |k: usize| first + (last - first) * (1.0 + 1e-9) * k as f64 / PARTS as f64;
+        let runs = (0..PARTS).flat_map(|from| (from + 1..=PARTS).map(move |to| (from, to)));
+        runs.filter(|&(from, to)| to - from < PARTS).map(move |(from, to)| [at(from), at(to)])
+    })
+}
+
 /// More levels than this are no levels but a continuous quantity.
 const MOST_LEVELS: usize = 12;
 
@@ -28,19 +40,29 @@ impl Hypothesis for WrongPayload {
         if levels.len() > MOST_LEVELS {
             return Vec::new();
         }
-        let wrong = |level: f64| Variant {
-            // Units of the file leave a rounding error in the last digits.
-            place: Place { level: Some((level * 1e6).round() * 1e-6), ..Place::default() },
-            change: Change::CorrectLoad { level, mass: level, deviation: 0.0 },
+        let wrong = |level: f64, during: Option<[f64; 2]>| Variant {
+            place: Place {
+                // Units of the file leave a rounding error in the last digits.
+                level: Some((level * 1e6).round() * 1e-6),
+                mode: during.map(|_| "stretch".into()),
+                ..Place::default()
+            },
+            change: Change::CorrectLoad { level, mass: level, deviation: 0.0, during },
         };
-        levels.into_iter().map(wrong).collect()
+        let whole = levels.iter().map(|&level| wrong(level, None));
+        let parts =
+            levels.iter().flat_map(|&level| stretches(setting).map(move |during| wrong(level, Some(during))));
+        whole.chain(parts).collect()
     }
 
     fn meaning(&self, place: &Place) -> String {
-        format!(
-            "The payload declared as {} kg does not fit. Check the declared mass.",
-            place.level.unwrap_or_default()
-        )
+        let level = place.level.unwrap_or_default();
+        match place.mode {
+            Some(_) => format!(
+                "The payload declared as {level} kg was another one for a stretch of the poses. Check the log of loads at that time."
+            ),
+            None => format!("The payload declared as {level} kg does not fit. Check the declared mass."),
+        }
     }
 
     fn view(&self, _: &Place, _: &[Box<dyn AnyEffect>]) -> TraceView {

@@ -23,7 +23,8 @@ pub struct Place {
     /// The target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
-    /// What of the instrument errs: `lag` (of the joint log) or `scale`.
+    /// The mode of its effect, where a family has several at one place: `lag`, `scale`, `refraction`, `sight` of the instrument; `bearing`,
+    /// `creep`, `temperature` of a compliance; `ram` of a link; `by_load` of a guideway; `arm` of an expansion; `linkage` of a coupling.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mode: Option<String>,
     /// What an unmodelled structure depends on.

@@ -18,6 +18,9 @@ const EDGE: usize = 4;
 /// Instants tried at first.
 const INSTANTS: usize = 64;
 
+/// Other ends of an interval that are tried at first.
+const ENDS: usize = 16;
+
 /// Places that may move with time.
 fn spots(chain: &Chain) -> impl Iterator<Item = Spot> {
     let frames = [Spot::Frame(FrameId::BASE), Spot::Frame(chain.tool_frame())];
@@ -49,9 +52,10 @@ impl Hypothesis for Slow {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The error of {} changes slowly with time: warm-up, settling, or drift of the instrument. Warm up longer, or \
+            "The error of {} changes slowly with time: warm-up, settling, or drift of the instrument{}. Warm up longer, or \
              measure a fixed point at intervals.",
-            place.part()
+            place.part(),
+            stand(place)
         )
     }
 
@@ -86,6 +90,33 @@ impl Hypothesis for Slow {
         Some(Box::new(Drift { time_constant: Some(value), time_constant_range: range, ..drift }))
     }
 
+    fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let constant = concrete::<Drift>(effect)?.second_time_constant?;
+        Some(Nonlinear::new(constant, Refinement::Scale([0.4, 2.5])))
+    }
+
+    fn with_second(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let drift = concrete::<Drift>(effect)?.clone();
+        let (second_time_constant, second_time_constant_range) = (Some(value), range);
+        Some(Box::new(Drift { second_time_constant, second_time_constant_range, ..drift }))
+    }
+
+    // Housings and castings: a second time constant, on either side of the first.
+    fn richer_in(&self, effect: &dyn AnyEffect, _: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
+        let Some(drift) = concrete::<Drift>(effect) else { return Vec::new() };
+        let Some(constant) = drift.time_constant else { return Vec::new() };
+        let of = |factor: f64| {
+            let second_time_constant = Some(factor * constant);
+            Drift { second_time_constant, ..drift.clone() }.boxed()
+        };
+        [0.2, 5.0].map(of).into()
+    }
+
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
         let Some(drift) = concrete::<Drift>(effect) else { return Vec::new() };
         of_spot(drift.spot, drift.components.as_deref(), |axes| {
@@ -116,8 +147,10 @@ impl Hypothesis for Jump {
 
     fn meaning(&self, place: &Place) -> String {
         format!(
-            "The error of {} jumped once: a collision, a changed part or a new installation. Check the log at that time.",
-            place.part()
+            "The error of {} jumped: a collision, a changed part or a new installation{}. Check the log at that time, and whether it was put \
+             right later.",
+            place.part(),
+            stand(place)
         )
     }
 
@@ -144,6 +177,49 @@ impl Hypothesis for Jump {
         Some(Box::new(Shift { at: value, at_range: range, ..jump }))
     }
 
+    fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
+        let jump = concrete::<Shift>(effect)?;
+        match (jump.until, jump.settling) {
+            (Some(until), _) => Some(Nonlinear::new(until, Refinement::Instant { gap: None })),
+            (None, settling) => Some(Nonlinear::new(settling?, Refinement::Scale([0.4, 2.5]))),
+        }
+    }
+
+    fn with_second(
+        &self,
+        effect: &dyn AnyEffect,
+        value: f64,
+        range: Option<[f64; 2]>,
+    ) -> Option<Box<dyn AnyEffect>> {
+        let jump = concrete::<Shift>(effect)?.clone();
+        Some(match jump.until {
+            Some(_) => Box::new(Shift { until: Some(value), until_range: range, ..jump }),
+            None => Box::new(Shift { settling: Some(value), settling_range: range, ..jump }),
+        })
+    }
+
+    // It was put right later, or it happened before and was put right here; or a part of it settles.
+    fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
+        let Some(jump) = concrete::<Shift>(effect) else { return Vec::new() };
+        let Some([_, last]) = setting.time_range() else { return Vec::new() };
+        if jump.until.is_some() || jump.settling.is_some() {
+            return Vec::new();
+        }
+        let instants = instants(setting.data);
+        let coarse = instants.iter().step_by(instants.len().div_ceil(ENDS).max(1)).copied();
+        let mut all: Vec<Box<dyn AnyEffect>> = coarse
+            .filter(|&other| (other - jump.at).abs() > 0.0)
+            .map(|other| {
+                let (at, until) = (jump.at.min(other), Some(jump.at.max(other)));
+                Shift { at, until, gap: None, ..jump.clone() }.boxed()
+            })
+            .collect();
+        let settling =
+            |share: f64| Shift { settling: Some(share * (last - jump.at)), ..jump.clone() }.boxed();
+        all.extend([0.05, 0.2].into_iter().filter(|_| last > jump.at).map(settling));
+        all
+    }
+
     fn between(&self, effect: &dyn AnyEffect, [before, after]: [f64; 2]) -> Option<Box<dyn AnyEffect>> {
         let jump = concrete::<Shift>(effect)?.clone();
         Some(Box::new(Shift { at: 0.5 * (before + after), gap: Some([before, after]), ..jump }))
@@ -154,6 +230,15 @@ impl Hypothesis for Jump {
         of_spot(jump.spot, jump.components.as_deref(), |axes| {
             Shift { components: Some(axes), ..jump.clone() }.boxed()
         })
+    }
+}
+
+/// What moves as a base does, and cannot be told from it without a fixed point beside the robot.
+fn stand(place: &Place) -> &'static str {
+    if place.joint.as_deref() == Some("base") {
+        " (its stand moves as the base would: fixed points beside the robot tell which)"
+    } else {
+        ""
     }
 }
 

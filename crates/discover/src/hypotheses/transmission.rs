@@ -1,5 +1,6 @@
 //! Errors of a joint that are periodic in its own motion: gears, belts, screws.
 
+use crate::hypotheses::backlash::parts;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
@@ -88,6 +89,17 @@ impl Hypothesis for Drive {
     fn richer(&self, effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
         let wave = concrete::<Transmission>(effect)?.clone();
         Some(Box::new(Transmission { by_load: true, ..wave }))
+    }
+
+    // The same in a part of the travel: local wear.
+    fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
+        let Some(wave) = concrete::<Transmission>(effect) else { return Vec::new() };
+        let mut all: Vec<Box<dyn AnyEffect>> = self.richer(effect).into_iter().collect();
+        if wave.between.is_none() {
+            let worn = |part| Transmission { between: Some(part), ..wave.clone() }.boxed();
+            all.extend(parts(setting, wave.joint).map(worn));
+        }
+        all
     }
 
     fn at_period(&self, joint: JointId, period: f64) -> Option<Box<dyn AnyEffect>> {

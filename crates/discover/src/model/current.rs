@@ -155,8 +155,8 @@ fn corrected(linearisation: &Linearisation<'_>, found: &mut [Candidate]) -> Resu
     let mut columns = Vec::new();
     let mut loads = Vec::new();
     for candidate in found {
-        if let Change::CorrectLoad { level, mass, deviation } = &mut candidate.change {
-            let column = linearisation.heavier(*mass)?;
+        if let Change::CorrectLoad { level, mass, deviation, .. } = &mut candidate.change {
+            let column = linearisation.heavier(*mass, None)?;
             if column.norm() > 0.0 {
                 columns.push(column.column(0).into_owned());
                 loads.push((level, mass, deviation));

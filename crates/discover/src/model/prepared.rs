@@ -8,7 +8,7 @@ use truepose_errormodel::Dataset;
 /// The data with the corrected payloads of these findings.
 pub(crate) fn with_loads(data: &Dataset, found: &[Candidate]) -> Dataset {
     found.iter().fold(data.clone(), |data, candidate| match candidate.change {
-        Change::CorrectLoad { level, mass, .. } => corrected(&data, level, mass),
+        Change::CorrectLoad { level, mass, during, .. } => corrected(&data, (level, during), mass),
         Change::Add(_) | Change::Exclude { .. } => data,
     })
 }

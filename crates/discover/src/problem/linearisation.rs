@@ -278,16 +278,16 @@ impl<'a> Linearisation<'a> {
     /// What a candidate would do to every measured number, m or rad per expected size (per kg for a load); m × k.
     pub fn columns_of(&self, candidate: &Candidate) -> Result<DMatrix<f64>, DiscoverError> {
         match &candidate.change {
-            Change::CorrectLoad { level, .. } => self.heavier(*level),
+            Change::CorrectLoad { level, during, .. } => self.heavier(*level, *during),
             Change::Add(effects) => self.columns(effects),
             // Rows that are kept out have no coefficient.
             Change::Exclude { .. } => Ok(DMatrix::zeros(self.len(), 0)),
         }
     }
 
-    /// What another kilogram at one declared level of payload would do, through the compliances of the present model:
+    /// What another kilogram at one declared level of payload, in a stretch of time, would do, through the compliances of the present model:
     /// a difference of predictions, m or rad per kg; m × 1.
-    pub fn heavier(&self, level: f64) -> Result<DMatrix<f64>, DiscoverError> {
+    pub fn heavier(&self, level: f64, during: Option<[f64; 2]>) -> Result<DMatrix<f64>, DiscoverError> {
         const STEP: f64 = 1e-2;
         let mut coefficients = self.fit.fitted.coefficients().to_vec();
         coefficients[self.muted.clone()].fill(0.0);
@@ -296,7 +296,8 @@ impl<'a> Linearisation<'a> {
         let mut predictor = fitted.bind(&self.inputs.schema)?;
         let mut column = DMatrix::zeros(self.len(), 1);
         for station in &self.stations {
-            let Some(changed) = crate::data::payload::changed(&station.conditions, level, level + STEP)
+            let Some(changed) =
+                crate::data::payload::changed(&station.conditions, (level, during), level + STEP)
             else {
                 continue;
             };

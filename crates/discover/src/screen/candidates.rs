@@ -46,7 +46,7 @@ pub(crate) struct Cause {
 fn is_corrected(candidate: &Candidate, found: &[Candidate]) -> bool {
     /// Masses still move a little while the model is fitted to the data that has them.
     const SAME: f64 = 1e-3;
-    let Change::CorrectLoad { level, .. } = candidate.change else { return false };
+    let Change::CorrectLoad { level, during: None, .. } = candidate.change else { return false };
     found.iter().any(|other| match other.change {
         Change::CorrectLoad { mass, .. } => (mass - level).abs() <= SAME * level.abs().max(1.0),
         Change::Add(_) | Change::Exclude { .. } => false,

@@ -127,7 +127,7 @@ fn models(chain: &Chain) -> Vec<ErrorModel> {
     let slides = chain.movable().iter().filter(|&&j| chain.joint(j).kind == JointKind::Prismatic);
     physics.extend(slides.map(|&joint| Box::new(Guideway::of(joint)) as Box<dyn AnyEffect>));
     let beams = |section, own_weight| -> Vec<Box<dyn AnyEffect>> {
-        let links = LinkCompliance { joints: None, section, own_weight };
+        let links = LinkCompliance { section, own_weight, ..LinkCompliance::default() };
         vec![Box::new(Geometric::default()), Box::new(links)]
     };
     let effects: [Vec<Box<dyn AnyEffect>>; 8] = [

@@ -5,6 +5,7 @@
 //! | `temperature~lag=600` | a body that follows the channel late ([`late_channel`](super::late_channel)) | the channel and `time` |
 //! | `z_3~w=0.05` | wind-up of a joint's friction ([`presliding_channel`](super::presliding_channel)) | the order of poses |
 //! | `step~3` | last move of a joint ([`step_channel`](super::step_channel)) | the order of poses |
+//! | `tau_3~lag=600`, `work_3~lag=600`, `travel_3~lag=600`, `working_300~lag=600` | what was carried, done, moved and paused ([`History`](super::History)) | joints, load and `time` of all poses |
 //! | `session~` ([`SESSION`]) | number of the installation, 0… | the column `session` |
 //! | `landmark~` ([`LANDMARK`]) | number of the landmark that was touched, 1…; 0: none | the columns `kind`, `landmark` |
 //! | `payload` ([`CARRIED`]) | the mass that is declared to be carried, kg; none is zero | the load |

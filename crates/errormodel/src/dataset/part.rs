@@ -52,7 +52,10 @@ impl Dataset {
             table.iter().map(first).collect()
         };
         let still = (0..self.joints.len()).map(|joint| self.dwell.repeat_tolerance(joint)).collect();
-        Record::new([by_pose(&self.joints), by_pose(&self.approach)], still, pose)
+        let first = |k: &usize| visits.rows[*k][0];
+        let time = order.iter().map(|k| self.time[first(k)]).collect();
+        let load = order.iter().map(|k| self.load[first(k)]).collect();
+        Record::new([by_pose(&self.joints), by_pose(&self.approach)], still, (time, load), pose)
     }
 }
 

@@ -4,6 +4,7 @@
 //! every part of a data set keeps the joint values of all poses of the whole, by time where there is one, else by row.
 
 use std::sync::Arc;
+use truepose_kinematics::{Chain, Conditions, JointId, Load, PostureBuffer};
 
 /// The poses of a whole record in their order, and which of them the rows of a data set are.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,12 +22,22 @@ struct Poses {
     approach: Vec<Vec<f64>>,
     /// What a joint moves by in repeats of one configuration, rad or m.
     still: Vec<f64>,
+    /// When each pose was measured, s; zero without a time.
+    time: Vec<f64>,
+    /// The load of each pose.
+    load: Vec<Load>,
 }
 
 impl Record {
-    /// Of the joints and directions of approach by pose, of what a joint moves by in repeats, and of the pose of each row.
-    pub(super) fn new([joints, approach]: [Vec<Vec<f64>>; 2], still: Vec<f64>, pose: Vec<usize>) -> Self {
-        Record { poses: Arc::new(Poses { joints, approach, still }), pose }
+    /// Of the joints and directions of approach by pose, of what a joint moves by in repeats, of times and loads by pose, and of the pose of
+    /// each row.
+    pub(super) fn new(
+        [joints, approach]: [Vec<Vec<f64>>; 2],
+        still: Vec<f64>,
+        (time, load): (Vec<f64>, Vec<Load>),
+        pose: Vec<usize>,
+    ) -> Self {
+        Record { poses: Arc::new(Poses { joints, approach, still, time, load }), pose }
     }
 
     /// Of a part of its rows.
@@ -56,6 +67,35 @@ impl Record {
             let side = approach.map_or(0.0, |approach| approach[k + 1]);
             let otherwise = side * step < 0.0 && step.abs() > self.poses.still[joint];
             state = next(state, if otherwise { side * f64::INFINITY } else { step });
+            states.push(state);
+        }
+        self.pose.iter().map(|&pose| states[pose]).collect()
+    }
+
+    /// The load of a joint in the nominal posture of every pose, N·m or N.
+    pub(super) fn loads(&self, joint: JointId, chain: &Chain) -> Vec<f64> {
+        let mut buffer = PostureBuffer::new(chain);
+        let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
+        let load = |pose: usize| {
+            for (value, column) in conditions.joints.iter_mut().zip(&self.poses.joints) {
+                *value = column[pose];
+            }
+            conditions.load = self.poses.load[pose];
+            buffer.update(chain, &conditions).joint_load(joint)
+        };
+        (0..self.poses.load.len()).map(load).collect()
+    }
+
+    /// A state at every row: `first` at the first pose, then what `next` makes of it, of the pose before and of the seconds to the next one.
+    /// Poses of one instant share a state.
+    pub(super) fn follow_time(&self, first: f64, next: impl Fn(f64, usize, f64) -> f64) -> Vec<f64> {
+        let mut state = first;
+        let mut states = vec![first];
+        for (k, pair) in self.poses.time.windows(2).enumerate() {
+            let h = pair[1] - pair[0];
+            if h > 0.0 {
+                state = next(state, k, h);
+            }
             states.push(state);
         }
         self.pose.iter().map(|&pose| states[pose]).collect()

@@ -19,11 +19,13 @@
 //! | z_j | state of the joint's friction, −1 … 1: a derived channel ([`crate::presliding_channel`]), since effects have no memory | 1 |
 //! | d | `width`: pre-sliding distance, over which z_j turns round after a reversal; short of all moves z_j = a_j | rad or m |
 //!
+//! With `between` all of this holds in a part of the travel only: local wear.
+//!
 //! τ_f is its shape where `flank_range` is given, d where `width_range` is. Sources: Nordin and Gutman, *Controlling mechanical systems
 //! with backlash – a survey* (2002), section 2; Dahl, *A solid friction model* (1968).
 
 use super::checks::{joint_moves, refused};
-use super::travel::{free, positive};
+use super::travel::{ascending, free, positive, within};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal, presliding_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -66,12 +68,23 @@ pub struct Backlash {
     /// Between which distances `width` is to be found, rad or m; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_range: Option<[f64; 2]>,
+    /// The part of the travel that is worn, rad or m; all of it when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between: Option<[f64; 2]>,
 }
 
 impl Backlash {
     /// Of one joint, by what decides the side.
     pub fn of(joint: JointId, side: Side) -> Self {
-        Backlash { joint, side, flank_load: None, flank_range: None, width: None, width_range: None }
+        Backlash {
+            joint,
+            side,
+            flank_load: None,
+            flank_range: None,
+            width: None,
+            width_range: None,
+            between: None,
+        }
     }
 
     /// Friction with memory in one joint, with this pre-sliding distance, rad or m.
@@ -112,6 +125,9 @@ impl Effect for Backlash {
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
+        if !within(self.between, at.joint(self.joint)) {
+            return;
+        }
         let side = match self.side {
             Side::Approach | Side::ByLoad | Side::Presliding => -at.signal(0),
             Side::Load => self.pressed(at.joint_load(self.joint)),
@@ -140,6 +156,7 @@ impl Effect for Backlash {
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         joint_moves(Self::FAMILY, self.joint, chain)?;
+        ascending(Self::FAMILY, "between", self.between)?;
         match self.width {
             Some(width) if self.side == Side::Presliding => {
                 positive(Self::FAMILY, "width", width, self.width_range)?;
@@ -205,6 +222,8 @@ mod tests {
                 check_effect(&effect, &chain);
                 let wound = Backlash { width_range: Some([0.01, 0.2]), ..Backlash::presliding(joint, 0.05) };
                 check_effect(&wound, &chain);
+                let worn = Backlash { between: Some([-0.2, 0.4]), ..Backlash::of(joint, Side::Approach) };
+                check_effect(&worn, &chain);
             }
         }
     }
@@ -222,6 +241,21 @@ mod tests {
         assert!(refused(Backlash { width: None, ..effect.clone() }).contains("needs `width`"));
         assert!(refused(Backlash { side: Side::Approach, ..effect.clone() }).contains("belongs to the side"));
         assert!(refused(Backlash { width: Some(0.0), ..effect }).contains("`width` has to be positive"));
+    }
+
+    #[test]
+    fn local_wear_acts_in_its_part_of_the_travel() {
+        let chain = samples::ur10();
+        let worn = Backlash { between: Some([0.2, 0.5]), ..Backlash::of(JointId(2), Side::Approach) };
+        let at = |q: f64| {
+            let mut conditions = Conditions::at(&chain, &[0.0, q, 0.0, 0.0, 0.0, 0.0]);
+            conditions.approach[1] = -1.0;
+            emitted(&worn, &chain, &conditions).iter().map(|e| e.value).sum::<f64>()
+        };
+        let halves = [0.1, 0.2, 0.49, 0.5].map(|q| (2.0 * at(q)).round() as i32);
+        assert_eq!(halves, [0, 1, 1, 0]);
+        let none = Backlash { between: Some([0.5, 0.2]), ..worn };
+        assert!(Effect::validate(&none, &chain).unwrap_err().to_string().contains("`between`"));
     }
 
     #[test]

@@ -2,16 +2,22 @@
 //!
 //! ```text
 //! δq_i = c_1 (q_d − q̄) + Σ_{k=2}^{degree} c_k T_k(x) + Σ_h s_h sin(h q_d) + c_h cos(h q_d)
+//! linkage     δq_i = (c_1 cos α + c_2) / sin α,        α = q_i ± q_d + α_0
 //! ```
+//!
+//! The mode `linkage` is a parallelogram or four-bar whose crank, rocker or rods are not as long as drawn: α is the angle between crank and arm,
+//! c_1 the difference of crank and rocker, c_2 that of rod and arm, both over the crank (the first variation of the closed chain). α_0
+//! (`offset`) is its shape where `offset_range` is given; the sign is that of `crossed`. Source: Hartenberg and Denavit, *Kinematic Synthesis of Linkages*, chapter 10.
 //!
 //! x is q_d mapped from `range` (its limits when absent; q̄ their middle) to [−1, 1], T_k are Chebyshev's polynomials,
 //! which hold their end values outside. c_1 is a ratio: rad or m of this joint a unit of the driving one.
 
 use super::checks::{joint_moves, refused};
 use super::expansion::Basis;
-use super::travel::{ascending, travel};
-use crate::{Column, Effect, Emission, ModelError};
+use super::travel::{ascending, free, travel};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
 /// Dependence of a joint's error on another joint's position.
@@ -31,7 +37,39 @@ pub struct Coupling {
     /// Range of the driving joint, rad or m; its limits when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
+    /// How it depends on it.
+    #[serde(default, skip_serializing_if = "CouplingMode::is_series")]
+    pub mode: CouplingMode,
+    /// Of a linkage: angle between crank and arm where both joints are zero, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<f64>,
+    /// Between which angles `offset` is to be found, rad; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_range: Option<[f64; 2]>,
+    /// Of a linkage: whether its angle is the difference of both joints; else it is their sum.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub crossed: bool,
 }
+
+/// How a joint depends on another one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingMode {
+    /// A series in the driving joint.
+    #[default]
+    Series,
+    /// A closed chain of both joints.
+    Linkage,
+}
+
+impl CouplingMode {
+    fn is_series(&self) -> bool {
+        *self == CouplingMode::Series
+    }
+}
+
+/// Where sin α is smaller than this the linkage is at its dead centre; it is never nearer.
+const DEAD_CENTRE: f64 = 0.05;
 
 fn linear() -> u32 {
     1
@@ -42,7 +80,23 @@ const MAX_DEGREE: u32 = 20;
 impl Coupling {
     /// The linear coupling of a joint with the one that drags it.
     pub fn of(joint: JointId, driver: JointId) -> Self {
-        Coupling { joint, driver, degree: linear(), harmonics: Vec::new(), range: None }
+        Coupling {
+            joint,
+            driver,
+            degree: linear(),
+            harmonics: Vec::new(),
+            range: None,
+            mode: CouplingMode::Series,
+            offset: None,
+            offset_range: None,
+            crossed: false,
+        }
+    }
+
+    /// A parallelogram of a joint and the one that drives it, with this angle where both are zero, rad.
+    pub fn linkage(joint: JointId, driver: JointId, offset: f64, crossed: bool) -> Self {
+        let mode = CouplingMode::Linkage;
+        Coupling { mode, offset: Some(offset), crossed, ..Coupling::of(joint, driver) }
     }
 }
 
@@ -58,6 +112,12 @@ impl Effect for Coupling {
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let (joint, driver) = (chain.joint(self.joint), chain.joint(self.driver));
         let expected = if joint.kind == JointKind::Prismatic { 5e-5 } else { 1e-4 };
+        if self.mode == CouplingMode::Linkage {
+            let name = format!("linkage {} by {}", joint.name, driver.name);
+            return ["crank", "rod"]
+                .map(|what| Column::new(format!("{name} {what}"), "rad", expected))
+                .into();
+        }
         let [lower, upper] = travel(self.range, self.driver, chain);
         let head = format!("coupling {} by {}", joint.name, driver.name);
         let mut columns = Vec::new();
@@ -78,6 +138,15 @@ impl Effect for Coupling {
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
         let q = at.joint(self.driver);
+        if self.mode == CouplingMode::Linkage {
+            let angle =
+                at.joint(self.joint) + if self.crossed { -q } else { q } + self.offset.unwrap_or(FRAC_PI_2);
+            let (sine, cosine) = angle.sin_cos();
+            let sine = if sine < 0.0 { sine.min(-DEAD_CENTRE) } else { sine.max(DEAD_CENTRE) };
+            out.along(0, &motion, cosine / sine);
+            out.along(1, &motion, 1.0 / sine);
+            return;
+        }
         let [lower, upper] = travel(self.range, self.driver, at.chain());
         if self.degree > 0 {
             out.along(0, &motion, q - 0.5 * (lower + upper));
@@ -103,6 +172,25 @@ impl Effect for Coupling {
                 "`joint` and `driver` are the same; an error by the joint's own motion is a `transmission`",
             );
         }
+        if self.mode == CouplingMode::Linkage {
+            let turn = |joint: JointId| chain.joint(joint).kind == JointKind::Revolute;
+            if !turn(self.joint) || !turn(self.driver) {
+                return refuse("the mode `linkage` is of two joints that turn");
+            }
+            if self.degree != linear() || !self.harmonics.is_empty() || self.range.is_some() {
+                return refuse("`degree`, `harmonics` and `range` belong to the mode `series`");
+            }
+            if self.offset.is_some_and(|offset| !offset.is_finite()) {
+                return refuse("`offset` has to be finite");
+            }
+            if self.offset.is_none() && self.offset_range.is_some() {
+                return refuse("`offset_range` stands without `offset`");
+            }
+            return ascending(Self::FAMILY, "offset_range", self.offset_range);
+        }
+        if self.offset.is_some() || self.offset_range.is_some() || self.crossed {
+            return refuse("`offset`, `offset_range` and `crossed` belong to the mode `linkage`");
+        }
         if self.degree > MAX_DEGREE || (self.degree == 0 && self.harmonics.is_empty()) {
             return refuse("`degree` is 1 (linear) to 20; 0 only beside `harmonics`");
         }
@@ -114,6 +202,14 @@ impl Effect for Coupling {
             return refuse("`harmonics` count from 1 and stand once each");
         }
         Ok(())
+    }
+
+    fn shape(&self) -> Vec<NonlinearParameter> {
+        self.offset.map_or_else(Vec::new, |at| free("offset", "rad", at, self.offset_range, Search::Smooth))
+    }
+
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
+        Coupling { offset: self.offset.map(|at| values.first().copied().unwrap_or(at)), ..self.clone() }
     }
 }
 
@@ -135,6 +231,42 @@ mod tests {
         let harmonics = vec![1, 2];
         let effect = Coupling { degree: 2, harmonics, ..Coupling::of(JointId(6), JointId(5)) };
         check_effect(&effect, &samples::ur10());
+    }
+
+    #[test]
+    fn a_linkage_is_the_first_variation_of_the_closed_chain() {
+        let chain = samples::ur10();
+        let offset_range = Some([0.5, 2.5]);
+        let effect = Coupling::linkage(JointId(3), JointId(2), 1.4, true);
+        check_effect(&Coupling { offset_range, ..effect.clone() }, &chain);
+        // Crank c, rod h, rocker c', arm L: |c e^(iα) + ... | solved for the rocker's angle by bisection.
+        let (arm, crank) = (0.7, 0.2);
+        let solved = |alpha: f64, more: [f64; 2]| {
+            let (c, rod) = (crank + more[0], arm + more[1]);
+            let gap = |beta: f64| {
+                let x = arm + crank * beta.cos() - c * alpha.cos();
+                let y = crank * beta.sin() - c * alpha.sin();
+                x.hypot(y) - rod
+            };
+            let (mut low, mut high) = (alpha - 0.3, alpha + 0.3);
+            for _ in 0..80 {
+                let middle = 0.5 * (low + high);
+                if gap(low) * gap(middle) <= 0.0 { high = middle } else { low = middle }
+            }
+            0.5 * (low + high) - alpha
+        };
+        for [q2, q3] in [[0.2, 0.1], [-0.4, 0.3], [0.3, -0.5]] {
+            let all = emitted(&effect, &chain, &Conditions::at(&chain, &[0.0, q2, q3, 0.0, 0.0, 0.0]));
+            let value =
+                |column: usize| -> f64 { all.iter().filter(|e| e.column == column).map(|e| e.value).sum() };
+            let more = [2e-6, -3e-6];
+            // −(δc cos α − δh)… : rod and crank act against each other.
+            let expected = solved(q3 - q2 + 1.4, more);
+            let found = -(value(0) * more[0] + value(1) * more[1]) / crank;
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        let slide = Coupling { offset: None, offset_range, ..effect };
+        assert!(Effect::validate(&slide, &chain).unwrap_err().to_string().contains("without `offset`"));
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //! holds its last value.
 //!
 //! What warms up or settles comes to rest: with a time constant τ it is `ε(t) = c (1 − exp(−(t − t_0)/τ))`, one unknown a
-//! component. τ is its shape where `time_constant_range` is given.
+//! component. τ is its shape where `time_constant_range` is given. With `second_time_constant` there are two of them, one more unknown a
+//! component: housings and castings.
 
 use super::checks::refused;
 use super::expansion::Basis;
@@ -36,6 +37,12 @@ pub struct Drift {
     /// Between which values `time_constant` is to be found, s; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_constant_range: Option<[f64; 2]>,
+    /// A second time constant, s; it needs the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_time_constant: Option<f64>,
+    /// Between which values `second_time_constant` is to be found, s; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_time_constant_range: Option<[f64; 2]>,
 }
 
 fn four() -> usize {
@@ -45,7 +52,16 @@ fn four() -> usize {
 impl Drift {
     /// Any smooth function of time, in so many pieces.
     pub fn smooth(spot: Spot, range: [f64; 2], pieces: usize) -> Self {
-        Drift { spot, components: None, range, pieces, time_constant: None, time_constant_range: None }
+        Drift {
+            spot,
+            components: None,
+            range,
+            pieces,
+            time_constant: None,
+            time_constant_range: None,
+            second_time_constant: None,
+            second_time_constant_range: None,
+        }
     }
 
     /// What comes to rest with a time constant, s.
@@ -71,7 +87,11 @@ impl Effect for Drift {
         let mut columns = Vec::new();
         for part in self.spot.parts(self.components.as_deref(), chain) {
             if self.time_constant.is_some() {
-                columns.push(Column::new(format!("drift {}", part.word), part.unit(), part.expected(chain)));
+                let name = format!("drift {}", part.word);
+                columns.push(Column::new(name.clone(), part.unit(), part.expected(chain)));
+                if self.second_time_constant.is_some() {
+                    columns.push(Column::new(format!("{name} second"), part.unit(), part.expected(chain)));
+                }
                 continue;
             }
             for k in 2..=self.basis().len() {
@@ -87,7 +107,10 @@ impl Effect for Drift {
         if let Some(constant) = self.time_constant {
             let [from, until] = self.range;
             let age = at.signal(0).clamp(from, until) - from;
-            self.spot.put(components, (0, 1), -(-age / constant).exp_m1(), at, out);
+            let stride = 1 + usize::from(self.second_time_constant.is_some());
+            for (k, constant) in std::iter::once(constant).chain(self.second_time_constant).enumerate() {
+                self.spot.put(components, (k, stride), -(-age / constant).exp_m1(), at, out);
+            }
             return;
         }
         let stride = basis.len() - 1;
@@ -111,17 +134,42 @@ impl Effect for Drift {
             }
             None => {}
         }
+        match self.second_time_constant {
+            Some(_) if self.time_constant.is_none() => {
+                return Err(refused(Self::FAMILY, "`second_time_constant` stands without `time_constant`"));
+            }
+            Some(second) => {
+                positive(Self::FAMILY, "second_time_constant", second, self.second_time_constant_range)?;
+            }
+            None if self.second_time_constant_range.is_some() => {
+                let reason = "`second_time_constant_range` stands without `second_time_constant`";
+                return Err(refused(Self::FAMILY, reason));
+            }
+            None => {}
+        }
         self.basis().check().map_err(|reason| refused(Self::FAMILY, reason))
     }
 
     fn shape(&self) -> Vec<NonlinearParameter> {
-        let range = self.time_constant_range;
-        self.time_constant
-            .map_or_else(Vec::new, |constant| free("time_constant", "s", constant, range, Search::Smooth))
+        let of = |name, constant: Option<f64>, range| {
+            constant.map(|constant| free(name, "s", constant, range, Search::Smooth))
+        };
+        let first = of("time_constant", self.time_constant, self.time_constant_range);
+        let second = of("second_time_constant", self.second_time_constant, self.second_time_constant_range);
+        first.into_iter().chain(second).flatten().collect()
     }
 
     fn with_nonlinear(&self, values: &[f64]) -> Self {
-        Drift { time_constant: values.first().copied().or(self.time_constant), ..self.clone() }
+        let mut values = values.iter().copied();
+        // Those with a range; where none has one, all in turn.
+        let none = self.time_constant_range.is_none() && self.second_time_constant_range.is_none();
+        let first = if none || self.time_constant_range.is_some() { values.next() } else { None };
+        let second = if none || self.second_time_constant_range.is_some() { values.next() } else { None };
+        Drift {
+            time_constant: first.or(self.time_constant),
+            second_time_constant: self.second_time_constant.map(|known| second.unwrap_or(known)),
+            ..self.clone()
+        }
     }
 }
 
@@ -141,8 +189,30 @@ mod tests {
             for spot in [Spot::Frame(FrameId::BASE), Spot::Frame(chain.tool_frame()), Spot::Joint(JointId(1))]
             {
                 check_effect(&drift(spot), &chain);
+                let settling = Drift::settling(spot, [20.0, 180.0], 30.0);
+                let time_constant_range = Some([3.0, 300.0]);
+                check_effect(&Drift { time_constant_range, ..settling.clone() }, &chain);
+                let second_time_constant_range = Some([30.0, 3000.0]);
+                let two = Drift { second_time_constant: Some(90.0), second_time_constant_range, ..settling };
+                check_effect(&two, &chain);
+                check_effect(&Drift { time_constant_range, ..two }, &chain);
             }
         }
+    }
+
+    #[test]
+    fn two_time_constants_have_an_unknown_each() {
+        let chain = samples::ur10();
+        let settling = Drift::settling(Spot::Joint(JointId(3)), [0.0, 500.0], 20.0);
+        let two = Drift { second_time_constant: Some(100.0), ..settling };
+        let conditions = Conditions { time: 40.0, ..Conditions::at(&chain, &[0.0; 6]) };
+        let sum = |column: usize| -> f64 {
+            emitted(&two, &chain, &conditions).iter().filter(|e| e.column == column).map(|e| e.value).sum()
+        };
+        assert!((sum(0) - (1.0 - (-2f64).exp())).abs() < 1e-12);
+        assert!((sum(1) - (1.0 - (-0.4f64).exp())).abs() < 1e-12);
+        let lone = Drift { time_constant: None, ..two };
+        assert!(Effect::validate(&lone, &chain).unwrap_err().to_string().contains("without `time_constant`"));
     }
 
     #[test]

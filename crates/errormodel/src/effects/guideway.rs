@@ -5,6 +5,9 @@
 //! in the axes of that frame (straightness; along the axis, positioning), `rx ry rz` turn about its origin (pitch, yaw,
 //! roll).
 //!
+//! With `by_load` the rail gives way under what it carries, by another amount at each place (a bridge between its posts): `t = C(q) F`, `φ = R(q)
+//! (a × F)`, F the force across the axis a, C and R such splines with their constant, m/N and rad/N.
+//!
 //! A screw of lead P adds `c_s sin(2πq/P) + c_c cos(2πq/P)` along the axis; the lead is its shape where `screw_range` is
 //! given. Source: Slocum, *Precision Machine Design*, section 2.3.
 
@@ -39,6 +42,9 @@ pub struct Guideway {
     /// Between which leads `screw` is to be found, m; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub screw_range: Option<[f64; 2]>,
+    /// Whether it gives way under its load, in place of an error of its own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub by_load: bool,
 }
 
 fn six() -> usize {
@@ -48,7 +54,37 @@ fn six() -> usize {
 impl Guideway {
     /// Of one slide, all six components over its limits.
     pub fn of(joint: JointId) -> Self {
-        Guideway { joint, components: None, range: None, pieces: six(), screw: None, screw_range: None }
+        Guideway {
+            joint,
+            components: None,
+            range: None,
+            pieces: six(),
+            screw: None,
+            screw_range: None,
+            by_load: false,
+        }
+    }
+
+    /// A rail that gives way under its load, over this travel (m) in so many pieces.
+    pub fn sagging(joint: JointId, range: [f64; 2], pieces: usize) -> Self {
+        Guideway { by_load: true, range: Some(range), pieces, ..Guideway::of(joint) }
+    }
+
+    /// Emits how the rail gives way at the carriage.
+    fn sag(&self, at: &Posture<'_>, out: &mut Emission) {
+        let (q, frame) = (at.joint(self.joint), at.chain().frame_after(self.joint));
+        let axis = at.chain().joint(self.joint).axis_behind();
+        let force = at.wrench(frame).force;
+        let (across, turn) = (force - axis * axis.dot(&force), axis.cross(&force));
+        let basis = self.basis(at.chain());
+        let count = basis.len();
+        basis.for_each(q, |column, value| {
+            for part in Axis::ALL {
+                let (column, vector) =
+                    if part.is_rotation() { (count + column, &turn) } else { (column, &across) };
+                out.push(column, Site::Frame(frame, part), value * vector[part.direction()]);
+            }
+        });
     }
 
     fn basis(&self, chain: &Chain) -> Basis {
@@ -63,15 +99,24 @@ impl Guideway {
 
 impl Effect for Guideway {
     const FAMILY: &'static str = "guideway";
-    const ABOUT: &'static str = "straightness, positioning, pitch, yaw and roll of a slide over its travel";
+    const ABOUT: &'static str = "straightness, positioning, pitch, yaw and roll of a slide over its travel; its sag under the load (by_load)";
 
     fn load_dependent(&self) -> bool {
-        false
+        self.by_load
     }
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let frame = chain.frame_after(self.joint);
         let mut columns = Vec::new();
+        if self.by_load {
+            // A kilonewton: 0.05 mm and 0.05 mrad.
+            let name = &chain.joint(self.joint).name;
+            for (what, unit) in [("sag", "m/N"), ("slope", "rad/N")] {
+                let one = |k| Column::new(format!("{what} {name} B{k}"), unit, 5e-8);
+                columns.extend((1..=self.basis(chain).len()).map(one));
+            }
+            return columns;
+        }
         for &axis in self.components() {
             for k in 2..=self.basis(chain).len() {
                 let name = format!("guideway {} B{k}", chain.site_word(Site::Frame(frame, axis)));
@@ -88,6 +133,9 @@ impl Effect for Guideway {
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        if self.by_load {
+            return self.sag(at, out);
+        }
         let (q, frame) = (at.joint(self.joint), at.chain().frame_after(self.joint));
         let [lower, upper] = travel(self.range, self.joint, at.chain());
         let basis = self.basis(at.chain());
@@ -106,6 +154,9 @@ impl Effect for Guideway {
     }
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        if self.by_load {
+            return false;
+        }
         let Some(joint) = at.joint(self.joint) else { return false };
         let joint = &joint[..at.rows()];
         let (chain, frame) = (at.chain(), at.chain().frame_after(self.joint));
@@ -149,6 +200,9 @@ impl Effect for Guideway {
             distinct(Self::FAMILY, list)?;
         }
         ascending(Self::FAMILY, "range", self.range)?;
+        if self.by_load && (self.components.is_some() || self.screw.is_some()) {
+            return Err(refused(Self::FAMILY, "`components` and `screw` do not belong to `by_load`"));
+        }
         match self.screw {
             Some(lead) => positive(Self::FAMILY, "screw", lead, self.screw_range)?,
             None if self.screw_range.is_some() => {
@@ -173,13 +227,14 @@ impl Effect for Guideway {
 mod tests {
     use super::*;
     use crate::testkit::{check_effect, emitted};
-    use truepose_kinematics::{Conditions, samples};
+    use truepose_kinematics::{Conditions, Load, Payload, samples};
 
     #[test]
     fn conforms_on_every_slide() {
         for chain in samples::all() {
             for &joint in chain.movable().iter().filter(|&&j| chain.joint(j).kind == JointKind::Prismatic) {
                 check_effect(&Guideway::of(joint), &chain);
+                check_effect(&Guideway::sagging(joint, [-0.5, 0.7], 2), &chain);
                 let components = Some(vec![Axis::Ty, Axis::Rz]);
                 let (screw, screw_range) = (Some(0.01), Some([0.005, 0.02]));
                 let effect = Guideway { components, screw, screw_range, ..Guideway::of(joint) };
@@ -200,6 +255,32 @@ mod tests {
         let (middle, end): (Vec<f64>, Vec<f64>) = (at(-0.435), at(0.3));
         assert!(middle.iter().all(|v| v.abs() < 1e-15), "{middle:?}");
         assert!(end.iter().any(|v| v.abs() > 0.1), "{end:?}");
+    }
+
+    #[test]
+    fn a_rail_gives_way_across_its_axis_in_proportion_to_what_it_carries() {
+        let chain = samples::pps();
+        let (joint, frame) = (JointId(1), chain.frame_after(JointId(1)));
+        let effect = Guideway::sagging(joint, [0.0, 2.0], 1);
+        let at = |mass: f64| {
+            let load = Load::Payload(Payload { mass, com: [0.0; 3].into() });
+            Conditions::at(&chain, &[0.8, 0.1, 0.2, 0.0, 0.0, 0.0]).with_load(load)
+        };
+        // All coefficients one: the basis adds up to one.
+        let moved = |mass: f64, first: usize| -> [f64; 3] {
+            let all = emitted(&effect, &chain, &at(mass));
+            [0, 1, 2].map(|k| {
+                let site = Site::Frame(frame, Axis::ALL[first + k]);
+                all.iter().filter(|e| e.site == site).map(|e| e.value).sum()
+            })
+        };
+        let (more, less) = (moved(60.0, 0), moved(10.0, 0));
+        let grown: f64 = more.iter().zip(less).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        // 50 kg more hang across a level rail.
+        assert!((grown - 50.0 * 9.81).abs() < 0.01 * grown, "{grown}");
+        assert!(moved(60.0, 3).iter().any(|v| v.abs() > 100.0));
+        let both = Guideway { screw: Some(0.01), ..effect };
+        assert!(Effect::validate(&both, &chain).unwrap_err().to_string().contains("`by_load`"));
     }
 
     #[test]

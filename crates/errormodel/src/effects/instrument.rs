@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! lag      δq_j = λ_j (q_j − q_j′)          q_j′ the value at the pose before: the last move is recorded too short by λ
-//! scale    δp = s p                         p the measured point, from the origin of the measurement frame
+//! scale       δp = s p                      p the measured point, from the station of the instrument
+//! refraction  δp = k (p_h · p_h) û          û upwards, p_h the level part of p: the beam bends in air that is warmer above than below
+//! sight       δp = a p/|p|                  a reflector that is not centred in its ball, a distance meter that is not zero at its mark
 //! ```
 //!
 //! | symbol | here | unit |
@@ -11,13 +13,19 @@
 //! | q_j − q_j′ | a derived channel ([`crate::step_channel`]), since effects have no memory | rad or m |
 //! | s | unknown: the instrument's unit of length over the true one, less one; refraction index, probe or scale bar | 1 |
 //!
+//! | k | unknown: half the curvature of the beam | 1/m |
+//! | a | unknown: offset along the line of sight | m |
+//!
+//! The station is the origin of the measurement frame unless `station` says where it is.
+//!
 //! The robot itself is right: commands are made without these ([`crate::FittedModel::of_robot`]). A scale stretches every length of the robot
 //! alike. Where all joints turn and all lengths are unknown, it is not distinguishable from these; a slide, whose scale is no constant error,
-//! or a known length tells it. Source of the scale: ASME B89.4.19, section on range errors; Ciddor (1996) for refraction, 1e-6 a kelvin.
+//! or a known length tells it. Sources: ASME B89.4.19, section on range errors; Ciddor (1996) for refraction, 1e-6 a kelvin.
 
 use super::checks::{joint_moves, listed_once, refused};
 use crate::{Column, Effect, Emission, ModelError, Signal, step_channel};
 use serde::{Deserialize, Serialize};
+use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site, TargetId};
 
 /// What of the measurement errs.
@@ -28,6 +36,10 @@ pub enum InstrumentMode {
     Lag,
     /// The unit of length.
     Scale,
+    /// The beam bends.
+    Refraction,
+    /// An offset along the line of sight.
+    Sight,
 }
 
 /// An error of the instrument, or of the log of joint values.
@@ -42,22 +54,49 @@ pub struct Instrument {
     /// Of a lag: whether it is the same fraction of the last move of all these joints.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub shared: bool,
+    /// Where the instrument stands, m in the measurement frame; its origin when absent. Not of a lag.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station: Option<[f64; 3]>,
 }
 
 /// A lag of a thousandth of the last move: a filter of 10 ms, read 70 ms after the end of the move.
 const LAG: f64 = 1e-3;
 /// A scale of ten parts in a million: ten kelvin in the refraction index, or a scale bar of a metre that is wrong by 10 µm.
 const SCALE: f64 = 1e-5;
+/// A micrometre at a metre, 0.1 mm at ten: a kelvin a metre of height.
+const BENDING: f64 = 1e-6;
+/// A centring of 10 µm.
+const OFFSET: f64 = 1e-5;
 
 impl Instrument {
     /// A log that lags in these joints, in each by a fraction of its own.
     pub fn lag(joints: &[JointId]) -> Self {
-        Instrument { mode: InstrumentMode::Lag, joints: Some(joints.to_vec()), shared: false }
+        Instrument {
+            mode: InstrumentMode::Lag,
+            joints: Some(joints.to_vec()),
+            ..Instrument::of(InstrumentMode::Lag)
+        }
     }
 
     /// A wrong unit of length.
     pub fn scale() -> Self {
-        Instrument { mode: InstrumentMode::Scale, joints: None, shared: false }
+        Instrument::of(InstrumentMode::Scale)
+    }
+
+    /// One of these, from the origin of the measurement frame; a lag needs its joints.
+    pub fn of(mode: InstrumentMode) -> Self {
+        Instrument { mode, joints: None, shared: false, station: None }
+    }
+
+    /// Displacement of a measured point per unit of the unknown, both in the measurement frame, m.
+    fn displacement(&self, point: &Vector3<f64>, up: Option<&Vector3<f64>>) -> Vector3<f64> {
+        let from = point - self.station.map_or_else(Vector3::zeros, Vector3::from);
+        match (self.mode, up) {
+            (InstrumentMode::Scale, _) => from,
+            (InstrumentMode::Sight, _) => from.try_normalize(1e-9).unwrap_or_else(Vector3::zeros),
+            (InstrumentMode::Refraction, Some(up)) => up * (from.norm_squared() - from.dot(up).powi(2)),
+            (InstrumentMode::Refraction, None) | (InstrumentMode::Lag, _) => Vector3::zeros(),
+        }
     }
 
     fn joints(&self) -> &[JointId] {
@@ -67,8 +106,7 @@ impl Instrument {
 
 impl Effect for Instrument {
     const FAMILY: &'static str = "instrument";
-    const ABOUT: &'static str =
-        "what the measurement adds: a joint log that lags (mode `lag`), a wrong unit of length (`scale`)";
+    const ABOUT: &'static str = "what the measurement adds: a joint log that lags (mode `lag`), a wrong unit of length (`scale`), a beam that bends (`refraction`), an offset along it (`sight`)";
 
     fn load_dependent(&self) -> bool {
         false
@@ -77,6 +115,8 @@ impl Effect for Instrument {
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         match self.mode {
             InstrumentMode::Scale => vec![Column::new("scale of the instrument", "1", SCALE)],
+            InstrumentMode::Refraction => vec![Column::new("bending of the beam", "1/m", BENDING)],
+            InstrumentMode::Sight => vec![Column::new("offset along the line of sight", "m", OFFSET)],
             InstrumentMode::Lag if self.shared => vec![Column::new("lag of the joint log", "1", LAG)],
             InstrumentMode::Lag => {
                 let lag =
@@ -96,14 +136,19 @@ impl Effect for Instrument {
             }
             return;
         }
-        // The tool's origin moves with the base, the targets by their own place in the tool.
-        let tool = at.frame(FrameId::BASE).rotation.tr_mul(&at.tool().translation);
+        // The tool's origin moves with the base, the targets by what they move beyond it.
+        let up = chain.gravity_in_measurement_frame().try_normalize(1e-9).map(|down| -down);
+        let tool = at.tool();
+        let whole = self.displacement(&tool.translation, up.as_ref());
+        let base = at.frame(FrameId::BASE).rotation.tr_mul(&whole);
         for axis in Axis::TRANSLATIONS {
-            out.push(0, Site::Frame(FrameId::BASE, axis), tool[axis.direction()]);
+            out.push(0, Site::Frame(FrameId::BASE, axis), base[axis.direction()]);
         }
         for (target, declared) in chain.targets().iter().enumerate() {
+            let there = self.displacement(&tool.apply(&declared.position), up.as_ref());
+            let beyond = tool.rotation.tr_mul(&(there - whole));
             for axis in Axis::TRANSLATIONS {
-                let place = declared.position[axis.direction()];
+                let place = beyond[axis.direction()];
                 if place != 0.0 {
                     out.push(0, Site::Target(TargetId(target), axis), place);
                 }
@@ -122,7 +167,22 @@ impl Effect for Instrument {
         if self.mode == InstrumentMode::Lag && self.joints.is_none() {
             return Err(refused(Self::FAMILY, "the mode `lag` needs `joints`: whose recorded values lag"));
         }
-        if self.mode == InstrumentMode::Scale && (self.joints.is_some() || self.shared) {
+        if self.mode == InstrumentMode::Lag && self.station.is_some() {
+            return Err(refused(
+                Self::FAMILY,
+                "`station` belongs to the modes `scale`, `refraction` and `sight`",
+            ));
+        }
+        if self.station.iter().flatten().any(|value| !value.is_finite()) {
+            return Err(refused(Self::FAMILY, "`station` has to be finite"));
+        }
+        if self.mode == InstrumentMode::Refraction && chain.gravity_in_measurement_frame().norm() < 1e-9 {
+            return Err(refused(
+                Self::FAMILY,
+                "`refraction` bends the beam up or down, and the robot has no gravity",
+            ));
+        }
+        if self.mode != InstrumentMode::Lag && (self.joints.is_some() || self.shared) {
             return Err(refused(Self::FAMILY, "`joints` and `shared` belong to the mode `lag`"));
         }
         listed_once(Self::FAMILY, self.joints.as_deref(), chain)
@@ -141,6 +201,9 @@ mod tests {
     fn conforms() {
         for chain in samples::all() {
             check_effect(&Instrument::scale(), &chain);
+            for mode in [InstrumentMode::Refraction, InstrumentMode::Sight] {
+                check_effect(&Instrument { station: Some([3.0, 1.0, 0.5]), ..Instrument::of(mode) }, &chain);
+            }
             check_effect(&Instrument::lag(chain.movable()), &chain);
             check_effect(&Instrument { shared: true, ..Instrument::lag(chain.movable()) }, &chain);
         }
@@ -181,6 +244,26 @@ mod tests {
                 };
                 let expected = 1.0001 * point(&nominal);
                 assert!((point(&long) - expected).norm() < 1e-12, "{} {target:?}", chain.name());
+            }
+            // A beam that bends, and an offset along it, seen from a station: to the square of these sizes.
+            let station = Vector3::new(2.5, -3.0, 0.4);
+            for mode in [InstrumentMode::Refraction, InstrumentMode::Sight] {
+                let effect = Instrument { station: Some(station.into()), ..Instrument::of(mode) };
+                let model = ErrorModel::new(chain.clone(), vec![effect.boxed()]).unwrap();
+                let off = FittedModel::new(model, vec![1e-5], DMatrix::zeros(1, 1)).unwrap();
+                for target in (0..chain.targets().len()).map(|k| Some(TargetId(k))).chain([None]) {
+                    let point = |fitted: &FittedModel| {
+                        fitted.bind(&Schema::default()).unwrap().predict(&conditions, target).translation
+                    };
+                    let (true_point, seen) = (point(&nominal), point(&off));
+                    let sight = true_point - station;
+                    let up = -chain.gravity_in_measurement_frame().normalize();
+                    let expected = match mode {
+                        InstrumentMode::Sight => sight.normalize() * 1e-5,
+                        _ => up * (1e-5 * (sight - up * sight.dot(&up)).norm_squared()),
+                    };
+                    assert!((seen - true_point - expected).norm() < 1e-12, "{} {mode:?}", chain.name());
+                }
             }
             // The robot is as it was.
             let of_robot = long.of_robot();

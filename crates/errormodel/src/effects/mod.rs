@@ -42,13 +42,13 @@ mod travel;
 
 pub use backlash::{Backlash, Side};
 pub use base_compliance::{BaseCompliance, Tilt};
-pub use coupling::Coupling;
+pub use coupling::{Coupling, CouplingMode};
 pub use drift::Drift;
 pub use expansion::{Basis, Expansion, Factor, Input, Place};
 pub use geometric::{AllTargets, Geometric, Where};
 pub use guideway::Guideway;
 pub use instrument::{Instrument, InstrumentMode};
-pub use joint_compliance::JointCompliance;
+pub use joint_compliance::{ComplianceMode, JointCompliance};
 pub use landmarks::{Landmarks, Point, Tied};
 pub use link_compliance::{LinkCompliance, OwnWeight, Section};
 pub use load_nonlinearity::LoadNonlinearity;

@@ -84,6 +84,14 @@ impl Spot {
         }
     }
 
+    /// How many components there are.
+    pub(super) fn count(self, components: Option<&[Axis]>) -> usize {
+        match self {
+            Spot::Joint(_) => 1,
+            Spot::Frame(_) => components.map_or(Axis::ALL.len(), <[Axis]>::len),
+        }
+    }
+
     /// Emits `value` at every component, the k-th into column `first + k · stride`.
     pub(super) fn put(
         self,

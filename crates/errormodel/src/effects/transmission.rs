@@ -8,12 +8,14 @@
 //! curve       δq_j = Σ_k c_k (B_k(q_j) − B_k(q̄))          k = 2 … N: cubic B-splines over the travel, zero in its middle q̄
 //! ```
 //!
+//! With `between` all of this holds in a part of the travel only: local wear, a damaged tooth.
+//!
 //! rad or m; τ_j is the load about or along the axis (more teeth deflect, an eccentric gear leans); P is one turn unless given, and its shape where `period_range` is given. The constant of a gain or a curve is the joint's zero, a
 //! constant error.
 
 use super::checks::{bounded, joint_moves, refused};
 use super::expansion::Basis;
-use super::travel::{ascending, free, positive, travel};
+use super::travel::{ascending, free, positive, travel, within};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -46,6 +48,9 @@ pub struct Transmission {
     /// Equal pieces into which the travel of a curve is cut; four when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pieces: Option<usize>,
+    /// The part of the travel that errs, rad or m; all of it when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between: Option<[f64; 2]>,
 }
 
 /// How the error depends on the joint's motion.
@@ -81,7 +86,17 @@ impl Transmission {
     pub fn turning(joint: JointId, harmonics: Vec<u32>) -> Self {
         let (period, period_range, mode, range, pieces) =
             (None, None, TransmissionMode::Periodic, None, None);
-        Transmission { joint, harmonics, period, period_range, by_load: false, mode, range, pieces }
+        Transmission {
+            joint,
+            harmonics,
+            period,
+            period_range,
+            by_load: false,
+            mode,
+            range,
+            pieces,
+            between: None,
+        }
     }
 
     /// An error in proportion to the joint's value.
@@ -149,6 +164,9 @@ impl Effect for Transmission {
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
+        if !within(self.between, at.joint(self.joint)) {
+            return;
+        }
         match self.mode {
             TransmissionMode::Gain => return out.along(0, &motion, at.joint(self.joint)),
             TransmissionMode::Curve => {
@@ -177,6 +195,7 @@ impl Effect for Transmission {
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         joint_moves(Self::FAMILY, self.joint, chain)?;
+        ascending(Self::FAMILY, "between", self.between)?;
         if self.mode != TransmissionMode::Curve && (self.range.is_some() || self.pieces.is_some()) {
             return Err(refused(Self::FAMILY, "`range` and `pieces` belong to the mode `curve`"));
         }

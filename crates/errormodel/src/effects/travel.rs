@@ -16,6 +16,11 @@ pub(super) fn travel(range: Option<[f64; 2]>, joint: JointId, chain: &Chain) -> 
     }
 }
 
+/// Whether a value lies in a part of the travel, its upper end left out; everything does where there is none.
+pub(super) fn within(part: Option<[f64; 2]>, value: f64) -> bool {
+    part.is_none_or(|[lower, upper]| (lower..upper).contains(&value))
+}
+
 /// Refuses a range that is not finite and ascending.
 pub(super) fn ascending(kind: &str, what: &str, range: Option<[f64; 2]>) -> Result<(), ModelError> {
     match range {

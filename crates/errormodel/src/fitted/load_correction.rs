@@ -10,14 +10,20 @@ pub struct LoadCorrection {
     pub declared: f64,
     /// As it is, kg.
     pub carried: f64,
+    /// From which instant until which, s; whenever it is declared when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub during: Option<[f64; 2]>,
 }
 
 impl LoadCorrection {
     /// Declared masses closer than this share are one level.
     const SAME: f64 = 1e-9;
 
-    /// The load that is carried, when this is the level that it declares.
-    pub fn apply(&self, load: Load) -> Option<Load> {
+    /// The load that is carried at a time (s), when this is the level that it declares.
+    pub fn apply(&self, load: Load, time: f64) -> Option<Load> {
+        if self.during.is_some_and(|[from, until]| !(from..until).contains(&time)) {
+            return None;
+        }
         match load {
             Load::Payload(payload)
                 if (payload.mass - self.declared).abs() <= Self::SAME * self.declared.abs().max(1.0) =>

@@ -216,9 +216,14 @@ impl FittedModel {
         &self.covariance
     }
 
-    /// The load that is carried where this one is declared.
-    pub fn carried(&self, declared: Load) -> Load {
-        self.loads.iter().find_map(|correction| correction.apply(declared)).unwrap_or(declared)
+    /// The load that is carried at a time (s) where this one is declared. A correction of a stretch of time is preferred.
+    pub fn carried(&self, declared: Load, time: f64) -> Load {
+        let of = |stretch: bool| {
+            let mut loads =
+                self.loads.iter().filter(move |correction| correction.during.is_some() == stretch);
+            loads.find_map(|correction| correction.apply(declared, time))
+        };
+        of(true).or_else(|| of(false)).unwrap_or(declared)
     }
 
     /// Ready to predict under conditions of this schema.
@@ -394,7 +399,7 @@ impl Predictor<'_> {
             conditions
         } else {
             self.conditions.clone_from(conditions);
-            self.conditions.load = self.fitted.carried(conditions.load);
+            self.conditions.load = self.fitted.carried(conditions.load, conditions.time);
             &self.conditions
         };
         self.rest.settle(&self.bound, conditions, &self.fitted.coefficients);

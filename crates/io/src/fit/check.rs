@@ -125,7 +125,14 @@ pub(super) fn loads(loads: &[LoadCorrection]) -> Result<(), String> {
                 return Err(format!("`loads[{k}].{key}` is {mass} kg, below zero"));
             }
         }
-        if loads[..k].iter().any(|other| other.declared.total_cmp(&load.declared).is_eq()) {
+        let ascends = |[from, until]: [f64; 2]| from < until;
+        if let Some([from, until]) = load.during.filter(|during| !ascends(*during)) {
+            return Err(format!("`loads[{k}].during` is reversed: [{from}, {until}]"));
+        }
+        let same = |other: &LoadCorrection| {
+            other.declared.total_cmp(&load.declared).is_eq() && other.during == load.during
+        };
+        if loads[..k].iter().any(same) {
             return Err(format!("`loads[{k}].declared`: {} kg stands twice", load.declared));
         }
     }

@@ -240,7 +240,7 @@ mod tests {
     fn a_fit_edited_by_hand_is_refused_with_the_key() {
         let chain = samples::scara();
         let mut made = fit(chain.clone(), &mut || 0.5);
-        made.loads = vec![truepose_errormodel::LoadCorrection { declared: 5.0, carried: 6.0 }];
+        made.loads = vec![truepose_errormodel::LoadCorrection { declared: 5.0, carried: 6.0, during: None }];
         let good: serde_json::Value = serde_json::from_str(&fit_json(&made).unwrap()).unwrap();
         assert!(read(good.to_string().as_bytes()).is_ok());
         let joint = chain.joint(chain.movable()[0]).name.clone();

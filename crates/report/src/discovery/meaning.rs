@@ -34,6 +34,12 @@ fn payload(finding: &Finding) -> String {
     match finding.parameters.iter().find(|parameter| parameter.name == "mass") {
         Some(mass) => {
             let (value, unit) = parameter_text(mass);
+            if let Change::CorrectLoad { during: Some([from, until]), .. } = finding.candidate.change {
+                return format!(
+                    "The payload declared as {declared} kg fits as {value} {unit} from {from:.0} to {until:.0} s. Check the log of loads at \
+                     that time."
+                );
+            }
             format!("The payload declared as {declared} kg fits as {value} {unit}. Check the declared mass.")
         }
         None => finding.candidate.meaning(),

@@ -50,6 +50,8 @@ pub struct Campaign {
     pub row_s: f64,
     /// When the first visit begins, s.
     pub start_s: f64,
+    /// Pauses: before which visit, and how many seconds longer than usual.
+    pub pauses: Vec<(usize, f64)>,
     /// Numeric columns besides those with a meaning.
     pub channels: Vec<ChannelPlan>,
 }
@@ -65,6 +67,7 @@ impl Campaign {
             visit_s: 30.0,
             row_s: 2.0,
             start_s: 0.0,
+            pauses: Vec::new(),
             channels: Vec::new(),
         }
     }
@@ -77,6 +80,16 @@ impl Campaign {
 
     /// Seconds from the first visit's beginning to the last one's.
     pub fn duration_s(&self) -> f64 {
-        self.visit_s * self.visits.len().saturating_sub(1) as f64
+        self.times().last().map_or(0.0, |last| last - self.start_s)
+    }
+
+    /// When each visit begins, s.
+    pub fn times(&self) -> Vec<f64> {
+        let paused = |index: usize| -> f64 {
+            self.pauses.iter().filter(|(before, _)| *before <= index).map(|(_, seconds)| seconds).sum()
+        };
+        (0..self.visits.len())
+            .map(|index| self.start_s + self.visit_s * index as f64 + paused(index))
+            .collect()
     }
 }

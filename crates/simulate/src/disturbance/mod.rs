@@ -9,16 +9,19 @@
 //! | bad poses: not settled, or stale joint values | all targets of a pose measurement | here |
 //! | flicker of the encoders | the recorded joint values of each row | here |
 //! | lag of the log: filtered joint values, read too early | the recorded joint values | [`LogLag`] |
+//! | beam: layers of air, a prism | what is measured, by distance and direction | [`Beam`] |
 //! | wrongly stated deviations | the stated deviations | here |
 //!
 //! Joint repeatability is drawn in joint space and goes through the plant: its covariance at a pose is J Σ_q Jᵀ, which is
 //! nowhere computed here. Source: ISO 9283, 7.2 (pose repeatability); Brethé, *Granular stochastic modeling of robot
 //! micrometric precision* (2011), for repeatability that comes from the joints.
 
+mod beam;
 mod log;
 mod station;
 mod wander;
 
+pub use beam::Beam;
 pub use log::LogLag;
 pub use station::StationMotion;
 pub use wander::Wander;
@@ -46,6 +49,8 @@ pub struct Disturbances {
     pub flicker: f64,
     /// A log of joint values that lags.
     pub log: Option<LogLag>,
+    /// A beam that bends or has an offset.
+    pub beam: Option<Beam>,
     /// Stated over true standard deviation.
     pub stated_factor: f64,
 }
@@ -60,6 +65,7 @@ impl Default for Disturbances {
             bad_size: [0.0; 2],
             flicker: 0.0,
             log: None,
+            beam: None,
             stated_factor: 1.0,
         }
     }

@@ -30,6 +30,8 @@ pub enum Mover {
     Length(usize, f64),
     /// The scale of a slide: its place, and strain a unit.
     Scale(usize, f64),
+    /// The compliance of a joint: its place, and by how much its logarithm grows a unit.
+    Softer(usize, f64),
 }
 
 /// How many units of a change there are, over time.
@@ -39,6 +41,17 @@ pub enum Amount {
     Curve(SmoothCurve),
     /// None before the instant (s), one from it on.
     Since(f64),
+    /// One between two instants (s), none before and after.
+    During([f64; 2]),
+    /// None before the instant `at` (s); then one, of which `part` goes back as 1 − 1/(1 + t/`time`).
+    Settling {
+        /// s.
+        at: f64,
+        /// 1.
+        part: f64,
+        /// s.
+        time: f64,
+    },
 }
 
 /// Something that changes with time.
@@ -63,6 +76,8 @@ pub struct Moved {
     pub lengths: Vec<f64>,
     /// Strain of each slide's scale.
     pub scales: Vec<f64>,
+    /// Logarithm of the growth of each joint's compliance.
+    pub softer: Vec<f64>,
 }
 
 impl Moved {
@@ -74,6 +89,7 @@ impl Moved {
             joints: vec![0.0; joints],
             lengths: vec![0.0; joints],
             scales: vec![0.0; joints],
+            softer: vec![0.0; joints],
         };
         let add = |sum: &mut [f64; 6], direction: [f64; 6], amount: f64| {
             for (sum, part) in sum.iter_mut().zip(direction) {
@@ -84,6 +100,12 @@ impl Moved {
             let amount = match &change.amount {
                 Amount::Curve(curve) => curve.value(time),
                 Amount::Since(instant) => f64::from(u8::from(time >= *instant)),
+                Amount::During([from, until]) => f64::from(u8::from((*from..*until).contains(&time))),
+                Amount::Settling { at, .. } if time < *at => 0.0,
+                Amount::Settling { at, part, time: half } => {
+                    let age = (time - at) / half;
+                    1.0 - part * age / (1.0 + age)
+                }
             };
             match change.mover {
                 Mover::Base(direction) => add(&mut moved.base, direction, amount),
@@ -91,6 +113,7 @@ impl Moved {
                 Mover::Joint(place, rate) => moved.joints[place] += amount * rate,
                 Mover::Length(place, rate) => moved.lengths[place] += amount * rate,
                 Mover::Scale(place, rate) => moved.scales[place] += amount * rate,
+                Mover::Softer(place, rate) => moved.softer[place] += amount * rate,
             }
         }
         moved
@@ -117,5 +140,13 @@ mod tests {
         assert!((after.joints[1] - 2.25e-4).abs() < 1e-15);
         assert_eq!(after.tool.to_vec(), [1e-3, 0.0, 0.0, 0.0, 0.0, 2e-3]);
         assert!((after.lengths[0] - 3e-5).abs() < 1e-18);
+        let of =
+            |amount, time| Moved::at(&[Change { mover: Mover::Softer(1, 0.1), amount }], time, 2).softer[1];
+        let during = [49.0, 50.0, 60.0].map(|t| of(Amount::During([50.0, 60.0]), t));
+        assert!(during.iter().zip([0.0, 0.1, 0.0]).all(|(found, expected)| (found - expected).abs() < 1e-15));
+        let settling = Amount::Settling { at: 50.0, part: 0.8, time: 10.0 };
+        assert!(
+            (of(settling.clone(), 50.0) - 0.1).abs() < 1e-15 && (of(settling, 60.0) - 0.06).abs() < 1e-15
+        );
     }
 }

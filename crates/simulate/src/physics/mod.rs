@@ -2,14 +2,19 @@
 
 pub mod backlash;
 pub mod beam;
+pub mod bridge;
 pub mod changes;
 pub mod coupling;
+pub mod creep;
 pub mod curve;
 pub mod foundation;
 pub mod guideway;
+pub mod heating;
 pub mod joint_stiffness;
+pub mod linkage;
 pub mod mounting;
 pub mod presliding;
+pub mod spring;
 pub mod temperature;
 pub mod transmission;
 pub mod warming;

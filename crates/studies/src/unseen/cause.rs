@@ -7,9 +7,7 @@ use super::robots::Robot;
 use super::stream::Draw;
 use std::error::Error;
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, JointId, JointKind};
-use truepose_simulate::description::PlantOptions;
-use truepose_simulate::flaws::{self, BacklashSide, Wheel};
+use truepose_kinematics::{JointId, JointKind};
 use truepose_simulate::physics::changes::{Amount, Change, Mover};
 use truepose_simulate::physics::mounting::{LiftingFlange, TiltingBearing};
 use truepose_simulate::physics::presliding::Presliding;
@@ -37,6 +35,24 @@ pub enum Cause {
     WarmUp,
     Station,
     Masses,
+    Creep,
+    Heating,
+    Pauses,
+    Gradient,
+    WholeArm,
+    Lubricant,
+    TwoConstants,
+    Undone,
+    Settles,
+    TiltingBearing,
+    Refraction,
+    Sight,
+    Bridge,
+    Ram,
+    Wear,
+    FourBar,
+    Label,
+    Spring,
 }
 
 /// Causes that the vocabulary has a family for.
@@ -49,6 +65,28 @@ pub const INSIDE: [Cause; 8] = [
     Cause::Mesh,
     Cause::Coupling,
     Cause::Shift,
+];
+
+/// Causes for which the vocabulary has a word that is no formula of the plant, in its order.
+pub const WORDS: [Cause; 18] = [
+    Cause::Creep,
+    Cause::Heating,
+    Cause::Pauses,
+    Cause::Gradient,
+    Cause::WholeArm,
+    Cause::Lubricant,
+    Cause::TwoConstants,
+    Cause::Undone,
+    Cause::Settles,
+    Cause::TiltingBearing,
+    Cause::Refraction,
+    Cause::Sight,
+    Cause::Bridge,
+    Cause::Ram,
+    Cause::Wear,
+    Cause::FourBar,
+    Cause::Label,
+    Cause::Spring,
 ];
 
 /// Causes without a word of their own.
@@ -84,11 +122,12 @@ impl Cause {
             Cause::WarmUp => "warm_up",
             Cause::Station => "station",
             Cause::Masses => "masses",
+            other => other.word_of_row(),
         }
     }
 
     pub fn inside(self) -> bool {
-        INSIDE.contains(&self)
+        INSIDE.contains(&self) || WORDS.contains(&self)
     }
 
     /// Families that are right, and whether the joint has to be that of the cause.
@@ -108,6 +147,7 @@ impl Cause {
             Cause::WarmUp => &[("thermal", false), ("drift", false)],
             Cause::Station => &[("drift", false), ("shift", false), ("instrument", false)],
             Cause::Masses => &[("joint_compliance", false), ("load_nonlinearity", false)],
+            other => other.families_of_words(),
         }
     }
 
@@ -133,7 +173,11 @@ impl Cause {
 
     /// Declared compliance of the robot over that of other robots: masses matter where drives deflect, as those of light arms.
     pub fn softness(self) -> f64 {
-        if self == Cause::Masses { 20.0 } else { 1.0 }
+        match self {
+            Cause::Masses => 20.0,
+            Cause::Lubricant | Cause::Label | Cause::Spring => 8.0,
+            _ => 1.0,
+        }
     }
 
     /// Whether its size is given by what it is (10 % of each mass), not by the noise.
@@ -151,17 +195,20 @@ impl Cause {
 #[derive(Debug, Clone)]
 pub struct Hidden {
     pub cause: Cause,
-    joint: JointId,
-    name: String,
-    driver: String,
+    pub(super) joint: JointId,
+    pub(super) name: String,
+    pub(super) driver: String,
     /// Uniform numbers in [0, 1).
-    u: [f64; 6],
+    pub(super) u: [f64; 6],
     /// Largest load of the joint about or along its axis, N·m or N, and the largest of all joints.
-    load: (f64, f64),
-    duration: f64,
-    reach: f64,
-    slide: bool,
-    range: f64,
+    pub(super) load: (f64, f64),
+    pub(super) duration: f64,
+    pub(super) reach: f64,
+    pub(super) slide: bool,
+    pub(super) range: f64,
+    pub(super) limits: (f64, f64),
+    /// Heaviest payload, kg.
+    pub(super) payload: f64,
 }
 
 impl Hidden {
@@ -174,7 +221,7 @@ impl Hidden {
             Cause::JointCompliance => turns(joint) && loads[k] > 0.1 * largest,
             Cause::Eccentric | Cause::Mesh | Cause::Coupling => turns(joint),
             Cause::LinkBending | Cause::Bearing | Cause::Flange => k < 3,
-            _ => true,
+            other => other.fits(chain, (k, joint), loads[k] > 0.1 * largest),
         };
         let places: Vec<(usize, JointId)> =
             chain.movable().iter().copied().enumerate().filter(|&place| can(place)).collect();
@@ -201,6 +248,8 @@ impl Hidden {
             reach: robot.reach,
             slide: !turns(joint),
             range: upper - lower,
+            limits: (lower, upper),
+            payload: robot.payload,
         })
     }
 
@@ -209,6 +258,7 @@ impl Hidden {
         match self.cause {
             Cause::BaseTilt | Cause::BasePlate => "base".into(),
             Cause::Shift | Cause::WarmUp | Cause::Station | Cause::Masses => String::new(),
+            other if other.families().iter().all(|(_, at_joint)| !at_joint) => String::new(),
             _ => self.name.clone(),
         }
     }
@@ -225,60 +275,8 @@ impl Hidden {
     }
 
     /// A deflection of this size (0.1 mrad or 0.1 mm at size one) under the largest load.
-    fn stiffness(&self, size: f64) -> f64 {
+    pub(super) fn stiffness(&self, size: f64) -> f64 {
         self.load.0 / (1e-4 * size * if self.slide { self.reach } else { 1.0 })
-    }
-
-    /// Errors in everyday units.
-    pub fn options(&self, options: &mut PlantOptions, size: f64) {
-        let joint = self.name.clone();
-        let (mrad, mm) = (0.1 * size, 0.1 * size * self.reach);
-        let errors = &mut options.errors;
-        match self.cause {
-            Cause::JointCompliance => errors.joint_compliance.push(flaws::JointCompliance {
-                joint,
-                stiffness: Some(self.stiffness(size)),
-                ..flaws::JointCompliance::default()
-            }),
-            Cause::LinkBending => {
-                // Deflection F L³/3EI of about 0.1 mm × size, with F L the largest moment.
-                let bending = self.load.1 * self.reach * self.reach / (3.0 * 1e-4 * size * self.reach);
-                errors.link_compliance.push(flaws::LinkCompliance {
-                    joint,
-                    bending_nm2: [bending * (0.6 + self.u[0]), bending],
-                    torsion_nm2: bending * (0.5 + self.u[1]),
-                    ..flaws::LinkCompliance::default()
-                });
-            }
-            Cause::BaseTilt => {
-                let tilt = self.load.1 / (1e-4 * size);
-                let tilt = [tilt * (0.5 + self.u[0]), tilt * (0.5 + self.u[1]), 4.0 * tilt];
-                errors.base_compliance =
-                    Some(flaws::BaseCompliance { tilt_stiffness: Some(tilt), sink_stiffness: None });
-            }
-            Cause::Backlash => errors.backlash.push(flaws::Backlash {
-                joint,
-                width_mrad: (!self.slide).then_some(mrad),
-                width_mm: self.slide.then_some(mm),
-                side: BacklashSide::Approach,
-                flank_load: None,
-            }),
-            Cause::Eccentric | Cause::Mesh => errors.transmission.push(flaws::Transmission {
-                joint,
-                wheel: if self.cause == Cause::Mesh { Wheel::Mesh } else { Wheel::Eccentric },
-                amplitude_mrad: mrad,
-                cycles: (self.cause == Cause::Mesh).then(|| (3.0 + 20.0 * self.u[0]).round()),
-                phase_deg: None,
-            }),
-            Cause::Coupling => errors.coupling.push(flaws::Dragging {
-                joint,
-                driver: self.driver.clone(),
-                ratio_milli: mrad,
-                eccentricity_mrad: 0.3 * mrad,
-            }),
-            Cause::Masses => errors.mass_scatter = 0.1 * size,
-            _ => {}
-        }
     }
 
     /// Errors that have no everyday form.
@@ -364,20 +362,4 @@ impl Hidden {
             remaining: 0.15 + 0.3 * self.u[1],
         }
     }
-}
-
-/// The declared errors' own compliances: drives that turn by 0.05 to 0.4 mrad under their largest load, times a factor.
-pub fn compliances(
-    chain: &Chain,
-    loads: &[f64],
-    factor: f64,
-    draw: &mut Draw,
-) -> Vec<flaws::JointCompliance> {
-    let largest = loads.iter().copied().fold(1e-3, f64::max);
-    let one = |(k, &joint): (usize, &JointId)| flaws::JointCompliance {
-        joint: chain.joint(joint).name.clone(),
-        stiffness: Some(loads[k].max(0.05 * largest) / (1e-3 * factor * draw.logarithmic(0.05, 0.4))),
-        ..flaws::JointCompliance::default()
-    };
-    chain.movable().iter().enumerate().map(one).collect()
 }

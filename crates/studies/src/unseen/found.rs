@@ -1,6 +1,6 @@
 //! Tables of what is found and how it is named.
 
-use super::cause::{INSIDE, OUTSIDE};
+use super::cause::{INSIDE, OUTSIDE, WORDS};
 use super::description::Kind;
 use super::interval::{Fraction, brier, calibration};
 use super::record::Record;
@@ -50,6 +50,41 @@ pub fn power(records: &[&Record]) -> Result<String, Error> {
         if !mine.is_empty() {
             row(&mut text, cause.word(), &mine)?;
         }
+    }
+    Ok(text)
+}
+
+pub fn words(records: &[&Record]) -> Result<String, Error> {
+    let here = of(records, Kind::Words);
+    let mut text = String::new();
+    if here.is_empty() {
+        return Ok(text);
+    }
+    writeln!(
+        text,
+        "| row of the vocabulary, 5 × the noise, 130 poses | robots | any finding | named first | named first or listed | held-out error over that with the right effect declared: median (10–90 %) | over that without the cause |"
+    )?;
+    writeln!(text, "| --- | --- | --- | --- | --- | --- | --- |")?;
+    for cause in WORDS {
+        let mine: Vec<&Record> = here
+            .iter()
+            .copied()
+            .filter(|r| r.text("cause") == cause.word() && r.text("ended") == "yes")
+            .collect();
+        if mine.is_empty() {
+            continue;
+        }
+        writeln!(
+            text,
+            "| {} | {} | {} | {} | {} | {} | {} |",
+            cause.word(),
+            mine.len(),
+            Fraction::of(mine.iter().map(|r| r.number("findings") > Some(0.0))),
+            fraction(mine.iter().copied(), "first_right"),
+            fraction(mine.iter().copied(), "listed"),
+            quantiles(numbers(&mine, "oracle_ratio")),
+            quantiles(numbers(&mine, "held_ratio"))
+        )?;
     }
     Ok(text)
 }

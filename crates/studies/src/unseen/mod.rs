@@ -8,10 +8,13 @@
 //! `--one KIND CELL NUMBER` shows one report.
 
 mod cause;
+mod compliances;
 mod description;
+mod everyday;
 mod found;
 mod interval;
 mod judged;
+mod oracle;
 mod plant;
 mod record;
 mod reported;
@@ -21,6 +24,7 @@ mod size;
 mod stream;
 mod summary;
 mod trial;
+mod words;
 
 use crate::document;
 use crate::journal::{Journal, Line, commit};

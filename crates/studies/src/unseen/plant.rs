@@ -3,7 +3,8 @@
 //! The noise of a row is taken from replicates of the campaign with other noise; bad poses, outliers and a moving station
 //! are no noise.
 
-use super::cause::{Cause, Hidden, compliances};
+use super::cause::{Cause, Hidden};
+use super::compliances::compliances;
 use super::description::{Description, Order};
 use super::robots::{Robot, robot};
 use super::stream::{Key, Part};
@@ -139,12 +140,17 @@ impl Ground<'_> {
         if self.what.columns.temperature {
             channels.push(ChannelPlan::Air { name: "temperature".into(), sd: 0.05 });
         }
-        Ok(campaign.with_channels(channels))
+        let mut campaign = campaign.with_channels(channels);
+        if let Some(cause) = self.what.cause {
+            cause.equip(&mut campaign, VISIT_S);
+        }
+        Ok(campaign)
     }
 
     /// Over the time of the campaign that is measured.
     pub fn clocked(&self, mut campaign: Campaign) -> Campaign {
-        campaign.visit_s = self.campaign.duration_s() / campaign.visits.len().max(2) as f64;
+        let paused: f64 = campaign.pauses.iter().map(|(_, seconds)| seconds).sum();
+        campaign.visit_s = (self.campaign.duration_s() - paused) / campaign.visits.len().max(2) as f64;
         campaign
     }
 
@@ -161,6 +167,9 @@ impl Ground<'_> {
         let compliances = compliances(&self.robot.chain, &self.loads, softness, &mut draw);
         let repeatability = if what.joint_noise || what.memory > 0.0 { 0.0 } else { what.noise_um[1] };
         let station = [draw.between(2.0, 4.0), draw.between(-2.0, 2.0), draw.between(0.0, 1.5)];
+        // A tracker measures in its own frame.
+        let station = if what.cause.is_some_and(Cause::is_beam) { [0.0; 3] } else { station };
+        let thermal = what.cause.is_some_and(Cause::is_thermal);
         PlantOptions {
             errors: Flaws {
                 geometric: Some(geometric),
@@ -169,8 +178,8 @@ impl Ground<'_> {
             },
             shop: ShopDay {
                 start_c: 20.0,
-                rise_k: 2.0,
-                wander_k: 0.7,
+                rise_k: if thermal { 4.0 } else { 2.0 },
+                wander_k: if thermal { 2.0 } else { 0.7 },
                 hours: self.campaign.duration_s() / 3600.0 + 0.05,
             },
             instrument: InstrumentSize {
@@ -225,6 +234,9 @@ impl Ground<'_> {
         if let Some((hidden, size)) = hidden {
             let mut truth = plant.truth().clone();
             hidden.amend(&mut truth, &mut plant.disturbances, size)?;
+            let shop = plant.shop.clone();
+            let wrong = (&mut truth, &mut plant.disturbances, &mut plant.blunders);
+            hidden.amend_words(&self.robot.chain, &shop, wrong, size)?;
             plant = plant.with_truth(truth)?;
         }
         Ok(plant)
@@ -237,8 +249,8 @@ impl Ground<'_> {
         plant.instrument.transverse_per_metre = 0.0;
         plant.instrument.orientation_sd = None;
         plant.repeatability.sd = 0.0;
-        let station = plant.disturbances.station;
-        plant.disturbances = truepose_simulate::Disturbances { station, ..Default::default() };
+        let (station, beam) = (plant.disturbances.station, plant.disturbances.beam);
+        plant.disturbances = truepose_simulate::Disturbances { station, beam, ..Default::default() };
         Ok(plant)
     }
 

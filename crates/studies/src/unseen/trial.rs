@@ -9,7 +9,8 @@ use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 use truepose_discover::{Diagnosis, DiscoverOptions, diagnose};
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, ErrorModel};
+use truepose_identify::fit;
 use truepose_report::{DiscoverySettings, DiscoverySummary};
 use truepose_solvers::PivotedQr;
 
@@ -176,7 +177,11 @@ fn against_truth(
     record.set_some("floor_ratio", reported.floor_mm.map(|mm| mm / floor_mm));
     record.set_some("floor_covered", reported.floor_ci95_mm.map(|ci| (ci[0]..=ci[1]).contains(&floor_mm)));
     let options = DiscoverOptions::default().fit;
-    let after = fresh_error(&made.truth, &diagnosis.fit.fitted)?;
+    // Fresh positions are those of the robot: without what the instrument adds.
+    let beam = made.hidden.as_ref().is_some_and(|hidden| hidden.cause.is_beam());
+    let fitted = diagnosis.fit.fitted.clone();
+    let fitted = if beam { fitted.of_robot() } else { fitted };
+    let after = fresh_error(&made.truth, &fitted)?;
     let declared = declared_fit(&made.robot.chain, &made.declared, &made.data, &options)?;
     let declared = fresh_error(&made.truth, &declared)?;
     let trained = fresh_error(&made.truth, &diagnosis.declared.fitted)?;
@@ -187,6 +192,11 @@ fn against_truth(
     };
     record.set("fresh_mm", 1e3 * after);
     record.set("fresh_ratio", after / alone.max(1e-12));
+    // Of a held-out row, with its noise: over that of the robot without the cause, whose model has nothing more to estimate.
+    record.set("held_ratio", after.hypot(made.floor) / alone.hypot(made.floor));
+    if let Some(oracle) = oracle(made)? {
+        record.set("oracle_ratio", after.hypot(made.floor) / oracle.hypot(made.floor));
+    }
     record.set("declared_ratio", declared / alone.max(1e-12));
     record.set("harm", after > HARM * declared);
     record.set("left", (after * after - alone * alone).max(0.0).sqrt() / made.floor);
@@ -213,6 +223,17 @@ fn nothing_hidden(made: &Made) -> Result<f64, Box<dyn Error>> {
     let options = DiscoverOptions::default().fit;
     let fitted = declared_fit(&made.robot.chain, &made.clean_declared, &made.clean, &options)?;
     fresh_error(&made.clean_truth, &fitted)
+}
+
+/// Fresh error of the model with the right effect declared, fitted to the same record, m; none where there is no such effect.
+fn oracle(made: &Made) -> Result<Option<f64>, Box<dyn Error>> {
+    let chain = &made.robot.chain;
+    let Some(right) = made.hidden.as_ref().and_then(|hidden| hidden.right(chain)) else { return Ok(None) };
+    let declared: Vec<_> = made.declared.iter().cloned().chain([right]).collect();
+    let model = ErrorModel::new(chain.clone(), declared)?;
+    let data = made.data.derived_for(&model)?;
+    let fitted = fit(&model, &data, &PivotedQr::default(), &DiscoverOptions::default().fit)?.fitted;
+    Ok(Some(fresh_error(&made.truth, &fitted.of_robot())?))
 }
 
 /// Whether poses that were displaced as a whole are reported, and what they change.

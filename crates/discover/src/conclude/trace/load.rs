@@ -23,7 +23,8 @@ pub(super) fn load_trace(
     for row in 0..data.len() {
         let conditions = data.conditions(row);
         let carried = matches!(conditions.load, Load::Payload(p) if (p.mass - mass).abs() < 1e-12);
-        let Some(more) = crate::data::payload::changed(&conditions, mass, mass + STEP).filter(|_| carried)
+        let Some(more) =
+            crate::data::payload::changed(&conditions, (mass, None), mass + STEP).filter(|_| carried)
         else {
             continue;
         };

@@ -25,19 +25,23 @@
 //! has a stiffness for each plane and one for torsion; `symmetric` has one for both planes; a `tube` ties torsion to
 //! it as well (GJ = EI / 1.3, Poisson's ratio 0.3).
 //!
+//! A ram bends over the length that is out of its guide (`ram`): see `ram`.
+//!
 //! Links of declared mass bend under it (spread evenly about its centre). With `own_weight = "free"` the declared mass
 //! is left aside and two more unknowns a plane stand for it: a mass spread evenly over the link, and a mass beyond its tip
 //! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times gravity.
 
 mod beam;
+mod ram;
 mod section;
 mod wide;
 
 pub use section::{OwnWeight, Section};
 
 use super::checks::{joint_moves, listed_once};
+use super::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{Column, Effect, Emission, ModelError};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use beam::{Beam, NO_LENGTH};
 use section::TUBE;
 use serde::{Deserialize, Serialize};
@@ -58,6 +62,15 @@ pub struct LinkCompliance {
     /// Where the links' own weight comes from.
     #[serde(default)]
     pub own_weight: OwnWeight,
+    /// Of one slide whose part bends that is out of its guide: free length at zero, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ram: Option<f64>,
+    /// Between which lengths `ram` is to be found, m; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ram_range: Option<[f64; 2]>,
+    /// Whether a ram is drawn in as its joint's value grows.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub retracts: bool,
 }
 
 /// Links shorter than this share of the arm are rigid unless they are asked for.
@@ -109,11 +122,13 @@ impl LinkCompliance {
 
 impl Effect for LinkCompliance {
     const FAMILY: &'static str = "link_compliance";
-    const ABOUT: &'static str =
-        "a link bends and twists under the wrench at its tip and under its own weight";
+    const ABOUT: &'static str = "a link bends and twists under the wrench at its tip and under its own weight; a ram with its extension (ram)";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = Vec::new();
+        if self.ram.is_some() {
+            return self.column_of_ram(chain);
+        }
         self.for_each_joint(chain, |joint| {
             let name = &chain.joint(joint).name;
             // A tip force of 500 N makes it sag by a thousandth of its length.
@@ -147,6 +162,9 @@ impl Effect for LinkCompliance {
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
         let chain = at.chain();
+        if let Some(length) = self.ram {
+            return self.eval_ram(length, at, out);
+        }
         let gravity = chain.gravity_in_measurement_frame();
         let (planes, width) = (self.planes(), self.width());
         let mut first = 0;
@@ -199,6 +217,9 @@ impl Effect for LinkCompliance {
     }
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        if self.ram.is_some() {
+            return false;
+        }
         let (chain, width) = (at.chain(), self.width());
         let mut first = 0;
         self.for_each_joint(chain, |joint| {
@@ -219,6 +240,10 @@ impl Effect for LinkCompliance {
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
+        self.validate_ram(chain)?;
+        if self.ram.is_some() {
+            return Ok(());
+        }
         for &joint in self.joints.iter().flatten() {
             joint_moves(Self::FAMILY, joint, chain)?;
             if chain.link_length(joint) < 1e-6 {
@@ -228,6 +253,14 @@ impl Effect for LinkCompliance {
             }
         }
         listed_once(Self::FAMILY, self.joints.as_deref(), chain)
+    }
+
+    fn shape(&self) -> Vec<NonlinearParameter> {
+        self.ram.map_or_else(Vec::new, |length| free("ram", "m", length, self.ram_range, Search::Smooth))
+    }
+
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
+        LinkCompliance { ram: self.ram.map(|ram| values.first().copied().unwrap_or(ram)), ..self.clone() }
     }
 }
 

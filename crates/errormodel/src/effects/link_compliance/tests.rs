@@ -33,7 +33,7 @@ fn conforms() {
     for chain in samples::all() {
         for section in [Section::Tube, Section::Symmetric, Section::General] {
             for own_weight in [OwnWeight::Declared, OwnWeight::Free] {
-                check_effect(&LinkCompliance { joints: None, section, own_weight }, &chain);
+                check_effect(&LinkCompliance { section, own_weight, ..LinkCompliance::default() }, &chain);
             }
         }
     }
@@ -132,7 +132,7 @@ fn a_robot_with_its_joints_in_the_same_places_bends_alike() {
         for section in [Section::Symmetric, Section::General] {
             for own_weight in [OwnWeight::Declared, OwnWeight::Free] {
                 let joints = Some((1..=4).map(JointId).collect());
-                let effect = LinkCompliance { joints, section, own_weight };
+                let effect = LinkCompliance { joints, section, own_weight, ..LinkCompliance::default() };
                 let columns = Effect::columns(&effect, &ways[0]).len();
                 let c: Vec<f64> = (0..columns).map(|k| 1e-10 * (1.0 + k as f64)).collect();
                 let load = hung(40.0, [0.1, 0.2, 0.1]);
@@ -152,7 +152,12 @@ fn a_robot_with_its_joints_in_the_same_places_bends_alike() {
 fn the_two_planes_together_are_the_symmetric_section() {
     let chain = samples::heavy();
     let joints = Some(vec![JointId(2), JointId(4)]);
-    let of = |section| LinkCompliance { joints: joints.clone(), section, own_weight: OwnWeight::Declared };
+    let of = |section| LinkCompliance {
+        joints: joints.clone(),
+        section,
+        own_weight: OwnWeight::Declared,
+        ..LinkCompliance::default()
+    };
     let (q, load) = ([0.3, -0.8, 0.9, 0.5, -0.4, 0.2], hung(80.0, [0.1, 0.2, 0.1]));
     let c = 1e-9;
     let symmetric = moved(&chain, &of(Section::Symmetric), &[c, TUBE * c, c, TUBE * c], &q, load);
@@ -183,7 +188,12 @@ fn free_weights_stand_for_an_even_link_and_a_mass_beyond_it() {
     let upright = Placed { pose: Pose::from_xyz_rpy([0.0; 3], [FRAC_PI_2, 0.0, 0.0]), known: true };
     let declared = declared.with_base(upright).unwrap();
     let joints = Some(vec![JointId(1)]);
-    let effect = LinkCompliance { joints, section: Section::Symmetric, own_weight: OwnWeight::Declared };
+    let effect = LinkCompliance {
+        joints,
+        section: Section::Symmetric,
+        own_weight: OwnWeight::Declared,
+        ..LinkCompliance::default()
+    };
     let free = LinkCompliance { own_weight: OwnWeight::Free, ..effect.clone() };
     let bare: Vec<Joint> = declared.joints().iter().map(|j| Joint { link: None, ..j.clone() }).collect();
     let bare = Chain::new("bare", bare).unwrap().with_base(upright).unwrap();

@@ -20,11 +20,16 @@
 //! The part of h_k along axis k does not turn with joint k: it belongs to the link in front, so that two numbers a turning
 //! link are all there is. A slide k has `q_k (a_k × g)` with its mass, and a slide j that yields, `a_j · g`.
 
-use super::checks::{joint_moves, listed_once, refused};
-use super::geometric::EXPECTED_ANGLE;
-use super::link_compliance::OwnWeight;
+mod mode;
+
+pub use mode::ComplianceMode;
+
+use crate::effects::checks::{joint_moves, listed_once, refused};
+use crate::effects::geometric::EXPECTED_ANGLE;
+use crate::effects::link_compliance::OwnWeight;
+use crate::effects::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
-use crate::{Column, Effect, Emission, ModelError, Signal};
+use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Joint, JointId, JointKind, Posture};
@@ -42,9 +47,33 @@ pub struct JointCompliance {
     /// How many links, the joint's own first, have a free weight.
     #[serde(default = "two", skip_serializing_if = "is_two")]
     pub links: usize,
-    /// The channel that is the load of the joint, in place of the statics; `joints` names the one joint.
+    /// The channel that is the load of the joint, in place of the statics; `joints` names the one joint. Of the mode `temperature` the thermometer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
+    /// How it yields.
+    #[serde(default, skip_serializing_if = "ComplianceMode::is_axis")]
+    pub mode: ComplianceMode,
+    /// Of the mode `creep`: the time constant with which the joint follows its load, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag: Option<f64>,
+    /// Between which time constants `lag` is to be found, s; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag_range: Option<[f64; 2]>,
+    /// Of the mode `temperature`: where the stiffness is as declared, in the channel's unit; 20 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<f64>,
+    /// Of the mode `spring`: the angle at which it is longest, rad; zero when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<f64>,
+    /// Between which angles `offset` is to be found, rad; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_range: Option<[f64; 2]>,
+    /// Of the mode `spring`: 2ab/(a² + b²) of its levers, between 0 and 1; 0.8 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+    /// Between which values `ratio` is to be found; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio_range: Option<[f64; 2]>,
 }
 
 fn two() -> usize {
@@ -57,7 +86,20 @@ fn is_two(links: &usize) -> bool {
 
 impl Default for JointCompliance {
     fn default() -> Self {
-        JointCompliance { joints: None, own_weight: OwnWeight::Declared, links: two(), channel: None }
+        JointCompliance {
+            joints: None,
+            own_weight: OwnWeight::Declared,
+            links: two(),
+            channel: None,
+            mode: ComplianceMode::Axis,
+            lag: None,
+            lag_range: None,
+            reference: None,
+            offset: None,
+            offset_range: None,
+            ratio: None,
+            ratio_range: None,
+        }
     }
 }
 
@@ -100,12 +142,16 @@ fn across(joint: &Joint) -> [Vector3<f64>; 2] {
 
 impl Effect for JointCompliance {
     const FAMILY: &'static str = "joint_compliance";
-    const ABOUT: &'static str = "a joint yields in proportion to the load about (along) its axis, or to its measured torque (channel)";
+    const ABOUT: &'static str = "a joint yields in proportion to the load about (along) its axis or to its measured torque; across its axis (bearing), late (creep), by temperature (mode)";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let mut columns = Vec::new();
         for &id in self.joints(chain) {
             let joint = chain.joint(id);
+            if !self.mode.is_axis() {
+                self.columns_of_mode(chain, id, &mut columns);
+                continue;
+            }
             if let Some(channel) = &self.channel {
                 // As where the load is in N·m; a torque in per cent of some hundred N·m has the same.
                 let unit = format!("{}/[{channel}]", joint.unit());
@@ -135,6 +181,9 @@ impl Effect for JointCompliance {
     }
 
     fn eval(&self, at: &Posture<'_>, out: &mut Emission) {
+        if !self.mode.is_axis() {
+            return self.eval_mode(at, out);
+        }
         let (chain, mut column) = (at.chain(), 0);
         let gravity = chain.gravity_in_measurement_frame();
         for &joint in self.joints(chain) {
@@ -167,7 +216,7 @@ impl Effect for JointCompliance {
     }
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
-        if self.own_weight != OwnWeight::Declared || self.channel.is_some() {
+        if self.own_weight != OwnWeight::Declared || self.channel.is_some() || !self.mode.is_axis() {
             return false;
         }
         let chain = at.chain();
@@ -180,15 +229,19 @@ impl Effect for JointCompliance {
     }
 
     fn load_dependent(&self) -> bool {
-        self.channel.is_none()
+        match self.mode {
+            ComplianceMode::Axis => self.channel.is_none(),
+            ComplianceMode::Creep | ComplianceMode::Spring => false,
+            ComplianceMode::Bearing | ComplianceMode::Temperature => true,
+        }
     }
 
     fn needs(&self) -> Vec<Signal> {
-        self.channel.iter().map(|channel| Signal::Channel(channel.clone())).collect()
+        self.channels_of_mode().into_iter().map(Signal::Channel).collect()
     }
 
     fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
-        (self.channel.is_none() && self.own_weight == OwnWeight::Declared)
+        (self.channel.is_none() && self.own_weight == OwnWeight::Declared && self.mode.is_axis())
             .then(|| self.joints(chain).to_vec())
     }
 
@@ -199,7 +252,8 @@ impl Effect for JointCompliance {
         if self.links == 0 {
             return Err(refused(Self::FAMILY, "`links` counts the joint's own: it is 1 or more"));
         }
-        if self.channel.is_some() {
+        self.validate_mode(chain)?;
+        if self.channel.is_some() && self.mode.is_axis() {
             if self.joints.as_ref().is_none_or(|joints| joints.len() != 1) {
                 return Err(refused(
                     Self::FAMILY,
@@ -211,6 +265,26 @@ impl Effect for JointCompliance {
             }
         }
         listed_once(Self::FAMILY, self.joints.as_deref(), chain)
+    }
+
+    fn shape(&self) -> Vec<NonlinearParameter> {
+        let lag = self.lag.map(|lag| free("lag", "s", lag, self.lag_range, Search::Smooth));
+        let offset = self.offset.map(|at| free("offset", "rad", at, self.offset_range, Search::Smooth));
+        let ratio = self.ratio.map(|ratio| free("ratio", "1", ratio, self.ratio_range, Search::Smooth));
+        lag.into_iter().chain(offset).chain(ratio).flatten().collect()
+    }
+
+    fn with_nonlinear(&self, values: &[f64]) -> Self {
+        let mut values = values.iter().copied();
+        // Those with a range; where none has one, all in turn.
+        let ranges = [self.lag_range, self.offset_range, self.ratio_range];
+        let none = ranges.iter().all(Option::is_none);
+        let mut next = |k: usize, known: Option<f64>| {
+            known
+                .map(|known| if none || ranges[k].is_some() { values.next().unwrap_or(known) } else { known })
+        };
+        let (lag, offset) = (next(0, self.lag), next(1, self.offset));
+        JointCompliance { lag, offset, ratio: next(2, self.ratio), ..self.clone() }
     }
 }
 
