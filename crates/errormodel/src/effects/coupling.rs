@@ -9,6 +9,7 @@
 
 use super::checks::{joint_moves, refused};
 use super::expansion::Basis;
+use super::robot_size::robot_size;
 use super::travel::{ascending, travel};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
@@ -57,7 +58,7 @@ impl Effect for Coupling {
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let (joint, driver) = (chain.joint(self.joint), chain.joint(self.driver));
-        let expected = if joint.kind == JointKind::Prismatic { 5e-5 } else { 1e-4 };
+        let expected = if joint.kind == JointKind::Prismatic { 5e-5 * robot_size(chain) } else { 1e-4 };
         let [lower, upper] = travel(self.range, self.driver, chain);
         let head = format!("coupling {} by {}", joint.name, driver.name);
         let mut columns = Vec::new();

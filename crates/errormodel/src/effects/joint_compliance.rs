@@ -23,6 +23,7 @@
 use super::checks::{joint_moves, listed_once, refused};
 use super::geometric::EXPECTED_ANGLE;
 use super::link_compliance::OwnWeight;
+use super::robot_size::robot_size;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, Signal};
 use serde::{Deserialize, Serialize};
@@ -114,8 +115,8 @@ impl Effect for JointCompliance {
                 continue;
             }
             let (unit, scale) = match joint.kind {
-                JointKind::Prismatic => ("m/N", 1e-7),
-                _ => ("rad/(N*m)", 1e-5),
+                JointKind::Prismatic => ("m/N", 1e-7 * robot_size(chain)),
+                _ => ("rad/(N*m)", 1e-5 / robot_size(chain)),
             };
             let yields = Column::new(format!("compliance {}", joint.name), unit, scale);
             columns.push(yields.within(0.0, f64::INFINITY));
