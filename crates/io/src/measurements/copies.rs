@@ -86,13 +86,13 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let (data, info, warnings) =
             read_measurements(&path, &samples::scara(), &MeasurementsOptions::default()).unwrap();
-        (data, info, warnings.iter().map(|w| w.message.clone()).collect())
+        (data, info, warnings.into_iter().map(|w| w.message).filter(|words| words.contains("copy")).collect())
     }
 
     /// Six poses, three of them measured again after the others, with digits after the point so many.
     fn table(digits: usize, copied: bool) -> String {
-        let mut text = String::from("j1[rad],j2[rad],d3[m],j4[rad],x[mm],y[mm],z[mm],visit,id\n");
-        let noise = |k: usize| 0.02 * (2.7 * k as f64).sin();
+        let mut text = String::from("r1[rad],r2[rad],slide[m],r4[rad],x[mm],y[mm],z[mm],visit,id\n");
+        let noise = |k: usize| 0.06 * (2.7 * k as f64).sin();
         let mut row = |pose: usize, k: usize, visit: usize| {
             let p = pose as f64;
             let place: Vec<String> = (0..3)
