@@ -17,7 +17,10 @@ mod discovery;
 mod exact;
 mod excitation;
 mod guard_bands;
+mod invariances;
 mod kinematics_files;
+#[path = "../metamorphic/mod.rs"]
+mod metamorphic;
 mod odd_robots;
 mod permuted;
 mod placement;

@@ -4,6 +4,8 @@
 //! works while they do not build.
 
 mod ci;
+mod coverage;
+mod guided;
 mod header;
 mod tidy;
 
@@ -48,6 +50,25 @@ enum Verb {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },
+    /// The part of the libraries' lines that the tests run.
+    Coverage {
+        /// Packages whose tests are run; all where none is named.
+        packages: Vec<String>,
+    },
+    /// Relations between files of the same robot (units, names, orders …) on a folder of cases, in release; prints where findings change.
+    Metamorphic {
+        /// Passed on: `--cases DIR`, `--only CASE`, `--relation WORDS`, `--part 1/2`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        rest: Vec<String>,
+    },
+    /// A reader under a fuzzer that is guided by coverage.
+    Guided {
+        /// Which: robot, urdf, model, details, fit, history, measurements, poses, program.
+        reader: String,
+        /// Passed on to libFuzzer, e.g. `-max_total_time=600` or `-runs=10000000`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        rest: Vec<String>,
+    },
     /// Workloads against the peers, in release; leaves its numbers in target/bench.
     Bench {
         /// Passed on: workloads, `--rounds 15`, `--against old.json`.
@@ -57,6 +78,9 @@ enum Verb {
 }
 
 fn main() -> ExitCode {
+    if let Some(code) = coverage::compiler() {
+        return code;
+    }
     match run(Arguments::parse().verb) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -93,6 +117,14 @@ fn run(verb: Verb) -> Result<()> {
                     "--",
                 ])
                 .arg(target)
+                .args(rest)
+                .current_dir(&root),
+        ),
+        Verb::Guided { reader, rest } => guided::run(&root, &reader, &rest),
+        Verb::Coverage { packages } => coverage::run(&root, &packages),
+        Verb::Metamorphic { rest } => finished(
+            Command::new("cargo")
+                .args(["run", "--release", "--package", "truepose-tests", "--example", "metamorphic", "--"])
                 .args(rest)
                 .current_dir(&root),
         ),

@@ -46,7 +46,10 @@ fn code(extensions: Extensions) -> u8 {
             terminal::error(&failure.to_string());
             match failure {
                 Failure::Criterion(_) => 1,
-                Failure::Input(_) => 2,
+                Failure::Input(_) => {
+                    truepose_io::remove_empty_folders();
+                    2
+                }
                 Failure::Changed => 3,
             }
         }

@@ -117,9 +117,10 @@ fn end_of_line(text: &[u8], at: usize) -> usize {
 
 /// Behind the closing quote.
 fn closed(text: &[u8], at: usize, lexis: Lexis) -> Result<usize, ControllerError> {
-    let end = end_of_line(text, at);
-    let inside = &text[at + 1..end];
-    let Some(length) = inside.iter().position(|&byte| byte == text[at]) else {
+    let inside = &text[at + 1..];
+    // No farther than the quote: a line of many texts is looked through once.
+    let ends = |&byte: &u8| byte == text[at] || byte == b'\n' || byte == b'\r';
+    let Some(length) = inside.iter().position(ends).filter(|&length| inside[length] == text[at]) else {
         return Err(syntax(text, at, "a text is not closed in its line"));
     };
     if lexis.escapes && length > 0 && inside[length - 1] == b'\\' {

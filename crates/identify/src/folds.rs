@@ -80,8 +80,7 @@ impl Folds {
         let (fold, folds) = match split {
             Split::Random { folds, seed } => {
                 enough(*folds)?;
-                let mut order: Vec<usize> = (0..count).collect();
-                order.shuffle(&mut ChaCha8Rng::seed_from_u64(*seed));
+                let order = shuffled(data, &configuration, count, *seed);
                 let mut fold = vec![0; count];
                 for (place, &c) in order.iter().enumerate() {
                     fold[c] = place % folds;
@@ -119,6 +118,21 @@ impl Folds {
     }
 }
 
+/// The configurations in a random order. Where rows have a time the draw depends on it, and not on the order of the rows in a file.
+fn shuffled(data: &Dataset, configuration: &[usize], count: usize, seed: u64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    if data.schema.time {
+        let mut earliest = vec![f64::INFINITY; count];
+        for (&visit, &time) in data.visit.iter().zip(&data.time) {
+            let first = &mut earliest[configuration[visit]];
+            *first = first.min(time);
+        }
+        order.sort_by(|&a, &b| earliest[a].total_cmp(&earliest[b]).then(a.cmp(&b)));
+    }
+    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    order
+}
+
 /// The joint with the largest standard deviation.
 fn widest(data: &Dataset) -> usize {
     let spread = |column: &[f64]| {
@@ -147,9 +161,52 @@ pub fn hold_out(data: &Dataset, share: f64, seed: u64) -> Result<(Vec<usize>, Ve
         let expected = "so small that a configuration is left to fit";
         return Err(IdentifyError::Option { option: "holdout", value: share, expected });
     }
-    let mut order: Vec<usize> = (0..count).collect();
-    order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
+    let order = shuffled(data, &configuration, count, seed);
     let mut out = vec![false; count];
     order[..held].iter().for_each(|&c| out[c] = true);
     Ok((0..data.len()).partition(|&row| !out[configuration[data.visit[row]]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_kinematics::Load;
+
+    /// Poses of one joint, a minute after each other, in this order of rows.
+    fn poses(order: &[usize]) -> Dataset {
+        let n = order.len();
+        let mut data = Dataset {
+            joints: vec![order.iter().map(|&k| 0.1 * k as f64).collect()],
+            position: vec![[0.0; 3]; n],
+            visit: (0..n).collect(),
+            load: vec![Load::None; n],
+            time: order.iter().map(|&k| 60.0 * k as f64).collect(),
+            ..Dataset::default()
+        };
+        data.schema.time = true;
+        data.dwell.joints = vec![1e-5];
+        data
+    }
+
+    #[test]
+    fn the_order_of_rows_draws_no_other_poses() {
+        let plain: Vec<usize> = (0..40).collect();
+        let permuted: Vec<usize> = plain.iter().map(|k| (17 * k + 5) % 40).collect();
+        let (a, b) = (poses(&plain), poses(&permuted));
+        let held = |data: &Dataset| {
+            let mut times: Vec<f64> =
+                hold_out(data, 0.2, 3).unwrap().1.iter().map(|&row| data.time[row]).collect();
+            times.sort_by(f64::total_cmp);
+            times
+        };
+        assert_eq!(held(&a), held(&b));
+        let fold = |data: &Dataset| {
+            let folds = Folds::new(data, &Split::Random { folds: 5, seed: 1 }).unwrap();
+            let mut all: Vec<(u64, usize)> =
+                (0..40).map(|row| (data.time[row].to_bits(), folds.of_visit[data.visit[row]])).collect();
+            all.sort_unstable();
+            all
+        };
+        assert_eq!(fold(&a), fold(&b));
+    }
 }

@@ -51,7 +51,7 @@ pub use robot::{
 pub use same_file::same_file;
 pub use test_plan::{TestPoseRow, write_test_plan};
 pub use text::read_text;
-pub use unfinished::{ScratchFolder, stop_writing};
+pub use unfinished::{ScratchFolder, remove_empty_folders, stop_writing};
 pub use unit::{Quantity, Unit};
 pub use write_whole::{WholeFile, WholeFiles, check_writable, make_folder, write_whole};
 

@@ -7,7 +7,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::TempDir;
 
 /// Files on their way; none once writing was stopped.
-static OPEN: Mutex<Option<Open>> = Mutex::new(Some(Open { unfinished: Vec::new(), finished: Vec::new() }));
+static OPEN: Mutex<Option<Open>> =
+    Mutex::new(Some(Open { unfinished: Vec::new(), finished: Vec::new(), folders: Vec::new() }));
 
 #[derive(Debug)]
 struct Open {
@@ -15,6 +16,15 @@ struct Open {
     unfinished: Vec<PathBuf>,
     /// Files that stand under their names, the last [`MOST`] of them.
     finished: Vec<PathBuf>,
+    /// Folders that were made for output, the last [`MOST`] of them, each behind those above it.
+    folders: Vec<PathBuf>,
+}
+
+impl Open {
+    /// Removes folders in which nothing was written.
+    fn remove_empty(folders: Vec<PathBuf>) {
+        folders.iter().rev().for_each(|folder| drop(std::fs::remove_dir(folder)));
+    }
 }
 
 /// Names of finished files that are remembered: more than a report has.
@@ -53,13 +63,29 @@ pub(crate) fn begun<T>(
     Ok(made)
 }
 
+/// Remembers folders that were made, each behind those above it.
+pub(crate) fn made(folders: Vec<PathBuf>) {
+    if let Some(files) = open().as_mut() {
+        files.folders.extend(folders);
+        let surplus = files.folders.len().saturating_sub(MOST);
+        files.folders.drain(..surplus);
+    }
+}
+
+/// Removes the folders that this program made for output and in which nothing was written: for a run that failed.
+pub fn remove_empty_folders() {
+    let folders = open().as_mut().map(|files| std::mem::take(&mut files.folders));
+    Open::remove_empty(folders.unwrap_or_default());
+}
+
 /// Removes every file that is being written; whoever begins or finishes one after this gets an error. For a program that has to end now.
 /// Returns the files that were finished before, the last few hundred at most.
 pub fn stop_writing() -> Vec<PathBuf> {
-    let Some(Open { unfinished, finished }) = open().take() else { return Vec::new() };
+    let Some(Open { unfinished, finished, folders }) = open().take() else { return Vec::new() };
     for path in unfinished {
         let _ = std::fs::remove_file(&path).or_else(|_| std::fs::remove_dir_all(&path));
     }
+    Open::remove_empty(folders);
     finished
 }
 

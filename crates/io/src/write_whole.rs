@@ -6,7 +6,7 @@
 
 use crate::IoError;
 use crate::error::reason;
-use crate::unfinished::{Remembered, begun, finished};
+use crate::unfinished::{Remembered, begun, finished, made};
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -33,13 +33,19 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     WholeFile::create(path.as_ref()).map(drop)
 }
 
-/// Makes a folder for output, with the folders above it; one that exists already is fine.
+/// Makes a folder for output, with the folders above it; one that exists already is fine. A run that fails then removes what stays empty of
+/// them ([`remove_empty_folders`](crate::remove_empty_folders)).
 ///
 /// # Errors
 /// [`IoError::Write`] when it cannot be made, or a file has its name.
 pub fn make_folder(path: impl AsRef<Path>) -> Result<(), IoError> {
     let path = path.as_ref();
-    fs::create_dir_all(path).map_err(|error| match error.kind() {
+    let missing = path.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists());
+    let mut missing: Vec<PathBuf> = missing.map(Path::to_path_buf).collect();
+    missing.reverse();
+    let result = fs::create_dir_all(path);
+    made(missing);
+    result.map_err(|error| match error.kind() {
         io::ErrorKind::AlreadyExists | io::ErrorKind::NotADirectory => IoError::Write {
             file: path.into(),
             message: "a file stands where a folder is needed; name another folder".into(),

@@ -1,5 +1,6 @@
 //! Which files a run reads and writes: nothing that it reads is overwritten, and nothing is written twice.
 
+use super::program::table_of;
 use crate::args::{Measured, Prior, Verb};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
@@ -50,6 +51,11 @@ pub fn apart(verb: &Verb) -> Result<(), Failure> {
                 whole.push((option, file.join(name)));
             }
         }
+    }
+    if let Verb::Compensate(of) = verb
+        && of.robot_program.program.is_some()
+    {
+        kept("--out", &table_of(&of.out), &read)?;
     }
     Ok(())
 }

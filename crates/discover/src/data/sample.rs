@@ -31,6 +31,10 @@ pub(crate) fn sampled(data: &Dataset, seed: u64, most: usize) -> Vec<bool> {
     }
     let visits = Visits::of(data);
     let mut order: Vec<usize> = (0..visits.len()).collect();
+    if data.schema.time {
+        // Of the same poses in any order of rows the same are drawn.
+        order.sort_by(|&a, &b| data.time[visits.rows[a][0]].total_cmp(&data.time[visits.rows[b][0]]));
+    }
     order.shuffle(&mut ChaCha8Rng::seed_from_u64(seed ^ 0x5a3f_1e77));
     let mut taken = vec![false; visits.len()];
     let mut rows = 0;

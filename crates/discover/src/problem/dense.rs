@@ -117,8 +117,9 @@ impl Dense {
         let project = |z: &DMatrix<f64>| z - &basis * (basis.transpose() * z);
         let target = DMatrix::from_column_slice(size, 1, self.target.as_slice());
         let (residual, left) = (project(&target), project(&x));
+        // A column of rounding is none, as in the accelerated path.
         let scale: Vec<f64> =
-            x.column_iter().map(|c| if c.norm() > 0.0 { 1.0 / c.norm() } else { 0.0 }).collect();
+            x.column_iter().map(|c| if c.norm() > 1e-6 { 1.0 / c.norm() } else { 0.0 }).collect();
         let scaled = &left * DMatrix::from_diagonal(&DVector::from_vec(scale));
         let eigen = SymmetricEigen::new(scaled.transpose() * &scaled);
         let kept: Vec<usize> = (0..x.ncols()).filter(|&k| eigen.eigenvalues[k] > absorbed).collect();

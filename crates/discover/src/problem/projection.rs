@@ -326,10 +326,14 @@ fn directions(columns: DMatrix<f64>, prior: Option<&DMatrix<f64>>) -> (DMatrix<f
     (q, held)
 }
 
+/// ‖X‖² of a whitened column below which it is rounding: a hundred expected sizes of it move all observations together by less than a
+/// ten-thousandth of their noise. The load of an upright axis is such a column, and its powers leave the range of single precision.
+const NOTHING: f64 = 1e-12;
+
 /// T with `Tᵀ (left) T = 1`, over directions of which enough is left.
 pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> Option<DMatrix<f64>> {
     let scale: Vec<f64> =
-        raw.diagonal().iter().map(|&v| if v > 0.0 { 1.0 / v.sqrt() } else { 0.0 }).collect();
+        raw.diagonal().iter().map(|&v| if v > NOTHING { 1.0 / v.sqrt() } else { 0.0 }).collect();
     let k = scale.len();
     if k == 1 {
         let share = left[(0, 0)] * scale[0] * scale[0];
@@ -349,4 +353,20 @@ pub(crate) fn basis(raw: &DMatrix<f64>, left: &DMatrix<f64>, absorbed: f64) -> O
         }
     }
     Some(basis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_of_rounding_is_no_direction() {
+        // What the square of the load of an upright axis is, in double precision; its square is nothing in single precision.
+        let raw = DMatrix::from_diagonal(&DVector::from_row_slice(&[1e-40, 4.0]));
+        let found = basis(&raw, &raw, 1e-3).unwrap();
+        assert_eq!(found.ncols(), 1);
+        assert!(found[(0, 0)].abs() < 1e-12 && (found[(1, 0)].abs() - 0.5).abs() < 1e-12, "{found}");
+        let alone = raw.view((0, 0), (1, 1)).into_owned();
+        assert!(basis(&alone, &alone, 1e-3).is_none());
+    }
 }

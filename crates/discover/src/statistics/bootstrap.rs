@@ -84,9 +84,16 @@ pub(crate) fn intervals(clusters: &[Cluster], draws: usize, seed: u64) -> Option
         [here[k].0 - here[k].1 * quantile(0.975), here[k].0 - here[k].1 * quantile(0.025)]
     };
     let explained = ends(3).map(|v| 1.0 - (2.0 * v).exp());
+    // One wild configuration among many has all the squares and, left out of a resample, all the scatter: the studentised end is then
+    // anywhere. No mean lies beyond the largest of what it is a mean of.
+    let own =
+        |j: usize| clusters.iter().filter(|c| c.rows > 0.0).map(move |c| (c.squares[j] / c.rows).sqrt());
+    let range = |j: usize| [own(j).fold(f64::INFINITY, f64::min), own(j).fold(0.0, f64::max)];
+    let (first, second) = (range(0), range(1));
+    let within = |[least, most]: [f64; 2], ends: [f64; 2]| ends.map(|v| v.clamp(least, most));
     Some(Intervals {
-        rms: [ends(0).map(f64::exp), ends(1).map(f64::exp)],
-        gain: ends(2),
+        rms: [within(first, ends(0).map(f64::exp)), within(second, ends(1).map(f64::exp))],
+        gain: within([-second[1], first[1]], ends(2)),
         explained: [explained[1], explained[0]],
     })
 }
@@ -115,6 +122,18 @@ mod tests {
                 own
             })
             .collect()
+    }
+
+    #[test]
+    fn one_wild_configuration_makes_no_absurd_interval() {
+        let mut all = clusters(80, 4);
+        all[30].squares = [1e6, 1e6];
+        let found = intervals(&all, 1999, 0).unwrap();
+        let largest = (1e6_f64 / all[30].rows).sqrt();
+        for [least, most] in found.rms {
+            assert!(least > 0.0 && most <= largest, "{least} to {most}, of {largest} at most");
+        }
+        assert!(found.gain.iter().all(|v| v.abs() <= largest), "{:?}", found.gain);
     }
 
     #[test]

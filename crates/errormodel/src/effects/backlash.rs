@@ -25,6 +25,7 @@
 //! with backlash – a survey* (2002), section 2; Dahl, *A solid friction model* (1968).
 
 use super::checks::{joint_moves, refused};
+use super::robot_size::robot_size;
 use super::travel::{ascending, free, positive, within};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal, presliding_channel};
 use serde::{Deserialize, Serialize};
@@ -111,13 +112,14 @@ impl Effect for Backlash {
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
-        let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };
+        let scale = if joint.kind == JointKind::Prismatic { 2e-5 * robot_size(chain) } else { 1e-4 };
         let gap = Column::new(format!("gap {}", joint.name), joint.unit(), scale).within(0.0, f64::INFINITY);
         if self.side != Side::ByLoad {
             return vec![gap];
         }
         // A hundred newton metres (a thousand newton) double it.
-        let (load, per) = if joint.kind == JointKind::Prismatic { ("N", 1e-3) } else { ("N*m", 1e-2) };
+        let (load, per) =
+            if joint.kind == JointKind::Prismatic { ("N", 1e-3) } else { ("N*m", 1e-2 / robot_size(chain)) };
         let unit = format!("{}/({load})", joint.unit());
         let growing = Column::new(format!("gap {} by load", joint.name), unit, per * scale);
         vec![gap, growing.within(0.0, f64::INFINITY)]

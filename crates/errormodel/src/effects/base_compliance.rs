@@ -14,6 +14,7 @@
 //! its own unknown) and sinking are all that they can show, whichever way the base leans. `separate` axes are the two of
 //! the base that are nearest to the horizontal, made level.
 
+use super::robot_size::robot_size;
 use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission};
 use serde::{Deserialize, Serialize};
@@ -69,7 +70,9 @@ impl Effect for BaseCompliance {
     const ABOUT: &'static str = "the base tilts and sinks under the load that it carries";
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
-        let tilt = |name: String| Column::new(name, "rad/(N*m)", 1e-7).within(0.0, f64::INFINITY);
+        let tilt = |name: String| {
+            Column::new(name, "rad/(N*m)", 1e-7 / robot_size(chain)).within(0.0, f64::INFINITY)
+        };
         let mut columns = match self.tilt {
             Tilt::Isotropic => vec![tilt("tilt base".into())],
             Tilt::Separate => {
@@ -78,7 +81,8 @@ impl Effect for BaseCompliance {
             }
         };
         if self.sink {
-            columns.push(Column::new("sink base", "m/N", 1e-8).within(0.0, f64::INFINITY));
+            columns
+                .push(Column::new("sink base", "m/N", 1e-8 * robot_size(chain)).within(0.0, f64::INFINITY));
         }
         columns
     }

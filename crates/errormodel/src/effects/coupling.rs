@@ -14,6 +14,7 @@
 
 use super::checks::{joint_moves, refused};
 use super::expansion::Basis;
+use super::robot_size::robot_size;
 use super::travel::{ascending, free, travel};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
@@ -111,7 +112,7 @@ impl Effect for Coupling {
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let (joint, driver) = (chain.joint(self.joint), chain.joint(self.driver));
-        let expected = if joint.kind == JointKind::Prismatic { 5e-5 } else { 1e-4 };
+        let expected = if joint.kind == JointKind::Prismatic { 5e-5 * robot_size(chain) } else { 1e-4 };
         if self.mode == CouplingMode::Linkage {
             let name = format!("linkage {} by {}", joint.name, driver.name);
             return ["crank", "rod"]

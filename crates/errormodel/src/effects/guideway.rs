@@ -13,6 +13,7 @@
 
 use super::checks::{joint_moves, refused};
 use super::expansion::Basis;
+use super::robot_size::robot_size;
 use super::spot::distinct;
 use super::travel::{ascending, free, positive, travel};
 use crate::lanes::{LANES, LaneEmission, LanePosture};
@@ -121,13 +122,14 @@ impl Effect for Guideway {
             for k in 2..=self.basis(chain).len() {
                 let name = format!("guideway {} B{k}", chain.site_word(Site::Frame(frame, axis)));
                 // A good rail: 0.05 mm and 0.05 mrad over its travel.
-                columns.push(Column::new(name, axis.unit(), 5e-5));
+                let length = if axis.is_rotation() { 1.0 } else { robot_size(chain) };
+                columns.push(Column::new(name, axis.unit(), 5e-5 * length));
             }
         }
         if self.screw.is_some() {
             let name = &chain.joint(self.joint).name;
-            columns.push(Column::new(format!("screw {name} sin"), "m", 2e-5));
-            columns.push(Column::new(format!("screw {name} cos"), "m", 2e-5));
+            columns.push(Column::new(format!("screw {name} sin"), "m", 2e-5 * robot_size(chain)));
+            columns.push(Column::new(format!("screw {name} cos"), "m", 2e-5 * robot_size(chain)));
         }
         columns
     }

@@ -17,6 +17,7 @@
 //! Source: Tuttle, *Understanding and modeling the behavior of a harmonic drive* (1992), chapter 4.
 
 use super::checks::{joint_moves, refused};
+use super::robot_size::robot_size;
 use super::travel::{free, positive};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
@@ -70,13 +71,15 @@ impl Effect for LoadNonlinearity {
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
+        let size = robot_size(chain);
+        let typical = if joint.kind == JointKind::Prismatic { TYPICAL } else { TYPICAL * size };
         let (unit, load, linear) = match joint.kind {
-            JointKind::Prismatic => ("m", "N", 1e-7),
-            _ => ("rad", "(N*m)", 1e-5),
+            JointKind::Prismatic => ("m", "N", 1e-7 * size),
+            _ => ("rad", "(N*m)", 1e-5 / size),
         };
         // A fifth of the deflection by a typical load is not in proportion to it.
         let power = |&power: &u32| {
-            let scale = 0.2 * linear / TYPICAL.powi(power as i32 - 1);
+            let scale = 0.2 * linear / typical.powi(power as i32 - 1);
             Column::new(format!("load^{power} {}", joint.name), format!("{unit}/{load}^{power}"), scale)
         };
         let soft = || Column::new(format!("soft {}", joint.name), format!("{unit}/{load}"), 0.2 * linear);

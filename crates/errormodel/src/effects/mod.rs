@@ -28,6 +28,7 @@ mod shift;
 mod thermal;
 
 mod landmarks;
+mod robot_size;
 mod session;
 
 mod instrument;

@@ -15,6 +15,7 @@
 
 use super::checks::{bounded, joint_moves, refused};
 use super::expansion::Basis;
+use super::robot_size::robot_size;
 use super::travel::{ascending, free, positive, travel, within};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
@@ -135,7 +136,7 @@ impl Effect for Transmission {
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
         let joint = chain.joint(self.joint);
-        let scale = if joint.kind == JointKind::Prismatic { 2e-5 } else { 1e-4 };
+        let scale = if joint.kind == JointKind::Prismatic { 2e-5 * robot_size(chain) } else { 1e-4 };
         let column = |wave: &str, h: u32| {
             Column::new(format!("transmission {} {wave}{h}", joint.name), joint.unit(), scale)
         };
@@ -152,7 +153,11 @@ impl Effect for Transmission {
             self.harmonics.iter().flat_map(|&h| [column("sin", h), column("cos", h)]).collect();
         if self.by_load {
             // A hundred newton metres (a thousand newton) as large as the constant part.
-            let (load, per) = if joint.kind == JointKind::Prismatic { ("N", 1e-3) } else { ("N*m", 1e-2) };
+            let (load, per) = if joint.kind == JointKind::Prismatic {
+                ("N", 1e-3)
+            } else {
+                ("N*m", 1e-2 / robot_size(chain))
+            };
             let unit = format!("{}/({load})", joint.unit());
             for k in 0..columns.len() {
                 let name = format!("{} by load", columns[k].name);

@@ -3,7 +3,7 @@
 use std::hash::{Hash, Hasher};
 
 /// 128 mixed bits of some numbers: equal numbers give equal bits, and no collision is to be expected otherwise.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Mixed {
     a: u64,
     b: u64,

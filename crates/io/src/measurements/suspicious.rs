@@ -22,13 +22,15 @@ pub(super) struct ReadSoFar<'a> {
     pub backwards: Option<(u64, usize)>,
 }
 
+/// Warns; rows that are copies of others.
 pub(super) fn look(
     read: &ReadSoFar<'_>,
     chain: &Chain,
     data: &Dataset,
     (needs, info): (Needs, &CsvInfo),
     warnings: &mut Vec<Warning>,
-) {
+) -> Vec<usize> {
+    let mut copied = Vec::new();
     let header = &read.rows.header;
     look_at_columns(read, chain, warnings);
     let at = |line, column, message| told(read, line, column, message);
@@ -46,17 +48,19 @@ pub(super) fn look(
                 warnings.push(at(data.line[first], Some(k), message));
             }
         }
-        if let Some((row, of, count)) = copies(data) {
+        let copies = copies(data);
+        if let Some(&(row, of)) = copies.first() {
             let message = format!(
-                "is an exact copy of line {}{}; a copied row is not a repeated measurement, and leads to an underestimate of the noise",
+                "is an exact copy of line {}{} not used; a copied row is not a repeated measurement, and leads to an underestimate of the noise",
                 data.line[of],
-                match count {
-                    1 => String::new(),
-                    2 => ", and another row is a copy too".into(),
-                    n => format!(", and {} other rows are copies too", n - 1),
+                match copies.len() {
+                    1 => ": it is".into(),
+                    2 => ", and another row is a copy too: they are".into(),
+                    n => format!(", and {} other rows are copies too: they are", n - 1),
                 }
             );
             warnings.push(at(data.line[row], None, message));
+            copied = copies.into_iter().map(|(row, _)| row).collect();
         }
     }
     if let Some(grouping) = &info.grouping
@@ -83,6 +87,7 @@ pub(super) fn look(
             warnings.push(at(data.line[first], None, message));
         }
     }
+    copied
 }
 
 /// A warning about a row.

@@ -1,5 +1,6 @@
 //! A whole file: rows, visits, directions of approach, and what is suspicious about them.
 
+use super::copies::without;
 use super::header::{Header, Needs};
 use super::info::CsvInfo;
 use super::mapping::ColumnMap;
@@ -106,7 +107,13 @@ pub(crate) fn read_table(
     info.configurations = configuration.iter().max().map_or(0, |last| last + 1);
     info.grouping = Some(grouping(&data, chain, &configuration, dwell, numbered));
     let mut warnings = std::mem::take(&mut reader.warnings);
-    suspicious::look(&reader.read_so_far(), chain, &data, (needs, &info), &mut warnings);
+    let copied = suspicious::look(&reader.read_so_far(), chain, &data, (needs, &info), &mut warnings);
+    if !copied.is_empty() {
+        data = without(&data, &copied, &mut info);
+        let configuration = configurations(&data);
+        info.configurations = configuration.iter().max().map_or(0, |last| last + 1);
+        info.grouping = Some(grouping(&data, chain, &configuration, dwell, numbered));
+    }
     Ok(Table { data, header: reader.rows.header, info, warnings })
 }
 

@@ -85,3 +85,19 @@ fn what_an_interrupted_run_says_of_its_files_is_true() {
         }
     }
 }
+
+#[test]
+fn a_run_that_fails_leaves_no_empty_folder() {
+    let folder = Folder::with_data();
+    std::fs::create_dir(folder.file("mine")).unwrap();
+    let before = folder.names();
+    for report in ["page", "above/page", "mine"] {
+        let words =
+            format!("identify --robot robot.toml --data data.csv --certificate data.csv --report {report}");
+        folder.run(&words.split(' ').collect::<Vec<_>>()).ended(2);
+        let words = format!("discover --robot data.csv --data data.csv --rivals {report} --out fit.json");
+        folder.run(&words.split(' ').collect::<Vec<_>>()).ended(2);
+        // One that was there stays.
+        assert_eq!(folder.names(), before, "{report}");
+    }
+}

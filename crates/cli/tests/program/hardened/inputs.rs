@@ -75,3 +75,29 @@ fn data_in_the_folder_of_a_report_or_of_rivals_is_not_written_over() {
         std::fs::remove_file(folder.file(&data)).unwrap();
     }
 }
+
+#[test]
+fn the_table_beside_a_program_is_not_written_over_an_input() {
+    let folder = Folder::with_data();
+    folder
+        .run(&[
+            "identify",
+            "--robot",
+            "robot.toml",
+            "--data",
+            "data.csv",
+            "--folds",
+            "0",
+            "--out",
+            "fit.json",
+        ])
+        .ended(0);
+    folder.write("job.src", "DEF job( )\nPTP XP1\nEND\n");
+    folder.write("new.src.corrections.csv", "DEFDAT job\nDECL E6AXIS XP1={A1 50,A2 10,A3 8}\nENDDAT\n");
+    let before = folder.read("new.src.corrections.csv");
+    let words =
+        "compensate --fit fit.json --program job.src --with new.src.corrections.csv --mark --out new.src";
+    let run = folder.run(&words.split(' ').collect::<Vec<_>>()).ended(2);
+    assert!(run.log.contains("`new.src.corrections.csv` is what --with reads"), "{}", run.log);
+    assert_eq!(folder.read("new.src.corrections.csv"), before);
+}

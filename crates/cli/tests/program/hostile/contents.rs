@@ -48,9 +48,82 @@ const KINDS: &[(&str, &[&str])] = &[
     ("poses.csv", &["compensate --fit fit.json --poses bad.csv --out out.csv"]),
     ("plant.toml", &["simulate --plant bad.toml --out out.csv"]),
     ("page/run.json", &["verify page/bad.json"]),
+    // The verbs and files of upkeep, acceptance, sessions, landmarks and programs.
+    (
+        "two.json",
+        &[
+            "monitor --fit bad.json --session B --data data.csv",
+            "transfer --fit bad.json --data data.csv --out out.json",
+            "fleet bad.json fit.json fit.json fit.json --out out.json",
+            "plan --fit bad.json --session A --for monitor --out out.csv",
+            "iso9283 --fit bad.json --session A --data repeats.csv",
+            "predict --fit bad.json --data two.csv --out out.csv",
+        ],
+    ),
+    (
+        "two.csv",
+        &[
+            "identify --robot sessions.toml --data bad.csv --folds 0 --out out.json",
+            "monitor --fit fit.json --data bad.csv --base",
+            "transfer --fit fit.json --data bad.csv --tool --update --out out.json",
+            "predict --fit two.json --data bad.csv --out out.csv",
+        ],
+    ),
+    ("sessions.toml", &["identify --robot bad.toml --data two.csv --folds 0 --out out.json"]),
+    ("history.json", &["monitor --fit fit.json --data data.csv --history bad.json"]),
+    (
+        "prior.json",
+        &["identify --robot robot.toml --data data.csv --prior bad.json --folds 0 --out out.json"],
+    ),
+    (
+        "repeats.csv",
+        &[
+            "iso9283 --robot robot.toml --data bad.csv",
+            "iso9283 --fit fit.json --data bad.csv --align best-fit",
+            "iso9283 --robot robot.toml --data bad.csv --path",
+        ],
+    ),
+    (
+        "touched.csv",
+        &[
+            "identify --robot touched.toml --data bad.csv --folds 0 --out out.json",
+            "check --robot touched.toml --data bad.csv",
+        ],
+    ),
+    ("touched.toml", &["identify --robot bad.toml --data touched.csv --folds 0 --out out.json"]),
+    (
+        "head.toml",
+        &[
+            "identify --robot robot.toml --data data.csv --folds 0 --certificate bad.toml --report sheet",
+            "iso9283 --robot robot.toml --data repeats.csv --certificate bad.toml --report sheet",
+        ],
+    ),
+    (
+        "frames.toml",
+        &["compensate --fit fit.json --poses poses.csv --frames bad.toml --frame j1fixture --out out.csv"],
+    ),
+    ("job.src", &["compensate --fit heavy.json --program job.dat --with bad.src --mark --out out.dat"]),
+    ("job.dat", &["compensate --fit heavy.json --program bad.dat --with job.src --mark --out out.dat"]),
+    ("job.mod", &["compensate --fit heavy.json --program bad.mod --mark --out out.mod"]),
+    ("job.ls", &["compensate --fit heavy.json --program bad.ls --mark --out out.ls"]),
+    ("job.script", &["compensate --fit heavy.json --program bad.script --mark --out out.script"]),
 ];
 
-const OUTPUTS: &[&str] = &["out.json", "out.csv", "out.urdf", "out.yaml"];
+const OUTPUTS: &[&str] = &[
+    "out.json",
+    "out.csv",
+    "out.urdf",
+    "out.yaml",
+    "out.dat",
+    "out.dat.corrections.csv",
+    "out.mod",
+    "out.mod.corrections.csv",
+    "out.ls",
+    "out.ls.corrections.csv",
+    "out.script",
+    "out.script.corrections.csv",
+    "sheet",
+];
 
 /// A way to spoil a file.
 type Spoil = (&'static str, fn(&str) -> Vec<u8>);
@@ -213,13 +286,14 @@ fn every_kind_of_file_spoiled_in_every_way_is_read_or_refused() {
             for name in OUTPUTS {
                 let _ = std::fs::remove_file(folder.file(name));
             }
+            let _ = std::fs::remove_dir_all(folder.file("sheet"));
         }
         found
     };
-    // One kind a thread: each has a folder of its own.
+    // Each kind has a folder of its own.
     let found = std::thread::scope(|scope| {
         let threads: Vec<_> = KINDS.iter().map(|kind| scope.spawn(|| run_kind(kind))).collect();
         threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
     });
-    none(found, KINDS.len() * SPOILS.len(), 600);
+    none(found, KINDS.len() * SPOILS.len(), 1800);
 }

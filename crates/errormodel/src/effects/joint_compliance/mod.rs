@@ -27,6 +27,7 @@ pub use mode::ComplianceMode;
 use crate::effects::checks::{joint_moves, listed_once, refused};
 use crate::effects::geometric::EXPECTED_ANGLE;
 use crate::effects::link_compliance::OwnWeight;
+use crate::effects::robot_size::robot_size;
 use crate::effects::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
@@ -160,8 +161,8 @@ impl Effect for JointCompliance {
                 continue;
             }
             let (unit, scale) = match joint.kind {
-                JointKind::Prismatic => ("m/N", 1e-7),
-                _ => ("rad/(N*m)", 1e-5),
+                JointKind::Prismatic => ("m/N", 1e-7 * robot_size(chain)),
+                _ => ("rad/(N*m)", 1e-5 / robot_size(chain)),
             };
             let yields = Column::new(format!("compliance {}", joint.name), unit, scale);
             columns.push(yields.within(0.0, f64::INFINITY));

@@ -39,6 +39,7 @@ mod wide;
 pub use section::{OwnWeight, Section};
 
 use super::checks::{joint_moves, listed_once};
+use super::robot_size::robot_size;
 use super::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
@@ -132,7 +133,7 @@ impl Effect for LinkCompliance {
         self.for_each_joint(chain, |joint| {
             let name = &chain.joint(joint).name;
             // A tip force of 500 N makes it sag by a thousandth of its length.
-            let expected = 6e-6 / chain.link_length(joint).max(0.01).powi(2);
+            let expected = 6e-6 / chain.link_length(joint).max(0.01 * robot_size(chain)).powi(2);
             let planes: &[&str] =
                 if self.section == Section::General { &[" about its axis", " sideways"] } else { &[""] };
             let mut add = |name: String, unit: &str, scale: f64, lower: f64| {
