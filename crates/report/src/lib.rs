@@ -5,6 +5,7 @@ mod comparison;
 mod discovery;
 mod figure;
 mod identification;
+mod kinds;
 mod landmarks;
 mod largest;
 mod layout;
@@ -36,6 +37,7 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
+pub use kinds::{KindSummary, KindsSummary, SensorSummary};
 pub use landmarks::{KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
