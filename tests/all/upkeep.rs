@@ -2,9 +2,10 @@
 //! do not repeat exactly.
 
 use crate::plants::with_three_targets;
-use truepose_errormodel::effects::{Geometric, JointCompliance};
+use truepose_errormodel::effects::{Geometric, JointCompliance, Transmission};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
 use truepose_identify::{FitOptions, Folds, Residuals, Split, fit};
+use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, Placed, Pose, Target, samples};
 use truepose_simulate::description::{InstrumentSize, RepeatabilitySize};
 use truepose_simulate::{Campaign, Flaws, Observation, Plant, PlantOptions, flaws};
@@ -270,6 +271,16 @@ fn what_is_no_fleet_is_told() {
     let rigid = fit(&model, &data, &PivotedQr::default(), &FitOptions::default()).unwrap().fitted;
     let mixed = [arm.clone(), rigid, arm.clone(), arm];
     assert!(told(&mixed).contains("its model lacks `compliance"), "{}", told(&mixed));
+    // Sines of other periods have coefficients of one name.
+    let wave = |period: f64| {
+        let joint = here.joint_named("j2").unwrap();
+        let sine = Transmission { period: Some(period), ..Transmission::turning(joint, vec![1]) };
+        let model = ErrorModel::new(here.clone(), vec![Box::new(sine)]).unwrap();
+        let count = model.columns().len();
+        FittedModel::new(model, vec![1e-5; count], DMatrix::identity(count, count)).unwrap()
+    };
+    let mixed = [wave(0.1), wave(0.1), wave(0.2), wave(0.1)];
+    assert!(told(&mixed).contains("fit 3 is not of the type of fit 1: its model has `transmission {"));
     let prior = fleet(&mixed_of(&here)).unwrap().prior;
     let folds = Folds::new(&data, &Split::Random { folds: 2, seed: 0 }).unwrap();
     let error = sister(&prior, &other, &data, &folds, &|_| None).unwrap_err().to_string();

@@ -161,9 +161,11 @@ impl LandmarksSummary {
         text
     }
 
-    /// A table of all landmarks.
-    pub(crate) fn text(&self) -> String {
-        use Alignment::{Left, Right};
+    pub(crate) const HEAD: [&str; 7] =
+        ["landmark", "rows", "x, mm", "y, mm", "z, mm", "spread, mm", "held out, mm"];
+
+    /// A row a landmark, under [`Self::HEAD`].
+    pub(crate) fn cells(&self) -> Vec<Vec<String>> {
         let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |mm| significant(mm, 3));
         let row = |point: &LandmarkSummary| {
             let mut cells = vec![point.name.clone(), point.rows.to_string()];
@@ -172,8 +174,12 @@ impl LandmarksSummary {
             cells.push(number(point.held_out.map(|spread| spread.rms_mm)));
             cells
         };
-        let rows: Vec<Vec<String>> = self.points.iter().map(row).collect();
-        let header = ["landmark", "rows", "x, mm", "y, mm", "z, mm", "spread, mm", "held out, mm"];
-        table(&header, &[Left, Right, Right, Right, Right, Right, Right], &rows)
+        self.points.iter().map(row).collect()
+    }
+
+    /// A table of all landmarks.
+    pub(crate) fn text(&self) -> String {
+        use Alignment::{Left, Right};
+        table(&Self::HEAD, &[Left, Right, Right, Right, Right, Right, Right], &self.cells())
     }
 }

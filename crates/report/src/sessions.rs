@@ -45,11 +45,13 @@ pub fn session_summaries(
     names.iter().enumerate().map(one).collect()
 }
 
-/// A line a session; empty without sessions.
-pub(crate) fn text(sessions: &[SessionSummary]) -> String {
-    use Alignment::{Left, Right};
+pub(crate) const HEAD: [&str; 5] =
+    ["session", "poses", "nominal arm, mm", "with the fit, mm", "held out, mm"];
+
+/// A row a session, under [`HEAD`].
+pub(crate) fn cells(sessions: &[SessionSummary]) -> Vec<Vec<String>> {
     let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |mm| significant(mm, 3));
-    let rows: Vec<Vec<String>> = sessions
+    sessions
         .iter()
         .map(|session| {
             vec![
@@ -60,10 +62,14 @@ pub(crate) fn text(sessions: &[SessionSummary]) -> String {
                 number(session.held_out.map(|spread| spread.rms_mm)),
             ]
         })
-        .collect();
-    if rows.is_empty() {
+        .collect()
+}
+
+/// A line a session; empty without sessions.
+pub(crate) fn text(sessions: &[SessionSummary]) -> String {
+    use Alignment::{Left, Right};
+    if sessions.is_empty() {
         return String::new();
     }
-    let header = ["session", "poses", "nominal arm, mm", "with the fit, mm", "held out, mm"];
-    table(&header, &[Left, Right, Right, Right, Right], &rows)
+    table(&HEAD, &[Left, Right, Right, Right, Right], &cells(sessions))
 }

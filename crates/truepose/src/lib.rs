@@ -5,6 +5,8 @@
 pub use truepose_acceptance as acceptance;
 #[cfg(feature = "compensate")]
 pub use truepose_compensate as compensate;
+#[cfg(feature = "controllers")]
+pub use truepose_controllers as controllers;
 #[cfg(feature = "discover")]
 pub use truepose_discover as discover;
 pub use truepose_errormodel as errormodel;
@@ -17,6 +19,8 @@ pub use truepose_report as report;
 #[cfg(feature = "simulate")]
 pub use truepose_simulate as simulate;
 pub use truepose_solvers as solvers;
+#[cfg(feature = "upkeep")]
+pub use truepose_upkeep as upkeep;
 
 /// What most programs need: `use truepose::prelude::*`.
 pub mod prelude {

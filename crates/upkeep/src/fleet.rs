@@ -108,10 +108,22 @@ fn difference(first: &FittedModel, other: &FittedModel) -> Option<String> {
     if let Some(missing) = of_first.iter().find(|name| !own.contains(name)) {
         return Some(format!("its model lacks `{missing}`"));
     }
-    own.iter()
-        .zip(&of_first)
+    if let Some((own, _)) = own.iter().zip(&of_first).find(|(own, of_first)| own != of_first) {
+        return Some(format!("its model has `{own}` besides; identify all robots with one model"));
+    }
+    // Two sines of other periods have coefficients of one name, and no mean.
+    let settings = |fit: &FittedModel| -> Vec<String> {
+        fit.model()
+            .effects()
+            .iter()
+            .map(|effect| format!("`{} {}`", effect.kind(), effect.parameters()))
+            .collect()
+    };
+    settings(other)
+        .into_iter()
+        .zip(settings(first))
         .find(|(own, of_first)| own != of_first)
-        .map(|(own, _)| format!("its model has `{own}` besides; identify all robots with one model"))
+        .map(|(own, of_first)| format!("its model has {own}, that of fit 1 {of_first}; hold such parameters"))
 }
 
 /// λ = Σ_{i≠j} var(r_ij) / Σ_{i≠j} r_ij², between 0 and 1, over correlations r; `away` are deviations from the mean, robot by robot.

@@ -46,7 +46,7 @@ pub struct Unified {
 const ROUNDS: usize = 3;
 /// A session whose residual after its placement is so many times that of the best one, and above [`STRANGE`], is of another arm.
 const ANOTHER: f64 = 5.0;
-/// Residual of a placement with the nominal arm, in characteristic lengths, that no arm of this kind has (docs/files.md: `check` says so).
+/// Residual of a placement with the nominal arm, in characteristic lengths, that no arm of this kind has: three times what `check` doubts.
 const STRANGE: f64 = 0.03;
 /// Angle between two verticals, rad, at which weights change by a hundredth.
 const TILTED: f64 = 0.01;

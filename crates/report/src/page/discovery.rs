@@ -32,6 +32,8 @@ pub fn discovery_report(
     residual(&mut page, summary);
     let rows = rows(found, data, labels);
     page.section("Position errors");
+    page.landmarks(summary.landmarks.as_ref());
+    page.sessions(&summary.sessions);
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
     page.robot(found.fit.fitted.chain(), data, &rows, TITLES);
     page.joint_space(&rows, TITLES);

@@ -53,6 +53,8 @@ pub fn identification_report(
         Some(_) => "Each error is the prediction error of a model that was fitted without this row.",
         None => "Errors on the rows of the fit: no rows were held out.",
     });
+    page.landmarks(summary.landmarks.as_ref());
+    page.sessions(&summary.sessions);
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));
     page.robot(&found.placement.chain, data, &rows, TITLES);
     page.joint_space(&rows, TITLES);
@@ -130,6 +132,7 @@ fn verdict(page: &mut Page, summary: &IdentificationSummary) {
     let judged = |stage: &crate::StageSummary| stage.test_set.or(stage.held_out).unwrap_or(stage.train);
     let seen = match summary.stages.last() {
         Some(last) if last.test_set.is_some() => "on the held-out test set",
+        Some(last) if last.held_out.is_some() && summary.landmarks.is_some() => "on left-out landmarks",
         Some(last) if last.held_out.is_some() => "on held-out configurations",
         _ => "on the rows of the fit (no rows were held out)",
     };

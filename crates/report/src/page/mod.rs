@@ -6,6 +6,7 @@ mod comparison;
 mod discovery;
 mod identifiability;
 mod identification;
+mod installations;
 mod joint_space;
 mod parameters;
 mod places;

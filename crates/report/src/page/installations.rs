@@ -1,0 +1,23 @@
+//! Sessions and landmarks on a page: as in the terminal.
+
+use super::Page;
+use crate::{LandmarksSummary, SessionSummary, sessions};
+
+impl Page {
+    /// What each session leaves; nothing without sessions.
+    pub(crate) fn sessions(&mut self, sessions: &[SessionSummary]) {
+        if !sessions.is_empty() {
+            let caption = "Sessions, RMS of the 3-D position error";
+            self.table(caption, &sessions::HEAD, &sessions::cells(sessions), true);
+        }
+    }
+
+    /// The spread at each landmark; nothing without landmarks.
+    pub(crate) fn landmarks(&mut self, landmarks: Option<&LandmarksSummary>) {
+        if let Some(landmarks) = landmarks {
+            landmarks.sentences().lines().for_each(|sentence| self.text(sentence));
+            let caption = "Landmarks, RMS of the 3-D distance from their mean";
+            self.table(caption, &LandmarksSummary::HEAD, &landmarks.cells(), true);
+        }
+    }
+}
