@@ -16,6 +16,7 @@ mod jacobian;
 pub mod lanes;
 mod model;
 mod noise;
+pub mod observation;
 mod real;
 mod registry;
 mod signal;
@@ -24,10 +25,10 @@ mod term;
 pub mod testkit;
 
 pub use dataset::{
-    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, History, KnownDistance, LANDMARK,
-    Landmark, Measurement, Record, SESSION, Schema, Seen, SessionRules, Surroundings, Visits,
-    approach_from_order, configurations, follow, history_channel, history_of, is_derived, late_channel,
-    presliding, presliding_channel, presliding_of, step_channel, step_of, visits_from_rows,
+    CARRIED, Channel, Dataset, DatasetBuilder, Dwell, DwellTolerance, History, KIND, LANDMARK, Measurement,
+    RAY, Ray, Record, SENSOR, SESSION, Schema, Seen, SessionRules, VALUE, Visits, approach_from_order,
+    configurations, follow, history_channel, history_of, is_derived, late_channel, own_channel, presliding,
+    presliding_channel, presliding_of, step_channel, step_of, visits_from_rows,
 };
 pub use effect::{AnyEffect, Column, Effect, NonlinearParameter, Search, UNBOUNDED};
 pub use emission::{Emission, Entry};
@@ -41,6 +42,7 @@ pub use generalized::{GeneralizedErrors, error_matrix, error_matrix_first_order,
 pub use jacobian::ErrorJacobian;
 pub use model::{BoundModel, ErrorModel};
 pub use noise::{NoiseModel, SMALLEST_SD};
+pub use observation::{KnownDistance, Landmark, Surroundings};
 pub use real::RealPosture;
 pub use registry::EffectRegistry;
 pub use signal::Signal;

@@ -2,7 +2,7 @@
 
 use crate::effects::{
     Backlash, BaseCompliance, Coupling, Drift, Expansion, Geometric, Guideway, Instrument, JointCompliance,
-    Landmarks, LinkCompliance, LoadNonlinearity, Polynomial, Session, Shift, Thermal, Transmission,
+    Landmarks, LinkCompliance, LoadNonlinearity, Observed, Polynomial, Session, Shift, Thermal, Transmission,
 };
 use crate::{AnyEffect, Effect, ModelError};
 use serde_json::Value;
@@ -41,6 +41,7 @@ impl EffectRegistry {
             .with::<Thermal>()
             .with::<Drift>()
             .with::<Landmarks>()
+            .with::<Observed>()
             .with::<Session>()
             .with::<Shift>()
             .with::<Instrument>()

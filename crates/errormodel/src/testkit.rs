@@ -1,8 +1,10 @@
-//! The conformance kit for effects, ours and a stranger's: `check_effect(&effect, &robot)`.
+//! The conformance kit for effects and kinds of observation, ours and a stranger's: `check_effect(&effect, &robot)`,
+//! `check_observation(&observation)`.
 
+use crate::observation::{Observation, Reading};
 use crate::{Channel, Effect, EffectRegistry, Emission, Entry, ErrorModel, Schema};
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Conditions, Load, Payload, PostureBuffer};
+use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, rotation_vector};
 
 /// Checks what every effect promises, on this robot.
 ///
@@ -123,4 +125,84 @@ fn tried(chain: &Chain, k: usize, channels: usize) -> Conditions {
     conditions.channels = vec![20.0 + k as f64; channels];
     conditions.approach = (0..n).map(|j| if (j + k).is_multiple_of(2) { 1.0 } else { -1.0 }).collect();
     conditions
+}
+
+/// Checks what every kind of observation promises, at poses around it.
+///
+/// * as many numbers and derivatives as it declares, all finite;
+/// * expected sizes are positive, names differ;
+/// * H and K are the derivatives of h, against central differences;
+/// * a step of zero leaves it as it is.
+///
+/// # Panics
+/// When one of these does not hold: it is meant for tests.
+#[track_caller]
+pub fn check_observation(of: &dyn Observation) {
+    let unknowns = of.unknowns("it", 1.0);
+    for (k, column) in unknowns.iter().enumerate() {
+        assert!(column.scale.is_finite() && column.scale > 0.0, "expected size of `{}`", column.name);
+        assert!(!column.unit.is_empty() && column.name.contains("it"), "`{}`", column.name);
+        assert!(
+            unknowns[..k].iter().all(|other| other.name != column.name),
+            "two are called `{}`",
+            column.name
+        );
+    }
+    assert!((1..=2).contains(&of.numbers()), "one number a row, or two");
+    let read = |of: &dyn Observation, at: &Pose| {
+        let mut reading = Reading::default();
+        of.read(at, &mut reading).then_some(reading)
+    };
+    let mut tried = 0;
+    for at in scattered(12) {
+        let Some(here) = read(of, &at) else { continue };
+        tried += 1;
+        assert_eq!(
+            (here.value.len(), here.by_pose.len(), here.by_own.len()),
+            (of.numbers(), of.numbers(), of.numbers())
+        );
+        assert!(here.by_own.iter().all(|own| own.len() == unknowns.len()), "K has a column for each unknown");
+        let same = read(&*of.moved(&vec![0.0; unknowns.len()]), &at);
+        assert!(same.is_some_and(|same| (same.value[0] - here.value[0]).abs() < 1e-9), "no step moves it");
+        const STEP: f64 = 1e-5;
+        let close =
+            |plus: Option<Reading>, minus: Option<Reading>, what: &str, has: &dyn Fn(usize) -> f64| {
+                let (Some(plus), Some(minus)) = (plus, minus) else { panic!("cannot see {what}") };
+                for k in 0..of.numbers() {
+                    let difference = (plus.value[k] - minus.value[k]) / (2.0 * STEP);
+                    let size = 1.0 + difference.abs();
+                    assert!((has(k) - difference).abs() < 1e-6 * size, "{what}: {} for {difference}", has(k));
+                }
+            };
+        for axis in 0..6 {
+            let moved = |by: f64| {
+                let mut to = at;
+                match axis {
+                    0..3 => to.translation[axis] += by,
+                    _ => to.rotation = rotation_vector(&(Vector3::ith(axis - 3, by))) * at.rotation,
+                }
+                read(of, &to)
+            };
+            close(moved(STEP), moved(-STEP), &format!("pose {axis}"), &|k| here.by_pose[k][axis]);
+        }
+        for own in 0..unknowns.len() {
+            let moved = |by: f64| {
+                let mut step = vec![0.0; unknowns.len()];
+                step[own] = by;
+                read(&*of.moved(&step), &at)
+            };
+            close(moved(STEP), moved(-STEP), &unknowns[own].name, &|k| here.by_own[k][own]);
+        }
+    }
+    assert!(tried > 0, "nothing can be observed at any pose");
+}
+
+/// Poses about the origin, a metre around it, for tests of observations: always the same.
+pub fn scattered(count: usize) -> Vec<Pose> {
+    let wave = |k: usize, seed: f64| (seed * (k as f64 + 1.0) * 12.9898).sin();
+    let pose = |k: usize| {
+        let turn = Vector3::new(wave(k, 1.1), wave(k, 2.3), wave(k, 3.7));
+        Pose::new(rotation_vector(&turn), Vector3::new(wave(k, 0.7), wave(k, 1.9), 0.8 * wave(k, 3.1)))
+    };
+    (0..count).map(pose).collect()
 }

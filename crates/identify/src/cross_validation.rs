@@ -275,8 +275,9 @@ impl Work<'_> {
             for (&value, &(row, component)) in block.rows.iter().zip(block.source) {
                 let Some(place) = rows.iter().position(|&r| r == row) else { continue };
                 let entry = &mut residuals[start + place];
-                match &mut entry.2 {
-                    Some(turn) if component >= 3 => turn[component - 3] = value,
+                match (&mut entry.2, self.data.ray(row)) {
+                    (_, Some(w)) => entry.1 = w * (value / w.norm_squared()),
+                    (Some(turn), _) if component >= 3 => turn[component - 3] = value,
                     _ => entry.1[component] = value,
                 }
             }

@@ -44,7 +44,7 @@ impl Freedom {
         let mut all = Freedom::default();
         for rows in &visits.rows {
             for axis in 0..3 {
-                let seen = rows.iter().filter(|&&row| !data.position[row][axis].is_nan()).count();
+                let seen = rows.iter().filter(|&&row| data.seen(row).position[axis]).count();
                 all.between += f64::from(u8::from(seen > 0));
                 all.within += seen.saturating_sub(1) as f64;
             }

@@ -7,7 +7,8 @@ use crate::{
     repeats,
 };
 use nalgebra::DMatrix;
-use truepose_errormodel::effects::{Geometric, Landmarks, Session, Where};
+use std::any::Any;
+use truepose_errormodel::effects::{Geometric, Landmarks, Observed, Session, Where};
 use truepose_errormodel::{AnyEffect, Dataset, Effect, ErrorModel, FittedModel, Visits};
 use truepose_kinematics::{Chain, FrameId};
 use truepose_solvers::{PivotedQr, Solver};
@@ -151,7 +152,9 @@ fn steps(
     let placed = &placement.chain;
     begin(Step::FramesOnly)?;
     let groups = landmark_groups(effects);
-    let nominal = if placement.found.is_empty() && groups.is_none() {
+    let own = [Landmarks::FAMILY, Observed::FAMILY];
+    let found_here = effects.iter().any(|effect| own.contains(&effect.kind()));
+    let nominal = if placement.found.is_empty() && !found_here {
         Some(nominal_residuals(placed, train)?)
     } else {
         None
@@ -271,14 +274,20 @@ pub fn as_found(
 
 /// Errors of the installation, and of the further ones that sessions have.
 fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn AnyEffect>> {
-    let touched = effects.iter().any(|effect| effect.kind() == Landmarks::FAMILY);
+    let own = [Landmarks::FAMILY, Observed::FAMILY];
+    let touched = effects.iter().any(|effect| own.contains(&effect.kind()));
+    let base = effects.iter().any(|effect| {
+        let geometric = (&**effect as &dyn Any).downcast_ref::<Geometric>();
+        geometric
+            .is_some_and(|of| of.frames.as_ref().is_none_or(|all| all.contains(&Where::Frame(FrameId::BASE))))
+    });
     let mut own = frames_only(placed);
-    if let Some(frames) = own.frames.as_mut().filter(|_| touched) {
-        // The base has no place, or that which other rows have found.
+    if let Some(frames) = own.frames.as_mut().filter(|_| touched && !base) {
+        // The base has no place.
         frames.retain(|place| *place != Where::Frame(FrameId::BASE));
     }
     let mut all: Vec<Box<dyn AnyEffect>> = vec![Box::new(own)];
-    let of_installation = [Session::FAMILY, Landmarks::FAMILY];
+    let of_installation = [Session::FAMILY, Landmarks::FAMILY, Observed::FAMILY];
     all.extend(effects.iter().filter(|effect| of_installation.contains(&effect.kind())).cloned());
     all
 }

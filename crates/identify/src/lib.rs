@@ -47,7 +47,9 @@ pub use freedom::Freedom;
 pub use identification::{
     AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
 };
-pub use landmarks::{LandmarkFold, Touched, landmark_cross_validation, landmark_groups, touched};
+pub use landmarks::{
+    LandmarkFold, SensorFound, Touched, landmark_cross_validation, landmark_groups, leverages, touched,
+};
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};

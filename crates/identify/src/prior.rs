@@ -24,7 +24,8 @@
 //! | u = Qᵀ Σ^{−1/2} β | the most likely errors in prior units | p |
 //! | γ_j = (Qᵀ H Q)_jj | how much of u_j the data decides, 0…1 | p |
 //!
-//! None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
+//! Unknowns that are counted from where an earlier fit has found them, places of landmarks and unknowns of sensors, have a width that holds them to
+//! nothing. None gets narrower than κ: what the data leaves open would seem to be known to be nothing. And a kind of few unknowns is held no closer
 //! than ten expected sizes: what the many others are like says nothing of a gap or a spring, and one or two of them say too little
 //! about what is usual.
 
@@ -32,7 +33,8 @@ use crate::IdentifyError;
 use crate::evidence::{Evidence, LEAST, MOST};
 use crate::reduction::Reduction;
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::ErrorModel;
+use truepose_errormodel::effects::{Landmarks, Observed};
+use truepose_errormodel::{Effect, ErrorModel};
 use truepose_solvers::accumulator::{Factor, Triangular};
 use truepose_solvers::kernels::{cholesky_lower, gram, solve_lower_many};
 
@@ -88,7 +90,9 @@ impl Prior {
             PriorStrength::Fixed(kappa) => kappa,
             PriorStrength::Evidence | PriorStrength::VarianceGroups => START,
         };
-        Self::wide(model, reduction, kappa, vec![1.0; kinds(model).1])
+        let recentred = recentred(model);
+        let widths = recentred.into_iter().map(|flat| if flat { FLAT } else { 1.0 }).collect();
+        Self::wide(model, reduction, kappa, widths)
     }
 
     /// With these widths of the kinds.
@@ -225,7 +229,8 @@ impl Prior {
             *decided += members.column(column).norm_squared() - open.column(column).norm_squared();
         }
         let mut widths = self.widths.clone();
-        for (width, (columns, squares, decided)) in widths.iter_mut().zip(sums) {
+        let adapted = widths.iter_mut().zip(sums).zip(recentred(model)).filter(|(_, flat)| !flat);
+        for ((width, (columns, squares, decided)), _) in adapted {
             let least = if columns <= FEW { (LOOSE / self.kappa).max(1.0) } else { 1.0 };
             // A kind of which the data decides next to nothing has no size to be seen.
             let seen = if decided > LEAST_DECIDED { *width * (squares / decided).sqrt() } else { *width };
@@ -283,6 +288,21 @@ fn kinds(model: &ErrorModel) -> (Vec<usize>, usize) {
     }
     let count = known.len();
     (of, count)
+}
+
+/// Places of landmarks and unknowns of sensors are taken from where an earlier fit has found them: that they are near zero there says nothing
+/// of how well they are known, and they are held by so many of their expected sizes, which is nothing.
+const FLAT: f64 = 1e3;
+
+/// For each kind: whether its unknowns are counted from where they were found.
+fn recentred(model: &ErrorModel) -> Vec<bool> {
+    let (kinds, count) = kinds(model);
+    let mut flat = vec![false; count];
+    for (column, kind) in kinds.into_iter().enumerate() {
+        let family = model.effects()[model.effect_of(column)].kind();
+        flat[kind] = [Landmarks::FAMILY, Observed::FAMILY].contains(&family);
+    }
+    flat
 }
 
 /// Columns, in sum, of which the data has to decide before their kind's width is looked at.

@@ -139,7 +139,7 @@ pub fn within_dwell(residuals: &Residuals, data: &Dataset) -> Option<(f64, usize
     let (mut squares, mut freedom) = (0.0, 0);
     for rows in &Visits::of(data).rows {
         let mut of_target: BTreeMap<_, Vec<Vector3<f64>>> = BTreeMap::new();
-        for &row in rows.iter().filter(|&&row| residuals.distance(row).is_some()) {
+        for &row in rows.iter().filter(|&&row| repeatable(residuals, data, row)) {
             of_target.entry(data.target[row]).or_default().push(residuals.position[row]);
         }
         for values in of_target.values() {
@@ -149,6 +149,11 @@ pub fn within_dwell(residuals: &Residuals, data: &Dataset) -> Option<(f64, usize
         }
     }
     (freedom > 0 && squares > 0.0).then(|| ((3.0 * squares / freedom as f64).sqrt(), freedom))
+}
+
+/// Whether a row measured a whole position: what was measured along one direction is no repeat of what was measured along another.
+fn repeatable(residuals: &Residuals, data: &Dataset, row: usize) -> bool {
+    residuals.distance(row).is_some() && data.ray(row).is_none()
 }
 
 /// Pose measurements of one configuration, by their number: joints within the tolerance of a dwell and the same load.
@@ -228,7 +233,7 @@ fn of_group(residuals: &Residuals, data: &Dataset, visits: &Visits, group: &[usi
     let mut contrasts = Vec::new();
     for &visit in group {
         let mut here: BTreeMap<Option<usize>, (f64, Vector3<f64>)> = BTreeMap::new();
-        for &row in visits.rows[visit].iter().filter(|&&row| residuals.distance(row).is_some()) {
+        for &row in visits.rows[visit].iter().filter(|&&row| repeatable(residuals, data, row)) {
             let own = here.entry(data.target[row].map(|t| t.0)).or_insert((0.0, Vector3::zeros()));
             own.0 += 1.0;
             own.1 += residuals.position[row];

@@ -77,7 +77,8 @@ impl ResidualVariance {
         let (mut between, mut within) = (0.0, 0.0);
         for rows in &visits.rows {
             for axis in 0..3 {
-                let values = rows.iter().map(|&row| fit.residuals.position[row][axis]);
+                let values =
+                    rows.iter().filter_map(|&row| data.number(row, &fit.residuals.position[row], axis));
                 let (mut sum, mut squares, mut n) = (0.0, 0.0, 0.0);
                 values.filter(|v| v.is_finite()).for_each(|v| {
                     (sum, squares, n) = (sum + v, squares + v * v, n + 1.0);

@@ -9,7 +9,7 @@ use truepose_errormodel::{Dataset, FittedModel, Visits};
 use truepose_kinematics::{Conditions, rotation_log};
 use truepose_solvers::order::{quantile, sorted};
 
-/// Residuals of each row: measured − predicted, in the measurement frame.
+/// Residuals of each row: measured − predicted, in the measurement frame; of a row that measured one number the part along its direction.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Residuals {
     /// m; NaN for a component that was not measured.
@@ -47,7 +47,7 @@ impl Residuals {
         for row in 0..data.len() {
             data.conditions_into(row, &mut conditions);
             let pose = predictor.predict(&conditions, data.target[row]);
-            residuals.position.push(data.measured_position(row) - pose.translation);
+            residuals.position.push(data.away(row, &pose.translation));
             residuals
                 .orientation
                 .push(data.measured_rotation(row).map(|r| rotation_log(&(r * pose.rotation.transpose()))));

@@ -39,8 +39,10 @@ pub fn estimate_noise(
         for axis in 0..3 {
             let members: Vec<(f64, f64)> = rows
                 .iter()
-                .filter(|&&row| residuals.position[row][axis].is_finite())
-                .map(|&row| (residuals.position[row][axis], stated(data.position_sd[row][axis])))
+                .filter_map(|&row| {
+                    let number = data.number(row, &residuals.position[row], axis)?;
+                    number.is_finite().then(|| (number, stated(data.position_sd[row][axis])))
+                })
                 .collect();
             if !members.is_empty() {
                 axes.push(members);

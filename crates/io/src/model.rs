@@ -344,7 +344,7 @@ driver = "d2"
                 error("family = \"geometrc\""),
                 "m.toml:2:10: unknown effect family `geometrc`; did you mean `geometric`? \
                  (known: backlash, base_compliance, coupling, drift, expansion, geometric, guideway, instrument, joint_compliance, \
-                 landmarks, link_compliance, load_nonlinearity, polynomial, session, shift, thermal, transmission)",
+                 landmarks, link_compliance, load_nonlinearity, observed, polynomial, session, shift, thermal, transmission)",
             ),
             (error("frames = [\"base\"]"), "m.toml:1:1: [[effects]] 1 lacks `family`; add it"),
             (

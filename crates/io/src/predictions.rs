@@ -29,11 +29,13 @@ pub struct Repeated {
     pub visits: bool,
     /// Targets.
     pub targets: bool,
+    /// Sessions, by the names of [`PredictionsWriter::with_sessions`].
+    pub sessions: bool,
 }
 
 /// Predicted rows, block after block, in the order of the data. The file appears with [`PredictionsWriter::finish`].
 ///
-/// Besides `x[m],y[m],z[m]`, `qw,qx,qy,qz`, `within_95[m]` and `extrapolates` each row repeats its name, its visit (by the file's own number), its joints in rad and m, and its
+/// Besides `x[m],y[m],z[m]`, `qw,qx,qy,qz`, `within_95[m]` and `extrapolates` each row repeats its name, its visit (by the file's own number), its session, its joints in rad and m, and its
 /// target, where the data has them.
 #[derive(Debug)]
 pub struct PredictionsWriter<'a> {
@@ -42,6 +44,8 @@ pub struct PredictionsWriter<'a> {
     table: TableWriter,
     /// The controller's values of the movable joints, of one row.
     values: Vec<f64>,
+    /// Names of the sessions.
+    sessions: Vec<String>,
 }
 
 impl<'a> PredictionsWriter<'a> {
@@ -57,6 +61,9 @@ impl<'a> PredictionsWriter<'a> {
         if repeated.visits {
             header.push("visit".into());
         }
+        if repeated.sessions {
+            header.push("session".into());
+        }
         header.extend(chain.movable().iter().map(|&joint| {
             let joint = chain.joint(joint);
             format!("{}[{}]", joint.name, si_unit(joint.kind).word)
@@ -67,7 +74,14 @@ impl<'a> PredictionsWriter<'a> {
         let said = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz", "within_95[m]", "extrapolates"];
         header.extend(said.map(String::from));
         let table = TableWriter::create(path.as_ref(), &header)?;
-        Ok(PredictionsWriter { chain, repeated, table, values: vec![0.0; chain.movable().len()] })
+        let values = vec![0.0; chain.movable().len()];
+        Ok(PredictionsWriter { chain, repeated, table, values, sessions: Vec::new() })
+    }
+
+    /// With the names of the data's sessions, by their number.
+    #[must_use]
+    pub fn with_sessions(self, names: &[String]) -> Self {
+        PredictionsWriter { sessions: names.to_vec(), ..self }
     }
 
     /// One row for each row of the data. `labels` are the file's numbers of the data's visits, `ids` its names of the rows.
@@ -87,6 +101,9 @@ impl<'a> PredictionsWriter<'a> {
             }
             if self.repeated.visits {
                 table.integer(labels.get(data.visit[row]).copied().unwrap_or(data.visit[row] as i64));
+            }
+            if self.repeated.sessions {
+                table.text(self.sessions.get(data.session(row)).map_or("", String::as_str));
             }
             self.values.iter_mut().zip(&data.joints).for_each(|(value, column)| *value = column[row]);
             self.chain.joints_to_controller(&mut self.values);
@@ -134,8 +151,9 @@ pub fn write_predictions(
         ids: info.ids.len() == data.len(),
         visits: !info.visit_labels.is_empty(),
         targets: data.target.iter().any(Option::is_some),
+        sessions: !info.sessions.is_empty(),
     };
-    let mut file = PredictionsWriter::create(path, chain, repeated)?;
+    let mut file = PredictionsWriter::create(path, chain, repeated)?.with_sessions(&info.sessions);
     file.write(data, (&info.visit_labels, &info.ids), predicted)?;
     file.finish()
 }

@@ -25,6 +25,8 @@ pub enum Quantity {
     Temperature,
     /// 1, %.
     Ratio,
+    /// px.
+    Pixels,
 }
 
 impl Quantity {
@@ -39,6 +41,7 @@ impl Quantity {
             Quantity::Time => "a time",
             Quantity::Temperature => "a temperature",
             Quantity::Ratio => "a plain number",
+            Quantity::Pixels => "a place in an image",
         }
     }
 
@@ -70,7 +73,7 @@ const fn unit(word: &'static str, quantity: Quantity, multiply: f64, divide: f64
     Unit { word, quantity, multiply, divide, offset }
 }
 
-static UNITS: [Unit; 20] = [
+static UNITS: [Unit; 21] = [
     unit("m", Quantity::Length, 1.0, 1.0, 0.0),
     unit("mm", Quantity::Length, 1.0, 1e3, 0.0),
     unit("um", Quantity::Length, 1.0, 1e6, 0.0),
@@ -91,6 +94,7 @@ static UNITS: [Unit; 20] = [
     unit("K", Quantity::Temperature, 1.0, 1.0, -273.15),
     unit("1", Quantity::Ratio, 1.0, 1.0, 0.0),
     unit("%", Quantity::Ratio, 1.0, 100.0, 0.0),
+    unit("px", Quantity::Pixels, 1.0, 1.0, 0.0),
 ];
 
 impl Unit {

@@ -102,6 +102,9 @@ pub struct DiscoverySummary {
     /// Spread at landmarks, where some were touched.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landmarks: Option<crate::LandmarksSummary>,
+    /// Each kind of observation, where rows measured single numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kinds: Option<crate::KindsSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -191,6 +194,7 @@ impl DiscoverySummary {
             specification: None,
             sessions: Vec::new(),
             landmarks: None,
+            kinds: None,
             parameters: None,
             settings,
         }

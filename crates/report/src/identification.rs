@@ -89,6 +89,9 @@ pub struct IdentificationSummary {
     /// Spread at landmarks, where some were touched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub landmarks: Option<crate::LandmarksSummary>,
+    /// Each kind of observation, where rows measured single numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kinds: Option<crate::KindsSummary>,
     /// Uncertainty budget of one measured position about its prediction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<crate::BudgetSummary>,
@@ -263,6 +266,7 @@ impl IdentificationSummary {
             specification: None,
             sessions: Vec::new(),
             landmarks: None,
+            kinds: None,
             budget: crate::BudgetSummary::of_identification(found, data).ok(),
             parameters: None,
         };

@@ -6,6 +6,7 @@ mod discovery;
 mod explanation;
 mod figure;
 mod identification;
+mod kinds;
 mod landmarks;
 mod largest;
 mod layout;
@@ -38,6 +39,7 @@ pub use identification::{
     GroupSummary, IdentificationSummary, NoiseSummary, NonlinearParameterSummary, PlacementSummary,
     StageSummary,
 };
+pub use kinds::{KindSummary, KindsSummary, SensorSummary};
 pub use landmarks::{KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};

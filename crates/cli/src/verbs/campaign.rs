@@ -2,12 +2,14 @@
 
 use crate::failure::Failure;
 use crate::terminal;
+use std::any::Any;
 use std::path::Path;
+use truepose_errormodel::observation::{Camera, KINDS, Sphere, unknown};
 use truepose_errormodel::{AnyEffect, Dataset, FittedModel, Installed, Landmark, Surroundings};
-use truepose_identify::{FitOptions, LandmarkFold, Residuals, Touched, touched, unify};
+use truepose_identify::{Fit, FitOptions, LandmarkFold, Residuals, Touched, leverages, touched, unify};
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
 use truepose_kinematics::Chain;
-use truepose_report::{LandmarksSummary, SessionSummary, session_summaries};
+use truepose_report::{KindsSummary, LandmarksSummary, SessionSummary, session_summaries};
 use truepose_solvers::Solver;
 
 /// Rows, robot and effects of a fit.
@@ -90,39 +92,110 @@ impl Campaign {
         Ok(session_summaries(&names, &self.placed, &self.data, &residuals, held_out))
     }
 
-    /// Spread at each landmark and known distances: none without landmarks.
+    /// Spread at each landmark and known distances: none without landmarks that were touched.
     pub fn landmarks(
         &self,
         fitted: &FittedModel,
         held_out: Option<&Residuals>,
         folds: &[LandmarkFold],
     ) -> Result<Option<LandmarksSummary>, Failure> {
-        let Some(found) = &self.touched else { return Ok(None) };
+        let Some(found) = self.touched.as_ref().filter(|found| !found.names.is_empty()) else {
+            return Ok(None);
+        };
         let residuals = Residuals::of(fitted, &self.data)?;
         let moved = fitted.landmarks_displaced().unwrap_or_default();
         Ok(Some(LandmarksSummary::new(found, &moved, &self.data, (&residuals, held_out), folds)))
     }
+
+    /// What each kind of observation leaves; none where no row measured a single number. `before` are residuals with the installation alone.
+    pub fn kinds(
+        &self,
+        fit: &Fit,
+        before: Option<&Residuals>,
+        held_out: Option<&Residuals>,
+    ) -> Result<Option<KindsSummary>, Failure> {
+        let Some(found) = self.touched.as_ref().filter(|found| !found.sensors.is_empty()) else {
+            return Ok(None);
+        };
+        let residuals = Residuals::of(&fit.fitted, &self.data)?;
+        let moved = fit.fitted.sensors_moved().unwrap_or_default();
+        let shares = leverages(fit, &self.data)?;
+        Ok(Some(KindsSummary::new(found, &moved, &self.data, (before, &residuals, held_out), &shares)))
+    }
 }
 
-/// What the robot file says of the landmarks of a table; where it names none, all of them are unknown points. The rows count as it does.
+/// What the robot file says of the landmarks of a table; where it names none, all of them are unknown. The rows count as it does.
 fn declared(robot: &Path, file: &Path, data: &mut Dataset, info: &CsvInfo) -> Result<Surroundings, Failure> {
     let mut known = robot_surroundings(robot)?;
-    if known.landmarks.is_empty() {
-        let point = |name: &String| Landmark { name: name.clone(), position: None, known: false };
+    let undeclared = known.landmarks.is_empty();
+    if undeclared {
+        let point = |name: &String| Landmark { name: name.clone(), ..Landmark::default() };
         known.landmarks = info.landmarks.iter().map(point).collect();
     }
     let mut numbers = Vec::new();
     for (k, name) in info.landmarks.iter().enumerate() {
-        let Some(number) = known.landmarks.iter().position(|landmark| landmark.name == *name) else {
-            let row = (0..data.len()).find(|&row| data.landmark(row) == Some(k)).unwrap_or(0);
+        let rows = (0..data.len()).filter(|&row| data.landmark(row) == Some(k));
+        let first = rows.clone().next().unwrap_or(0);
+        let refused = |row: usize, words: String| {
             let line = data.line.get(row).map_or(String::new(), |line| format!("{line}: "));
-            let names: Vec<&str> = known.landmarks.iter().map(|landmark| landmark.name.as_str()).collect();
-            return Err(Failure::Input(format!(
-                "{}:{line}the robot file has no landmark `{name}`; declare it in [[landmarks]] (its landmarks: {})",
-                file.display(),
-                names.join(", ")
-            )));
+            Failure::Input(format!("{}:{line}{words}", file.display()))
         };
+        let Some(number) = known.landmarks.iter().position(|landmark| landmark.name == *name) else {
+            let names: Vec<&str> = known.landmarks.iter().map(|landmark| landmark.name.as_str()).collect();
+            let words = format!(
+                "the robot file has no landmark `{name}`; declare it in [[landmarks]] (its landmarks: {})",
+                names.join(", ")
+            );
+            return Err(refused(first, words));
+        };
+        let word = |row: usize| data.kind(row).map_or("same_point", |kind| KINDS[kind]);
+        let kind = word(first);
+        if let Some(other) = rows.clone().find(|&row| word(row) != kind) {
+            let words = format!(
+                "landmark `{name}` is of kind `{}` here and of kind `{kind}` before; give each its own name",
+                word(other)
+            );
+            return Err(refused(other, words));
+        }
+        let landmark = &mut known.landmarks[number];
+        let described = landmark.observed.as_ref().map(|observed| observed.kind());
+        match (data.kind(first), described) {
+            (None, None) => {}
+            // A ball may be touched as a point as well.
+            (None, Some(Sphere::KIND)) => landmark.observed = None,
+            (Some(_), Some(described)) if described == kind => {}
+            (Some(number), None) => {
+                landmark.observed = unknown(number, landmark.position, landmark.known);
+                if landmark.observed.is_none() {
+                    let words = format!(
+                        "camera `{name}` has to be declared in [[cameras]] of the robot file, with fx, fy, cx, cy"
+                    );
+                    return Err(refused(first, words));
+                }
+            }
+            (_, Some(described)) => {
+                let words = format!(
+                    "landmark `{name}` is a `{described}` in the robot file, and the row is of kind `{kind}`"
+                );
+                return Err(refused(first, words));
+            }
+        }
+        let observed = landmark.observed.as_deref().map(|observed| observed as &dyn Any);
+        if let Some(Camera { size: Some(size), .. }) = observed.and_then(|observed| observed.downcast_ref()) {
+            for row in rows.clone() {
+                for (which, limit) in size.iter().enumerate() {
+                    let value = data.scalar(row, which).unwrap_or(0.0);
+                    if !(0.0..=*limit).contains(&value) {
+                        let column = ["u[px]", "v[px]"][which];
+                        let words = format!(
+                            "column `{column}`: {value} is outside of the image of camera `{name}` ({} × {} px)",
+                            size[0], size[1]
+                        );
+                        return Err(refused(row, words));
+                    }
+                }
+            }
+        }
         numbers.push(number);
     }
     let of_row: Vec<Option<usize>> =

@@ -68,7 +68,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     };
     let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
     let bar = Bar::spinner(watch);
-    let mut found = diagnose(chain, declared, data, &*solver, &options, &|step| match step {
+    let found = diagnose(chain, declared, data, &*solver, &options, &|step| match step {
         Progress::Interim(so_far) => {
             let (out, origin) = (args.out.clone(), origin.clone());
             let result = folder.as_ref().map(Folder::result);
@@ -85,12 +85,15 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     drop(bar);
     let mut summary = DiscoverySummary::new(&found, settings);
     summary.sessions = campaign.sessions(&found.fit.fitted, None)?;
+    let mut left_out = None;
     if let Some(groups) = landmark_groups(declared) {
         let of_fit = (&*solver, &options.fit);
         let judged = landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?;
         let (held_out, folds) = judged.map_or((None, Vec::new()), |(of, folds)| (Some(of.residuals), folds));
         summary.landmarks = campaign.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
+        left_out = held_out;
     }
+    summary.kinds = campaign.kinds(&found.fit, None, left_out.as_ref())?;
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
@@ -113,10 +116,11 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, data);
     }
-    found.fit.fitted = campaign.used(&found.fit.fitted)?;
-    parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
+    // Pages are of the whole fit; its file is of the robot alone.
+    let mut used = campaign.used(&found.fit.fitted)?;
+    parameters::record_details(&mut used, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
-        summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
+        summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
@@ -130,8 +134,8 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         })?;
     }
     if let Some(out) = &args.out {
-        origin.write(&mut found.fit.fitted, true);
-        files.add(out, fit_json(out, &found.fit.fitted)?.as_bytes())?;
+        origin.write(&mut used, true);
+        files.add(out, fit_json(out, &used)?.as_bytes())?;
     }
     let rivals = match &args.rivals {
         Some(folder) => add_rivals(&mut files, folder, &found.competitors)?,

@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use crate::watch::Watch;
 use truepose_errormodel::{Dataset, Visits, configurations};
-use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
+use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify, landmark_groups};
 use truepose_io::{WholeFiles, check_writable, fit_json, read_measurements};
 use truepose_report::{IdentificationSummary, identification_report};
 
@@ -52,10 +52,15 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     let solver = args.solver.build();
     let campaign = Campaign::of(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
     let Campaign { chain, effects, data, .. } = &campaign;
+    let whole = landmark_groups(effects).is_some();
+    if whole && args.holdout.is_some() {
+        let words = "--holdout: rows that share a landmark are left out together, one landmark after the other, so that no test set is drawn from them; leave out --holdout";
+        return Err(Failure::Input(words.into()));
+    }
     // Shown with the result, or with the error where there is none.
     let suspected = suspected(chain, data, &args.measured.data);
     let progress = Progress::steps(Step::ALL.len(), watch);
-    let mut found =
+    let found =
         identify(chain, effects, data, &*solver, &options, &|step| progress.begin(progress_text(step)))
             .map_err(|error| {
                 terminal::warn(suspected.as_slice());
@@ -79,10 +84,13 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     summary.sessions = campaign.sessions(&found.fit.fitted, held_out)?;
     let landmarks = campaign.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
     summary = summary.with_landmarks(landmarks);
-    found.fit.fitted = campaign.used(&found.fit.fitted)?;
-    parameters::record_details(&mut found.fit.fitted, &args.measured.robot.robot)?;
+    let before = Some(&found.frames_only.train);
+    summary = summary.with_kinds(campaign.kinds(&found.fit, before, held_out)?, whole);
+    // Pages are of the whole fit; its file is of the robot alone.
+    let mut used = campaign.used(&found.fit.fitted)?;
+    parameters::record_details(&mut used, &args.measured.robot.robot)?;
     if args.parameters.is_some() || args.report.is_some() || args.json {
-        summary.parameters = Some(parameters::parameters(&found.fit.fitted.clone().of_robot()));
+        summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }
     let mut files = WholeFiles::default();
     if let Some((path, summary)) = args.parameters.as_ref().zip(summary.parameters.as_ref()) {
@@ -96,11 +104,11 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
         })?;
     }
     if let Some(out) = &args.out {
-        let provenance = &mut found.fit.fitted.provenance;
+        let provenance = &mut used.provenance;
         origin(provenance, &summary.solver, summary.rows);
         provenance.insert("seed".into(), args.seed.into());
         provenance.insert("structure_frozen_then_all_rows".into(), args.holdout.is_some().into());
-        files.add(out, fit_json(out, &found.fit.fitted)?.as_bytes())?;
+        files.add(out, fit_json(out, &used)?.as_bytes())?;
     }
     files.finish()?;
     if args.json {

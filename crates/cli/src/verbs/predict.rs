@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use truepose_compensate::radius_95;
-use truepose_errormodel::{Coverage, Dataset, FittedModel};
+use truepose_errormodel::{Coverage, Dataset, FittedModel, SESSION};
 use truepose_identify::{Residuals, Spread, Tally};
 use truepose_io::{
     MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, Repeated, WholeFiles,
@@ -52,6 +52,7 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     let warnings = targets_seen(&fitted, &data)
         .map_err(|words| Failure::Input(format!("{}: {words}", args.data.display())))?;
     terminal::warn(&warnings);
+    let sessions = data.sessions().map(<[f64]>::to_vec);
     let parts = parts(&fitted, &mut data, &info, args.session.as_deref(), &args.data)?;
     let (mut predicted, mut beyond) = (Vec::new(), beyond::Tally::default());
     let mut residuals = Residuals::default();
@@ -69,7 +70,6 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     in_order(&parts, &mut predicted);
     in_order(&parts, &mut residuals.position);
     in_order(&parts, &mut residuals.orientation);
-    let inputs = &data;
     let (position, orientation) = (residuals.positions(), residuals.orientations());
     if let Some(folder) = &folder {
         let view = PredictionView {
@@ -90,8 +90,9 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
         files.finish()?;
         terminal::log(&format!("wrote {}", folder.page().display()));
     }
+    data.set_sessions(sessions);
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
-    Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, inputs)
+    Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &data)
 }
 
 /// Brings values that stand session by session into the order of the rows.
@@ -169,7 +170,7 @@ fn by_blocks(
     let mut reader = MeasurementsReader::open(&args.data, chain, options).ok()?;
     let size = reader.progress().1;
     let empty = Dataset { schema: reader.schema().clone(), ..Dataset::default() };
-    let known = fitted.bind(reader.schema()).is_ok();
+    let known = fitted.bind(reader.schema()).is_ok() && reader.schema().channel(SESSION).is_none();
     if size < LARGE || !known || matches!(empty.derived_for(fitted.model()), Err(_) | Ok(Cow::Owned(_))) {
         return None;
     }
@@ -177,7 +178,7 @@ fn by_blocks(
     let progress = Progress::bytes(size, watch);
     progress.show("predicting");
     let (visits, targets) = reader.names();
-    let repeated = Repeated { ids: reader.has_ids(), visits, targets };
+    let repeated = Repeated { ids: reader.has_ids(), visits, targets, sessions: false };
     let mut file = PredictionsWriter::create(&args.out, chain, repeated).ok()?;
     let (mut position, mut orientation) = (Tally::keeping(EXACT), Tally::keeping(EXACT));
     let (mut block, mut rows) = (Dataset::default(), 0);

@@ -24,6 +24,7 @@ mod invariance;
 mod landmarks;
 mod limits;
 mod mistakes;
+mod observations;
 mod one_voice;
 mod output;
 mod page;

@@ -54,6 +54,16 @@ fn three_installations_are_as_good_as_one() {
     }
     let predict = ["predict", "--fit", "fit.json", "--data", "held.csv", "--out", "p.csv"];
     let apart = rms(&folder, &predict);
+    // Predictions say whose they are.
+    let column = |text: &str| -> Vec<String> {
+        let mut lines = text
+            .lines()
+            .filter(|line| !line.starts_with('#'))
+            .map(|line| line.split(',').collect::<Vec<_>>());
+        let at = lines.next().unwrap().iter().position(|cell| *cell == "session").unwrap();
+        lines.map(|cells| cells[at].to_owned()).collect()
+    };
+    assert_eq!(column(&folder.read("p.csv")), column(&folder.read("held.csv")));
     // The same rows in one installation.
     let plain = folder.read("data.csv");
     let rows: Vec<&str> = plain.lines().skip(1).collect();

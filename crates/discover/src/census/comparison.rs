@@ -77,8 +77,8 @@ pub(crate) fn compared(
             let pushes =
                 detail.coefficients[0] <= -options.policy.negative_compliance * detail.first_deviation;
             let wide = detail.distribution.width > options.policy.wide;
-            let physical = !(candidate.has_limit(Limit::FirstNotNegative) && pushes)
-                && !(candidate.has_limit(Limit::BoundedWidth) && wide);
+            let physical = !(pushes && candidate.has_limit(Limit::FirstNotNegative)
+                || wide && candidate.has_limit(Limit::BoundedWidth));
             (physical && score < 0.0).then_some(Competitor { candidate, detail, score, prior })
         })
         .collect();
@@ -171,6 +171,11 @@ fn moved(linearisation: &Linearisation<'_>, candidate: &Candidate, part: f64) ->
             let end = if part < 0.0 { lower } else { upper };
             candidate.with_value(value * (end.ln() * part.abs()).exp())
         }
+        Refinement::Within([lower, upper]) => {
+            let end = if part < 0.0 { lower } else { upper };
+            candidate.with_value(value + (end - value) * part.abs())
+        }
+        Refinement::Edge(joint) => candidate.with_value(value + part * linearisation.travel(joint)? / 64.0),
         Refinement::Grid => None,
     }
 }

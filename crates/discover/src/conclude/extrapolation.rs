@@ -157,7 +157,7 @@ fn last_in_time(data: &Dataset) -> Option<Parted> {
     // Of every session and every landmark: an installation or a place that was not seen cannot be predicted.
     let mut places = BTreeMap::<_, Vec<usize>>::new();
     for (visit, rows) in visits.rows.iter().enumerate() {
-        let place = rows.first().map(|&row| (data.session(row), data.landmark(row)));
+        let place = rows.first().map(|&row| (data.session(row), data.landmark(row), data.sensor(row)));
         places.entry(place).or_default().push(visit);
     }
     let mut left_out = vec![false; visits.len()];

@@ -204,7 +204,12 @@ pub(crate) fn distances(linearisation: &Linearisation<'_>, residual: &[f64]) -> 
             seen[o.row] += 1;
         }
     }
-    squares.iter().zip(&seen).map(|(&s, &n)| if n == 3 { s } else { f64::NAN }).collect()
+    let of = |row: usize| match (linearisation.data.ray(row), seen[row]) {
+        (Some(w), 1) => squares[row] / w.norm_squared(),
+        (None, 3) => squares[row],
+        _ => f64::NAN,
+    };
+    (0..squares.len()).map(of).collect()
 }
 
 /// The measured numbers' residuals as rows.
@@ -214,7 +219,9 @@ pub(crate) fn as_residuals(linearisation: &Linearisation<'_>, residual: &DVector
         orientation: vec![None; linearisation.data.len()],
     };
     for (o, &r) in linearisation.observations.iter().zip(residual.iter()) {
-        if o.component < 3 {
+        if let Some(w) = linearisation.data.ray(o.row).filter(|_| o.component == 0) {
+            rows.position[o.row] = w * (r / w.norm_squared());
+        } else if o.component < 3 {
             rows.position[o.row][o.component] = r;
         } else {
             rows.orientation[o.row].get_or_insert_with(Vector3::zeros)[o.component - 3] = r;

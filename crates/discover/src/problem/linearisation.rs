@@ -120,11 +120,14 @@ impl<'a> Linearisation<'a> {
                 let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
                 let matrix = jacobian.matrix(chain);
                 let difference = data.measured_position(row) - jacobian.point();
+                let ray = data.ray(row);
+                let along = ray.map(|w| w.transpose() * matrix.fixed_rows::<3>(0));
                 let turn = data
                     .measured_rotation(row)
                     .map(|measured| rotation_log(&(measured * real.tool().rotation.transpose())));
                 for component in 0..6 {
                     let residual = match component {
+                        0 if let Some(w) = &ray => w.dot(&difference),
                         0..3 if seen.position[component] => difference[component],
                         3.. => match turn {
                             Some(turn) => turn[component - 3],
@@ -133,13 +136,17 @@ impl<'a> Linearisation<'a> {
                         _ => continue,
                     };
                     linearisation.observations.push(Observation { row, component, visit });
-                    linearisation.sites.extend(matrix.row(component).iter());
+                    let levers = |site: usize| match (&along, component) {
+                        (Some(along), 0) => along[site],
+                        _ => matrix[(component, site)],
+                    };
+                    linearisation.sites.extend((0..site_count).map(levers));
                     let start = flat.len();
                     flat.resize(start + kept.len(), 0.0);
                     for entry in rest.emission().entries() {
                         if place[entry.column] != usize::MAX {
                             flat[start + place[entry.column]] +=
-                                entry.value * matrix[(component, chain.site_index(entry.site))];
+                                entry.value * levers(chain.site_index(entry.site));
                         }
                     }
                     let explained: f64 =

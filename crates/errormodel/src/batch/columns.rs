@@ -39,7 +39,7 @@ impl Lanes<'_> {
     }
 
     /// Levers of the sites that columns which count speak of, and the measurements.
-    fn ready(&mut self, data: &Dataset, counts: impl Fn(usize) -> bool) {
+    fn ready(&mut self, data: &Dataset, counts: impl Fn(usize) -> bool + Copy) {
         let chain = self.bound.model().chain();
         let Fill { frames, measured, .. } = &mut self.fill;
         frames.clear();
@@ -64,7 +64,53 @@ impl Lanes<'_> {
             }
         }
         self.fill.rows = self.rows.len();
+        self.look_along(data, counts);
         self.fill.turned = self.rows.iter().any(|&row| data.orientation[row].is_some());
+    }
+
+    /// What rows that measured one number see along their directions.
+    fn look_along(&mut self, data: &Dataset, counts: impl Fn(usize) -> bool) {
+        let along = &mut self.fill.along;
+        along.any = false;
+        let Some(rays) = data.rays() else { return };
+        let has = |&row: &usize| rays.iter().any(|ray| ray[row] != 0.0);
+        along.any = self.rows.iter().any(has);
+        if !along.any {
+            return;
+        }
+        let (rows, store) = (self.rows.len(), &self.store);
+        along.direction.clear();
+        along.direction.resize(3 * LANES, 0.0);
+        for (lane, row) in self.rows.iter().enumerate() {
+            for (k, ray) in rays.iter().enumerate() {
+                let plain = if k == 0 { 1.0 } else { 0.0 };
+                along.direction[k * LANES + lane] = if has(row) { ray[*row] } else { plain };
+            }
+        }
+        let project = |into: &mut [f64], direction: &[f64], of: &dyn Fn(usize, usize) -> f64| {
+            for lane in 0..rows {
+                into[lane] = (0..3).map(|k| direction[k * LANES + lane] * of(k, lane)).sum();
+            }
+            into[rows..].fill(0.0);
+        };
+        along.point.resize(LANES, 0.0);
+        along.measured.resize(LANES, 0.0);
+        project(&mut along.point, &along.direction, &|k, lane| store.row(store.point() + k)[lane]);
+        let measured = &self.fill.measured;
+        project(&mut along.measured, &along.direction, &|k, lane| measured[k * LANES + lane]);
+        let sites = self.bound.model().chain().site_count();
+        along.levers.resize(sites * LANES, 0.0);
+        let mut known = vec![false; sites];
+        for entry in self.emission.entries.iter().filter(|entry| counts(entry.column as usize)) {
+            let site = store.index(entry.site);
+            let Some(first) =
+                store.of_site(entry.site, 0).filter(|_| !std::mem::replace(&mut known[site], true))
+            else {
+                continue;
+            };
+            let into = &mut along.levers[site * LANES..][..LANES];
+            project(into, &along.direction, &|k, lane| store.row(first + k)[lane]);
+        }
     }
 
     /// A component of the block, as [`Lanes::columns`] made it.

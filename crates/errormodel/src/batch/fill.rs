@@ -37,6 +37,30 @@ pub(super) struct Fill {
     pub(super) rows: usize,
     /// Whether any orientation was measured.
     pub(super) turned: bool,
+    /// Where some row measured one number along a direction: what such a row sees, in the place of x.
+    pub(super) along: Along,
+}
+
+/// Rows that measured one number: their first component is that along their direction; of other rows it is x.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Along {
+    /// Whether there are any in the block.
+    pub(super) any: bool,
+    /// w of each lane: `LANES` numbers a component; (1, 0, 0) where no direction was measured along.
+    pub(super) direction: Vec<f64>,
+    /// w·p and w·P.
+    pub(super) point: Vec<f64>,
+    pub(super) measured: Vec<f64>,
+    /// w·J_e of the sites that count, `LANES` numbers a site.
+    pub(super) levers: Vec<f64>,
+}
+
+impl Along {
+    /// The lever of a site.
+    #[inline(always)]
+    pub(super) fn lever(&self, site: usize) -> &[f64] {
+        &self.levers[site * LANES..][..LANES]
+    }
 }
 
 pub(super) struct Left<'a> {
@@ -55,9 +79,14 @@ impl WithSimd for Left<'_> {
         let vectors = fill.rows.div_ceil(S::F64_LANES);
         let turn = rotations(simd, store, fill);
         for (component, into) in into.chunks_exact_mut(LANES).take(6).enumerate() {
+            let along = component == 0 && fill.along.any;
             if component < 3 {
-                let point = store.row(store.point() + component);
-                let measured = &fill.measured[component * LANES..][..LANES];
+                let (point, measured) = match along {
+                    true => (&*fill.along.point, &*fill.along.measured),
+                    false => {
+                        (store.row(store.point() + component), &fill.measured[component * LANES..][..LANES])
+                    }
+                };
                 into.iter_mut().zip(measured).zip(point).for_each(|((into, y), p)| *into = y - p);
             } else {
                 into.copy_from_slice(&turn[(component - 3) * LANES..][..LANES]);
@@ -72,7 +101,8 @@ impl WithSimd for Left<'_> {
                     continue;
                 }
                 let Some(row) = store.of_site(store.site(site), component) else { continue };
-                let lever = S::as_simd_f64s(store.row(row)).0;
+                let lever = if along { fill.along.lever(site) } else { store.row(row) };
+                let lever = S::as_simd_f64s(lever).0;
                 let same = simd.splat_f64s(same);
                 for v in 0..vectors {
                     let by = match lanes {
@@ -112,6 +142,7 @@ impl WithSimd for Columns<'_> {
                 fill.numbers[component].clear();
                 continue;
             }
+            let along = component == 0 && fill.along.any;
             let alike = weight[..rows].iter().all(|&w| is_one(w));
             let numbers = &mut fill.numbers[component];
             numbers.resize((fill.slots.len() + 1) * LANES, 0.0);
@@ -123,8 +154,11 @@ impl WithSimd for Columns<'_> {
                 if fill.values[value.0 as usize] {
                     continue;
                 }
-                let zero =
-                    *fill.known[row].get_or_insert_with(|| store.row(row)[..rows].iter().all(|&v| v == 0.0));
+                let lever = if along { fill.along.lever(store.index(site)) } else { store.row(row) };
+                let zero = match along {
+                    true => lever[..rows].iter().all(|&v| v == 0.0),
+                    false => *fill.known[row].get_or_insert_with(|| lever[..rows].iter().all(|&v| v == 0.0)),
+                };
                 if zero {
                     continue;
                 }
@@ -134,7 +168,7 @@ impl WithSimd for Columns<'_> {
                     active.push(place);
                 }
                 let into = &mut into[fill.slots[place] * width..][..vectors];
-                let lever = &S::as_simd_f64s(store.row(row)).0[..vectors];
+                let lever = &S::as_simd_f64s(lever).0[..vectors];
                 let value = match value == LaneEmission::ONE {
                     true => None,
                     false => Some(&S::as_simd_f64s(emission.numbers(value)).0[..vectors]),
@@ -161,8 +195,13 @@ impl WithSimd for Columns<'_> {
             }
             let last = &mut into[active.len() * width..][..vectors];
             if component < 3 {
-                let measured = S::as_simd_f64s(&fill.measured[component * LANES..][..LANES]).0;
-                let point = S::as_simd_f64s(store.row(store.point() + component)).0;
+                let (measured, point) = match along {
+                    true => (&*fill.along.measured, &*fill.along.point),
+                    false => {
+                        (&fill.measured[component * LANES..][..LANES], store.row(store.point() + component))
+                    }
+                };
+                let (measured, point) = (S::as_simd_f64s(measured).0, S::as_simd_f64s(point).0);
                 for v in 0..vectors {
                     last[v] = simd.mul_f64s(simd.sub_f64s(measured[v], point[v]), weight[v]);
                 }

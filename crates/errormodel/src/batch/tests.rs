@@ -1,10 +1,10 @@
 use super::Lanes;
 use crate::effects::{
     BaseCompliance, Basis, Expansion, Factor, Geometric, Guideway, Input, JointCompliance, LinkCompliance,
-    OwnWeight, Place, Polynomial, Section, Transmission, WrenchComponent,
+    Observed, OwnWeight, Place, Polynomial, Section, Sensor, Transmission, Unknown, WrenchComponent,
 };
 use crate::lanes::LANES;
-use crate::{AnyEffect, Dataset, Equilibrium, ErrorJacobian, ErrorModel, Schema};
+use crate::{AnyEffect, Dataset, Equilibrium, ErrorJacobian, ErrorModel, Ray, Schema};
 use nalgebra::Vector3;
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::pulp::Arch;
@@ -70,12 +70,14 @@ fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64], arch: Arch) {
         let mut want = vec![[0.0; 6]; model.columns().len() + 1];
         for entry in rest.emission().entries() {
             let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
+            let p = data.ray(row).map_or(p, |w| Vector3::new(w.dot(&p), 0.0, 0.0));
             for k in 0..3 {
                 want[entry.column][k] += 2.0 * entry.value * p[k];
                 want[entry.column][k + 3] += 2.0 * entry.value * r[k];
             }
         }
         let away = data.measured_position(row) - jacobian.point();
+        let away = data.ray(row).map_or(away, |w| Vector3::new(w.dot(&away), 0.0, 0.0));
         let last = want.len() - 1;
         (0..3).for_each(|k| want[last][k] = 2.0 * away[k]);
         if let Some(measured) = data.measured_rotation(row) {
@@ -145,6 +147,43 @@ fn models(chain: &Chain) -> Vec<ErrorModel> {
         beams(Section::General, OwnWeight::Free),
     ];
     effects.into_iter().map(|effects| ErrorModel::new(chain.clone(), effects).unwrap()).collect()
+}
+
+/// Rows that measured one number beside rows that measured a pose.
+#[test]
+fn rows_along_a_direction_agree_with_single_rows() {
+    for chain in [samples::ur10(), samples::heavy(), samples::pps()] {
+        let mut data = data(&chain, 20);
+        let ray = |row: usize| {
+            let turn = row as f64;
+            row.is_multiple_of(3).then(|| Ray {
+                direction: Vector3::new(turn.cos(), turn.sin(), 0.3) * 0.7,
+                position: Vector3::new(0.4, 0.01 * turn, 0.2),
+                sensor: row % 2,
+                own: vec![0.3 + turn, -1.0],
+            })
+        };
+        let rays: Vec<Option<Ray>> = (0..data.len()).map(ray).collect();
+        for (row, ray) in rays.iter().enumerate() {
+            if ray.is_some() {
+                data.orientation[row] = None;
+            }
+        }
+        data.set_rays(Some(&rays));
+        let unknown = |name: &str| Unknown { name: name.into(), unit: "m".into(), scale: 0.01 };
+        let sensor = |name: &str| Sensor {
+            name: name.into(),
+            unknowns: vec![unknown(name), unknown(&(name.to_owned() + "2"))],
+        };
+        let observed = Observed { sensors: vec![sensor("a"), sensor("b")] };
+        let effects: Vec<Box<dyn AnyEffect>> =
+            vec![Box::new(Geometric::default()), Box::new(JointCompliance::default()), Box::new(observed)];
+        let model = ErrorModel::new(chain.clone(), effects).unwrap();
+        for size in [0.0, 0.1] {
+            let coefficients: Vec<f64> = model.columns().iter().map(|column| size * column.scale).collect();
+            levels().into_iter().for_each(|arch| check(&model, &data, &coefficients, arch));
+        }
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //! | `tau_3~lag=600`, `work_3~lag=600`, `travel_3~lag=600`, `working_300~lag=600` | what was carried, done, moved and paused ([`History`](super::History)) | joints, load and `time` of all poses |
 //! | `session~` ([`SESSION`]) | number of the installation, 0… | the column `session` |
 //! | `landmark~` ([`LANDMARK`]) | number of the landmark that was touched, 1…; 0: none | the columns `kind`, `landmark` |
+//! | `kind~`, `value~…`, `ray~…`, `sensor~`, `own~…` | observation of one number ([`Ray`](super::Ray)) | `kind`, `landmark` and measured scalars |
 //! | `payload` ([`CARRIED`]) | the mass that is declared to be carried, kg; none is zero | the load |
 //!
 //! They are made at fit time and wherever a fit is used, so that no file has to hold them.
@@ -15,6 +16,7 @@
 use super::landmark::LANDMARK;
 use super::late::LATE;
 use super::presliding::presliding_of;
+use super::ray::of_observation;
 use super::schema::Channel;
 use super::session::SESSION;
 use super::step::step_of;
@@ -29,6 +31,7 @@ pub fn is_derived(channel: &str) -> bool {
     channel == CARRIED
         || channel == SESSION
         || channel == LANDMARK
+        || of_observation(channel)
         || channel.contains(LATE)
         || presliding_of(channel).is_some()
         || step_of(channel).is_some()

@@ -1,44 +1,12 @@
-//! Landmarks: rows whose target touched one point of the surroundings, wherever that is.
+//! Landmarks: what rows share beside the robot, as a point of the surroundings that a target touched, wherever that is.
 //!
 //! The landmark of a row is a channel, [`LANDMARK`]: 0 where something else was measured, k for the k-th landmark. The measured position of
 //! such a row is where the landmark is taken to be; what is left of that is an unknown ([`crate::effects::Landmarks`]).
 
 use super::table::Dataset;
-use nalgebra::Vector3;
 
 /// The channel of the landmark's number. No file can have a column of this name, and no cause is looked for in it.
 pub const LANDMARK: &str = "landmark~";
-
-/// A point of the surroundings that the robot touched.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Landmark {
-    /// Its name.
-    pub name: String,
-    /// Where it is, m, measurement frame; none where nobody knows.
-    pub position: Option<Vector3<f64>>,
-    /// Whether that is exact: then its rows are measured positions.
-    pub known: bool,
-}
-
-/// A distance between two landmarks that was measured otherwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KnownDistance {
-    /// Which landmarks, by number.
-    pub between: [usize; 2],
-    /// m.
-    pub value: f64,
-    /// Its standard deviation, m; zero where it is exact.
-    pub sd: f64,
-}
-
-/// What a robot file says about its surroundings.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Surroundings {
-    /// The landmarks.
-    pub landmarks: Vec<Landmark>,
-    /// Distances between them.
-    pub distances: Vec<KnownDistance>,
-}
 
 impl Dataset {
     /// The landmark that a row touched, by its number from zero; none where something else was measured.

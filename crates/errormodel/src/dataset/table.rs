@@ -46,7 +46,7 @@ pub struct Dataset {
     pub record: Option<Record>,
 }
 
-/// Which three components of a position, and whether the orientation, were measured.
+/// Which three components of a position (of one number along a direction: the first), and whether the orientation, were measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Seen {
     /// x, y, z.
@@ -75,10 +75,11 @@ impl Dataset {
 
     /// What was measured in a row.
     pub fn seen(&self, row: usize) -> Seen {
-        Seen {
-            position: self.position[row].map(|v| !v.is_nan()),
-            orientation: self.orientation[row].is_some(),
-        }
+        let position = match self.ray(row) {
+            Some(_) => [true, false, false],
+            None => self.position[row].map(|v| !v.is_nan()),
+        };
+        Seen { position, orientation: self.orientation[row].is_some() }
     }
 
     /// The measured position, m, with NaN for what was not measured.

@@ -6,7 +6,7 @@
 //! | what yields under load | [`JointCompliance`], [`LinkCompliance`], [`BaseCompliance`], [`LoadNonlinearity`] |
 //! | what a joint does beyond what it reports | [`Transmission`], [`Backlash`], [`Coupling`], [`Guideway`] |
 //! | what changes with time and temperature | [`Thermal`], [`Drift`], [`Shift`] |
-//! | the surroundings | [`Landmarks`] |
+//! | the surroundings | [`Landmarks`], [`Observed`] |
 //! | another installation | [`Session`] |
 //! | what the measurement adds | [`Instrument`] |
 //! | what is only data | [`Expansion`], [`Polynomial`] |
@@ -17,6 +17,7 @@ mod base_compliance;
 mod joint_compliance;
 mod link_compliance;
 mod load_nonlinearity;
+mod observed;
 
 mod backlash;
 mod coupling;
@@ -53,6 +54,7 @@ pub use joint_compliance::{ComplianceMode, JointCompliance};
 pub use landmarks::{Landmarks, Point, Tied};
 pub use link_compliance::{LinkCompliance, OwnWeight, Section};
 pub use load_nonlinearity::LoadNonlinearity;
+pub use observed::{Observed, Sensor, Unknown};
 pub use polynomial::{GroupedError, Order, Polynomial, WrenchComponent, WrenchOf};
 pub use session::{Own, Session};
 pub use shift::Shift;

@@ -2,7 +2,8 @@
 
 use super::model::{Fallback, FittedModel};
 use super::sample::Sample;
-use crate::effects::Landmarks;
+use crate::dataset::of_observation;
+use crate::effects::{Landmarks, Observed};
 use crate::{AnyEffect, Effect, ErrorModel, LANDMARK, ModelError};
 use nalgebra::{DMatrix, Vector3};
 use std::any::Any;
@@ -18,42 +19,57 @@ impl FittedModel {
         Some((0..effect.points.len()).map(|point| effect.displaced(point, own)).collect())
     }
 
-    /// The robot alone: landmarks are no part of it, and no channel is read for them. The covariance of what stays is the marginal one; rows
-    /// of the sample stand where their landmark is.
+    /// The unknowns of each sensor, as the fit has moved them from where the data has them; none without sensors.
+    pub fn sensors_moved(&self) -> Option<Vec<Vec<f64>>> {
+        let model = self.model();
+        let (at, effect) = model.effects().iter().enumerate().find_map(|(k, effect)| {
+            (&**effect as &dyn Any).downcast_ref::<Observed>().map(|effect| (k, effect))
+        })?;
+        let own = &self.coefficients()[model.columns_of(at)];
+        Some((0..effect.sensors.len()).map(|sensor| own[effect.columns_of(sensor)].to_vec()).collect())
+    }
+
+    /// The robot alone: landmarks and sensors are no part of it, and no channel is read for them. The covariance of what stays is the marginal
+    /// one; rows of the sample stand where their landmark is.
     ///
     /// # Errors
     /// When the remaining effects do not fit the robot, which cannot be where they did.
     pub fn without_landmarks(&self) -> Result<Self, ModelError> {
         let model = self.model();
-        let landmark = |k: usize| model.effects()[model.effect_of(k)].kind() == Landmarks::FAMILY;
+        let own = [Landmarks::FAMILY, Observed::FAMILY];
+        let landmark = |k: usize| own.contains(&model.effects()[model.effect_of(k)].kind());
         let kept: Vec<usize> = (0..self.coefficients().len()).filter(|&k| !landmark(k)).collect();
-        if kept.len() == self.coefficients().len() {
+        let hidden = |name: &str| name == LANDMARK || of_observation(name);
+        if !model.effects().iter().any(|effect| own.contains(&effect.kind()))
+            && !self.channels.iter().any(|channel| hidden(&channel.name))
+        {
             return Ok(self.clone());
         }
         let effects: Vec<Box<dyn AnyEffect>> =
-            model.effects().iter().filter(|effect| effect.kind() != Landmarks::FAMILY).cloned().collect();
+            model.effects().iter().filter(|effect| !own.contains(&effect.kind())).cloned().collect();
         let all = self.covariance();
         let covariance = DMatrix::from_fn(kept.len(), kept.len(), |i, j| all[(kept[i], kept[j])]);
         let coefficients = kept.iter().map(|&k| self.coefficients()[k]).collect();
         let model = ErrorModel::new(self.chain().clone(), effects)?;
         let mut alone = FittedModel::new(model, coefficients, covariance)?.like(self);
         alone.sessions.clone_from(&self.sessions);
-        if let Some(k) = alone.channels.iter().position(|channel| channel.name == LANDMARK) {
+        while let Some(k) = alone.channels.iter().position(|channel| hidden(&channel.name)) {
             alone.channels.remove(k);
             if k < alone.domain.channels.len() {
                 alone.domain.channels.remove(k);
             }
         }
+        let mut rows = self.domain.sample.rows().clone();
         if let Some(displaced) = self.landmarks_displaced() {
-            let mut rows = self.domain.sample.rows().clone();
             for row in 0..rows.len() {
                 if let Some(by) = rows.landmark(row).and_then(|k| displaced.get(k)) {
                     rows.position[row] = (rows.measured_position(row) + by).into();
                 }
             }
-            rows.set_landmarks(None);
-            alone.domain.sample = Sample::stored(rows, self.domain.sample.drawn_from());
         }
+        rows.set_landmarks(None);
+        rows.forget_observations();
+        alone.domain.sample = Sample::stored(rows, self.domain.sample.drawn_from());
         alone.fallback = match &self.fallback {
             Some(fallback) => {
                 let declared = std::sync::Arc::new(fallback.declared.without_landmarks()?);

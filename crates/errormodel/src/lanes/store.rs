@@ -120,6 +120,15 @@ impl Store {
         }
     }
 
+    /// As [`Chain::site_index`].
+    #[inline(always)]
+    pub fn index(&self, site: Site) -> usize {
+        match site {
+            Site::Frame(frame, axis) => 6 * frame.0 + axis.index(),
+            Site::Target(target, axis) => 6 * self.frames + 3 * target.0 + axis.direction(),
+        }
+    }
+
     /// A frame in a lane: where it is, and its axes.
     pub fn frame(&self, frame: usize, lane: usize) -> Pose {
         let (axes, place) = (self.behind(frame), self.place(frame));

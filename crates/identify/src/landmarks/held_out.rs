@@ -7,10 +7,12 @@
 //! The place of a landmark is known from its own rows only, so that rows that share it are left out together. What is left is precision at
 //! this place; accuracy shows in distances between landmarks.
 
+use super::found_in::found_in;
 use crate::{CrossValidation, Fit, FitOptions, Folds, IdentifyError, Residuals, fit};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
-use truepose_errormodel::{Dataset, FittedModel, Visits};
+use truepose_errormodel::effects::Observed;
+use truepose_errormodel::{Dataset, FittedModel, Visits, own_channel};
 use truepose_kinematics::Conditions;
 use truepose_solvers::Solver;
 
@@ -39,8 +41,11 @@ pub fn landmark_cross_validation(
         return Ok(None);
     }
     let visits = Visits::of(data);
+    let sensors = found_in::<Observed>(known.fitted.model().effects()).map_or(0, |of| of.sensors.len());
+    let points = groups.len().saturating_sub(sensors);
     let fold = |visit: usize| {
-        let of = visits.rows[visit].first().and_then(|&row| data.landmark(row));
+        let of = |row: usize| data.landmark(row).or_else(|| Some(points + data.sensor(row)?));
+        let of = visits.rows[visit].first().and_then(|&row| of(row));
         of.and_then(|k| groups.get(k)).copied().unwrap_or(visit % count)
     };
     let folds = Folds { of_visit: (0..visits.len()).map(fold).collect(), count };
@@ -60,6 +65,28 @@ pub fn landmark_cross_validation(
     Ok(Some((CrossValidation { residuals, folds, fold_rms, refitted: count }, places)))
 }
 
+/// Residuals of the rows of a sensor, its own unknowns being fitted to them: nothing else knows these.
+fn about_own(data: &Dataset, rows: &[(usize, Vector3<f64>)], residuals: &mut Residuals) {
+    let own: Vec<&Vec<f64>> =
+        (0..).map_while(|k| data.schema.channel(&own_channel(k))).map(|k| &data.channels[k]).collect();
+    let left: Vec<f64> =
+        rows.iter().map(|(row, at)| data.number(*row, &data.away(*row, at), 0).unwrap_or(0.0)).collect();
+    let w = |row: usize| data.ray(row).unwrap_or_default();
+    let a = DMatrix::from_fn(rows.len(), own.len(), |i, k| own[k][rows[i].0] * w(rows[i].0).norm_squared());
+    let left = DVector::from_vec(left);
+    // Columns of other sensors' unknowns are zero; a direction that these rows hardly show is left where it is.
+    let norms: Vec<f64> = a.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] / norms[k]);
+    let moved = match scaled.clone().svd(true, true).solve(&left, 1e-6) {
+        Ok(x) => &left - scaled * x,
+        Err(_) => left,
+    };
+    for ((row, _), left) in rows.iter().zip(moved.iter()) {
+        let w = w(*row);
+        residuals.position[*row] = w * (left / w.norm_squared().max(f64::MIN_POSITIVE));
+    }
+}
+
 /// Residuals of rows, those at a landmark about their own mean.
 fn judged(
     robot: &FittedModel,
@@ -71,13 +98,18 @@ fn judged(
     let mut predictor = robot.bind(&data.schema)?;
     let mut conditions = Conditions::default();
     let mut of_landmark = BTreeMap::<usize, Vec<(usize, Vector3<f64>)>>::new();
+    let mut of_sensor = BTreeMap::<usize, Vec<(usize, Vector3<f64>)>>::new();
     for &row in rows {
         data.conditions_into(row, &mut conditions);
         let at = predictor.predict(&conditions, data.target[row]).translation;
-        match data.landmark(row) {
-            Some(k) => of_landmark.entry(k).or_default().push((row, at)),
-            None => residuals.position[row] = data.measured_position(row) - at,
+        match (data.landmark(row), data.sensor(row)) {
+            (Some(k), _) => of_landmark.entry(k).or_default().push((row, at)),
+            (None, Some(k)) => of_sensor.entry(k).or_default().push((row, at)),
+            (None, None) => residuals.position[row] = data.away(row, &at),
         }
+    }
+    for rows in of_sensor.values() {
+        about_own(data, rows, residuals);
     }
     let mut fold = LandmarkFold { landmarks: Vec::new(), positions: Vec::new() };
     for (landmark, touches) in of_landmark {

@@ -9,32 +9,42 @@
 //! known distance fixes the scale; it is taken as exact and keeps one landmark on a sphere around the other. Directions on that sphere are
 //! angles, in which the fit is not linear: it is made again with the landmarks where it has found them, until they rest.
 //!
+//! A row of another kind measured a number that depends on where its target was: the distance to an anchor, the height above a plane. Such rows are
+//! linearised at the robot and the sensors as they are, fitted, and linearised anew until nothing moves.
+//!
 //! Where nothing outside of the robot was measured, its base has no place: errors of the base are left out, and the arm is described in the
 //! frame of its base.
 
+mod found_in;
+mod gauge;
 mod held_out;
+mod sensors;
 mod ties;
 
 pub use held_out::{LandmarkFold, landmark_cross_validation};
+pub use sensors::{SensorFound, leverages};
 
 use crate::{FitOptions, IdentifyError, fit};
+use found_in::found_in;
+use gauge::Gauge;
 use nalgebra::Vector3;
+use sensors::Sensors;
 use std::any::Any;
 use ties::tied;
-use truepose_errormodel::effects::{AllTargets, Geometric, Landmarks, Where};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Surroundings};
+use truepose_errormodel::effects::{AllTargets, Geometric, Landmarks, Observed, Where};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Surroundings, Visits};
 use truepose_kinematics::nalgebra::DMatrix;
-use truepose_kinematics::{Chain, Conditions, FrameId, Placed, Target};
+use truepose_kinematics::{Chain, FrameId, Placed, Pose, Target};
 use truepose_solvers::Solver;
 
 /// Rows and model of a campaign with landmarks, ready for every step of an identification.
 #[derive(Debug, Clone)]
 pub struct Touched {
-    /// The rows: those that touched a landmark are measured where it was found.
+    /// The rows: those that touched a landmark are measured where it was found, those that measured a number along their direction.
     pub data: Dataset,
     /// The robot; all known where nothing outside of it was measured.
     pub chain: Chain,
-    /// The declared effects as far as they can be known, and the landmarks.
+    /// The declared effects as far as they can be known, the landmarks and the unknowns of sensors.
     pub effects: Vec<Box<dyn AnyEffect>>,
     /// Landmarks of unknown place that were touched, by their number.
     pub names: Vec<String>,
@@ -44,6 +54,8 @@ pub struct Touched {
     pub distances: Vec<([usize; 2], f64)>,
     /// The group of each landmark: those that known distances join are left out of a fit together.
     pub groups: Vec<usize>,
+    /// What measured numbers: sensors, anchors, planes and spheres, by their number.
+    pub sensors: Vec<SensorFound>,
     /// What a user has to know, in sentences.
     pub remarks: Vec<String>,
 }
@@ -52,11 +64,16 @@ pub struct Touched {
 const ROUNDS: usize = 12;
 /// A move, m, below which landmarks rest.
 const STILL: f64 = 1e-8;
+/// Rows along a direction rest where the robot and their sensors have moved by less since they were linearised: the square of this, over the
+/// distance to an anchor, is far below what anything measures. m, and expected sizes of a sensor's unknowns.
+const NEAR: f64 = 1e-5;
+/// Relative change of the weight of a kind below which it rests: its standard deviation is not known to a hundredth.
+const WEIGHED: f64 = 1e-2;
 
-/// Makes measurements of the rows that touched landmarks. The landmark of a row counts in `surroundings`.
+/// Makes measurements of the rows that touched landmarks, and of those that measured numbers. The landmark of a row counts in `surroundings`.
 ///
 /// # Errors
-/// [`IdentifyError::Landmark`] where one was touched once only, or a row has both a landmark and a measured position; what a fit refuses.
+/// [`IdentifyError::Landmark`] where one was observed too few times, or cannot be found, or where nothing holds the scale; what a fit refuses.
 pub fn touched(
     chain: &Chain,
     effects: &[Box<dyn AnyEffect>],
@@ -65,60 +82,120 @@ pub fn touched(
     (solver, options): (&dyn Solver, &FitOptions),
 ) -> Result<Touched, IdentifyError> {
     data.validate(chain)?;
-    let mut data = data.clone();
+    let mut data = sensors::one_number_a_row(data, surroundings);
     let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
-    let outside = settle_known(&mut data, &mut of_row, surroundings);
-    let chain = if outside { chain.clone() } else { all_known(chain)? };
+    let mut sensors = Sensors::of(&data, &of_row, surroundings)?;
+    for (at, sensor) in of_row.iter_mut().zip(&sensors.of_row) {
+        *at = at.filter(|_| sensor.is_none());
+    }
+    let outside = settle_known(&mut data, &mut of_row, (surroundings, &sensors));
     let mut remarks = Vec::new();
     let structure = tied(&of_row, surroundings, &mut remarks)?;
     for at in &mut of_row {
         *at = at.and_then(|k| structure.number[k]);
     }
     data.set_landmarks(Some(&of_row));
-    let mut declared = effects.to_vec();
-    if !outside {
-        declared = without_base(declared, &chain);
-        remarks.push(
-            "the base is not determined: nothing outside of the robot was measured; positions are in the frame of its base".into(),
-        );
-        if structure.distances.is_empty() {
-            remarks.push(
-                "the scale is not determined: add one known distance ([[distances]]); without it the spread at the landmarks says nothing about lengths".into(),
-            );
-        }
+    apart(&mut data, &sensors);
+    let (distances, touched) = (!structure.distances.is_empty(), !structure.points.is_empty());
+    let gauge = Gauge { outside, distances, touched, sensors: &sensors };
+    let words = gauge.words(surroundings);
+    if gauge.may_shrink() {
+        let names: Vec<&str> = sensors.found.iter().map(|found| found.name.as_str()).collect();
+        return Err(IdentifyError::Landmark { name: names.join(", "), why: words.join("; ") });
     }
-    let mut at = start(&chain, &data, structure.points.len(), surroundings, &structure.declared)?;
+    remarks.extend(words);
+    let (described, has_base) = (chain, gauge.has_base());
+    let chain = if outside { chain.clone() } else { all_known(chain)? };
+    let mut declared = effects.to_vec();
+    if !has_base {
+        declared = without_base(declared, &chain);
+    }
+    if !outside {
+        declared.extend(unknown_tool(described, &declared));
+    }
+    // With measured positions beside the landmarks the base may have to be found from these.
+    let placed = crate::place(&chain, &data)?.chain;
+    let bare =
+        FittedModel::new(ErrorModel::new(placed.clone(), Vec::new())?, Vec::new(), DMatrix::zeros(0, 0))?;
+    let mut poses = sensors::poses(&bare, &data)?;
+    sensors.start(&poses)?;
+    let mut at = start(&poses, &data, structure.points.len(), surroundings, &structure.declared);
+    let length = chain.characteristic_length();
     let mut last = declared.clone();
     for _ in 0..ROUNDS {
         let points = structure.placed(&mut at);
         put(&mut data, &at);
-        let model = ErrorModel::new(chain.clone(), with(&declared, points.clone()))?;
+        let own = sensors.effect(length);
+        if !sensors.is_empty() {
+            data.set_rays(Some(&sensors.linearised(&poses, &data)?));
+        }
+        last = with(&declared, points, own);
+        let model = ErrorModel::new(placed.clone(), last.clone())?;
         let found = fit(&model, &data, solver, options)?;
-        last = with(&declared, points);
         let moved = found.fitted.landmarks_displaced().unwrap_or_default();
         at.iter_mut().zip(&moved).for_each(|(at, by)| *at += by);
-        if moved.iter().all(|by| by.norm() < STILL) {
+        let mut rests = moved.iter().all(|by| by.norm() < STILL);
+        if !sensors.is_empty() {
+            let weighed = sensors.weigh(&found, &data)?;
+            let turned = sensors.moved(&found.fitted.sensors_moved().unwrap_or_default(), length);
+            let next = sensors::poses(&found.fitted.without_landmarks()?, &data)?;
+            let away = |row: usize| (next[row].translation - poses[row].translation).norm();
+            let far =
+                (0..data.len()).filter(|&row| sensors.of_row[row].is_some()).map(away).fold(0.0, f64::max);
+            poses = next;
+            rests =
+                moved.iter().all(|by| by.norm() < NEAR) && turned < NEAR && far < NEAR && weighed < WEIGHED;
+        }
+        if rests {
             break;
         }
     }
     let names = structure.points.iter().map(|point| point.name.clone()).collect();
     let (distances, groups) = (structure.distances.clone(), structure.groups.clone());
-    Ok(Touched { data, chain, effects: last, names, positions: at, distances, groups, remarks })
+    let sensors = sensors.found;
+    Ok(Touched { data, chain, effects: last, names, positions: at, distances, groups, sensors, remarks })
 }
 
-/// The group of each landmark of a model, which known distances join; none without landmarks.
+/// With fewer groups nothing but the rows of another landmark would be left to judge a landmark by: then rows are left out one by one.
+const FEWEST_GROUPS: usize = 3;
+
+/// The group of each landmark of a model, which known distances join, and behind these of each sensor; none without landmarks, or where there
+/// are sensors and too few groups to leave out whole ones.
 pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
-    let landmarks = effects.iter().find_map(|effect| (&**effect as &dyn Any).downcast_ref::<Landmarks>())?;
+    let landmarks = found_in::<Landmarks>(effects);
+    let sensors = found_in::<Observed>(effects).map_or(0, |observed| observed.sensors.len());
     let mut groups: Vec<usize> = Vec::new();
-    for point in &landmarks.points {
-        let next = groups.iter().max().map_or(0, |last| last + 1);
-        groups.push(point.tied.map_or(next, |tied| groups[tied.to]));
+    let next = |groups: &[usize]| groups.iter().max().map_or(0, |last| last + 1);
+    for point in landmarks.iter().flat_map(|landmarks| &landmarks.points) {
+        groups.push(point.tied.map_or(next(&groups), |tied| groups[tied.to]));
     }
-    Some(groups)
+    for _ in 0..sensors {
+        groups.push(next(&groups));
+    }
+    (!groups.is_empty() && (sensors == 0 || next(&groups) >= FEWEST_GROUPS)).then_some(groups)
+}
+
+/// Rows that measured a number are pose measurements of their own: what rows share along x they do not share along another direction.
+fn apart(data: &mut Dataset, sensors: &Sensors) {
+    let mut next = data.visit.iter().max().map_or(0, |last| last + 1);
+    let shared = Visits::of(data).rows.iter().map(Vec::len).collect::<Vec<usize>>();
+    let mut again = vec![false; shared.len()];
+    for row in 0..data.len() {
+        let visit = data.visit[row];
+        // The first row of a visit keeps its number, so that no number is left without a row.
+        if shared[visit] > 1 && std::mem::replace(&mut again[visit], true) && sensors.of_row[row].is_some() {
+            data.visit[row] = next;
+            next += 1;
+        }
+    }
 }
 
 /// Landmarks whose place is known are measured positions; whether anything outside of the robot was measured.
-fn settle_known(data: &mut Dataset, of_row: &mut [Option<usize>], surroundings: &Surroundings) -> bool {
+fn settle_known(
+    data: &mut Dataset,
+    of_row: &mut [Option<usize>],
+    (surroundings, sensors): (&Surroundings, &Sensors),
+) -> bool {
     let mut outside = false;
     for (row, at) in of_row.iter_mut().enumerate() {
         let known = at.and_then(|k| surroundings.landmarks.get(k)).filter(|landmark| landmark.known);
@@ -126,7 +203,7 @@ fn settle_known(data: &mut Dataset, of_row: &mut [Option<usize>], surroundings: 
             data.position[row] = position.into();
             *at = None;
         }
-        outside |= at.is_none() && data.seen(row).count() > 0;
+        outside |= at.is_none() && sensors.of_row[row].is_none() && data.seen(row).count() > 0;
     }
     outside
 }
@@ -160,37 +237,59 @@ fn without_base(effects: Vec<Box<dyn AnyEffect>>, chain: &Chain) -> Vec<Box<dyn 
     effects.into_iter().filter_map(one).collect()
 }
 
-fn with(declared: &[Box<dyn AnyEffect>], landmarks: Landmarks) -> Vec<Box<dyn AnyEffect>> {
+/// Errors of tool and targets, where these are described as unknown and no declared effect has them.
+fn unknown_tool(described: &Chain, declared: &[Box<dyn AnyEffect>]) -> Option<Box<dyn AnyEffect>> {
+    let tool = described.tool_frame();
+    let has = |wanted: &dyn Fn(&Where) -> bool| {
+        declared.iter().any(|effect| {
+            let geometric = (&**effect as &dyn Any).downcast_ref::<Geometric>();
+            geometric.is_some_and(|of| of.frames.as_ref().is_none_or(|frames| frames.iter().any(wanted)))
+        })
+    };
+    let mut missing = Vec::new();
+    if !described.tool().known && !has(&|place| *place == Where::Frame(tool)) {
+        missing.push(Where::Frame(tool));
+    }
+    let targets = described.targets().iter().any(|target| !target.known);
+    if targets && !has(&|place| matches!(place, Where::Targets(_))) {
+        missing.push(Where::Targets(AllTargets::All));
+    }
+    (!missing.is_empty()).then(|| {
+        let errors = Geometric { frames: Some(missing), components: None };
+        Box::new(errors) as Box<dyn AnyEffect>
+    })
+}
+
+fn with(declared: &[Box<dyn AnyEffect>], landmarks: Landmarks, sensors: Observed) -> Vec<Box<dyn AnyEffect>> {
     let mut all = declared.to_vec();
-    all.push(Box::new(landmarks));
+    if !landmarks.points.is_empty() {
+        all.push(Box::new(landmarks));
+    }
+    if !sensors.sensors.is_empty() {
+        all.push(Box::new(sensors));
+    }
     all
 }
 
 /// Where the nominal robot touches each landmark in the mean; where it is declared to be, if it is.
 fn start(
-    chain: &Chain,
+    poses: &[Pose],
     data: &Dataset,
     points: usize,
     surroundings: &Surroundings,
     declared: &[usize],
-) -> Result<Vec<Vector3<f64>>, IdentifyError> {
-    // With measured positions beside the landmarks the base may have to be found from these.
-    let chain = crate::place(chain, data)?.chain;
-    let bare = FittedModel::new(ErrorModel::new(chain, Vec::new())?, Vec::new(), DMatrix::zeros(0, 0))?;
-    let mut predictor = bare.bind(&data.schema)?;
-    let mut conditions = Conditions::default();
+) -> Vec<Vector3<f64>> {
     let mut sums = vec![(Vector3::zeros(), 0.0); points];
-    for row in 0..data.len() {
+    for (row, pose) in poses.iter().enumerate() {
         if let Some(k) = data.landmark(row) {
-            data.conditions_into(row, &mut conditions);
-            sums[k].0 += predictor.predict(&conditions, data.target[row]).translation;
+            sums[k].0 += pose.translation;
             sums[k].1 += 1.0;
         }
     }
     let place = |(k, (sum, count)): (usize, &(Vector3<f64>, f64))| {
         surroundings.landmarks[declared[k]].position.unwrap_or(sum / *count)
     };
-    Ok(sums.iter().enumerate().map(place).collect())
+    sums.iter().enumerate().map(place).collect()
 }
 
 /// Rows are measured where their landmark is.

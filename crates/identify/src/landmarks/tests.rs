@@ -2,8 +2,9 @@ use super::*;
 use crate::{Residuals, fit};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truepose_errormodel::observation::{Distance, Linear, Observation, Plane, Sphere};
 use truepose_errormodel::{DatasetBuilder, KnownDistance, Landmark, Measurement};
-use truepose_kinematics::samples;
+use truepose_kinematics::{Conditions, samples};
 use truepose_solvers::PivotedQr;
 
 /// The arm of a light robot with errors, which touches sockets with its tool's origin: joints of touching postures are solved for here, by
@@ -82,7 +83,7 @@ fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Sur
     }
     let mut data = builder.finish();
     data.set_landmarks(Some(&at));
-    let landmark = |k: usize| Landmark { name: format!("L{k}"), position: None, known: false };
+    let landmark = |k: usize| Landmark { name: format!("L{k}"), ..Landmark::default() };
     let landmarks = (0..of.sockets.len()).map(landmark).collect();
     let distance = |k: usize| KnownDistance { between: [2 * k, 2 * k + 1], value: 0.05, sd: 0.0 };
     (data, Surroundings { landmarks, distances: (0..6).map(distance).collect() })
@@ -140,7 +141,7 @@ fn without_a_distance_the_scale_is_said_to_be_unknown() {
 fn a_landmark_that_was_touched_once_is_refused_and_one_that_was_not_is_told() {
     let of = cell(6);
     let (data, mut surroundings) = campaign(&of, 4, 2e-5, 3);
-    surroundings.landmarks.push(Landmark { name: "spare".into(), position: None, known: false });
+    surroundings.landmarks.push(Landmark { name: "spare".into(), ..Landmark::default() });
     surroundings.distances.push(KnownDistance { between: [0, 2], value: 0.3, sd: 0.0 });
     surroundings.distances.push(KnownDistance { between: [1, 2], value: 0.3, sd: 0.0 });
     let (solver, options) = (PivotedQr::default(), FitOptions::default());
@@ -151,4 +152,183 @@ fn a_landmark_that_was_touched_once_is_refused_and_one_that_was_not_is_told() {
     let few = data.select(&(0..5).collect::<Vec<_>>());
     let error = touched(&of.chain, &geometric(), &few, &surroundings, (&solver, &options)).unwrap_err();
     assert!(error.to_string().contains("landmark L1: one row touched it"), "{error}");
+}
+
+/// What an instrument reads of a target at a point.
+type Reads = Box<dyn Fn(&Vector3<f64>) -> f64>;
+
+/// What one row of a mixed campaign is: where the target shall be, none: anywhere; and what the instrument of a landmark then reads.
+struct Shot {
+    landmark: usize,
+    at: Option<Vector3<f64>>,
+    reads: Reads,
+    sd: f64,
+}
+
+/// Rows of these shots; positions with noise where the landmark is none of `landmarks`.
+fn shots(of: &Cell, landmarks: usize, shots: &[Shot], seed: u64) -> Dataset {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut predictor = of.truth.bind(&Default::default()).unwrap();
+    let mut builder = DatasetBuilder::new(&of.chain);
+    let (mut at, mut values) = (Vec::new(), Vec::new());
+    for (k, shot) in shots.iter().enumerate() {
+        let mut noise = || shot.sd * (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
+        let off = Vector3::new(noise(), noise(), noise());
+        let scalar = noise();
+        let q = match shot.at {
+            Some(place) => touching(of, &(place + off), &mut rng),
+            None => (0..6).map(|_| rng.random_range(-2.0..2.0)).collect(),
+        };
+        let here =
+            predictor.predict(&Conditions { joints: q.clone(), ..Conditions::default() }, None).translation;
+        let row = Measurement::at(q).visit(k as u64);
+        let measured = shot.landmark >= landmarks;
+        builder.push(if measured { row.position(here + off) } else { row }).unwrap();
+        at.push((!measured).then_some(shot.landmark));
+        values.push((shot.reads)(&here) + scalar);
+    }
+    let mut data = builder.finish();
+    data.set_landmarks(Some(&at));
+    data.set_kinds(Some(at.iter().map(|at| at.map_or(0.0, |_| 1.0)).collect()), [Some(values), None]);
+    data
+}
+
+/// RMS of the distance between where the fitted robot and the true one are, without the place of the base, m.
+fn accuracy(of: &Cell, fitted: &FittedModel) -> f64 {
+    let mut rng = ChaCha8Rng::seed_from_u64(77);
+    let robot = fitted.without_landmarks().unwrap();
+    let (mut a, mut b) =
+        (of.truth.bind(&Default::default()).unwrap(), robot.bind(&Default::default()).unwrap());
+    let pairs: Vec<[Vector3<f64>; 2]> = (0..200)
+        .map(|_| {
+            let joints = (0..6).map(|_| rng.random_range(-2.0..2.0)).collect();
+            let at = Conditions { joints, ..Conditions::default() };
+            [a.predict(&at, None).translation, b.predict(&at, None).translation]
+        })
+        .collect();
+    let mean = |k: usize| pairs.iter().map(|pair| pair[k]).sum::<Vector3<f64>>() / pairs.len() as f64;
+    let (ma, mb) = (mean(0), mean(1));
+    let cross: nalgebra::Matrix3<f64> = pairs.iter().map(|[a, b]| (a - ma) * (b - mb).transpose()).sum();
+    let svd = cross.svd(true, true);
+    let turn = svd.u.unwrap() * svd.v_t.unwrap();
+    let squares: f64 = pairs.iter().map(|[a, b]| (a - ma - turn * (b - mb)).norm_squared()).sum();
+    (squares / pairs.len() as f64).sqrt()
+}
+
+fn fitted(of: &Cell, data: &Dataset, landmarks: Vec<Landmark>) -> (Touched, crate::Fit) {
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    let surroundings = Surroundings { landmarks, ..Surroundings::default() };
+    let made = touched(&of.chain, &geometric(), data, &surroundings, (&solver, &options)).unwrap();
+    let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
+    let found = fit(&model, &made.data, &solver, &options).unwrap();
+    (made, found)
+}
+
+fn seen_by(name: &str, observation: impl Observation + 'static) -> Landmark {
+    Landmark { name: name.into(), observed: Some(Box::new(observation)), ..Landmark::default() }
+}
+
+fn wire(landmark: usize, anchor: Vector3<f64>) -> Shot {
+    Shot { landmark, at: None, reads: Box::new(move |p| (p - anchor).norm()), sd: 3e-5 }
+}
+
+#[test]
+fn draw_wires_alone_calibrate_an_arm() {
+    let of = cell(11);
+    let anchors = [Vector3::new(1.5, 0.3, -0.5), Vector3::new(-0.9, 1.2, 0.1), Vector3::new(0.2, -1.6, 1.4)];
+    let rows: Vec<Shot> = (0..240).map(|k| wire(k % 3, anchors[k % 3])).collect();
+    let data = shots(&of, 3, &rows, 5);
+    let landmarks = ["W1", "W2", "W3"].map(|name| seen_by(name, Distance::default())).to_vec();
+    let (made, found) = fitted(&of, &data, landmarks);
+    // Noise of 0.03 mm in each row, about 30 unknowns from 240 rows.
+    let left = accuracy(&of, &found.fitted);
+    assert!(left < 6e-5, "{left} m");
+    let residual = Residuals::of(&found.fitted, &made.data).unwrap().positions().rms;
+    assert!((residual / 3e-5 - 1.0).abs() < 0.2, "{residual}");
+    assert!(made.remarks.join(" ").contains("the base is not determined"), "{:?}", made.remarks);
+    assert!(!made.remarks.join(" ").contains("scale"), "{:?}", made.remarks);
+    // Whole anchors are left out in turn.
+    let groups = landmark_groups(&made.effects).unwrap();
+    assert_eq!(groups, [0, 1, 2]);
+    let of_fit: (&dyn Solver, &FitOptions) = (&PivotedQr::default(), &FitOptions::default());
+    let (held, _) = landmark_cross_validation(&found, &made.data, &groups, of_fit).unwrap().unwrap();
+    let rms = held.residuals.positions().rms;
+    assert!(rms < 2.5 * 3e-5, "{rms}");
+}
+
+#[test]
+fn all_kinds_are_one_fit_and_each_counts_as_it_should() {
+    let of = cell(12);
+    let normal = Vector3::new(0.1, -0.2, 1.0).normalize();
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut anywhere = || Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+    let mut rows = Vec::new();
+    for k in 0..60 {
+        let anchor = Vector3::new(1.5, 0.3, -0.5);
+        let gauge = Vector3::new(0.6, 0.8, 0.0);
+        let table = Vector3::new(0.5, 0.0, 0.1) + anywhere() * 0.3;
+        let table = table - normal * normal.dot(&(table - Vector3::new(0.5, 0.0, 0.1)));
+        let ball = Vector3::new(0.5, 0.4, 0.3) + anywhere().normalize() * 0.05;
+        rows.push(wire(0, anchor));
+        rows.push(Shot { landmark: 1, at: Some(table), reads: Box::new(|_| 0.0), sd: 2e-4 });
+        rows.push(Shot { landmark: 2, at: Some(ball), reads: Box::new(|_| 0.0), sd: 2e-5 });
+        rows.push(Shot { landmark: 3, at: None, reads: Box::new(move |p| 0.2 + gauge.dot(p)), sd: 5e-5 });
+        if k % 2 == 0 {
+            rows.push(Shot { landmark: 9, at: None, reads: Box::new(|_| 0.0), sd: 1e-4 });
+        }
+    }
+    let zero = |k: usize, rows: &mut Vec<Shot>| rows.retain(|shot| shot.landmark != k);
+    let landmarks = || {
+        vec![
+            seen_by("wire", Distance::default()),
+            seen_by("table", Plane::default()),
+            seen_by("ball", Sphere::of_radius(0.05)),
+            seen_by("gauge", Linear::default()),
+        ]
+    };
+    let data = shots(&of, 4, &rows, 8);
+    let mut exact = data.clone();
+    // A probe on a plane or a ball measures nothing but that it is there.
+    for row in 0..data.len() {
+        if matches!(data.landmark(row), Some(1 | 2)) {
+            let k = exact.schema.channel(truepose_errormodel::VALUE[0]).unwrap();
+            exact.channels[k][row] = 0.0;
+        }
+    }
+    let (made, found) = fitted(&of, &exact, landmarks());
+    let sd: Vec<f64> = made.sensors.iter().map(|sensor| sensor.sd).collect();
+    for (sd, truth) in sd.iter().zip([3e-5, 2e-4, 2e-5, 5e-5]) {
+        assert!((sd / truth).ln().abs() < 0.4, "{sd} for {truth}");
+    }
+    assert!(made.remarks.is_empty(), "{:?}", made.remarks);
+    let together = accuracy(&of, &found.fitted);
+    // Positions alone are worse.
+    (0..4).for_each(|k| zero(k, &mut rows));
+    let (_, alone) = fitted(&of, &shots(&of, 0, &rows, 8), Vec::new());
+    let positions = accuracy(&of, &alone.fitted);
+    assert!(together < 0.6 * positions && together < 4e-5, "{together} m, of positions alone {positions} m");
+}
+
+#[test]
+fn an_unknown_tool_is_found_though_no_declared_effect_has_it() {
+    let of = cell(4);
+    let (data, surroundings) = campaign(&of, 8, 2e-5, 9);
+    let unknown = Placed { known: false, ..*of.chain.tool() };
+    let chain = of.chain.clone().with_tool(unknown).unwrap();
+    let springs: Vec<Box<dyn AnyEffect>> =
+        vec![Box::new(truepose_errormodel::effects::JointCompliance::default())];
+    let options = FitOptions::default();
+    let made = |chain: &Chain| {
+        touched(chain, &springs, &data, &surroundings, (&PivotedQr::default(), &options)).unwrap().effects
+    };
+    let at_tool = |effects: &[Box<dyn AnyEffect>]| {
+        let model = ErrorModel::new(of.chain.clone(), effects.to_vec()).unwrap();
+        let tool = of.chain.tool_frame();
+        let sites = model.columns().iter().filter_map(|column| column.site);
+        sites
+            .filter(|site| matches!(site, truepose_kinematics::Site::Frame(frame, _) if *frame == tool))
+            .count()
+    };
+    assert_eq!(at_tool(&made(&chain)), 6);
+    assert_eq!(at_tool(&made(&of.chain)), 0, "a tool that is known stays as it is");
 }

@@ -50,7 +50,7 @@ pub(super) fn tied(
                 why: "one row touched it, which says nothing where its place is unknown: touch it from other postures as well, or leave the row out".into(),
             });
         }
-        if rows == 0 && !landmark.known {
+        if rows == 0 && !landmark.known && landmark.observed.is_none() {
             remarks.push(format!("no row touched landmark {}", landmark.name));
         }
     }

@@ -253,9 +253,11 @@ impl<'a> Blocks<'a> {
 
     /// One over the standard deviation of each component of each row; zero where nothing was measured.
     fn weigh(&mut self, rows: &[usize]) {
+        let along = self.data.rays().is_some();
         for (lane, &row) in rows.iter().enumerate() {
+            let one = along && self.data.ray(row).is_some();
             for k in 0..3 {
-                let seen = !self.data.position[row][k].is_nan();
+                let seen = if one { k == 0 } else { !self.data.position[row][k].is_nan() };
                 let weight = 1.0 / self.noise.position(self.data.position_sd[row][k]);
                 self.weights[k * LANES + lane] = if seen { weight } else { 0.0 };
                 let seen = self.data.orientation[row].is_some();

@@ -8,6 +8,7 @@
 //! A block holds the rows of one visit, three for a measured position and three for a measured orientation, less
 //! what was not seen. It is linearised at the exact real robot with coefficients c (J_e there, Φ under the weights
 //! that it carries there) and handed on at once: the matrix is never whole in memory unless somebody collects it.
+//! A row that measured one number along a direction has one row, of what it is along that direction ([`truepose_errormodel::Ray`]).
 //! Rows of the same conditions, as those of several targets in one standstill, share one robot at rest; a fit that has
 //! decided which columns it keeps asks for those alone.
 
@@ -140,6 +141,7 @@ impl<'a> Lineariser<'a> {
 
     fn row(&mut self, row: usize) {
         let seen = self.data.seen(row);
+        let ray = self.data.ray(row);
         let count = seen.count();
         if count == 0 {
             return;
@@ -163,6 +165,10 @@ impl<'a> Lineariser<'a> {
             for entry in emission.entries() {
                 let Some(column) = self.places[entry.column] else { continue };
                 let [p, r] = &sites[chain.site_index(entry.site)];
+                if let Some(w) = &ray {
+                    block[place[0] + column as usize] += entry.value * w.dot(p);
+                    continue;
+                }
                 for k in 0..3 {
                     if place[k] != usize::MAX {
                         block[place[k] + column as usize] += entry.value * p[k];
@@ -193,7 +199,7 @@ impl<'a> Lineariser<'a> {
         let difference = self.data.measured_position(row) - jacobian.point();
         for k in 0..3 {
             if place[k] != usize::MAX {
-                self.block[place[k] + width - 1] = difference[k];
+                self.block[place[k] + width - 1] = ray.map_or(difference[k], |w| w.dot(&difference));
             }
         }
         if let Some(measured) = self.data.measured_rotation(row) {

@@ -25,10 +25,10 @@ pub(crate) fn misfit(
             sd.clear();
             for &row in rows {
                 let (value, deviation) = match (component, residuals.orientation[row]) {
-                    (0..3, _) if data.position[row][component].is_nan() => continue,
-                    (0..3, _) => {
-                        (residuals.position[row][component], noise.position(data.position_sd[row][component]))
-                    }
+                    (0..3, _) => match data.number(row, &residuals.position[row], component) {
+                        Some(value) => (value, noise.position(data.position_sd[row][component])),
+                        None => continue,
+                    },
                     (_, Some(turn)) => {
                         (turn[component - 3], noise.orientation(data.orientation_sd[row][component - 3]))
                     }

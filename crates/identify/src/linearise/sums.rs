@@ -209,8 +209,11 @@ pub fn left_over(
     for row in 0..data.len() {
         let block = &parts[row / ROWS][row % ROWS / LANES * 6 * LANES..][..6 * LANES];
         let at = |component: usize| block[component * LANES + row % LANES];
-        for k in (0..3).filter(|&k| !data.position[row][k].is_nan()) {
-            residuals.position[row][k] = at(k);
+        match data.ray(row) {
+            Some(w) => residuals.position[row] = w * (at(0) / w.norm_squared()),
+            None => (0..3)
+                .filter(|&k| !data.position[row][k].is_nan())
+                .for_each(|k| residuals.position[row][k] = at(k)),
         }
         residuals.orientation[row] = data.orientation[row].map(|_| Vector3::new(at(3), at(4), at(5)));
     }

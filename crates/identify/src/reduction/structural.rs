@@ -49,9 +49,14 @@ pub fn spread_factor(
     coefficients: &[f64],
 ) -> Result<Factor, IdentifyError> {
     let ranges = joint_ranges(model.chain(), Some(data));
-    let rows: Vec<usize> = (0..data.len()).filter(|&row| data.seen(row).count() > 0).collect();
-    if rows.is_empty() {
+    let measured: Vec<usize> = (0..data.len()).filter(|&row| data.seen(row).count() > 0).collect();
+    if measured.is_empty() {
         return Err(IdentifyError::NothingMeasured { rows: data.len() });
+    }
+    // Along which direction a row of one number would measure elsewhere is not known here: those of the data stand for all.
+    let rows: Vec<usize> = measured.into_iter().filter(|&row| data.ray(row).is_none()).collect();
+    if rows.is_empty() {
+        return Ok(own.clone());
     }
     // Kinds of rows in the order in which they first appear, so that rare targets come up as often as common ones.
     let mut kinds: Vec<usize> = Vec::new();

@@ -42,7 +42,7 @@ const BACK: f64 = 8.0;
 pub(super) fn outlying(chain: &Chain, data: &Dataset, gross: &[usize]) -> Option<Vec<Suspicion>> {
     let mut bare = data.clone();
     bare.orientation.fill(None);
-    let whole = |row: &usize| bare.position[*row].iter().all(|v| v.is_finite());
+    let whole = |row: &usize| bare.seen(*row).position == [true; 3];
     let all: Vec<usize> = (0..bare.len()).filter(whole).collect();
     if all.len() < FEWEST {
         return None;

@@ -220,7 +220,7 @@ mod tests {
             with("geometric", "geometrics"),
             "fit.json: unknown effect family `geometrics`; known families: backlash, base_compliance, coupling, \
              drift, expansion, geometric, guideway, instrument, joint_compliance, landmarks, link_compliance, \
-             load_nonlinearity, polynomial, session, shift, thermal, transmission"
+             load_nonlinearity, observed, polynomial, session, shift, thermal, transmission"
         );
         assert_eq!(
             with("x@base", "y@base"),

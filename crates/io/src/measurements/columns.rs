@@ -1,5 +1,6 @@
 //! What the columns of a table mean.
 
+use super::scalars;
 use crate::frame_names::joint_called;
 use crate::nearest::{meant, nearest};
 use crate::table::unprefixed;
@@ -25,6 +26,8 @@ pub(crate) enum Role {
     Kind,
     /// What of the surroundings the row touched.
     Landmark,
+    /// A measured number, by its place in [`SCALARS`]; only beside a column `kind`.
+    Scalar(usize),
     PayloadMass,
     PayloadCentre(usize),
     Force(usize),
@@ -160,6 +163,7 @@ impl Role {
         match self {
             Role::Joint(k) => Some(joint_quantity(chain, k)),
             Role::Position(_) | Role::PayloadCentre(_) | Role::PositionSd(_) => Some(Quantity::Length),
+            Role::Scalar(k) => Some(scalars::quantity(k)),
             Role::RotationVector(_) | Role::Angle(_) | Role::OrientationSd(_) => Some(Quantity::Angle),
             Role::Quaternion(_)
             | Role::Approach(_)
@@ -213,7 +217,8 @@ impl Role {
             Role::Id => "name of the row, passed through to outputs".into(),
             Role::Visit => "visit".into(),
             Role::Kind => "kind of observation".into(),
-            Role::Landmark => "landmark that was touched".into(),
+            Role::Landmark => "landmark that was observed".into(),
+            Role::Scalar(k) => scalars::MEANINGS[k].into(),
             Role::Session => "session: installation of robot and instrument".into(),
             Role::PayloadMass => "mass carried".into(),
             Role::PayloadCentre(k) => format!("centre of gravity of the mass, tool frame, {}", xyz(k)),

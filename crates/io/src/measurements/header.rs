@@ -5,11 +5,12 @@ use super::columns::{Column, FIXED, Role, joint_names, joint_quantity};
 use super::names::Names;
 use super::orientation::OrientationConvention;
 use super::sampled::Sample;
+use super::scalars::SCALARS;
 use crate::nearest::{listed, meant};
 use crate::{IoError, Warning};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{Channel, LANDMARK, SESSION, Schema};
+use truepose_errormodel::{Channel, KIND, LANDMARK, SESSION, Schema, VALUE};
 use truepose_kinematics::Chain;
 
 /// A table with more columns is another kind of file.
@@ -39,6 +40,8 @@ pub(crate) struct Slots {
     pub session: Option<usize>,
     pub kind: Option<usize>,
     pub landmark: Option<usize>,
+    /// Measured numbers, in the order of [`SCALARS`].
+    pub scalars: [Option<usize>; SCALARS.len()],
     pub payload: Option<usize>,
     pub centre: Option<[usize; 3]>,
     pub wrench: Option<[usize; 6]>,
@@ -47,6 +50,23 @@ pub(crate) struct Slots {
     pub position_sd: Option<[usize; 3]>,
     pub orientation_sd: Option<[usize; 3]>,
     pub channels: Vec<usize>,
+}
+
+/// A column as it was read; beside a column `kind`, one of measured numbers where its name is one of theirs.
+fn numbered(
+    (column, warning): (Column, Option<String>),
+    observed: bool,
+    chain: &Chain,
+) -> Result<(Column, Option<String>), String> {
+    let which = SCALARS.iter().position(|name| *name == column.name);
+    let Some(k) = which.filter(|_| observed && matches!(column.role, Role::Channel(_))) else {
+        return Ok((column, warning));
+    };
+    let header = match column.unit_given {
+        true => format!("{}[{}]", column.name, column.unit),
+        false => column.name.clone(),
+    };
+    Column::named(&column.header, &header, (chain, Some(Role::Scalar(k))), 0)
 }
 
 /// A header that makes sense.
@@ -92,6 +112,7 @@ impl Header {
         let mut seen: HashMap<String, usize> = HashMap::new();
         let mut channels = 0;
         let mut errors = Vec::new();
+        let observed = headers.iter().any(|header| resolver.means(header, Role::Kind));
         for (k, name) in names.iter().enumerate() {
             let at = |message: String| IoError::Cell {
                 file: file.into(),
@@ -100,7 +121,8 @@ impl Header {
                 number: k + 1,
                 message,
             };
-            let (column, warning) = match sample.column(k, name, resolver, channels) {
+            let found = sample.column(k, name, resolver, channels);
+            let (column, warning) = match found.and_then(|found| numbered(found, observed, resolver.chain)) {
                 Ok(found) => found,
                 Err(message) => {
                     errors.push(at(message));
@@ -172,8 +194,9 @@ impl Header {
         let channels = self.slots.channels.iter().map(channel);
         let session = self.slots.session.map(|_| number(SESSION));
         let landmark = self.slots.landmark.map(|_| number(LANDMARK));
+        let observed = [KIND, VALUE[0], VALUE[1]].map(|name| self.slots.landmark.map(|_| number(name)));
         Schema {
-            channels: channels.chain(session).chain(landmark).collect(),
+            channels: channels.chain(session).chain(landmark).chain(observed.into_iter().flatten()).collect(),
             time: self.slots.time.is_some(),
             load: self.slots.payload.is_some() || self.slots.wrench.is_some(),
             approach: self.slots.approach.len() == chain.movable().len()
@@ -202,6 +225,7 @@ impl Header {
             session: self.find(Role::Session),
             kind: self.find(Role::Kind),
             landmark: self.find(Role::Landmark),
+            scalars: std::array::from_fn(|k| self.find(Role::Scalar(k))),
             payload: self.find(Role::PayloadMass),
             centre: self.group([0, 1, 2].map(Role::PayloadCentre))?,
             wrench: self.group([
@@ -237,8 +261,7 @@ impl Header {
         let oriented = slots.quaternion.is_some() || slots.rotation_vector.is_some() || angles.is_some();
         let seen = slots.position.is_some() || oriented || slots.kind.is_some();
         if let (None, Some(k)) = (slots.kind, slots.landmark) {
-            let message =
-                "needs a column `kind` beside it, which says how the landmark was observed (`same_point`)";
+            let message = "needs a column `kind` beside it, which says how the landmark was observed (`same_point`, `distance`, `plane` …)";
             return Err(self.cell_error(self.line, k, message));
         }
         if (needs.position && slots.position.is_none()) || (needs.measured && !seen) {

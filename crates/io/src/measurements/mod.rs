@@ -29,6 +29,7 @@ mod reader;
 mod row;
 mod sample;
 mod sampled;
+mod scalars;
 mod source;
 mod suggested;
 mod suspicious;

@@ -89,6 +89,14 @@ impl Names<'_> {
         angle.or_else(|| convention.quaternion(name).map(Role::Quaternion))
     }
 
+    /// Whether a header of the file has this meaning.
+    pub fn means(&self, header: &str, role: Role) -> bool {
+        match self.resolve(header) {
+            Named::Ignored => false,
+            Named::Header(header) => self.role(split_unit(&header).0) == Some(role),
+        }
+    }
+
     /// Whether a header of the file has a meaning.
     pub fn knows(&self, header: &str) -> bool {
         match self.resolve(header) {

@@ -57,6 +57,8 @@ pub(crate) enum Kind {
     Pose,
     /// That the target was at a landmark.
     SamePoint,
+    /// A number, by its place in [`KINDS`](truepose_errormodel::observation::KINDS).
+    Number(usize),
 }
 
 /// Values of a row, apart from those still in its cells.
@@ -242,9 +244,9 @@ impl RowReader {
         }
         let session = slots.session.map(|_| self.row.session as f64);
         let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));
-        for (column, number) in
-            into.channels.iter_mut().skip(slots.channels.len()).zip(session.into_iter().chain(landmark))
-        {
+        let observed = slots.landmark.map(|_| self.observation());
+        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten());
+        for (column, number) in into.channels.iter_mut().skip(slots.channels.len()).zip(hidden) {
             column.push(number);
         }
         into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });

@@ -6,11 +6,20 @@ use super::row::{Kind, RowReader};
 use crate::IoError;
 use crate::nearest::{listed, meant};
 use crate::table::unprefixed;
+use truepose_errormodel::observation::KINDS as NUMBERS;
 use truepose_kinematics::TargetId;
 
 /// Words of the column `kind`.
-const KINDS: [(&str, Kind); 3] =
-    [("position", Kind::Pose), ("pose", Kind::Pose), ("same_point", Kind::SamePoint)];
+const KINDS: [(&str, Kind); 3 + NUMBERS.len()] = {
+    let mut all = [("position", Kind::Pose); 3 + NUMBERS.len()];
+    (all[1], all[2]) = (("pose", Kind::Pose), ("same_point", Kind::SamePoint));
+    let mut k = 0;
+    while k < NUMBERS.len() {
+        all[3 + k] = (NUMBERS[k], Kind::Number(k));
+        k += 1;
+    }
+    all
+};
 
 /// No robot is set up anew more often while one table is filled.
 const MOST_SESSIONS: usize = 1000;

@@ -1,8 +1,10 @@
 //! Values of one row that depend on several cells: plausible joints, an orientation, a load.
 
 use super::row::{Kind, RowReader};
+use super::scalars::{SCALARS, usual_unit};
 use super::visits::in_session;
 use crate::IoError;
+use truepose_errormodel::observation::{Camera, Distance, KINDS, Linear};
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
 
@@ -68,33 +70,76 @@ impl RowReader {
         self.loaded()
     }
 
-    /// Kind and landmark belong together.
+    /// Kind, landmark and measured number belong together.
     fn observed(&mut self, line: u64) -> Result<(), IoError> {
         let slots = &self.header.slots;
         let Some(kind) = slots.kind else { return Ok(()) };
-        let (at, message) = match (self.row.kind, self.row.landmark, slots.landmark) {
-            (Kind::Pose, None, _) => return Ok(()),
-            (Kind::Pose, Some(_), landmark) => (
-                landmark.unwrap_or(kind),
-                "is not used by a measured position; leave the cell empty, or write the kind `same_point`",
-            ),
-            (Kind::SamePoint, None, None) => {
-                (kind, "`same_point` needs a column `landmark`: which point was touched")
-            }
-            (Kind::SamePoint, None, Some(landmark)) => {
-                (landmark, "is empty; a row of kind `same_point` names the point that was touched")
-            }
-            (Kind::SamePoint, Some(_), _) => {
-                let filled = slots.position.iter().flatten().find(|&&k| !self.numbers[k].is_nan());
-                match filled {
-                    None => return Ok(()),
-                    Some(&k) => {
-                        (k, "a row of kind `same_point` has no measured position; leave x, y, z empty")
-                    }
-                }
-            }
+        let error = |at: usize, message: String| Err(self.header.cell_error(line, at, message));
+        let word = match self.row.kind {
+            Kind::Pose => "position",
+            Kind::SamePoint => "same_point",
+            Kind::Number(k) => KINDS[k],
         };
-        Err(self.header.cell_error(line, at, message))
+        let wanted = match word {
+            Distance::KIND => &[0][..],
+            Linear::KIND => &[1],
+            Camera::KIND => &[2, 3],
+            _ => &[],
+        };
+        for (k, slot) in slots.scalars.iter().enumerate() {
+            let value = slot.map_or(f64::NAN, |slot| self.numbers[slot]);
+            match (slot, wanted.contains(&k)) {
+                (None, true) => {
+                    let name = SCALARS[k];
+                    let unit = usual_unit(k);
+                    return error(
+                        kind,
+                        format!("`{word}` needs a column `{name}[{unit}]`: what was measured"),
+                    );
+                }
+                (Some(slot), true) if value.is_nan() => {
+                    return error(*slot, format!("is empty; a row of kind `{word}` has a measured number"));
+                }
+                (Some(slot), false) if !value.is_nan() => {
+                    return error(
+                        *slot,
+                        format!("is not used by a row of kind `{word}`; leave the cell empty"),
+                    );
+                }
+                _ => {}
+            }
+        }
+        match (self.row.kind, self.row.landmark, slots.landmark) {
+            (Kind::Pose, None, _) => return Ok(()),
+            (Kind::Pose, Some(_), landmark) => {
+                let message = "is not used by a measured position; leave the cell empty, or write the kind `same_point`";
+                return error(landmark.unwrap_or(kind), message.into());
+            }
+            (_, None, None) => {
+                let what = if word == "same_point" { "which point was touched" } else { "what was observed" };
+                return error(kind, format!("`{word}` needs a column `landmark`: {what}"));
+            }
+            (_, None, Some(landmark)) => {
+                let what =
+                    if word == "same_point" { "the point that was touched" } else { "what was observed" };
+                return error(landmark, format!("is empty; a row of kind `{word}` names {what}"));
+            }
+            _ => {}
+        }
+        match slots.position.iter().flatten().find(|&&k| !self.numbers[k].is_nan()) {
+            Some(&k) => {
+                error(k, format!("a row of kind `{word}` has no measured position; leave x, y, z empty"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Number of the kind, from one, and the measured numbers, as channels of the data.
+    pub(super) fn observation(&self) -> [f64; 3] {
+        let Kind::Number(k) = self.row.kind else { return [0.0; 3] };
+        let values = self.header.slots.scalars.iter().flatten().map(|&slot| self.numbers[slot]);
+        let mut values = values.filter(|value| !value.is_nan());
+        [(k + 1) as f64, values.next().unwrap_or(0.0), values.next().unwrap_or(0.0)]
     }
 
     fn loaded(&mut self) -> Result<(), IoError> {

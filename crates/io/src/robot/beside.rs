@@ -1,6 +1,6 @@
 //! What a robot file says beside the robot, for who reads tables: names of columns, sessions, landmarks.
 
-use super::toml_form::length_unit;
+use super::toml_form::units_of;
 use super::{columns, sessions, surroundings};
 use crate::text::Text;
 use crate::toml_tree::Document;
@@ -27,5 +27,6 @@ pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
     let text = Text::read(path)?;
     let document = Document::parse(&text)?;
     let root = document.root("the robot");
-    surroundings::read(&root, length_unit(&root)?)
+    let (length, angle) = units_of(&root)?;
+    surroundings::read(&root, length, angle)
 }

@@ -1,6 +1,7 @@
 //! Robot descriptions: TOML and URDF in, TOML out.
 
 mod beside;
+mod cameras;
 mod columns;
 mod couplings;
 mod details;

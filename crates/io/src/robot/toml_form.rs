@@ -65,13 +65,14 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
         "sessions",
         "landmarks",
         "distances",
+        "cameras",
         details::KEYS[0],
         details::KEYS[1],
     ])?;
     let mut errors = Vec::new();
     errors.extend(columns::read(&root).err());
     errors.extend(sessions::read(&root).err());
-    errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length)).err());
+    errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length, units.angle)).err());
     let units = units(&root)?;
     details::of(&root)?;
     let (found, there) = kinematics_yaml::named(&root, |file| beside(path, file))?;
@@ -197,8 +198,8 @@ fn from_urdf(
 }
 
 /// The unit of every length of a description.
-pub(super) fn length_unit(root: &Table<'_>) -> Result<&'static Unit, IoError> {
-    Ok(units(root)?.length)
+pub(super) fn units_of(root: &Table<'_>) -> Result<(&'static Unit, &'static Unit), IoError> {
+    units(root).map(|units| (units.length, units.angle))
 }
 
 fn units(root: &Table<'_>) -> Result<Units, IoError> {

@@ -24,6 +24,13 @@ impl fmt::Display for DiscoverySummary {
             count(used.count, "row")
         )?;
         self.error_budget(f)?;
+        if let Some(kinds) = &self.kinds {
+            write!(
+                f,
+                "\nkinds of observation, RMS (the effects were chosen with these rows)\n{}",
+                kinds.text()
+            )?;
+        }
         if let Some(landmarks) = &self.landmarks {
             writeln!(f, "\n{} The effects were chosen with these rows.\n", landmarks.sentences())?;
             write!(f, "landmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;

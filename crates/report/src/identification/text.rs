@@ -62,7 +62,8 @@ impl IdentificationSummary {
     fn errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let held = self.stages.iter().any(|s| s.held_out.is_some());
         let test_set = self.stages.iter().any(|s| s.test_set.is_some());
-        writeln!(f, "\nposition error, mm (3-D distance)")?;
+        let along = if self.kinds.is_some() { "; of rows with one number, along its direction" } else { "" };
+        writeln!(f, "\nposition error, mm (3-D distance{along})")?;
         let mut header = vec!["", "", "mean", "RMS", "95 %", "max"];
         let mut rows = Vec::new();
         for stage in &self.stages {
@@ -142,6 +143,9 @@ impl IdentificationSummary {
         write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))?;
         if let Some(landmarks) = &self.landmarks {
             write!(f, "\nlandmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;
+        }
+        if let Some(kinds) = &self.kinds {
+            write!(f, "\nkinds of observation, RMS\n{}", kinds.text())?;
         }
         if !self.sessions.is_empty() {
             write!(
@@ -263,6 +267,9 @@ impl IdentificationSummary {
     /// Position error as found, after the best base and tool, and calibrated.
     pub(super) fn sentence(&self) -> String {
         let judged = |stage: &StageSummary| stage.test_set.or(stage.held_out).unwrap_or(stage.train);
+        if let Some(kinds) = &self.kinds {
+            return prefix_of(self.converged).to_owned() + &kinds.verdict();
+        }
         if let Some(landmarks) = &self.landmarks {
             let stages: Vec<(f64, &str)> =
                 self.stages.iter().map(|stage| (judged(stage).rms_mm, stage.name.as_str())).collect();
@@ -283,6 +290,22 @@ impl IdentificationSummary {
             significant(last.p95_mm, 3),
             significant(last.max_mm, 3)
         )
+    }
+}
+
+impl IdentificationSummary {
+    /// With what each kind of observation leaves: then the verdict is by kind.
+    #[must_use]
+    pub fn with_kinds(self, kinds: Option<crate::KindsSummary>, whole: bool) -> Self {
+        if kinds.is_none() {
+            return self;
+        }
+        let mut summary = IdentificationSummary { kinds, ..self };
+        if whole && summary.held_out_by.is_some() {
+            summary.held_out_by = Some("each landmark in turn, judged about unknowns of its own".into());
+        }
+        let verdict = summary.sentence();
+        IdentificationSummary { verdict, ..summary }
     }
 }
 

@@ -30,7 +30,9 @@ pub(super) fn load_trace(
         };
         let here = predictor.predict(&conditions, data.target[row]).translation;
         let there = predictor.predict(&more, data.target[row]).translation;
-        let (moved, difference) = ((there - here) / STEP, data.measured_position(row) - here);
+        let moved = (there - here) / STEP;
+        let moved = data.ray(row).map_or(moved, |w| w * (w.dot(&moved) / w.norm_squared()));
+        let difference = data.away(row, &here);
         let square = moved.norm_squared();
         if square.sqrt() < 1e-9 || !difference.norm().is_finite() {
             continue;

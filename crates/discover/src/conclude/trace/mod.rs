@@ -63,7 +63,11 @@ pub(crate) fn trace(
         let conditions = data.conditions(row);
         rest.settle(&bound, &conditions, fit.fitted.coefficients());
         let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.target[row]);
-        let mask = |v: Vector3<f64>| Vector3::from_fn(|k, _| if seen[k] { v[k] } else { 0.0 });
+        let ray = data.ray(row);
+        let mask = |v: Vector3<f64>| match ray {
+            Some(w) => w * (w.dot(&v) / w.norm_squared()),
+            None => Vector3::from_fn(|k, _| if seen[k] { v[k] } else { 0.0 }),
+        };
         let difference = mask(data.measured_position(row) - jacobian.point());
         let (moved, shape) = own.read(&jacobian, rest.emission(), &columns);
         let moved = mask(moved);

@@ -1,0 +1,75 @@
+//! What no row of a campaign can show, in words: the place of the base, the scale, and what one more row would fix.
+//!
+//! A robot that is measured against itself alone can be moved, turned and scaled as a whole, and every row is as it was. Which of that is left
+//! depends on what is known outside: a known place fixes the base, a known length the scale.
+
+use super::sensors::Sensors;
+use truepose_errormodel::Surroundings;
+
+/// What was measured, as far as it fixes a gauge.
+pub(super) struct Gauge<'a> {
+    /// Whether a position, or a known landmark, was measured.
+    pub outside: bool,
+    /// Whether the fit keeps a known distance between landmarks.
+    pub distances: bool,
+    /// Whether points were touched again and again.
+    pub touched: bool,
+    /// What measured numbers.
+    pub sensors: &'a Sensors,
+}
+
+impl Gauge<'_> {
+    /// Whether some row says where the base is.
+    pub fn has_base(&self) -> bool {
+        self.outside || self.sensors.found.iter().any(|found| found.observation.outside())
+    }
+
+    /// Whether some row says how long anything is.
+    pub fn has_scale(&self) -> bool {
+        let metric = self.sensors.found.iter().any(|found| found.observation.metric());
+        self.outside || self.distances || metric
+    }
+
+    /// Whether a robot that is as small as a point would agree with every row: with the planes, or the camera, as small as itself. Points that
+    /// were touched without a known distance shrink by as much as the prior lets them, which is little.
+    pub fn may_shrink(&self) -> bool {
+        !self.has_scale() && !self.touched && !self.sensors.is_empty()
+    }
+
+    /// Sentences.
+    pub fn words(&self, surroundings: &Surroundings) -> Vec<String> {
+        let mut words = Vec::new();
+        if !self.has_base() {
+            words.push(
+                "the base is not determined: nothing outside of the robot was measured; positions are in the frame of its base".into(),
+            );
+        } else if !self.outside {
+            words.push(
+                "the base is determined by landmarks of known place alone, and only as far as these go: three of them that are not in line, or three measured positions, determine all of it".into(),
+            );
+        }
+        if !self.has_scale() {
+            let what = match (self.touched, self.sensors.is_empty()) {
+                (true, _) => "the spread at the landmarks",
+                (false, _) => "the residual",
+            };
+            words.push(format!(
+                "the scale is not determined: add one known distance ([[distances]]), a `distance` of known gain, or a sphere of known radius; without it {what} says nothing about lengths"
+            ));
+        }
+        let planes = self.sensors.found.iter().filter(|found| found.observation.kind() == "plane").count();
+        if planes > 0 && planes == self.sensors.found.len() && !self.touched && !self.outside {
+            let more = if planes == 1 { "one plane" } else { "planes" };
+            words.push(format!(
+                "only {more} was probed: what moves the robot within a plane is seen through its joints alone; a known distance between two touched points, or a sphere of known radius, adds the most"
+            ));
+        }
+        for landmark in &surroundings.landmarks {
+            let used = self.sensors.found.iter().any(|found| found.name == landmark.name);
+            if landmark.observed.is_some() && !used {
+                words.push(format!("no row observed landmark {}", landmark.name));
+            }
+        }
+        words
+    }
+}
