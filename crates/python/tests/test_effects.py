@@ -101,7 +101,7 @@ class Loaded(tp.Effect):
         self.joint = joint
 
     def columns(self, robot: tp.Robot) -> Sequence[tp.Column]:
-        return [tp.Column("spring", size=1e-5, unit="rad/(N*m)", along=self.joint)]
+        return [tp.Column("counterbalance", size=1e-5, unit="rad/(N*m)", along=self.joint)]
 
     def evaluate(self, at: tp.Postures) -> ArrayLike:
         return at.load(self.joint)[:, None]
@@ -113,7 +113,7 @@ def test_loads_are_those_of_the_bent_robot(robot: tp.Robot, frame: Any) -> None:
     built_in = tp.identify(robot, rows, model=declared, folds=0, prior="none")
     own = tp.identify(robot, rows, model=[tp.Geometric(), Loaded("a2")], folds=0, prior="none")
     values = [dict(zip(fit.coefficients["name"], fit.coefficients["value"])) for fit in (built_in, own)]
-    assert values[1]["spring"] == pytest.approx(values[0]["compliance a2"], rel=1e-6)
+    assert values[1]["counterbalance"] == pytest.approx(values[0]["compliance a2"], rel=1e-6)
     np.testing.assert_allclose(own.predict(rows).position, built_in.predict(rows).position, atol=1e-9)
 
 

@@ -3,7 +3,7 @@
 //! The texts are in `effects/`, one file a family: a line `example: …` for lists, then sections that begin with `##`.
 
 /// Family and text of every built-in effect.
-const TEXTS: [(&str, &str); 17] = [
+const TEXTS: [(&str, &str); 18] = [
     ("backlash", include_str!("../effects/backlash.md")),
     ("base_compliance", include_str!("../effects/base_compliance.md")),
     ("coupling", include_str!("../effects/coupling.md")),
@@ -16,6 +16,7 @@ const TEXTS: [(&str, &str); 17] = [
     ("landmarks", include_str!("../effects/landmarks.md")),
     ("link_compliance", include_str!("../effects/link_compliance.md")),
     ("load_nonlinearity", include_str!("../effects/load_nonlinearity.md")),
+    ("observed", include_str!("../effects/observed.md")),
     ("polynomial", include_str!("../effects/polynomial.md")),
     ("session", include_str!("../effects/session.md")),
     ("shift", include_str!("../effects/shift.md")),

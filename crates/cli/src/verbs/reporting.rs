@@ -40,8 +40,13 @@ impl Folder {
     /// With the head of the report of a file.
     pub fn certified(self, file: Option<&PathBuf>) -> Result<Self, Failure> {
         let Some(file) = file else { return Ok(self) };
-        let certificate = read_details(file)?.certificate.map(|of| of.entries).or(self.certificate);
-        Ok(Folder { certificate, ..self })
+        let Some(certificate) = read_details(file)?.certificate else {
+            return Err(Failure::Input(format!(
+                "--certificate: {} has no table [certificate]",
+                file.display()
+            )));
+        };
+        Ok(Folder { certificate: Some(certificate.entries), ..self })
     }
 
     /// The file of the result.

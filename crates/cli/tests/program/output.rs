@@ -148,7 +148,8 @@ fn examples_of_effects_are_read() {
     let arm: String = (1..=6)
         .map(|k| joint(&format!("j{k}"), "revolute") + "dh = { theta = 0, d = 0.3, a = 0.4, alpha = 1.5 }\n")
         .collect();
-    let slide = joint("x", "prismatic") + "origin = { xyz = [0, 0, 0], rpy = [0, 0, 0], axis = [1, 0, 0] }\n";
+    let slide =
+        joint("rail", "prismatic") + "origin = { xyz = [0, 0, 0], rpy = [0, 0, 0], axis = [1, 0, 0] }\n";
     let robot = format!("name = \"r\"\n[units]\nlength = \"m\"\nangle = \"rad\"\n{slide}{arm}");
     let folder = tempfile::tempdir().unwrap();
     let robot_file = folder.path().join("robot.toml");

@@ -194,8 +194,8 @@ impl Hypothesis for Counterbalance {
         let turns = |joint: &&JointId| !setting.slides(**joint) && setting.range(**joint).is_some();
         let at = |&joint: &JointId| {
             (0..8).map(move |k| {
-                let effect = JointCompliance::spring(joint, f64::from(k) * FRAC_PI_4, RATIO);
-                Variant::new(of("spring", setting, joint), effect)
+                let effect = JointCompliance::counterbalance(joint, f64::from(k) * FRAC_PI_4, RATIO);
+                Variant::new(of("counterbalance", setting, joint), effect)
             })
         };
         setting.chain.movable().iter().filter(turns).flat_map(at).collect()

@@ -33,7 +33,7 @@ impl Gauge<'_> {
     /// Whether a robot that is as small as a point would agree with every row: with the planes, or the camera, as small as itself. Points that
     /// were touched without a known distance shrink by as much as the prior lets them, which is little.
     pub fn may_shrink(&self) -> bool {
-        !self.has_scale() && !self.touched && !self.sensors.is_empty()
+        !self.has_scale() && !self.has_base() && !self.touched && !self.sensors.is_empty()
     }
 
     /// Sentences.

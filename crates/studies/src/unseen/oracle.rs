@@ -75,8 +75,12 @@ impl Hidden {
             Cause::Spring => {
                 let (offset, ratio_range) = (self.longest(), Some([0.1, 0.98]));
                 let offset_range = Some([offset - 0.8, offset + 0.8]);
-                JointCompliance { offset_range, ratio_range, ..JointCompliance::spring(joint, offset, 0.7) }
-                    .boxed()
+                JointCompliance {
+                    offset_range,
+                    ratio_range,
+                    ..JointCompliance::counterbalance(joint, offset, 0.7)
+                }
+                .boxed()
             }
             _ => return None,
         })

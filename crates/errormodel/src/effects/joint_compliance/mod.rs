@@ -63,13 +63,13 @@ pub struct JointCompliance {
     /// Of the mode `temperature`: where the stiffness is as declared, in the channel's unit; 20 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<f64>,
-    /// Of the mode `spring`: the angle at which it is longest, rad; zero when absent.
+    /// Of the mode `counterbalance`: the angle at which it is longest, rad; zero when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset: Option<f64>,
     /// Between which angles `offset` is to be found, rad; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_range: Option<[f64; 2]>,
-    /// Of the mode `spring`: 2ab/(a² + b²) of its levers, between 0 and 1; 0.8 when absent.
+    /// Of the mode `counterbalance`: 2ab/(a² + b²) of its levers, between 0 and 1; 0.8 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ratio: Option<f64>,
     /// Between which values `ratio` is to be found; it is known when absent.
@@ -232,7 +232,7 @@ impl Effect for JointCompliance {
     fn load_dependent(&self) -> bool {
         match self.mode {
             ComplianceMode::Axis => self.channel.is_none(),
-            ComplianceMode::Creep | ComplianceMode::Spring => false,
+            ComplianceMode::Creep | ComplianceMode::Counterbalance => false,
             ComplianceMode::Bearing | ComplianceMode::Temperature => true,
         }
     }

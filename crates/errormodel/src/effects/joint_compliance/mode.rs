@@ -4,7 +4,7 @@
 //! bearing       w = C m                     rotation w across the axis by the moment m across it; C symmetric 2 × 2 in the axes of the link behind
 //! creep         δq_j = c τ̃_j                τ̃_j follows the load late, lag · dτ̃/dt = τ_j − τ̃: a part of the deflection that comes late
 //! temperature   δq_j = c (T − T_ref) τ_j    the stiffness changes with the temperature
-//! spring        δq_j = k_1 sin x + k_2 sin x / √(1 + s cos x),   x = q_j − φ     the torque of a counterbalance that nobody declared
+//! counterbalance δq_j = k_1 sin x + k_2 sin x / √(1 + s cos x),   x = q_j − φ     the torque of a counterbalance that nobody declared
 //! ```
 //!
 //! | symbol | here | unit |
@@ -42,7 +42,7 @@ pub enum ComplianceMode {
     /// About or along its axis, in proportion to a temperature as well.
     Temperature,
     /// About its axis, under the torque of a spring.
-    Spring,
+    Counterbalance,
 }
 
 impl ComplianceMode {
@@ -75,8 +75,8 @@ impl JointCompliance {
     }
 
     /// A spring that is longest at this angle (rad), with 2ab/(a² + b²) of its levers.
-    pub fn spring(joint: JointId, offset: f64, ratio: f64) -> Self {
-        let mode = ComplianceMode::Spring;
+    pub fn counterbalance(joint: JointId, offset: f64, ratio: f64) -> Self {
+        let mode = ComplianceMode::Counterbalance;
         JointCompliance { mode, offset: Some(offset), ratio: Some(ratio), ..JointCompliance::of(joint) }
     }
 
@@ -99,9 +99,10 @@ impl JointCompliance {
                     PER_KELVIN * scale,
                 ));
             }
-            ComplianceMode::Spring => {
+            ComplianceMode::Counterbalance => {
                 // A tenth of a milliradian: 10 µrad/(N·m) under a tenth of what is balanced.
-                let column = |what: &str| Column::new(format!("spring {name} {what}"), joint.unit(), 1e-4);
+                let column =
+                    |what: &str| Column::new(format!("counterbalance {name} {what}"), joint.unit(), 1e-4);
                 columns.extend(["stiffness", "free length"].map(column));
             }
             ComplianceMode::Bearing => {
@@ -131,14 +132,14 @@ impl JointCompliance {
         if !self.mode.is_axis() && self.own_weight != OwnWeight::Declared {
             return refuse("`own_weight` belongs to the mode `axis`");
         }
-        if self.mode == ComplianceMode::Spring {
+        if self.mode == ComplianceMode::Counterbalance {
             self.validate_spring(chain)?;
         } else if self.offset.is_some()
             || self.offset_range.is_some()
             || self.ratio.is_some()
             || self.ratio_range.is_some()
         {
-            return refuse("`offset` and `ratio` belong to the mode `spring`");
+            return refuse("`offset` and `ratio` belong to the mode `counterbalance`");
         }
         match self.mode {
             ComplianceMode::Creep => match self.lag {
@@ -155,7 +156,10 @@ impl JointCompliance {
             _ => {}
         }
         if self.channel.is_some()
-            && matches!(self.mode, ComplianceMode::Bearing | ComplianceMode::Creep | ComplianceMode::Spring)
+            && matches!(
+                self.mode,
+                ComplianceMode::Bearing | ComplianceMode::Creep | ComplianceMode::Counterbalance
+            )
         {
             return refuse("`channel` belongs to the modes `axis` and `temperature`");
         }
@@ -165,7 +169,7 @@ impl JointCompliance {
     fn validate_spring(&self, chain: &Chain) -> Result<(), ModelError> {
         let refuse = |reason: &str| Err(refused(JointCompliance::FAMILY, reason));
         if self.joints(chain).iter().any(|&joint| chain.joint(joint).kind != JointKind::Revolute) {
-            return refuse("the mode `spring` is of a joint that turns");
+            return refuse("the mode `counterbalance` is of a joint that turns");
         }
         if self.ratio.is_some_and(|ratio| !(0.0..1.0).contains(&ratio)) {
             return refuse("`ratio` lies between 0 and 1");
@@ -182,7 +186,7 @@ impl JointCompliance {
         match (self.mode, chain.joint(joint).kind) {
             (ComplianceMode::Bearing, JointKind::Prismatic) => 4,
             (ComplianceMode::Bearing, _) => 3,
-            (ComplianceMode::Spring, _) => 2,
+            (ComplianceMode::Counterbalance, _) => 2,
             _ => 1,
         }
     }
@@ -201,7 +205,7 @@ impl JointCompliance {
                     out.along(column, &motion, warmer * at.joint_load(joint));
                 }
                 ComplianceMode::Bearing => tilt(joint, column, at, out),
-                ComplianceMode::Spring => {
+                ComplianceMode::Counterbalance => {
                     let (sine, cosine) = (at.joint(joint) - self.offset.unwrap_or(0.0)).sin_cos();
                     out.along(column, &motion, sine);
                     let length = (1.0 + self.ratio.unwrap_or(HALF) * cosine).sqrt();
@@ -284,7 +288,7 @@ mod tests {
     #[test]
     fn a_spring_turns_its_joint_by_its_lever() {
         let chain = samples::ur10();
-        let spring = JointCompliance::spring(JointId(2), 0.4, 0.7);
+        let spring = JointCompliance::counterbalance(JointId(2), 0.4, 0.7);
         let (offset_range, ratio_range) = (Some([-1.0, 1.0]), Some([0.1, 0.95]));
         check_effect(&JointCompliance { offset_range, ratio_range, ..spring.clone() }, &chain);
         check_effect(&JointCompliance { ratio_range, ..spring.clone() }, &chain);
@@ -303,7 +307,7 @@ mod tests {
             let expected = stiffness * a * b * value(0) - stiffness * free * a * b / scale * value(1);
             assert!((torque - expected).abs() < 1e-8, "{q}: {torque} {expected}");
         }
-        let slide = JointCompliance::spring(samples::pps().movable()[0], 0.4, 0.7);
+        let slide = JointCompliance::counterbalance(samples::pps().movable()[0], 0.4, 0.7);
         assert!(Effect::validate(&slide, &samples::pps()).unwrap_err().to_string().contains("turns"));
     }
 
