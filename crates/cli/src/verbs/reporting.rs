@@ -34,10 +34,12 @@ impl Folder {
         result: &'static str,
         certificate: Option<&PathBuf>,
     ) -> Result<Option<Self>, Failure> {
-        Folder::prepare(path, result)?.map(|folder| folder.certified(certificate)).transpose()
+        let Some(folder) = Folder::prepare(path, result)? else { return Ok(None) };
+        let own = certificate.map(read_details).transpose()?.and_then(|details| details.certificate);
+        Ok(Some(Folder { certificate: own.map(|of| of.entries), ..folder }))
     }
 
-    /// With the head of the report of a file.
+    /// With the head of the report of the file of `--certificate`, which has to have one.
     pub fn certified(self, file: Option<&PathBuf>) -> Result<Self, Failure> {
         let Some(file) = file else { return Ok(self) };
         let Some(certificate) = read_details(file)?.certificate else {
