@@ -24,6 +24,7 @@ mod search;
 mod significance;
 mod statistics;
 mod termination;
+mod widened;
 
 pub use accept::evidence::{Doubt, Evidence, Gain, Refused};
 pub use budget::Budget;

@@ -15,4 +15,3 @@ pub(crate) mod stated;
 pub(crate) mod trace;
 pub(crate) mod trial;
 pub(crate) mod verdict;
-pub(crate) mod widened;

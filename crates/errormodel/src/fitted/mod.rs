@@ -7,6 +7,7 @@ mod installed;
 mod landmarks;
 mod load_correction;
 mod model;
+mod other_rows;
 mod sample;
 mod sessions;
 mod spread;

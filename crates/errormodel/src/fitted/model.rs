@@ -151,19 +151,6 @@ impl FittedModel {
         self
     }
 
-    /// The same with other coefficients and their covariance; everything else stays.
-    ///
-    /// # Errors
-    /// When the sizes do not fit.
-    pub fn with_coefficients(
-        &self,
-        coefficients: Vec<f64>,
-        covariance: DMatrix<f64>,
-    ) -> Result<Self, ModelError> {
-        let made = FittedModel::new(self.model.clone(), coefficients, covariance)?;
-        Ok(FittedModel { sessions: self.sessions.clone(), ..made.like(self) })
-    }
-
     /// The same with another covariance of the coefficients; everything else stays.
     ///
     /// # Errors
