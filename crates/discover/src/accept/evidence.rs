@@ -15,6 +15,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
+use crate::problem::dependence::BesideWander;
 use crate::problem::likelihood::{Likelihood, distances};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::Observation;
@@ -114,7 +115,7 @@ pub enum Doubt {
 
 /// Collects the evidence for a competitor, given its family-wise p.
 pub(crate) fn collect(
-    linearisation: &Linearisation<'_>,
+    (linearisation, wander): (&Linearisation<'_>, &BesideWander<'_>),
     (screen, present): (&Screen, &Likelihood),
     competitor: &Competitor,
     p_value: f64,
@@ -137,9 +138,8 @@ pub(crate) fn collect(
     let (stability, agreement) = halves(linearisation, competitor, seed)?;
     let pose = linearisation.observations.iter().map(|o| o.visit);
     let check = sign_flips(&screen.projection, &competitor.columns, pose, seed);
-    let beside = linearisation.p_beside_wander(&competitor.columns, competitor.freedom, seed);
-    Ok(Evidence {
-        p_value: beside.map_or(p_value, |beside| beside.max(p_value)),
+    let mut evidence = Evidence {
+        p_value,
         p_sign_flips: check.map_or(1.0, |check| check.p_value),
         effective_poses: check.map_or(0.0, |check| check.effective_poses),
         p_surrogates: among_surrogates(linearisation, screen, &competitor.candidate, options)?,
@@ -150,7 +150,14 @@ pub(crate) fn collect(
         blocks: gain(&blocks).ok(),
         stability,
         agreement,
-    })
+    };
+    // What is refused without a wander is refused beside it.
+    let policy = (&options.policy, options.alpha);
+    if evidence.doubt_beyond_size(policy, competitor.candidate.follows_time()).is_none() {
+        let beside = wander.p_value(&competitor.columns, competitor.freedom);
+        evidence.p_value = beside.map_or(p_value, |beside| beside.max(p_value));
+    }
+    Ok(evidence)
 }
 
 impl Evidence {
@@ -342,9 +349,7 @@ fn halves(
     let judged: Vec<(usize, usize)> = halves
         .par_iter()
         .map(|mine| -> Result<(usize, usize), DiscoverError> {
-            let others: Vec<bool> = mine.iter().map(|m| !m).collect();
-            let (a, ca) = competitor.likelihood.on_visits(linearisation, mine, k)?;
-            let (b, cb) = competitor.likelihood.on_visits(linearisation, &others, k)?;
+            let [(a, ca), (b, cb)] = competitor.likelihood.on_halves(linearisation, mine, k)?;
             let difference = size(&(&a - &b), &ca + &cb);
             let there = usize::from(size(&a, ca) > enough) + usize::from(size(&b, cb) > enough);
             Ok((

@@ -8,6 +8,7 @@ use crate::contest::payload::order_payloads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Context, ModelFit};
+use crate::problem::dependence::BesideWander;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
 use crate::screen::candidates::Screen;
@@ -24,6 +25,7 @@ pub(crate) fn winner(
 ) -> Result<Option<Accepted>, DiscoverError> {
     let options = context.options;
     let mut barred: Vec<Candidate> = barred.to_vec();
+    let wander = BesideWander::of(linearisation, options.seed);
     for _ in 0..context.budget().contests {
         let Contest { present, mut competitors } = contest(linearisation, screen, &barred, true)?;
         order_payloads(context, current, &mut competitors)?;
@@ -32,7 +34,7 @@ pub(crate) fn winner(
         }
         for (k, best) in competitors.iter().enumerate().take(context.budget().tested) {
             let p = own_p_value(linearisation, null, best, options.alpha);
-            let evidence = collect(linearisation, (screen, &present), best, p, options)?;
+            let evidence = collect((linearisation, &wander), (screen, &present), best, p, options)?;
             let floor = best.likelihood.noise.floor(linearisation.typical_sd());
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)

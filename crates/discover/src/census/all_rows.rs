@@ -4,7 +4,7 @@ use crate::census::blocks::Blocks;
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
-use crate::statistics::product::cross;
+use crate::statistics::product::gram_matrix;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::Dataset;
 use truepose_identify::Fit;
@@ -52,7 +52,7 @@ impl AllRows {
             let own = DVector::from_iterator(kept.len(), kept.iter().map(|&k| fit.fitted.coefficients()[k]));
             let (mut gram, mut right) = (gram, right);
             if let Some(prior) = fit.prior.rows() {
-                let held = cross(&prior, &prior);
+                let held = gram_matrix(&prior);
                 right -= &held * &own;
                 gram += held;
             }
@@ -87,7 +87,7 @@ fn equations(fit: &Fit, blocks: &Blocks, options: &DiscoverOptions) -> Result<Eq
         let linearisation = Linearisation::new(fit, block, options)?;
         let (base, residual) = whitened(&linearisation);
         Ok(Equations {
-            gram: cross(&base, &base),
+            gram: gram_matrix(&base),
             right: base.tr_mul(&residual),
             squares: residual.norm_squared(),
             count: residual.len(),

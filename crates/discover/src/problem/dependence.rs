@@ -8,12 +8,13 @@
 
 use crate::problem::autocorrelation::{Autocorrelation, autocorrelation};
 use crate::problem::linearisation::Linearisation;
-use crate::problem::sequence::{Ordered, Sequence};
+use crate::problem::sequence::{Ordered, Process, Sequence};
 use crate::problem::wander::Wander;
 use crate::problem::whitening::Whitener;
 use crate::statistics::chi_square::surprisal;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// Dependence of the residuals of poses on those measured before.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -57,10 +58,13 @@ impl Examined {
         (self.test.p_value <= linearisation.policy.dependence_level).then_some(self)
     }
 
+    /// Whitened [A | … | y] in the order of the poses.
+    fn ordered(&self, linearisation: &Linearisation<'_>, white: &DMatrix<f64>) -> Ordered<'_> {
+        Ordered::new(&self.sequence, white, linearisation.base.ncols(), linearisation.prior.as_ref())
+    }
+
     fn wander(self, linearisation: &Linearisation<'_>) -> Wander {
-        let r = linearisation.base.ncols();
-        let ordered = Ordered::new(&self.sequence, &self.white, r, linearisation.prior.as_ref());
-        let (process, _) = ordered.fitted(self.test.time);
+        let (process, _) = self.ordered(linearisation, &self.white).fitted(Process::begun(self.test.time));
         Wander { sequence: self.sequence, process }
     }
 }
@@ -79,21 +83,50 @@ impl Linearisation<'_> {
             None => self,
         }
     }
+}
+
+/// Tests of candidates beside a wander of instrument or robot.
+pub(crate) struct BesideWander<'l> {
+    linearisation: &'l Linearisation<'l>,
+    seed: u64,
+    /// The poses in their order with −2 ln of the likelihood without a candidate and its process, once a candidate is tested; none where
+    /// poses do not depend on each other significantly.
+    without: OnceLock<Option<(Examined, Process, f64)>>,
+}
+
+impl<'l> BesideWander<'l> {
+    /// At a linearised problem.
+    pub fn of(linearisation: &'l Linearisation<'l>, seed: u64) -> Self {
+        BesideWander { linearisation, seed, without: OnceLock::new() }
+    }
+
+    fn without(&self) -> Option<&(Examined, Process, f64)> {
+        let problem = self.linearisation;
+        let examined = || {
+            if !problem.wander().is_empty() {
+                return None;
+            }
+            let examined = Examined::of(problem, self.seed)?.significant(problem)?;
+            let (process, deviance) =
+                examined.ordered(problem, &examined.white).fitted(Process::begun(examined.test.time));
+            Some((examined, process, deviance))
+        };
+        self.without.get_or_init(examined).as_ref()
+    }
 
     /// p of raw columns of a candidate (m × k, of so many directions) beside a wander, family-wise: the likelihood ratio of two models with a
     /// wander each. None where poses do not depend on each other significantly, or the problem has the wander already.
-    pub fn p_beside_wander(&self, columns: &DMatrix<f64>, freedom: usize, seed: u64) -> Option<f64> {
-        if !self.wander().is_empty() || columns.ncols() == 0 {
+    pub fn p_value(&self, columns: &DMatrix<f64>, freedom: usize) -> Option<f64> {
+        if columns.ncols() == 0 {
             return None;
         }
-        let Examined { whitener, sequence, white, test } = Examined::of(self, seed)?.significant(self)?;
-        let r = self.base.ncols();
-        let least =
-            |white: &DMatrix<f64>| Ordered::new(&sequence, white, r, self.prior.as_ref()).fitted(test.time).1;
-        let mut more = white.clone().insert_columns(r, columns.ncols(), 0.0);
-        more.columns_mut(r, columns.ncols()).copy_from(&whitener.of(columns));
-        let single = (-surprisal(least(&white) - least(&more), freedom)).exp();
-        Some((single * self.policy.dependence_tests).min(1.0))
+        let (examined, process, deviance) = self.without()?;
+        let (r, k) = (self.linearisation.base.ncols(), columns.ncols());
+        let mut more = examined.white.clone().insert_columns(r, k, 0.0);
+        more.columns_mut(r, k).copy_from(&examined.whitener.of(columns));
+        let (_, with) = examined.ordered(self.linearisation, &more).fitted(*process);
+        let single = (-surprisal(deviance - with, freedom)).exp();
+        Some((single * self.linearisation.policy.dependence_tests).min(1.0))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The wander against whole matrices, and what it does to the search where poses depend on each other and where they do not.
 
 use crate::options::DiscoverOptions;
-use crate::problem::dependence::dependence;
+use crate::problem::dependence::{BesideWander, dependence};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::sequence::{Ordered, Process, Sequence};
 use crate::problem::synthetic::{data, fitted, normal};
@@ -201,8 +201,9 @@ fn a_drift_is_significant_beside_a_wander_and_what_only_follows_a_wander_is_not(
             f64::from(u8::from(o.component == 2)) * (o.visit as f64 / POSES as f64 - 0.5)
         });
         linearisation.y = wandering(&linearisation, trial, 0.0, 0.0) + 4e-4 * drift.column(0);
-        let p =
-            linearisation.p_beside_wander(&drift, 1, 0).expect("a drift makes poses depend on each other");
+        let p = BesideWander::of(&linearisation, 0)
+            .p_value(&drift, 1)
+            .expect("a drift makes poses depend on each other");
         drifts += usize::from(p <= options.alpha);
         linearisation.y = wandering(&linearisation, trial, 8e-5, 0.8);
         // The steps of a sweep: slow in the order of the poses, and chosen to follow the wander.
@@ -210,7 +211,7 @@ fn a_drift_is_significant_beside_a_wander_and_what_only_follows_a_wander_is_not(
             let o = linearisation.observations[at];
             f64::from(u8::from(o.component == 0)) * (0.15 * o.visit as f64 + trial as f64).sin()
         });
-        if let Some(p) = linearisation.p_beside_wander(&follows, 1, 0) {
+        if let Some(p) = BesideWander::of(&linearisation, 0).p_value(&follows, 1) {
             dependent += 1;
             false_ones += usize::from(p <= options.alpha);
         }

@@ -16,7 +16,7 @@
 use crate::error::DiscoverError;
 use crate::problem::linearisation::Linearisation;
 use crate::statistics::coefficients::CoefficientDistribution;
-use crate::statistics::product::cross;
+use crate::statistics::product::gram_matrix;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -38,9 +38,19 @@ pub(crate) struct Likelihood {
     wide: f64,
     /// Precision that the priors add.
     prior: DMatrix<f64>,
-    /// Raw and whitened [A | X | y], once they are asked for.
-    rows: OnceLock<(DMatrix<f64>, DMatrix<f64>)>,
+    rows: OnceLock<Rows>,
 }
+
+/// [A | X | y], once it is asked for.
+struct Rows {
+    raw: DMatrix<f64>,
+    white: DMatrix<f64>,
+    /// Gram matrix of the whitened columns.
+    gram: DMatrix<f64>,
+}
+
+/// γ with its covariance.
+pub(crate) type Estimate = (DVector<f64>, DMatrix<f64>);
 
 /// [A | X | y], raw.
 fn joined(linearisation: &Linearisation<'_>, extra: &DMatrix<f64>) -> DMatrix<f64> {
@@ -63,7 +73,7 @@ impl Likelihood {
         let n = r + k;
         let mut prior = DMatrix::zeros(n, n);
         if let Some(rows) = &linearisation.prior {
-            prior.view_mut((0, 0), (r, r)).copy_from(&cross(rows, rows));
+            prior.view_mut((0, 0), (r, r)).copy_from(&gram_matrix(rows));
         }
         for at in r..n {
             prior[(at, at)] = 1.0 / (linearisation.policy.wide * linearisation.policy.wide);
@@ -74,7 +84,7 @@ impl Likelihood {
             None => {
                 let whitener = linearisation.whitener(noise);
                 let white = whitener.of(&joined(linearisation, extra));
-                (cross(&white, &white), whitener.log_determinant())
+                (gram_matrix(&white), whitener.log_determinant())
             }
         };
         // One share for all: rivals are held against each other, and what each takes of it differs by a trifle.
@@ -134,12 +144,12 @@ impl Likelihood {
         )
     }
 
-    /// [A | X | y], raw and whitened.
-    fn rows(&self, linearisation: &Linearisation<'_>) -> &(DMatrix<f64>, DMatrix<f64>) {
+    fn rows(&self, linearisation: &Linearisation<'_>) -> &Rows {
         self.rows.get_or_init(|| {
             let raw = joined(linearisation, &self.extra);
             let white = linearisation.whitener(self.noise).of(&raw);
-            (raw, white)
+            let gram = gram_matrix(&white);
+            Rows { raw, white, gram }
         })
     }
 
@@ -151,7 +161,7 @@ impl Likelihood {
         folds: &Folds,
         width: f64,
     ) -> Result<Vec<f64>, DiscoverError> {
-        let (raw, white) = self.rows(linearisation);
+        let Rows { raw, white, gram } = self.rows(linearisation);
         let n = raw.ncols() - 1;
         let mut prior = self.prior.clone();
         for at in n - self.extra.ncols()..n {
@@ -161,13 +171,12 @@ impl Likelihood {
         for (at, o) in linearisation.observations.iter().enumerate() {
             by_fold[folds.of_visit[o.visit]].push(at);
         }
-        let whole = cross(white, white);
         // What wandered while the others were measured is no prediction.
         let wander = linearisation.wander();
         let mut residual = vec![f64::NAN; linearisation.len()];
         for members in &by_fold {
             let part = white.select_rows(members);
-            let (solution, _) = solved(&(&whole - cross(&part, &part)), &prior)?;
+            let (solution, _) = solved(&(gram - gram_matrix(&part)), &prior)?;
             for &at in members {
                 let row = raw.row(at);
                 let all = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).enumerate();
@@ -178,19 +187,23 @@ impl Likelihood {
         Ok(residual)
     }
 
-    /// γ from these visits only, with its covariance.
-    pub fn on_visits(
+    /// γ from these visits only, and from all others only.
+    pub fn on_halves(
         &self,
         linearisation: &Linearisation<'_>,
         visits: &[bool],
         unknowns: usize,
-    ) -> Result<(DVector<f64>, DMatrix<f64>), DiscoverError> {
+    ) -> Result<[Estimate; 2], DiscoverError> {
         let members: Vec<usize> =
             (0..linearisation.len()).filter(|&at| visits[linearisation.observations[at].visit]).collect();
-        let white = self.rows(linearisation).1.select_rows(&members);
-        let (solution, factor) = solved(&cross(&white, &white), &self.prior)?;
+        let Rows { white, gram, .. } = self.rows(linearisation);
+        let own = gram_matrix(&white.select_rows(&members));
         let first = white.ncols() - 1 - unknowns;
-        Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
+        let of = |gram: &DMatrix<f64>| -> Result<Estimate, DiscoverError> {
+            let (solution, factor) = solved(gram, &self.prior)?;
+            Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
+        };
+        Ok([of(&own)?, of(&(gram - &own))?])
     }
 }
 
@@ -290,7 +303,7 @@ impl Scaled {
         let mut half = DMatrix::identity(n - first, n - first);
         let lower = self.factor.l_dirty();
         lower.view((first, first), (n - first, n - first)).solve_lower_triangular_mut(&mut half);
-        let mut covariance = cross(&half, &half);
+        let mut covariance = gram_matrix(&half);
         for i in 0..n - first {
             for j in 0..n - first {
                 covariance[(i, j)] *= self.scale[first + i] * self.scale[first + j];

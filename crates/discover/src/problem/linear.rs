@@ -13,7 +13,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::problem::likelihood::{distances, solved};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
-use crate::statistics::product::cross;
+use crate::statistics::product::{cross, gram_matrix};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -39,9 +39,8 @@ impl<'s> Linear<'s> {
         all.column_mut(r).copy_from(&linearisation.y);
         whitener.apply(&mut all);
         let white = all.select_rows(&used);
-        let gram = cross(&white, &white);
-        let prior =
-            linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), |rows| cross(rows, rows));
+        let gram = gram_matrix(&white);
+        let prior = linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), gram_matrix);
         Linear { linearisation, white, whitener, used, gram, prior }
     }
 
@@ -85,7 +84,7 @@ impl<'s> Linear<'s> {
             }
             prior[(s + j, s + j)] = 1.0 / (self.linearisation.policy.wide * self.linearisation.policy.wide);
         }
-        gram.view_mut((s, s), (k, k)).copy_from(&cross(&white, &white));
+        gram.view_mut((s, s), (k, k)).copy_from(&gram_matrix(&white));
         let (solution, _) = solved(&gram, &prior)?;
         let mut coefficients = DVector::zeros(r);
         stay.iter().zip(solution.iter()).for_each(|(&at, &value)| coefficients[at] = value);

@@ -136,13 +136,16 @@ fn likelihoods_folds_and_halves_are_those_of_whole_matrices() {
                     close(held_out[at] / 1e-5, expected[at] / 1e-5, 1e-5, &what);
                 }
             }
-            let used: Vec<bool> = linearisation.observations.iter().map(|o| half[o.visit]).collect();
-            let (expected, covariance, _) = dense.solve(&x, &used, wide);
-            let (value, spread) = likelihood.on_visits(&linearisation, &half, x.ncols()).unwrap();
-            for k in 0..x.ncols() {
-                let deviation = covariance[(r + k, r + k)].sqrt();
-                close(spread[(k, k)].sqrt() / deviation, 1.0, 1e-5, &what);
-                close(value[k] / deviation, expected[r + k] / deviation, 1e-4, &what);
+            let halves = likelihood.on_halves(&linearisation, &half, x.ncols()).unwrap();
+            for (first, (value, spread)) in [true, false].into_iter().zip(halves) {
+                let used: Vec<bool> =
+                    linearisation.observations.iter().map(|o| half[o.visit] == first).collect();
+                let (expected, covariance, _) = dense.solve(&x, &used, wide);
+                for k in 0..x.ncols() {
+                    let deviation = covariance[(r + k, r + k)].sqrt();
+                    close(spread[(k, k)].sqrt() / deviation, 1.0, 1e-5, &what);
+                    close(value[k] / deviation, expected[r + k] / deviation, 1e-4, &what);
+                }
             }
         }
     }

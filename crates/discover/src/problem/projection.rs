@@ -18,7 +18,7 @@ use crate::problem::linearisation::Linearisation;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
 use crate::statistics::beta::surprisal;
-use crate::statistics::product::{cross, orthonormal};
+use crate::statistics::product::{cross, gram_matrix, orthonormal};
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
 use truepose_identify::NoiseModel;
 
@@ -137,8 +137,8 @@ impl Projection {
     fn left_of(&self, columns: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let x = self.whitener.of(columns);
         let along = cross(&self.q, &x);
-        let raw = cross(&x, &x);
-        let basis = basis(&raw, &(&raw - cross(&along, &along)), self.absorbed)?;
+        let raw = gram_matrix(&x);
+        let basis = basis(&raw, &(&raw - gram_matrix(&along)), self.absorbed)?;
         Some((x - &self.q * along) * basis)
     }
 
@@ -194,7 +194,7 @@ impl Projection {
                 None => projected.along(&accumulated.emitted, accumulated.sums.raw.ncols()),
             };
             let Sums { along: before, raw, score } = &accumulated.sums;
-            let left = raw - cross(before, before) - cross(&along, &along);
+            let left = raw - gram_matrix(before) - gram_matrix(&along);
             let basis = basis(raw, &left, self.absorbed)?;
             // X̃ᵀ r̃ with the new r̃.
             let score = score - along.tr_mul(&explained);
@@ -209,7 +209,7 @@ impl Projection {
         let x = self.whitener.of(columns);
         let along = cross(&self.q, &x);
         let score = x.tr_mul(&self.residual);
-        self.judged(&cross(&x, &x), &along, &score)
+        self.judged(&gram_matrix(&x), &along, &score)
             .map_or(0.0, |score| 1.0 - (-score.gain / self.len() as f64).exp())
     }
 
@@ -255,7 +255,7 @@ impl Projection {
         let Change::Add(effects) = &candidate.change else {
             let x = self.whitener.of(&linearisation.columns_of(candidate)?);
             let score = x.tr_mul(&self.residual);
-            return Ok(Sums { along: cross(&self.q, &x), raw: cross(&x, &x), score });
+            return Ok(Sums { along: cross(&self.q, &x), raw: gram_matrix(&x), score });
         };
         let evaluated = linearisation.evaluate(effects)?;
         let width = evaluated.width();
@@ -284,7 +284,7 @@ impl Projection {
     where
         A: Storage<f64, Dyn, Dyn>,
     {
-        let left = raw - cross(along, along);
+        let left = raw - gram_matrix(along);
         let total = raw.trace();
         if !(total > 0.0 && total.is_finite()) {
             return None;
@@ -308,7 +308,7 @@ fn directions(columns: DMatrix<f64>, prior: Option<&DMatrix<f64>>) -> (DMatrix<f
     let inverse = prior.and_then(|prior| prior.clone().try_inverse());
     let Some(inverse) = inverse else { return (orthonormal(columns), Vec::new()) };
     let scaled = columns * inverse;
-    let eigen = SymmetricEigen::new(cross(&scaled, &scaled));
+    let eigen = SymmetricEigen::new(gram_matrix(&scaled));
     let strong = |&k: &usize| eigen.eigenvalues[k] >= ESTIMATED * ESTIMATED;
     let (estimated, weak): (Vec<usize>, Vec<usize>) = (0..eigen.eigenvalues.len()).partition(strong);
     let turned = |which: &[usize]| &scaled * eigen.eigenvectors.select_columns(which);

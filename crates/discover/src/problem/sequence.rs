@@ -17,8 +17,9 @@
 
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
-use crate::statistics::product::cross;
-use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
+use crate::statistics::product::gram_matrix;
+use nalgebra::{Cholesky, DMatrix, DVector};
+use rayon::prelude::*;
 
 /// One pose on one axis.
 #[derive(Debug, Clone)]
@@ -50,6 +51,13 @@ pub(crate) struct Process {
     pub white: f64,
     pub wander: f64,
     pub time: f64,
+}
+
+impl Process {
+    /// Half white, half a wander of this time constant, in steps.
+    pub fn begun(time: f64) -> Self {
+        Process { white: 0.5, wander: 0.5, time }
+    }
 }
 
 impl Sequence {
@@ -114,6 +122,7 @@ impl Sequence {
 /// Columns [A | X | y] with what their likelihood needs; X is not integrated out.
 pub(crate) struct Ordered<'s> {
     sequence: &'s Sequence,
+    /// Whitened means of each axis: columns × poses.
     means: [DMatrix<f64>; 3],
     /// Gram matrix of what differs within poses, and of orientations.
     within: DMatrix<f64>,
@@ -131,23 +140,27 @@ impl<'s> Ordered<'s> {
         prior: Option<&DMatrix<f64>>,
     ) -> Self {
         let means = sequence.means(white);
-        let mut within = cross(white, white);
-        means.iter().for_each(|means| within -= cross(means, means));
+        let mut within = gram_matrix(white);
+        means.iter().for_each(|means| within -= gram_matrix(means));
         let n = white.ncols() - 1;
         let mut precision = DMatrix::zeros(n, n);
         if let Some(rows) = prior {
-            precision.view_mut((0, 0), (known, known)).copy_from(&cross(rows, rows));
+            precision.view_mut((0, 0), (known, known)).copy_from(&gram_matrix(rows));
         }
-        Ordered { sequence, means, within, prior: precision, known }
+        Ordered { sequence, means: means.map(|axis| axis.transpose()), within, prior: precision, known }
     }
 
     /// −2 ln of the restricted likelihood, up to a constant that is the same for all processes and X.
     pub fn deviance(&self, of: Process) -> f64 {
         let n = self.prior.ncols();
         let (mut gram, mut logarithm) = (self.within.clone(), 0.0);
-        for (axis, means) in self.sequence.axes.iter().zip(&self.means) {
-            let (white, log) = innovations(axis, means, of, self.sequence.typical);
-            gram += cross(&white, &white);
+        let axes: Vec<(&Vec<Mean>, &DMatrix<f64>)> = self.sequence.axes.iter().zip(&self.means).collect();
+        let each: Vec<(DMatrix<f64>, f64)> = axes
+            .into_par_iter()
+            .map(|(axis, means)| innovations(axis, means, of, self.sequence.typical))
+            .collect();
+        for (own, log) in each {
+            gram += own;
             logarithm += log;
         }
         let mut normal = gram.view((0, 0), (n, n)) + &self.prior;
@@ -165,9 +178,8 @@ impl<'s> Ordered<'s> {
         logarithm + known + (gram[(n, n)] - along.norm_squared()).max(0.0)
     }
 
-    /// The process of the largest likelihood, found by a pattern search from this time constant (Hooke and Jeeves 1961).
-    pub fn fitted(&self, time: f64) -> (Process, f64) {
-        let start = Process { white: 0.5, wander: 0.5, time };
+    /// The process of the largest likelihood, found by a pattern search from this one (Hooke and Jeeves 1961).
+    pub fn fitted(&self, start: Process) -> (Process, f64) {
         let mut steps = [1.0, 1.4, 1.4];
         /// Logarithms are wanted to this.
         const FINE: f64 = 0.08;
@@ -199,28 +211,34 @@ impl<'s> Ordered<'s> {
     }
 }
 
-/// Whitened innovations of one axis' means, and the logarithm of their variances over those of independent poses.
+/// Gram matrix of the whitened innovations of one axis' means (columns × poses), and the logarithm of their variances over those of
+/// independent poses.
 fn innovations(axis: &[Mean], means: &DMatrix<f64>, of: Process, typical: f64) -> (DMatrix<f64>, f64) {
+    /// Poses whose innovations are in memory.
+    const AT_ONCE: usize = 256;
+    let n = means.nrows();
     let stationary = of.wander * typical;
-    let mut white = means.clone();
-    let mut state = RowDVector::zeros(means.ncols());
+    let (mut gram, mut state) = (DMatrix::zeros(n, n), DVector::<f64>::zeros(n));
     let (mut variance, mut logarithm) = (stationary, 0.0);
-    for (k, mean) in axis.iter().enumerate() {
-        if k > 0 {
-            let kept = (-(mean.at - axis[k - 1].at) / of.time).exp();
-            state *= kept;
+    for first in (0..axis.len()).step_by(AT_ONCE) {
+        let mut white = means.columns(first, AT_ONCE.min(axis.len() - first)).into_owned();
+        for (k, mut innovation) in (first..).zip(white.column_iter_mut()) {
+            let mean = &axis[k];
+            let kept = if k == 0 { 1.0 } else { (-(mean.at - axis[k - 1].at) / of.time).exp() };
             variance = kept * kept * variance + stationary * (1.0 - kept * kept);
+            let whole = variance + of.white * mean.variance;
+            let gain = variance / whole;
+            let (size, unit) = (mean.variance.sqrt(), 1.0 / whole.sqrt());
+            for (to, x) in innovation.iter_mut().zip(state.iter_mut()) {
+                let predicted = *x * kept;
+                let new = *to * size - predicted;
+                *x = predicted + gain * new;
+                *to = new * unit;
+            }
+            variance *= 1.0 - gain;
+            logarithm += (whole / mean.variance).ln();
         }
-        let whole = variance + of.white * mean.variance;
-        let gain = variance / whole;
-        let (size, unit) = (mean.variance.sqrt(), 1.0 / whole.sqrt());
-        for (to, x) in white.row_mut(k).iter_mut().zip(state.iter_mut()) {
-            let new = *to * size - *x;
-            *x += gain * new;
-            *to = new * unit;
-        }
-        variance *= 1.0 - gain;
-        logarithm += (whole / mean.variance).ln();
+        gram += gram_matrix(&white.transpose());
     }
-    (white, logarithm)
+    (gram, logarithm)
 }

@@ -17,6 +17,7 @@ use crate::contest::competitor::{cost, log_prior_odds, outcompeted, with_estimat
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
+use crate::problem::dependence::BesideWander;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
@@ -84,7 +85,8 @@ fn one_for_both(
         return Ok(None);
     }
     let p = multiplicity.null.p_value(best.surprisal);
-    let evidence = collect(&linearisation, (&screen, &contest.present), best, p, options)?;
+    let wander = BesideWander::of(&linearisation, options.seed);
+    let evidence = collect((&linearisation, &wander), (&screen, &contest.present), best, p, options)?;
     let competitors = outcompeted(&contest.competitors, best, &options.policy);
     Ok(Some(Accepted { candidate: with_estimates(best), evidence, competitors, shortlist }))
 }

@@ -14,6 +14,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
 use crate::policy::Policy;
+use crate::problem::dependence::BesideWander;
 use crate::problem::likelihood::without as lacking;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
@@ -112,7 +113,8 @@ fn without(
         let tested = |best: &Competitor| {
             // The p-value of a replacement is its own, from a full screen.
             let p = multiplicity.null.p_value(best.surprisal);
-            collect(linearisation, (&screen, &contest.present), best, p, options)
+            let wander = BesideWander::of(linearisation, options.seed);
+            collect((linearisation, &wander), (&screen, &contest.present), best, p, options)
         };
         let evidence = another.map(tested).transpose()?;
         Ok(Reselection { contest, winner, evidence })

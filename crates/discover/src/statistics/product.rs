@@ -20,6 +20,29 @@ where
     out
 }
 
+/// `AᵀA`: of each pair of bands of columns one product.
+pub(crate) fn gram_matrix<A: Storage<f64, Dyn, Dyn>>(a: &Matrix<f64, Dyn, Dyn, A>) -> DMatrix<f64> {
+    /// Columns of a band: as many as the kernel needs to be fast.
+    const BAND: usize = 48;
+    let n = a.ncols();
+    if n <= BAND {
+        return cross(a, a);
+    }
+    let transposed = a.transpose();
+    let mut out = DMatrix::zeros(n, n);
+    for first in (0..n).step_by(BAND) {
+        let band = BAND.min(n - first);
+        let own = transposed.rows(first, band);
+        out.view_mut((first, first), (band, n - first)).gemm(1.0, &own, &a.columns(first, n - first), 0.0);
+    }
+    for j in 0..n {
+        for i in 0..j {
+            out[(j, i)] = out[(i, j)];
+        }
+    }
+    out
+}
+
 /// An orthonormal basis of the columns: `Q = A L⁻ᵀ`, `L Lᵀ = AᵀA`, twice (CholeskyQR2: Yamamoto et al. 2015), which is orthogonal to
 /// rounding as long as the scaled columns are independent to 1e-6; by Householder reflections else.
 pub(crate) fn orthonormal(a: DMatrix<f64>) -> DMatrix<f64> {
@@ -28,7 +51,7 @@ pub(crate) fn orthonormal(a: DMatrix<f64>) -> DMatrix<f64> {
         return a;
     }
     let once = |a: &DMatrix<f64>| -> Option<DMatrix<f64>> {
-        let gram = cross(a, a);
+        let gram = gram_matrix(a);
         let size: Vec<f64> = gram.diagonal().iter().map(|v| v.sqrt()).collect();
         let scaled = DMatrix::from_fn(a.ncols(), a.ncols(), |i, j| gram[(i, j)] / (size[i] * size[j]));
         let lower = scaled.cholesky()?.unpack();
@@ -50,6 +73,15 @@ pub(crate) fn orthonormal(a: DMatrix<f64>) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gram_matrix_is_that_of_all_products() {
+        for (rows, columns) in [(30, 5), (40, 48), (200, 49), (90, 131)] {
+            let a = DMatrix::from_fn(rows, columns, |i, j| ((i * 7 + j * 13) as f64).sin());
+            assert!((gram_matrix(&a) - a.transpose() * &a).amax() < 1e-11, "{rows} x {columns}");
+            assert_eq!(gram_matrix(&a), gram_matrix(&a).transpose());
+        }
+    }
 
     #[test]
     fn a_basis_is_orthonormal_and_spans_the_columns() {
