@@ -16,7 +16,7 @@
 use crate::error::DiscoverError;
 use crate::problem::linearisation::Linearisation;
 use crate::statistics::coefficients::CoefficientDistribution;
-use crate::statistics::product::gram_matrix;
+use crate::statistics::product::{cholesky, gram_matrix};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -260,7 +260,7 @@ pub(crate) fn solved(
     // Columns that the data cannot tell apart at all stay where the prior holds them.
     let mut ridge = 0.0;
     for _ in 0..8 {
-        if let Some(factor) = Cholesky::new(normal.clone()) {
+        if let Some(factor) = cholesky(normal.clone()) {
             let solution = factor.solve(&right).component_mul(&DVector::from_column_slice(&scale));
             if solution.iter().all(|v| v.is_finite()) {
                 return Ok((solution, Scaled { factor, scale }));

@@ -17,8 +17,8 @@
 
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
-use crate::statistics::product::gram_matrix;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use crate::statistics::product::{cholesky, gram_matrix};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// One pose on one axis.
@@ -170,7 +170,7 @@ impl<'s> Ordered<'s> {
             (0..n).for_each(|i| normal[(i, j)] *= scale[i] * scale[j]);
             normal[(j, j)] += 1e-12;
         }
-        let Some(factor) = Cholesky::new(normal) else { return f64::INFINITY };
+        let Some(factor) = cholesky(normal) else { return f64::INFINITY };
         let mut along = DVector::from_fn(n, |i, _| gram[(i, n)] * scale[i]);
         let lower = factor.l_dirty();
         lower.solve_lower_triangular_mut(&mut along);

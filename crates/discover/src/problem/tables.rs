@@ -14,7 +14,7 @@
 
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
-use crate::statistics::product::{cross, gram_matrix};
+use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage};
 use std::ops::Range;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ impl Tables {
             let own = visit[0].observations.start..visit[visit.len() - 1].observations.end;
             let sees = jacobian.rows(own.start, own.len());
             along.extend_from_slice(cross(&q.rows(own.start, own.len()), &sees).as_slice());
-            squares.extend_from_slice(gram_matrix(&sees).as_slice());
+            squares.extend_from_slice(cross(&sees, &sees).as_slice());
             stations.push(station);
             observations.push(own);
             station += visit.len();

@@ -1,6 +1,7 @@
 //! Products of tall matrices through the blocked kernel.
 
-use nalgebra::{DMatrix, Dyn, Matrix, Storage};
+use nalgebra::{Cholesky, DMatrix, Dyn, Matrix, Storage};
+use truepose_solvers::kernels;
 
 /// `Aᵀ B`.
 pub(crate) fn cross<A, B>(a: &Matrix<f64, Dyn, Dyn, A>, b: &Matrix<f64, Dyn, Dyn, B>) -> DMatrix<f64>
@@ -20,27 +21,24 @@ where
     out
 }
 
-/// `AᵀA`: of each pair of bands of columns one product.
-pub(crate) fn gram_matrix<A: Storage<f64, Dyn, Dyn>>(a: &Matrix<f64, Dyn, Dyn, A>) -> DMatrix<f64> {
-    /// Columns of a band: as many as the kernel needs to be fast.
-    const BAND: usize = 48;
+/// `AᵀA`.
+pub(crate) fn gram_matrix(a: &DMatrix<f64>) -> DMatrix<f64> {
+    /// Up to so many columns, both halves are computed as fast as one.
+    const THIN: usize = 12;
     let n = a.ncols();
-    if n <= BAND {
+    if n <= THIN {
         return cross(a, a);
     }
-    let transposed = a.transpose();
     let mut out = DMatrix::zeros(n, n);
-    for first in (0..n).step_by(BAND) {
-        let band = BAND.min(n - first);
-        let own = transposed.rows(first, band);
-        out.view_mut((first, first), (band, n - first)).gemm(1.0, &own, &a.columns(first, n - first), 0.0);
-    }
-    for j in 0..n {
-        for i in 0..j {
-            out[(j, i)] = out[(i, j)];
-        }
-    }
+    kernels::gram(&mut out, a);
+    out.fill_upper_triangle_with_lower_triangle();
     out
+}
+
+/// L of a symmetric positive definite matrix, `L Lᵀ`; none of one that is not, to rounding.
+pub(crate) fn cholesky(matrix: DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    let n = matrix.ncols();
+    kernels::cholesky_lower(matrix, n).map(Cholesky::pack_dirty)
 }
 
 /// An orthonormal basis of the columns: `Q = A L⁻ᵀ`, `L Lᵀ = AᵀA`, twice (CholeskyQR2: Yamamoto et al. 2015), which is orthogonal to
@@ -54,7 +52,7 @@ pub(crate) fn orthonormal(a: DMatrix<f64>) -> DMatrix<f64> {
         let gram = gram_matrix(a);
         let size: Vec<f64> = gram.diagonal().iter().map(|v| v.sqrt()).collect();
         let scaled = DMatrix::from_fn(a.ncols(), a.ncols(), |i, j| gram[(i, j)] / (size[i] * size[j]));
-        let lower = scaled.cholesky()?.unpack();
+        let lower = cholesky(scaled)?.unpack();
         if !lower.diagonal().iter().all(|&d| d > INDEPENDENT) {
             return None;
         }
@@ -76,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_gram_matrix_is_that_of_all_products() {
-        for (rows, columns) in [(30, 5), (40, 48), (200, 49), (90, 131)] {
+        for (rows, columns) in [(30, 5), (40, 13), (200, 49), (90, 131)] {
             let a = DMatrix::from_fn(rows, columns, |i, j| ((i * 7 + j * 13) as f64).sin());
             assert!((gram_matrix(&a) - a.transpose() * &a).amax() < 1e-11, "{rows} x {columns}");
             assert_eq!(gram_matrix(&a), gram_matrix(&a).transpose());
