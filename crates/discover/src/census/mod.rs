@@ -18,6 +18,8 @@ mod comparison;
 mod confirmed;
 mod details;
 pub(crate) mod gross;
+#[cfg(test)]
+mod oracle;
 mod proof;
 mod scores;
 mod waves;

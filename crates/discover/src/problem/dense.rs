@@ -28,6 +28,8 @@ pub(crate) struct Dense {
 /// What the score test says of a candidate.
 pub(crate) struct DenseScore {
     pub freedom: usize,
+    /// SS.
+    pub squares: f64,
     /// −m ln(1 − SS/RSS).
     pub statistic: f64,
     /// ‖X̃‖²/‖X‖².
@@ -93,6 +95,12 @@ impl Dense {
         all
     }
 
+    /// The prior's rows hold every direction, also those that the data estimates.
+    pub fn held(mut self) -> Self {
+        self.nuisance.clone_from(&self.design);
+        self
+    }
+
     /// With further raw columns in the model, without a prior.
     pub fn with(mut self, more: &DMatrix<f64>) -> Self {
         let below = DMatrix::zeros(self.design.nrows() - self.observations, more.ncols());
@@ -139,6 +147,7 @@ impl Dense {
         let beta = Beta::new(0.5 * k, 0.5 * (freedom - k)).expect("positive");
         Some(DenseScore {
             freedom: kept.len(),
+            squares,
             statistic: -(self.observations as f64) * (1.0 - fraction).ln(),
             left: left.norm_squared() / x.norm_squared(),
             surprisal: -beta.sf(fraction).ln(),

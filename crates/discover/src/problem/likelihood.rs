@@ -194,16 +194,16 @@ impl Likelihood {
         visits: &[bool],
         unknowns: usize,
     ) -> Result<[Estimate; 2], DiscoverError> {
-        let members: Vec<usize> =
-            (0..linearisation.len()).filter(|&at| visits[linearisation.observations[at].visit]).collect();
-        let Rows { white, gram, .. } = self.rows(linearisation);
-        let own = gram_matrix(&white.select_rows(&members));
+        let white = &self.rows(linearisation).white;
         let first = white.ncols() - 1 - unknowns;
-        let of = |gram: &DMatrix<f64>| -> Result<Estimate, DiscoverError> {
-            let (solution, factor) = solved(gram, &self.prior)?;
+        let (own, others): (Vec<usize>, Vec<usize>) =
+            (0..linearisation.len()).partition(|&at| visits[linearisation.observations[at].visit]);
+        // A column that a half does not see must have no rounding of the whole in it: both are summed.
+        let of = |members: &[usize]| -> Result<Estimate, DiscoverError> {
+            let (solution, factor) = solved(&gram_matrix(&white.select_rows(members)), &self.prior)?;
             Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
         };
-        Ok([of(&own)?, of(&(gram - &own))?])
+        Ok([of(&own)?, of(&others)?])
     }
 }
 
