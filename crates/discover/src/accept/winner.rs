@@ -57,7 +57,7 @@ pub(crate) fn winner(
 }
 
 /// Family-wise p of a competitor. Where it is above α under the noise of the present model, which has the effect in its residual, the noise
-/// is that of the model with the competitor: a second test, so that its p counts twice (Bonferroni).
+/// is that of the model with the competitor: a second test, in favour of the competitor, whose p counts [`crate::policy::Policy::second_look_tests`] times.
 fn own_p_value(
     linearisation: &Linearisation<'_>,
     null: &NullDistribution,
@@ -70,5 +70,5 @@ fn own_p_value(
     }
     let again = Projection::under(linearisation, competitor.likelihood.noise);
     let surprisal = again.judge(linearisation, &competitor.candidate).map_or(0.0, |score| score.surprisal);
-    p.min(2.0 * null.p_value(surprisal))
+    p.min(linearisation.policy.second_look_tests * null.p_value(surprisal))
 }
