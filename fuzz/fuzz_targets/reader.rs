@@ -10,7 +10,7 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{Dialect, Program};
 use truepose_errormodel::{EffectRegistry, ErrorModel};
-use truepose_io::{
+use truepose_io::{ColumnMap, 
     MeasurementsOptions, MonitorHistory, RobotOptions, read_details, read_fit, read_measurements, read_model,
     read_poses, read_robot, robot_sessions, robot_surroundings, robot_toml,
 };
@@ -78,7 +78,7 @@ impl Reader {
                 Err(_) => false,
             },
             "history" => MonitorHistory::read(file, "0").is_ok(),
-            "poses" => read_poses(file, &self.chain).is_ok(),
+            "poses" => read_poses(file, &self.chain, &ColumnMap::default()).is_ok(),
             _ => read_measurements(file, &self.chain, &MeasurementsOptions::default()).is_ok(),
         }
     }

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use truepose_errormodel::EffectRegistry;
 use truepose_io::{
-    MeasurementsOptions, RobotOptions, Warning, read_fit, read_measurements, read_model, read_poses,
-    read_robot, robot_toml, robot_urdf,
+    ColumnMap, MeasurementsOptions, RobotOptions, Warning, read_fit, read_measurements, read_model,
+    read_poses, read_robot, robot_toml, robot_urdf,
 };
 use truepose_kinematics::{Chain, samples};
 use truepose_solvers::SolverSpec;
@@ -228,7 +228,9 @@ fn read(target: &Target, path: &Path, bytes: &[u8]) -> Result<String, String> {
             made.map_or_else(|error| error.to_string(), |_| String::new())
         }),
         "fit" => read_fit(path, &registry).map(|_| String::new()),
-        "poses" => read_poses(path, &target.chain).map(|(_, _, warnings)| words(&warnings)),
+        "poses" => {
+            read_poses(path, &target.chain, &ColumnMap::default()).map(|(_, _, warnings)| words(&warnings))
+        }
         _ => {
             let text = std::str::from_utf8(bytes).map_err(|error| error.to_string())?;
             return text.parse::<SolverSpec>().map(|_| String::new()).map_err(|error| error.to_string());

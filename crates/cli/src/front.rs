@@ -1,6 +1,7 @@
 //! What the program does between reading and writing, for front ends in other languages: the same steps, so that the same bytes come out.
 
 use crate::args::ExportFormat;
+use crate::recorded;
 use crate::verbs::compensate::Expected;
 use crate::verbs::export::{Wanted, text};
 use crate::verbs::{beyond, compensate, discover, folds, identified, parameters, predict};
@@ -10,7 +11,7 @@ use truepose_compensate::{Command, CompensateError, ExportOptions};
 use truepose_discover::Progress;
 use truepose_errormodel::{Coverage, Dataset, FittedModel, ModelError};
 use truepose_identify::Split;
-use truepose_io::{ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
+use truepose_io::{ColumnMap, ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
 use truepose_kinematics::TargetId;
 use truepose_report::ParametersSummary;
 
@@ -35,6 +36,16 @@ pub fn discovered(fitted: &mut FittedModel, solver: &str, rows: usize, seed: u64
 /// Records units and frames of a robot's description in a fit.
 pub fn record_details(fitted: &mut FittedModel, details: &RobotDetails) {
     parameters::record(fitted, details);
+}
+
+/// Records in a fit which column of its data was which; nothing where nothing was said of them.
+pub fn record_columns(fitted: &mut FittedModel, map: &ColumnMap) {
+    recorded::record_columns(fitted, map);
+}
+
+/// The columns of the data of a fit, for other files of the same robot.
+pub fn recorded_columns(fitted: &FittedModel) -> ColumnMap {
+    recorded::recorded_columns(fitted)
 }
 
 /// Units and frames that a fit has recorded.

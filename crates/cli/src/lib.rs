@@ -6,6 +6,7 @@ mod failure;
 pub mod front;
 mod library;
 mod progress;
+mod recorded;
 mod space;
 mod terminal;
 mod typed;

@@ -66,22 +66,33 @@ pub struct CommandRow {
 ///
 /// # Errors
 /// When the file cannot be read, lacks a position, or at the first cell that is wrong.
-pub fn read_poses(path: impl AsRef<Path>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
-    poses(From::File(path.as_ref()), chain)
+pub fn read_poses(
+    path: impl AsRef<Path>,
+    chain: &Chain,
+    columns: &ColumnMap,
+) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
+    poses(From::File(path.as_ref()), chain, columns)
 }
 
 /// Reads desired poses of a table in memory.
 ///
 /// # Errors
 /// When it lacks a position, or at the first cell that is wrong.
-pub fn poses_in_memory(table: MemoryTable, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
-    poses(From::Memory(table), chain)
+pub fn poses_in_memory(
+    table: MemoryTable,
+    chain: &Chain,
+    columns: &ColumnMap,
+) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
+    poses(From::Memory(table), chain, columns)
 }
 
-fn poses(from: From<'_>, chain: &Chain) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
+fn poses(
+    from: From<'_>,
+    chain: &Chain,
+    columns: &ColumnMap,
+) -> Result<(Poses, CsvInfo, Vec<Warning>), IoError> {
     let needs = Needs { joints: false, measured: false, position: true };
-    let columns = ColumnMap::default();
-    let table = read_table(from, chain, needs, DwellTolerance::default(), &columns)?;
+    let table = read_table(from, chain, needs, DwellTolerance::default(), columns)?;
     let joint_units = match &table.header.slots.joints {
         Some(slots) => slots.iter().map(|&k| table.header.columns[k].conversion).collect(),
         None => chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect(),
@@ -185,7 +196,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
         std::fs::write(&path, text).unwrap();
-        read_poses(&path, &samples::pps())
+        read_poses(&path, &samples::pps(), &ColumnMap::default())
             .map(|(poses, _, warnings)| (poses, warnings))
             .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
     }

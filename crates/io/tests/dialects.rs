@@ -336,7 +336,7 @@ fn names_of_rows_are_passed_through() {
         text.lines().map(|line| line.split(',').next().unwrap().to_owned()).collect()
     };
     assert_eq!(first_cells(), ["id", "P-07", "12"]);
-    let (poses, ..) = read_poses(&path, &chain).unwrap();
+    let (poses, ..) = read_poses(&path, &chain, &ColumnMap::default()).unwrap();
     let command = CommandRow {
         joints: vec![0.0; 4],
         status: CommandStatus::Ok,

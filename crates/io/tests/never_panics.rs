@@ -8,8 +8,8 @@ use std::path::Path;
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{Dataset, EffectRegistry, ErrorModel, FittedModel};
 use truepose_io::{
-    IoError, MeasurementsOptions, MeasurementsReader, RobotOptions, read_fit, read_measurements, read_model,
-    read_poses, read_robot, robot_toml, write_fit,
+    ColumnMap, IoError, MeasurementsOptions, MeasurementsReader, RobotOptions, read_fit, read_measurements,
+    read_model, read_poses, read_robot, robot_toml, write_fit,
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::samples;
@@ -149,7 +149,7 @@ proptest! {
             while reader.read_block(1, &mut block)? > 0 {}
             Ok(())
         }));
-        check(&path, read_poses(&path, &chain));
+        check(&path, read_poses(&path, &chain, &ColumnMap::default()));
     }
 
     #[test]

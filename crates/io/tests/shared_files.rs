@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 use truepose_errormodel::EffectRegistry;
 use truepose_io::{
-    IoError, MeasurementsOptions, RobotOptions, read_measurements, read_model, read_poses, read_robot,
+    ColumnMap, IoError, MeasurementsOptions, RobotOptions, read_measurements, read_model, read_poses,
+    read_robot,
 };
 
 fn shared() -> Option<PathBuf> {
@@ -50,7 +51,7 @@ fn published_files_are_read() {
             tables += 1;
         }
         if folder.join("poses.csv").exists() {
-            let (poses, ..) = told(read_poses(folder.join("poses.csv"), &chain));
+            let (poses, ..) = told(read_poses(folder.join("poses.csv"), &chain, &ColumnMap::default()));
             assert_eq!(poses.rows.len(), 30);
         }
         if folder.join("declared.toml").exists() {

@@ -77,7 +77,7 @@ pub fn reading(
             })
         })
         .transpose()?;
-    let own = ColumnMap { names: columns, ignore, exclude: Vec::new(), orientation };
+    let own = ColumnMap { names: columns, ignore, orientation, ..ColumnMap::default() };
     Ok(MeasurementsOptions {
         measured_required: measured,
         columns: robot.columns.clone().with(&own),

@@ -145,10 +145,11 @@ pub fn discover(
     let so_far = SoFar::default();
     let kept = so_far.clone();
     let (rows, details, labels) = (data.data.clone(), robot.details.clone(), data.info.visit_labels.clone());
+    let map = data.info.map.clone();
     let words_of_solver = solver_text.clone();
     let Model { effects, objects, .. } = model;
     let run = {
-        let (rows, details) = (rows.clone(), details.clone());
+        let (rows, details, map) = (rows.clone(), details.clone(), map.clone());
         move |working: &crate::run::Working| {
             crate::model::prepare(&effects, &chain, &rows)?;
             let observer = |step: Progress| match step {
@@ -173,6 +174,7 @@ pub fn discover(
                 summary.as_found = Some(found.into());
             }
             front::record_details(&mut found.fit.fitted, &details);
+            front::record_columns(&mut found.fit.fitted, &map);
             front::discovered(&mut found.fit.fitted, &solver_text, rows.len(), seed, true);
             Ok((found, summary))
         }
@@ -195,6 +197,7 @@ pub fn discover(
                     let summary =
                         DiscoverySummary { incomplete: why, ..DiscoverySummary::new(&found, settings) };
                     front::record_details(&mut found.fit.fitted, &details);
+                    front::record_columns(&mut found.fit.fitted, &map);
                     front::discovered(&mut found.fit.fitted, &words_of_solver, rows.len(), seed, false);
                     found.fit.fitted.provenance.insert("incomplete".into(), "interrupted".into());
                     Some(finished(*found, summary, objects))

@@ -235,7 +235,8 @@ impl Fit {
         self.plain()?;
         let fitted = (*self.fitted).clone().of_robot();
         let chain = fitted.chain();
-        let (mut poses, _, said) = poses_in_memory(poses.table.clone(), chain).map_err(of_io)?;
+        let (mut poses, _, said) =
+            poses_in_memory(poses.table.clone(), chain, &front::recorded_columns(&fitted)).map_err(of_io)?;
         let mut said = warnings(&said);
         let oriented = poses.rows.orientation.iter().any(Option::is_some);
         let mut targets = poses.rows.target.clone();

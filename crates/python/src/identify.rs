@@ -68,6 +68,7 @@ pub fn identify(
             IdentificationSummary::new(&found, &rows, &info.visit_labels, &solver_text, held_out_by);
         summary.warnings.splice(0..0, suspected);
         front::record_details(&mut found.fit.fitted, &details);
+        front::record_columns(&mut found.fit.fitted, &info.map);
         front::identified(&mut found.fit.fitted, &solver_text, rows.len(), seed, holdout.is_some());
         Ok(Identified { found, data: rows, labels: info.visit_labels.clone(), summary })
     })?;

@@ -31,7 +31,7 @@ impl Robot {
         Robot {
             chain: Arc::new(chain.clone()),
             details: RobotDetails { units, frames, certificate: None },
-            columns: ColumnMap::default(),
+            columns: front::recorded_columns(fitted),
             warnings: Vec::new(),
         }
     }
@@ -98,6 +98,7 @@ impl Robot {
         let model = ErrorModel::new((*self.chain).clone(), Vec::new()).map_err(input)?;
         let mut fitted = FittedModel::new(model, Vec::new(), DMatrix::zeros(0, 0)).map_err(input)?;
         front::record_details(&mut fitted, &self.details);
+        front::record_columns(&mut fitted, &self.columns);
         fit_json("robot", &fitted).map_err(of_io)
     }
 

@@ -1,8 +1,9 @@
 //! How tables of measurements are read: which column is which, and which rows form a pose measurement.
 
 use super::values::parse_whole;
+use crate::recorded::recorded_columns;
 use std::path::Path;
-use truepose_errormodel::DwellTolerance;
+use truepose_errormodel::{DwellTolerance, FittedModel};
 use truepose_io::{
     ColumnMap, IoError, MeasurementsOptions, OrientationConvention, Quantity, Unit, robot_columns,
 };
@@ -41,6 +42,7 @@ impl Grouped {
                 ignore: self.ignore.clone(),
                 exclude: self.exclude.clone(),
                 orientation: self.orientation,
+                ..ColumnMap::default()
             }
             .with(&ColumnMap::default()),
             ..MeasurementsOptions::default()
@@ -53,9 +55,15 @@ impl Grouped {
         Ok(MeasurementsOptions { columns: robot_columns(robot)?.with(&own.columns), ..own })
     }
 
-    /// Options for rows without measured values.
-    pub fn conditions(&self) -> MeasurementsOptions {
-        MeasurementsOptions { measured_required: false, ..self.measured() }
+    /// The same, with the columns that the data of a fit had.
+    pub fn measured_for(&self, fitted: &FittedModel) -> MeasurementsOptions {
+        let own = self.measured();
+        MeasurementsOptions { columns: recorded_columns(fitted).with(&own.columns), ..own }
+    }
+
+    /// Options for rows without measured values, with the columns that the data of a fit had.
+    pub fn conditions_for(&self, fitted: &FittedModel) -> MeasurementsOptions {
+        MeasurementsOptions { measured_required: false, ..self.measured_for(fitted) }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::args::Compensate;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::recorded::recorded_columns;
 use crate::terminal;
 use crate::watch::Watch;
 use rayon::prelude::*;
@@ -162,13 +163,15 @@ fn file(args: &Compensate) -> &Path {
 fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Poses, Failure> {
     let chain = fitted.chain();
     if let Some(joints) = &args.joints {
-        let options = MeasurementsOptions { measured_required: false, ..MeasurementsOptions::default() };
+        let columns = recorded_columns(fitted);
+        let options =
+            MeasurementsOptions { measured_required: false, columns, ..MeasurementsOptions::default() };
         let (rows, info, warnings) = read_measurements(joints, chain, &options)?;
         terminal::warn(&warnings);
         return Ok(placed.programme(chain, rows, &info));
     }
     let file = file(args);
-    let (mut poses, _, warnings) = read_poses(file, chain)?;
+    let (mut poses, _, warnings) = read_poses(file, chain, &recorded_columns(fitted))?;
     terminal::warn(&warnings);
     if !placed.of_the_flange() {
         known(args, fitted, &poses)?;

@@ -9,6 +9,7 @@ use crate::args::Discover;
 use crate::extensions::library;
 use crate::failure::Failure;
 use crate::progress::Progress as Bar;
+use crate::recorded::record_columns;
 use crate::terminal;
 use crate::watch::{Kept, Watch};
 use std::path::{Path, PathBuf};
@@ -119,6 +120,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     // Pages are of the whole fit; its file is of the robot alone.
     let mut used = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut used, &args.measured.robot.robot)?;
+    record_columns(&mut used, &info.map);
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }

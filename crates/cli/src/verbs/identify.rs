@@ -8,6 +8,7 @@ use super::{declared, parameters, print_json, read_files, robot, suspected};
 use crate::args::{Identify, Prior};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::recorded::record_columns;
 use crate::terminal;
 use crate::watch::Watch;
 use truepose_errormodel::{Dataset, Visits, configurations};
@@ -89,6 +90,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     // Pages are of the whole fit; its file is of the robot alone.
     let mut used = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut used, &args.measured.robot.robot)?;
+    record_columns(&mut used, &info.map);
     if args.parameters.is_some() || args.report.is_some() || args.json {
         summary.parameters = Some(parameters::parameters(&used.clone().of_robot()));
     }

@@ -24,7 +24,7 @@ pub fn run(args: &Iso9283, watch: &Watch) -> Result<(), Failure> {
         None => None,
     };
     let (chain, reading) = match (&fitted, &args.robot) {
-        (Some(fitted), _) => (fitted.chain().clone(), args.grouped.measured()),
+        (Some(fitted), _) => (fitted.chain().clone(), args.grouped.measured_for(fitted)),
         (None, Some(file)) => {
             let of = Robot { robot: file.clone(), base: args.base.clone(), tip: args.tip.clone() };
             (robot(&of)?, args.grouped.measured_on(file)?)

@@ -22,7 +22,8 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
         Some(file) if file.exists() => MonitorHistory::read(file, &digest)?,
         _ => MonitorHistory::new(digest),
     };
-    let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
+    let (data, info, warnings) =
+        read_measurements(&args.data, fitted.chain(), &args.grouped.measured_for(&fitted))?;
     terminal::warn(&warnings);
     one(&info, &args.data)?;
     watch.doing("looking for changes");

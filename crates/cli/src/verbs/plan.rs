@@ -36,7 +36,7 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     let rival = args.rival.as_ref().map(|file| in_session(read_fit(file, registry)?)).transpose()?;
     let goals = match &args.at {
         Some(file) => {
-            let options = args.grouped.conditions();
+            let options = args.grouped.conditions_for(&fitted);
             let (data, _, warnings) = read_measurements(file, fitted.chain(), &options)?;
             terminal::warn(&warnings);
             Some(data.derived_for(fitted.model())?.into_owned())

@@ -39,7 +39,7 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let folder = Folder::with_head(args.report.as_ref(), "prediction.json", args.certificate.as_ref())?;
     let fitted = read_fit(&args.fit, effects())?;
-    let options = args.grouped.conditions();
+    let options = args.grouped.conditions_for(&fitted);
     // The page shows every row.
     if folder.is_none()
         && fitted.sessions.is_empty()

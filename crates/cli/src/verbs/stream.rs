@@ -5,6 +5,7 @@ use super::print_json;
 use crate::args::Identify;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::recorded::record_columns;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::Path;
@@ -67,6 +68,7 @@ pub fn identify(
         let provenance = &mut found.fit.fitted.provenance;
         origin(provenance, &summary.solver, summary.rows);
         provenance.insert("structure_from_rows".into(), summary.sampled.into());
+        record_columns(&mut found.fit.fitted, &file.reading.columns);
         write_fit(out, &found.fit.fitted)?;
         terminal::log(&format!("wrote {}", out.display()));
     }

@@ -15,7 +15,8 @@ use truepose_upkeep::{Installation, TransferOptions, transfer};
 pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     check_writable(&args.out)?;
     let fitted = chosen(read_fit(&args.fit, effects())?, None, true)?;
-    let (data, info, warnings) = read_measurements(&args.data, fitted.chain(), &args.grouped.measured())?;
+    let (data, info, warnings) =
+        read_measurements(&args.data, fitted.chain(), &args.grouped.measured_for(&fitted))?;
     terminal::warn(&warnings);
     one(&info, &args.data)?;
     watch.doing("finding the installation");

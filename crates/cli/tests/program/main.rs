@@ -8,6 +8,7 @@
 
 mod acceptance;
 mod bad_input;
+mod columns;
 mod coupled;
 mod determinism;
 mod dwell;

@@ -1,5 +1,6 @@
 //! What a reader understood of a table.
 
+use super::mapping::ColumnMap;
 use std::path::PathBuf;
 
 /// What was read, for `truepose check` and for logs.
@@ -9,6 +10,8 @@ pub struct CsvInfo {
     pub file: PathBuf,
     /// Every column, in the order of the file.
     pub columns: Vec<ColumnInfo>,
+    /// Which column was to be which.
+    pub map: ColumnMap,
     /// How many rows.
     pub rows: usize,
     /// How many visits.

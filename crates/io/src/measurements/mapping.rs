@@ -12,6 +12,10 @@ pub struct ColumnMap {
     pub ignore: Vec<String>,
     /// Lines of the file that are not read, as messages number them.
     pub exclude: Vec<u64>,
+    /// As `names`, of other files of the same robot: they serve where this file has such columns.
+    pub usual_names: Vec<(String, String)>,
+    /// As `ignore`, of other files of the same robot.
+    pub usual_ignore: Vec<String>,
     /// How three angles (or four numbers) describe an orientation; none: quaternions and rotation vectors.
     pub orientation: Option<OrientationConvention>,
 }
@@ -23,10 +27,27 @@ impl ColumnMap {
         self.names.retain(|(name, _)| other.names.iter().all(|(theirs, _)| theirs != name));
         self.names.extend(other.names.iter().cloned());
         self.ignore.extend(other.ignore.iter().cloned());
+        self.usual_names.extend(other.usual_names.iter().cloned());
+        self.usual_ignore.extend(other.usual_ignore.iter().cloned());
         self.exclude.extend(&other.exclude);
         self.exclude.sort_unstable();
         self.exclude.dedup();
         self.orientation = other.orientation.or(self.orientation);
         self
+    }
+
+    /// What of this map serves for other files of the same robot: their lines are others, and a column that they lack is no mistake.
+    #[must_use]
+    pub fn usual(mut self) -> ColumnMap {
+        self.usual_names.retain(|(name, _)| self.names.iter().all(|(own, _)| own != name));
+        self.usual_names.append(&mut self.names);
+        self.usual_ignore.append(&mut self.ignore);
+        self.exclude.clear();
+        self
+    }
+
+    /// Whether it says nothing.
+    pub fn is_empty(&self) -> bool {
+        *self == ColumnMap::default()
     }
 }

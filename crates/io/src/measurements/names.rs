@@ -26,10 +26,16 @@ impl Names<'_> {
     /// The header of ours that a header of the file stands for.
     pub fn resolve<'h>(&self, header: &'h str) -> Named<'h> {
         let (name, unit) = split_unit(header);
-        if self.map.ignore.iter().any(|word| same(header, word)) {
+        let ColumnMap { names, usual_names, ignore, usual_ignore, .. } = self.map;
+        if ignore.iter().any(|word| same(header, word)) {
             return Named::Ignored;
         }
-        if let Some((ours, theirs)) = self.map.names.iter().find(|(_, theirs)| same(header, theirs)) {
+        let usual = usual_names.iter().filter(|(ours, _)| names.iter().all(|(own, _)| own != ours));
+        let mapped = names.iter().chain(usual).find(|(_, theirs)| same(header, theirs));
+        if mapped.is_none() && usual_ignore.iter().any(|word| same(header, word)) {
+            return Named::Ignored;
+        }
+        if let Some((ours, theirs)) = mapped {
             let unit = unit.or(split_unit(theirs).1);
             return Named::Header(match unit {
                 Some(unit) => Cow::Owned(format!("{ours}[{unit}]")),

@@ -40,6 +40,8 @@ impl Default for MeasurementsOptions {
 /// Reads measurements block by block, for files of any length.
 #[derive(Debug)]
 pub struct MeasurementsReader {
+    /// Which column was to be which.
+    map: ColumnMap,
     pub(super) source: Source,
     pub(super) rows: RowReader,
     schema: Schema,
@@ -91,6 +93,7 @@ impl MeasurementsReader {
             visits: VisitNumbers::default(),
             labels: Vec::new(),
             ids: Vec::new(),
+            map: columns.clone(),
             pending: false,
             count: 0,
             first_bytes: 0,
@@ -213,6 +216,7 @@ impl MeasurementsReader {
         visit_labels.iter_mut().for_each(|label| *label = self.label(*label));
         CsvInfo {
             file: self.source.file().into(),
+            map: self.map.clone(),
             columns: columns
                 .map(|(column, seen)| ColumnInfo {
                     name: column.name.clone(),
