@@ -53,8 +53,8 @@ constants! {
         /// Smallest p of a screen, in multiples of α, up to which the best candidates are tested under their own noise. Convention.
         second_look: f64 = 50.0;
         /// Times by which a p of that test counts: the noise is fitted beside the candidate, in its favour. In-sample (tuning half of the unseen
-        /// study): a candidate that is not there comes out at a third to a sixth of its p.
-        second_look_tests: f64 = 10.0;
+        /// study): a candidate that is not there came out at up to a hundredth of its p; ten times that.
+        second_look_tests: f64 = 1000.0;
         /// Student's t of the held-out gain over folds that a candidate needs: one-sided 2.5 % of a normal distribution.
         held_out_t: f64 = 2.0;
         /// Fraction of the held-out error that a candidate has to take away where it acts. Convention.
