@@ -10,9 +10,9 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{Dialect, Program};
 use truepose_errormodel::{EffectRegistry, ErrorModel};
-use truepose_io::{ColumnMap, 
-    MeasurementsOptions, MonitorHistory, RobotOptions, read_details, read_fit, read_measurements, read_model,
-    read_poses, read_robot, robot_sessions, robot_surroundings, robot_toml,
+use truepose_io::{
+    ColumnMap, MeasurementsOptions, MonitorHistory, RobotOptions, read_details, read_fit, read_measurements,
+    read_model, read_poses, read_robot, robot_sessions, robot_surroundings, robot_toml,
 };
 use truepose_kinematics::Chain;
 
