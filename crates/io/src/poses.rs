@@ -62,7 +62,7 @@ pub struct CommandRow {
     pub beyond: String,
 }
 
-/// Reads desired poses.
+/// Reads desired poses: positions in m, orientations as quaternions, in the frame of the file; `columns` says which column is which.
 ///
 /// # Errors
 /// When the file cannot be read, lacks a position, or at the first cell that is wrong.
@@ -74,7 +74,7 @@ pub fn read_poses(
     poses(From::File(path.as_ref()), chain, columns)
 }
 
-/// Reads desired poses of a table in memory.
+/// Reads desired poses of a table in memory, as [`read_poses`] those of a file.
 ///
 /// # Errors
 /// When it lacks a position, or at the first cell that is wrong.

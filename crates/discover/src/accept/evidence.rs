@@ -34,8 +34,8 @@ use truepose_identify::{Folds, Split};
 /// Evidence for an effect, from the linearised problem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Family-wise p-value of the rotation test: exact for normal errors. Where poses depend on those before, the larger one of this and
-    /// of the likelihood ratio beside a wander.
+    /// Family-wise p-value of the rotation test: exact for normal errors. Where poses depend on those before and no other test
+    /// refuses the effect, the larger one of this and of the likelihood ratio beside a wander.
     pub p_value: f64,
     /// p-value, as a single test, of 999 sign flips of whole poses: without the assumption of normal errors. Reported only; no
     /// decision uses it.

@@ -21,10 +21,11 @@ use std::ops::Range;
 
 /// Normal vectors of the test.
 const DRAWS: usize = 999;
-/// How many of them are in memory.
+/// How many of them a thread has in memory.
 const AT_ONCE: usize = 32;
 /// Standard deviations of S below which no vectors are drawn.
 const CLOSE: f64 = 1.5;
+
 /// What the test says.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Autocorrelation {

@@ -29,10 +29,11 @@ const REACHES: f64 = 1e-3;
 /// targets within a hand's width, whose places say how the tool is turned, made a tool turn by radians in the place of millimetres.
 /// Thirty expected sizes of a milliradian at the metre of an arm bend by half a millimetre, what rounds can follow.
 const WELL: f64 = 0.03;
-/// The same where relations among several dropped columns, each well reached, multiply to more than that.
+/// The same where relations among several dropped columns, each well reached, multiply to more than one over [`WELL`]. Convention: a third.
 const BETTER: f64 = 0.3;
 
-/// Reduced row echelon form of `null` (p × k, orthonormal columns), with columns preferred in this order.
+/// Reduced row echelon form of `null` (p × k, orthonormal columns), with columns preferred in this order. Where a relation exceeds one over
+/// 0.03 the preference yields: columns are dropped that the null space reaches better, if that makes the largest relation smaller (Eq. 10–13).
 pub fn echelon(null: &DMatrix<f64>, preference: &[usize]) -> Echelon {
     let form = with_reach(null, preference, WELL);
     if form.relations.amax() <= 1.0 / WELL {
