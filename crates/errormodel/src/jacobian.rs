@@ -17,7 +17,7 @@
 
 use crate::{GeneralizedErrors, RealPosture};
 use nalgebra::{DMatrix, Vector3};
-use truepose_kinematics::{Chain, Site, TargetId};
+use truepose_kinematics::{Chain, FrameId, Site, TargetId};
 
 /// Derivatives of one target's position and the tool's orientation by every generalized error.
 #[derive(Debug, Clone, Copy)]
@@ -25,17 +25,20 @@ pub struct ErrorJacobian<'a> {
     real: &'a RealPosture,
     target: Option<TargetId>,
     point: Vector3<f64>,
+    /// Whether each frame carries the tool that is looked at; none where all do.
+    path: Option<&'a [bool]>,
 }
 
 impl<'a> ErrorJacobian<'a> {
     /// At this real posture, for this target (none: the tool's origin).
     pub fn new(
-        chain: &Chain,
+        chain: &'a Chain,
         real: &'a RealPosture,
         errors: &GeneralizedErrors,
         target: Option<TargetId>,
     ) -> Self {
-        ErrorJacobian { real, target, point: real.point(chain, errors, target) }
+        let path = chain.path(real.tool_frame());
+        ErrorJacobian { real, target, point: real.point(chain, errors, target), path }
     }
 
     /// The target's real position in the measurement frame, m.
@@ -47,6 +50,7 @@ impl<'a> ErrorJacobian<'a> {
     #[inline]
     pub fn position(&self, site: Site) -> Vector3<f64> {
         match site {
+            Site::Frame(frame, _) if self.apart(frame) => Vector3::zeros(),
             Site::Frame(frame, axis) if axis.is_rotation() => {
                 let about: Vector3<f64> = self.real.axes(frame).column(axis.direction()).into();
                 about.cross(&(self.point - self.real.after(frame).translation))
@@ -63,11 +67,17 @@ impl<'a> ErrorJacobian<'a> {
     #[inline]
     pub fn rotation(&self, site: Site) -> Vector3<f64> {
         match site {
-            Site::Frame(frame, axis) if axis.is_rotation() => {
+            Site::Frame(frame, axis) if axis.is_rotation() && !self.apart(frame) => {
                 self.real.axes(frame).column(axis.direction()).into()
             }
             _ => Vector3::zeros(),
         }
+    }
+
+    /// Whether a frame stands on another branch than the tool.
+    #[inline]
+    fn apart(&self, frame: FrameId) -> bool {
+        self.path.is_some_and(|path| !path[frame.0])
     }
 
     /// The whole matrix, rows `[x y z rx ry rz]`, one column a site in the order of [`Chain::site_index`].
@@ -86,11 +96,17 @@ impl<'a> ErrorJacobian<'a> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use truepose_kinematics::{Conditions, PostureBuffer, rotation_log, samples};
+    use truepose_kinematics::{Conditions, PostureBuffer, ToolId, rotation_log, samples};
 
     /// Position and orientation of a target with these errors, through the exact chain.
-    fn real(chain: &Chain, joints: &[f64], values: &[f64], target: Option<TargetId>) -> RealParts {
-        let conditions = Conditions::at(chain, joints);
+    fn real(
+        chain: &Chain,
+        joints: &[f64],
+        values: &[f64],
+        target: Option<TargetId>,
+        tool: ToolId,
+    ) -> RealParts {
+        let conditions = Conditions { tool, ..Conditions::at(chain, joints) };
         let mut buffer = PostureBuffer::new(chain);
         let nominal = buffer.update(chain, &conditions);
         let mut errors = GeneralizedErrors::zero(chain);
@@ -112,21 +128,22 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(48))]
         #[test]
         fn agrees_with_central_differences(
-            robot in 0usize..6,
+            robot in 0usize..8,
             seed in prop::collection::vec(-1.0..1.0f64, 80),
             size in prop::sample::select(vec![0.0, 1e-3, 0.2]),
         ) {
-            let chain = samples::all().swap_remove(robot);
+            let chain = if robot < 6 { samples::all().swap_remove(robot) } else { samples::dual() };
             let joints: Vec<f64> = chain.movable().iter().enumerate().map(|(k, _)| 2.0 * seed[k]).collect();
             let values: Vec<f64> = (0..chain.site_count()).map(|k| size * seed[79 - k % 70]).collect();
             let target = if chain.targets().is_empty() { None } else { Some(TargetId(1)) };
-            let at = real(&chain, &joints, &values, target);
+            let tool = ToolId(robot / 7);
+            let at = real(&chain, &joints, &values, target, tool);
             let jacobian = ErrorJacobian::new(&chain, &at.real, &at.errors, at.target).matrix(&chain);
             for column in 0..chain.site_count() {
                 let moved = |d: f64| {
                     let mut v = values.clone();
                     v[column] += d;
-                    let r = real(&chain, &joints, &v, target);
+                    let r = real(&chain, &joints, &v, target, tool);
                     (r.real.point(&chain, &r.errors, target), r.real.tool().rotation)
                 };
                 let h = 1e-6;
@@ -145,7 +162,7 @@ mod tests {
     fn is_the_papers_block_at_zero_error() {
         let chain = samples::ur10();
         let joints = [0.3, -1.0, 0.7, 0.2, -0.5, 1.1];
-        let at = real(&chain, &joints, &[], None);
+        let at = real(&chain, &joints, &[], None, ToolId::FIRST);
         let jacobian = ErrorJacobian::new(&chain, &at.real, &at.errors, None).matrix(&chain);
         for frame in chain.frames() {
             let pose = at.real.after(frame);

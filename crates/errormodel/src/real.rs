@@ -14,6 +14,8 @@ use truepose_kinematics::{Chain, FrameId, Pose, Posture, TargetId};
 #[derive(Debug, Clone)]
 pub struct RealPosture {
     before: Vec<Pose>,
+    /// The frame of the tool that is looked at.
+    tool: FrameId,
     after: Vec<Pose>,
     axes: Vec<Matrix3<f64>>,
 }
@@ -23,6 +25,7 @@ impl RealPosture {
     pub fn new(chain: &Chain) -> Self {
         let n = chain.frames().len();
         RealPosture {
+            tool: chain.tool_frame(),
             before: vec![Pose::IDENTITY; n],
             after: vec![Pose::IDENTITY; n],
             axes: vec![Matrix3::identity(); n],
@@ -31,9 +34,13 @@ impl RealPosture {
 
     /// Moves to a posture with these generalized errors.
     pub fn update(&mut self, nominal: &Posture<'_>, errors: &GeneralizedErrors) {
-        let mut pose = nominal.chain().base().pose;
-        let frames = self.before.len();
-        for i in 0..frames {
+        let chain = nominal.chain();
+        self.tool = chain.frame_of_tool(nominal.conditions().tool);
+        for i in 0..self.before.len() {
+            let mut pose = match chain.parent(FrameId(i)) {
+                Some(before) => self.after[before.0] * nominal.steps()[i - 1],
+                None => chain.base().pose,
+            };
             let e = errors.frame(FrameId(i));
             self.before[i] = pose;
             if e.iter().all(|&v| v == 0.0) {
@@ -43,9 +50,6 @@ impl RealPosture {
                 pose = pose * error_matrix(&e);
             }
             self.after[i] = pose;
-            if i + 1 < frames {
-                pose = pose * nominal.steps()[i];
-            }
         }
     }
 
@@ -67,10 +71,16 @@ impl RealPosture {
         &self.axes[frame.0]
     }
 
-    /// Pose of the real tool in the measurement frame.
+    /// Pose of the real tool that is looked at in the measurement frame.
     #[inline]
     pub fn tool(&self) -> &Pose {
-        &self.after[self.after.len() - 1]
+        &self.after[self.tool.0]
+    }
+
+    /// The frame of the tool that is looked at.
+    #[inline]
+    pub fn tool_frame(&self) -> FrameId {
+        self.tool
     }
 
     /// The real position of a target (none: the tool's origin) in the measurement frame, m.

@@ -4,8 +4,8 @@ use crate::couplings::Couplings;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{
-    Axis, ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placement, Pose, Site, Target,
-    TargetId,
+    ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placement, Pose, Target, TargetId, Tool,
+    ToolId,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -51,17 +51,24 @@ impl Default for Placed {
     }
 }
 
-/// A serial robot: `T = B · A_1(q_1) … A_n(q_n) · tool`, with measured points in the tool frame.
+/// A robot: `T = B · A_1(q_1) … A_n(q_n) · tool`, with measured points in the tool frame.
 ///
+/// Where joints branch ([`Chain::with_parents`]) the product is that of the joints between base and tool, and each branch can have a tool
+/// of its own ([`Chain::with_tools`]).
 /// Immutable once made: the `with_…` functions return a changed copy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
     name: String,
     base: Placed,
     joints: Vec<Joint>,
-    tool: Placed,
+    /// One at least.
+    pub(crate) tools: Vec<Tool>,
     targets: Vec<Target>,
     gravity: Gravity,
+    /// The frame in front of each joint.
+    pub(crate) parents: Vec<FrameId>,
+    /// By tool and frame, whether the frame carries the tool; empty where one chain of joints carries one tool.
+    pub(crate) paths: Vec<Vec<bool>>,
     movable: Vec<JointId>,
     coordinates: Vec<Option<usize>>,
     /// The joints with their constants worked out.
@@ -102,8 +109,10 @@ impl Chain {
             name: name.into(),
             base: Placed::default(),
             prepared,
+            tools: vec![Tool::at_the_end_of(&joints)],
+            parents: (0..joints.len()).map(FrameId).collect(),
+            paths: Vec::new(),
             joints,
-            tool: Placed::default(),
             targets: Vec::new(),
             gravity: Gravity::default(),
             movable,
@@ -124,7 +133,7 @@ impl Chain {
         Ok(self)
     }
 
-    /// With this tool: last joint's frame → tool frame.
+    /// With this tool, the first one: frame in front of it (the last joint's, unless it is declared otherwise) → tool frame.
     ///
     /// # Errors
     /// When the pose is not finite.
@@ -132,7 +141,7 @@ impl Chain {
         if !tool.pose.is_finite() {
             return Err(ChainError::NotFinite { what: "the pose", name: "tool".into() });
         }
-        self.tool = tool;
+        self.tools[0].placed = tool;
         Ok(self)
     }
 
@@ -151,6 +160,9 @@ impl Chain {
             if !target.position.iter().all(|v| v.is_finite()) {
                 return Err(ChainError::NotFinite { what: "the position", name: target.name.clone() });
             }
+        }
+        if let Some(target) = targets.iter().find(|target| target.tool.0 >= self.tools.len()) {
+            return Err(ChainError::NoSuchTool { target: target.name.clone() });
         }
         self.targets = targets;
         Ok(self)
@@ -178,9 +190,9 @@ impl Chain {
         &self.base
     }
 
-    /// Frame n → tool frame.
+    /// Of the first tool: the frame in front of it → tool frame.
     pub fn tool(&self) -> &Placed {
-        &self.tool
+        &self.tools[0].placed
     }
 
     /// The measured points.
@@ -232,90 +244,31 @@ impl Chain {
         self.targets.iter().position(|target| target.name == name).map(TargetId)
     }
 
-    /// The frame that files call `base`, `tool`, or by the name of the joint in front of it.
-    pub fn frame_named(&self, name: &str) -> Option<FrameId> {
-        match name {
-            "base" => Some(FrameId::BASE),
-            "tool" => Some(self.tool_frame()),
-            _ => self.joint_named(name).map(|joint| self.frame_after(joint)),
-        }
-    }
-
-    /// The frame directly after a joint.
-    pub fn frame_after(&self, joint: JointId) -> FrameId {
-        FrameId(joint.0)
-    }
-
-    /// The tool frame, n + 1.
-    #[inline]
-    pub fn tool_frame(&self) -> FrameId {
-        FrameId(self.joints.len() + 1)
-    }
-
-    /// All frames: base, one after each joint, tool.
-    pub fn frames(&self) -> impl DoubleEndedIterator<Item = FrameId> + ExactSizeIterator + use<> {
-        (0..self.joints.len() + 2).map(FrameId)
-    }
-
-    /// The word for a frame in files and reports: `base`, a joint's name, or `tool`.
-    pub fn frame_word(&self, frame: FrameId) -> &str {
-        match frame {
-            FrameId::BASE => "base",
-            f if f == self.tool_frame() => "tool",
-            FrameId(i) => &self.joints[i - 1].name,
-        }
-    }
-
-    /// How many generalized errors the robot has: six a frame and three a target.
-    pub fn site_count(&self) -> usize {
-        6 * (self.joints.len() + 2) + 3 * self.targets.len()
-    }
-
-    /// Position of a site in a vector of all generalized errors.
-    #[inline]
-    pub fn site_index(&self, site: Site) -> usize {
-        match site {
-            Site::Frame(frame, axis) => 6 * frame.0 + axis.index(),
-            Site::Target(target, axis) => 6 * (self.joints.len() + 2) + 3 * target.0 + axis.direction(),
-        }
-    }
-
-    /// The site at a position of the vector of all generalized errors.
-    #[inline]
-    pub fn site_at(&self, index: usize) -> Site {
-        let frames = 6 * (self.joints.len() + 2);
-        if index < frames {
-            Site::Frame(FrameId(index / 6), Axis::ALL[index % 6])
-        } else {
-            Site::Target(TargetId((index - frames) / 3), Axis::ALL[(index - frames) % 3])
-        }
-    }
-
-    /// `y@j2`, `rz@base`, `x@target P1`.
-    pub fn site_word(&self, site: Site) -> String {
-        match site {
-            Site::Frame(frame, axis) => format!("{}@{}", axis.word(), self.frame_word(frame)),
-            Site::Target(target, axis) => format!("{}@target {}", axis.word(), self.targets[target.0].name),
-        }
-    }
-
     /// The joint's own motion, as a unit twist in the frame where its axis stands still; none for a fixed joint.
     #[inline]
     pub fn joint_motion(&self, joint: JointId) -> Option<JointMotion> {
         let described = self.joint(joint);
         let (frame, axis) = match described.placement {
-            Placement::Dh { .. } => (FrameId(joint.0 - 1), Vector3::z()),
+            Placement::Dh { .. } => (self.before(joint), Vector3::z()),
             Placement::Mdh { .. } => (FrameId(joint.0), Vector3::z()),
             Placement::Origin { axis, .. } => (FrameId(joint.0), axis.into_inner()),
         };
         described.moves().then_some(JointMotion { joint, kind: described.kind, frame, axis })
     }
 
-    /// A length typical of the arm, m: the sum of the nominal distances between neighbouring frames,
-    /// travels of slides included. Angles times this length compare with lengths.
+    /// A length typical of the arm, m: the sum of the nominal distances between neighbouring frames, travels of slides included; of a
+    /// tree its longest branch. Angles times this length compare with lengths.
     pub fn characteristic_length(&self) -> f64 {
-        let mut length = self.tool.pose.translation.norm();
-        for joint in &self.joints {
+        let longest = (0..self.tools.len()).map(|k| self.length_to(ToolId(k))).fold(0.0, f64::max);
+        if longest > 1e-6 { longest } else { 1.0 }
+    }
+
+    fn length_to(&self, tool: ToolId) -> f64 {
+        let mut length = self.tools[tool.0].placed.pose.translation.norm();
+        for (index, joint) in self.joints.iter().enumerate() {
+            if !self.carries(FrameId(index + 1), tool) {
+                continue;
+            }
             length += joint.transform(0.0).translation.norm();
             if joint.kind == JointKind::Prismatic
                 && let Some((lower, upper)) = joint.limits
@@ -324,9 +277,8 @@ impl Chain {
                 length += upper - lower;
             }
         }
-        let farthest = self.targets.iter().map(|t| t.position.norm()).fold(0.0, f64::max);
-        let total = length + farthest;
-        if total > 1e-6 { total } else { 1.0 }
+        let carried = self.targets.iter().filter(|target| target.tool == tool);
+        length + carried.map(|t| t.position.norm()).fold(0.0, f64::max)
     }
 
     /// Gravity in the axes of the measurement frame, m/s².
@@ -348,14 +300,21 @@ impl Chain {
         &self.prepared[index]
     }
 
-    /// Nominal pose of the tool in the measurement frame; `joints` in rad or m, movable joints only.
+    /// Nominal pose of the first tool in the measurement frame; `joints` in rad or m, movable joints only.
     pub fn forward(&self, joints: &[f64]) -> Pose {
+        self.forward_to(ToolId::FIRST, joints)
+    }
+
+    /// Nominal pose of a tool in the measurement frame; `joints` in rad or m, movable joints only.
+    pub fn forward_to(&self, tool: ToolId, joints: &[f64]) -> Pose {
         let mut pose = self.base.pose;
-        for (joint, coordinate) in self.prepared.iter().zip(&self.coordinates) {
-            let q = coordinate.map_or(0.0, |k| joints[k]);
-            pose = pose * joint.transform(q, sin_cos(q));
+        for (index, (joint, coordinate)) in self.prepared.iter().zip(&self.coordinates).enumerate() {
+            if self.carries(FrameId(index + 1), tool) {
+                let q = coordinate.map_or(0.0, |k| joints[k]);
+                pose = pose * joint.transform(q, sin_cos(q));
+            }
         }
-        pose * self.tool.pose
+        pose * self.tools[tool.0].placed.pose
     }
 }
 
@@ -363,15 +322,6 @@ impl Chain {
 mod tests {
     use super::*;
     use crate::samples;
-
-    #[test]
-    fn sites_come_back_from_their_index() {
-        let robot = samples::pps();
-        for index in 0..robot.site_count() {
-            assert_eq!(robot.site_index(robot.site_at(index)), index);
-        }
-        assert_eq!(robot.site_word(robot.site_at(6 * 8)), "x@target P1");
-    }
 
     #[test]
     fn ur10_stands_stretched_out_at_zero() {

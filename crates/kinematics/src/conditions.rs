@@ -1,6 +1,6 @@
 //! Every input of the model at one moment: at fit time and at run time alike.
 
-use crate::{Chain, Load};
+use crate::{Chain, Load, ToolId};
 
 /// Joints, load, approach, time and channels at one moment.
 #[derive(Debug, PartialEq, Default)]
@@ -8,6 +8,8 @@ pub struct Conditions {
     /// Variables of the movable joints in the order of [`Chain::movable`], rad or m: the controller's values, but for coupled joints
     /// ([`Chain::joints_from_controller`]).
     pub joints: Vec<f64>,
+    /// The tool that is looked at, and that carries the load.
+    pub tool: ToolId,
     /// What the tool carries.
     pub load: Load,
     /// When, s.
@@ -22,6 +24,7 @@ impl Clone for Conditions {
     fn clone(&self) -> Self {
         Conditions {
             joints: self.joints.clone(),
+            tool: self.tool,
             load: self.load,
             time: self.time,
             approach: self.approach.clone(),
@@ -32,6 +35,7 @@ impl Clone for Conditions {
     /// Without allocating where the lists have room: a derived `clone_from` would.
     fn clone_from(&mut self, other: &Self) {
         self.joints.clone_from(&other.joints);
+        self.tool = other.tool;
         self.load = other.load;
         self.time = other.time;
         self.approach.clone_from(&other.approach);

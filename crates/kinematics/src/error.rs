@@ -28,6 +28,18 @@ pub enum ChainError {
         /// Its number, from 1.
         number: usize,
     },
+    /// A joint that hangs on one that is declared behind it.
+    #[error("joint `{name}` hangs on a joint that is declared behind it; declare joints base first")]
+    ParentBehind {
+        /// The joint.
+        name: String,
+    },
+    /// A target of a tool that the robot does not have.
+    #[error("target `{target}` belongs to a tool that the robot does not have")]
+    NoSuchTool {
+        /// The target.
+        target: String,
+    },
     /// A number that is not finite.
     #[error("{what} of `{name}` is not a finite number")]
     NotFinite {

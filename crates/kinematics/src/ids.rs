@@ -17,7 +17,7 @@ impl JointId {
     }
 }
 
-/// A frame: 0 is the base, i the frame after joint i, n + 1 the tool.
+/// A frame: 0 is the base, i the frame after joint i, n + 1 the tool (of several tools the first; the others follow).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct FrameId(pub usize);
@@ -31,6 +31,16 @@ impl FrameId {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct TargetId(pub usize);
+
+/// A tool, numbered from 0 in the order of the description.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct ToolId(pub usize);
+
+impl ToolId {
+    /// The only tool of most robots.
+    pub const FIRST: ToolId = ToolId(0);
+}
 
 /// One of the six directions of a twist, translations before rotations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

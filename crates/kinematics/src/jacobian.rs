@@ -4,7 +4,8 @@
 //! | --- | --- | --- | --- | --- |
 //! | J | result | 6 × movable joints | m or rad per rad or m | measurement |
 //!
-//! Column j is `[z × (p − o); z]` for a turn about z through o, and `[z; 0]` for a slide along z.
+//! Column j is `[z × (p − o); z]` for a turn about z through o, and `[z; 0]` for a slide along z; zero of a joint that does not carry the
+//! tool.
 
 use crate::{JointKind, Posture};
 use nalgebra::{DMatrix, Vector3};
@@ -16,6 +17,9 @@ pub fn joint_jacobian(posture: &Posture<'_>, point: &Vector3<f64>) -> DMatrix<f6
     let mut jacobian = DMatrix::zeros(6, chain.movable().len());
     for (column, &joint) in chain.movable().iter().enumerate() {
         let Some(motion) = chain.joint_motion(joint) else { continue };
+        if !chain.carries(chain.frame_after(joint), posture.conditions().tool) {
+            continue;
+        }
         let at = posture.frame(motion.frame);
         let axis = at.rotation * motion.axis;
         match motion.kind {

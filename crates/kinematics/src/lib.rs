@@ -5,6 +5,7 @@ mod conditions;
 mod coupled;
 mod couplings;
 mod error;
+mod frames;
 mod ids;
 mod jacobian;
 mod joint;
@@ -18,21 +19,23 @@ mod prepared;
 pub mod samples;
 pub mod sines;
 mod target;
+mod tree;
 
 pub use chain::{Chain, Gravity, GravityFrame, Placed};
 pub use conditions::{Conditions, Slot};
 pub use couplings::Coupling;
 pub use error::ChainError;
-pub use ids::{Axis, FrameId, JointId, Site, TargetId};
+pub use ids::{Axis, FrameId, JointId, Site, TargetId, ToolId};
 pub use jacobian::joint_jacobian;
 pub use joint::{Joint, JointKind, Link, Placement};
 pub use link::Span;
 pub use load::{Load, Payload, Wrench};
 pub use motion::{JointMotion, Twist};
 pub use pose::{Pose, rotation_log, rotation_vector, skew};
-pub use posture::{Posture, PostureBuffer};
+pub use posture::{Posture, PostureBuffer, weigh};
 pub use sines::sin_cos;
 pub use target::Target;
+pub use tree::Tool;
 
 pub use nalgebra;
 pub use pulp;
@@ -41,6 +44,6 @@ pub use pulp;
 pub mod prelude {
     pub use crate::{
         Axis, Chain, ChainError, Conditions, FrameId, Joint, JointId, JointKind, Load, Payload, Placement,
-        Pose, Posture, PostureBuffer, Site, Target, TargetId, Wrench,
+        Pose, Posture, PostureBuffer, Site, Target, TargetId, Tool, ToolId, Wrench,
     };
 }

@@ -21,7 +21,7 @@
 //! Wrists have links whose frames coincide. Such a link has a size nonetheless, of which the description says nothing:
 //! the tool's offset (from the flange to the tool's origin, in the link's own axes) stands in for it.
 
-use crate::{Chain, Joint, JointId, JointKind, Placement, Pose, Posture, Wrench};
+use crate::{Chain, FrameId, Joint, JointId, JointKind, Placement, Pose, Posture, ToolId, Wrench};
 use nalgebra::Vector3;
 
 /// A link as a straight line, in the measurement frame.
@@ -73,24 +73,69 @@ impl Joint {
 }
 
 impl Chain {
-    /// The joint that moves next after this one.
+    /// The joint that moves next after this one: where joints branch, the first of them.
     pub fn next_movable(&self, joint: JointId) -> Option<JointId> {
-        self.movable().iter().copied().find(|next| *next > joint)
+        let follows = |next: &JointId| {
+            *next > joint && (self.is_serial() || self.owner(self.before(*next)) == Some(joint))
+        };
+        self.movable().iter().copied().find(follows)
+    }
+
+    /// The joints whose frames are parts of the link behind a joint: itself, and the fixed ones on it.
+    pub fn link_parts(&self, joint: JointId) -> impl Iterator<Item = JointId> + '_ {
+        let all = joint.0..=self.joints().len();
+        all.map(JointId).filter(move |part| self.owner(self.frame_after(*part)) == Some(joint))
+    }
+
+    /// The frames that end the link behind a joint: of the next joints that move, and of the tools on it.
+    pub fn link_ends(&self, joint: JointId) -> impl Iterator<Item = FrameId> + '_ {
+        self.frames().skip(joint.0 + 1).filter(move |frame| {
+            let moves = |id: &JointId| self.joint(*id).moves();
+            let ends = match self.tool_of(*frame) {
+                Some(_) => true,
+                None => moves(&JointId(frame.0)),
+            };
+            ends && self.parent(*frame).and_then(|before| self.owner(before)) == Some(joint)
+        })
+    }
+
+    /// The joint on whose link a frame is; none where nothing in front of it moves.
+    fn owner(&self, frame: FrameId) -> Option<JointId> {
+        let mut next = Some(frame);
+        while let Some(frame) = next {
+            if self.tool_of(frame).is_none() && frame != FrameId::BASE && self.joint(JointId(frame.0)).moves()
+            {
+                return Some(JointId(frame.0));
+            }
+            next = self.parent(frame);
+        }
+        None
     }
 
     /// Where the link behind a joint begins and ends, in the axes of the frame behind the joint, m. Both are the same
     /// when it has no length: nor has the tool, then.
     pub fn link(&self, joint: JointId) -> (Vector3<f64>, Vector3<f64>) {
         let root = self.joint(joint).seat_behind();
+        let mine = self.frame_after(joint);
         let next = self.next_movable(joint);
-        let last = next.map_or(self.joints().len(), |next| next.0 - 1);
-        let to_last = self.joints()[joint.0..last]
-            .iter()
-            .fold(Pose::IDENTITY, |pose, fixed| pose * fixed.transform(0.0));
-        let seat = next.map_or(self.tool().pose.translation, |next| self.joint(next).seat());
-        let tip = to_last.apply(&seat);
+        let on_it = match self.is_serial() {
+            true => next.is_none().then_some(ToolId::FIRST),
+            false => self.link_ends(joint).find_map(|frame| self.tool_of(frame)),
+        };
+        let tool = &self.tools()[on_it.map_or(0, |tool| tool.0)];
+        let (mut at, seat) = match (next, on_it) {
+            (Some(next), _) => (self.before(next), self.joint(next).seat()),
+            (None, Some(_)) => (tool.frame, tool.placed.pose.translation),
+            (None, None) => (mine, Vector3::zeros()),
+        };
+        // From the last fixed joint back to the one that moves.
+        let mut tip = seat;
+        while at != mine {
+            tip = self.joint(JointId(at.0)).transform(0.0).apply(&tip);
+            at = self.parent(at).unwrap_or(mine);
+        }
         if (tip - root).norm() < NO_LENGTH {
-            (root, root + self.tool().pose.translation)
+            (root, root + tool.placed.pose.translation)
         } else {
             (root, tip)
         }
@@ -114,9 +159,20 @@ impl Posture<'_> {
 
     /// What the link carries at its tip (its own weight left out), about the tip, in the measurement frame's axes.
     pub fn tip_wrench(&self, span: &Span) -> Wrench {
-        let frame = span.next.map_or(self.chain().tool_frame(), |next| self.chain().frame_after(next));
-        let at = self.frame(frame);
-        self.wrench(frame).rotated(&at.rotation).carried_to(&(at.translation - span.tip))
+        let chain = self.chain();
+        let carried = |frame: FrameId| {
+            let at = self.frame(frame);
+            self.wrench(frame).rotated(&at.rotation).carried_to(&(at.translation - span.tip))
+        };
+        if chain.is_serial() {
+            return carried(span.next.map_or(chain.tool_frame(), |next| chain.frame_after(next)));
+        }
+        let mut whole = Wrench::default();
+        for part in chain.link_ends(span.joint).map(carried) {
+            whole.force += part.force;
+            whole.moment += part.moment;
+        }
+        whole
     }
 }
 

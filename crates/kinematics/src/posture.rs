@@ -12,18 +12,20 @@
 //! w_tool = load;     w_i = Σ_{k ≥ i} m_k g at c_k  +  load,   i = 1 … n;     w_0 = w_1
 //! ```
 //!
+//! Of a tree k ≥ i stands for all frames that i carries, and the load hangs on the tool of the conditions.
+//!
 //! Frame i carries its own link, since `E_i` stands in front of that link. Wrenches are those that the
 //! weights exert *on* the robot: a joint yields in the direction of `joint_load`.
 
 use crate::sines::sin_cos;
-use crate::{Chain, Conditions, FrameId, JointId, JointKind, Load, Pose, Slot, Wrench};
+use crate::{Chain, Conditions, FrameId, JointId, JointKind, Load, Pose, Slot, ToolId, Wrench};
 use nalgebra::Vector3;
 
 /// Memory for one posture, used again for the next one without allocating.
 #[derive(Debug, Clone)]
 pub struct PostureBuffer {
     frames: Vec<Pose>,
-    /// `A_1 … A_n`, then the tool's transform.
+    /// `A_1 … A_n`, then the transforms of the tools: from the frame in front of each.
     steps: Vec<Pose>,
     /// Sine and cosine of each movable joint's value.
     turns: Vec<(f64, f64)>,
@@ -34,7 +36,7 @@ pub struct PostureBuffer {
 impl PostureBuffer {
     /// Memory for postures of this robot.
     pub fn new(chain: &Chain) -> Self {
-        let n = chain.joints().len() + 2;
+        let n = chain.frame_count();
         PostureBuffer {
             frames: vec![Pose::IDENTITY; n],
             steps: vec![Pose::IDENTITY; n - 1],
@@ -89,15 +91,15 @@ impl PostureBuffer {
         gravity: &Vector3<f64>,
         displaced: impl Fn(FrameId) -> Option<Pose>,
     ) -> Posture<'a> {
-        let mut pose = chain.base().pose;
-        for (index, frame) in self.frames.iter_mut().enumerate() {
+        for index in 0..self.frames.len() {
+            let mut pose = match chain.parent(FrameId(index)) {
+                Some(before) => self.frames[before.0] * self.steps[index - 1],
+                None => chain.base().pose,
+            };
             if let Some(by) = displaced(FrameId(index)) {
                 pose = pose * by;
             }
-            *frame = pose;
-            if let Some(step) = self.steps.get(index) {
-                pose = pose * *step;
-            }
+            self.frames[index] = pose;
         }
         self.weigh(chain, conditions, gravity);
         self.view(chain, conditions)
@@ -120,43 +122,56 @@ impl PostureBuffer {
 
     fn move_to(&mut self, chain: &Chain, conditions: &Conditions) {
         let n = chain.joints().len();
-        let mut pose = chain.base().pose;
-        self.frames[0] = pose;
+        self.frames[0] = chain.base().pose;
         for (turn, &q) in self.turns.iter_mut().zip(&conditions.joints) {
             *turn = sin_cos(q);
         }
         for (index, (joint, coordinate)) in chain.prepared().enumerate() {
             let (q, turn) = coordinate.map_or((0.0, (0.0, 1.0)), |k| (conditions.joints[k], self.turns[k]));
             self.steps[index] = joint.transform(q, turn);
-            pose = pose * self.steps[index];
-            self.frames[index + 1] = pose;
+            self.frames[index + 1] = self.frames[chain.parents[index].0] * self.steps[index];
         }
-        self.steps[n] = chain.tool().pose;
-        self.frames[n + 1] = pose * chain.tool().pose;
+        for (k, tool) in chain.tools().iter().enumerate() {
+            self.steps[n + k] = tool.placed.pose;
+            self.frames[n + 1 + k] = self.frames[tool.frame.0] * tool.placed.pose;
+        }
         self.weigh(chain, conditions, &chain.gravity_in_measurement_frame());
     }
 
     /// Statics, with the frames where they are.
     fn weigh(&mut self, chain: &Chain, conditions: &Conditions, gravity: &Vector3<f64>) {
-        let n = chain.joints().len();
-        let tool = &self.frames[n + 1];
-        let mut wrench = match conditions.load {
-            Load::None => Wrench::default(),
-            Load::Payload(payload) => weight(payload.mass, &(tool.rotation * payload.com), gravity),
-            Load::Wrench(measured) => measured.rotated(&tool.rotation),
-        };
-        self.wrenches[n + 1] = wrench;
-        for frame in (0..=n).rev() {
-            let arm = self.frames[frame + 1].translation - self.frames[frame].translation;
-            wrench = wrench.carried_to(&arm);
-            if frame > 0
-                && let Some(link) = &chain.joints()[frame - 1].link
-            {
-                let own = weight(link.mass, &(self.frames[frame].rotation * link.com), gravity);
-                wrench.force += own.force;
-                wrench.moment += own.moment;
-            }
-            self.wrenches[frame] = wrench;
+        let load = (conditions.tool, &conditions.load);
+        weigh(chain, &self.frames, load, gravity, &mut self.wrenches);
+    }
+}
+
+/// What each frame carries, about its origin, in the measurement frame's axes: from frames where they are (measurement frame), the load of
+/// a tool, and gravity in the measurement frame, m/s².
+pub fn weigh(
+    chain: &Chain,
+    frames: &[Pose],
+    (carrier, load): (ToolId, &Load),
+    gravity: &Vector3<f64>,
+    wrenches: &mut [Wrench],
+) {
+    wrenches.fill(Wrench::default());
+    let at = chain.frame_of_tool(carrier).0;
+    wrenches[at] = match load {
+        Load::None => Wrench::default(),
+        Load::Payload(payload) => weight(payload.mass, &(frames[at].rotation * payload.com), gravity),
+        Load::Wrench(measured) => measured.rotated(&frames[at].rotation),
+    };
+    for frame in (1..frames.len()).rev() {
+        if let Some(link) = chain.joints().get(frame - 1).and_then(|joint| joint.link.as_ref()) {
+            let own = weight(link.mass, &(frames[frame].rotation * link.com), gravity);
+            wrenches[frame].force += own.force;
+            wrenches[frame].moment += own.moment;
+        }
+        if let Some(FrameId(before)) = chain.parent(FrameId(frame)) {
+            let arm = frames[frame].translation - frames[before].translation;
+            let carried = wrenches[frame].carried_to(&arm);
+            wrenches[before].force += carried.force;
+            wrenches[before].moment += carried.moment;
         }
     }
 }
@@ -198,7 +213,7 @@ impl<'a> Posture<'a> {
         &self.frames[frame.0]
     }
 
-    /// The nominal transforms that lead from frame 0 to the tool: `A_1(q_1) … A_n(q_n)`, then the tool's.
+    /// The nominal transforms from the frame in front of each frame but the base: `A_1(q_1) … A_n(q_n)`, then those of the tools.
     #[inline]
     pub fn steps(&self) -> &'a [Pose] {
         self.steps
@@ -210,10 +225,10 @@ impl<'a> Posture<'a> {
         self.turns
     }
 
-    /// Pose of the tool in the measurement frame.
+    /// Pose of the tool that is looked at in the measurement frame.
     #[inline]
     pub fn tool(&self) -> &'a Pose {
-        &self.frames[self.frames.len() - 1]
+        &self.frames[self.chain.frame_of_tool(self.conditions.tool).0]
     }
 
     /// Value of a joint, rad or m; zero for a fixed joint.
@@ -263,29 +278,33 @@ mod tests {
 
     /// Potential energy of everything that hangs on the robot, J: an independent way to the joint loads.
     fn energy(chain: &Chain, conditions: &Conditions) -> f64 {
-        let mut pose = chain.base().pose;
         let g = chain.gravity_in_measurement_frame();
         let mut energy = 0.0;
+        let mut poses = vec![chain.base().pose];
         for (index, joint) in chain.joints().iter().enumerate() {
             let q = chain.coordinate(JointId(index + 1)).map_or(0.0, |k| conditions.joints[k]);
-            pose = pose * joint.transform(q);
+            let pose = poses[chain.before(JointId(index + 1)).0] * joint.transform(q);
             if let Some(link) = joint.link {
                 energy -= link.mass * g.dot(&pose.apply(&link.com));
             }
+            poses.push(pose);
         }
         if let Load::Payload(p) = conditions.load {
-            energy -= p.mass * g.dot(&(pose * chain.tool().pose).apply(&p.com));
+            let tool = &chain.tools()[conditions.tool.0];
+            energy -= p.mass * g.dot(&(poses[tool.frame.0] * tool.placed.pose).apply(&p.com));
         }
         energy
     }
 
     #[test]
     fn joint_load_is_the_slope_of_the_potential_energy() {
-        for chain in samples::all() {
+        let trees = [(samples::dual(), 0), (samples::dual(), 1)];
+        for (chain, tool) in samples::all().into_iter().map(|chain| (chain, 0)).chain(trees) {
             let n = chain.movable().len();
             let joints: Vec<f64> = (0..n).map(|k| 0.3 + 0.25 * k as f64).collect();
             let load = Load::Payload(Payload { mass: 12.0, com: Vector3::new(0.1, -0.2, 0.3) });
-            let conditions = Conditions::at(&chain, &joints).with_load(load);
+            let tool = ToolId(tool);
+            let conditions = Conditions { tool, ..Conditions::at(&chain, &joints).with_load(load) };
             let mut buffer = PostureBuffer::new(&chain);
             let loads: Vec<f64> = {
                 let posture = buffer.update(&chain, &conditions);

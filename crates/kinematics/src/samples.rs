@@ -1,6 +1,9 @@
 //! Sample robots, shared by tests and examples: published nominal dimensions, no measured data.
 
-use crate::{Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Placed, Placement, Pose, Target};
+use crate::{
+    Chain, ChainError, Gravity, GravityFrame, Joint, JointId, JointKind, Placed, Placement, Pose, Target,
+    Tool, ToolId,
+};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -148,12 +151,56 @@ pub fn seven() -> Chain {
     made(Chain::new("seven", joints.collect()))
 }
 
+/// Two arms of three joints on a torso that turns and nods, with link weights and a tool each.
+pub fn dual() -> Chain {
+    let turn = |name: String, xyz: [f64; 3], rpy: [f64; 3], axis: [f64; 3], mass: f64| {
+        Joint::new(name, JointKind::Revolute, origin(xyz, rpy, axis))
+            .with_link(mass, [0.02, -0.01, 0.5 * xyz[2] + 0.05])
+            .with_limits(-2.5, 2.5)
+    };
+    let mut joints = vec![
+        turn("torso_yaw".into(), [0.0, 0.0, 0.3], [0.0; 3], [0.0, 0.0, 1.0], 20.0),
+        turn("torso_pitch".into(), [0.05, 0.0, 0.25], [0.0; 3], [0.0, 1.0, 0.0], 12.0),
+    ];
+    let mut parents = vec![None, Some(JointId(1))];
+    for (side, y) in [("left", 0.22), ("right", -0.22)] {
+        joints.push(Joint::new(
+            format!("{side}_shoulder"),
+            JointKind::Fixed,
+            origin([0.0, y, 0.35], [0.3 * y.signum(), 0.0, 0.0], [0.0, 0.0, 1.0]),
+        ));
+        joints.push(turn(format!("{side}_1"), [0.0, 0.0, 0.05], [0.0; 3], [0.0, 0.0, 1.0], 4.0));
+        joints.push(turn(format!("{side}_2"), [0.03, 0.0, 0.12], [0.0; 3], [0.0, 1.0, 0.0], 3.0));
+        joints.push(turn(format!("{side}_3"), [0.30, 0.0, 0.02], [0.0; 3], [0.0, 1.0, 0.0], 1.5));
+        let first = joints.len() - 3;
+        parents.extend([
+            Some(JointId(2)),
+            Some(JointId(first)),
+            Some(JointId(first + 1)),
+            Some(JointId(first + 2)),
+        ]);
+    }
+    let hand = |x: f64| Placed { pose: Pose::from_xyz_rpy([x, 0.02, 0.0], [0.0, 0.2, 0.0]), known: true };
+    made(Chain::new("dual", joints).and_then(|c| c.with_parents(&parents)).and_then(|c| {
+        c.with_tools(vec![
+            Tool::on("left", Some(JointId(6)), hand(0.25)),
+            Tool::on("right", Some(JointId(10)), hand(0.28)),
+        ])
+        .and_then(|c| {
+            c.with_targets(vec![
+                target("L", [0.05, 0.0, 0.02]),
+                Target { tool: ToolId(1), ..target("R", [0.0, 0.04, 0.03]) },
+            ])
+        })
+    }))
+}
+
 fn origin(xyz: [f64; 3], rpy: [f64; 3], axis: [f64; 3]) -> Placement {
     Placement::Origin { pose: Pose::from_xyz_rpy(xyz, rpy), axis: Unit::new_normalize(Vector3::from(axis)) }
 }
 
 fn target(name: &str, position: [f64; 3]) -> Target {
-    Target { name: name.into(), position: Vector3::from(position), known: true }
+    Target { name: name.into(), position: Vector3::from(position), known: true, tool: ToolId::FIRST }
 }
 
 /// The descriptions above are constants; an error in one of them is a defect of this file, which its tests show.

@@ -1,9 +1,10 @@
 //! A point that the instrument measures.
 
+use crate::ToolId;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// A measured point, carried by the tool.
+/// A measured point, carried by a tool.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Target {
     /// Its name in the `target` column of the data.
@@ -12,4 +13,7 @@ pub struct Target {
     pub position: Vector3<f64>,
     /// False when the position is to be found from the data.
     pub known: bool,
+    /// The tool that carries it.
+    #[serde(default)]
+    pub tool: ToolId,
 }

@@ -145,7 +145,7 @@ impl<'m> Lanes<'m> {
         for (to, slot) in self.signals.chunks_exact_mut(LANES).zip(self.bound.slots()) {
             put(to, data.slot(*slot));
         }
-        self.load.gather(data, standing);
+        self.load.gather(data, standing, self.store.branches());
         self.store.aim(self.bound.model().chain(), data, rows);
     }
 

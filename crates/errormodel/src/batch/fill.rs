@@ -233,7 +233,7 @@ fn rotations<S: Simd>(simd: S, store: &Store, fill: &Fill) -> [f64; 3 * LANES] {
         return out;
     }
     let (vectors, width) = (fill.rows.div_ceil(S::F64_LANES), LANES / S::F64_LANES);
-    let tool = store.behind(store.frames - 1);
+    let tool = store.tool().0;
     let (numbers, measured) = (S::as_simd_f64s(&store.numbers).0, S::as_simd_f64s(&fill.measured).0);
     let mut trace = [0.0; LANES];
     {

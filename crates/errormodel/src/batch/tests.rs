@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::pulp::Arch;
 use truepose_kinematics::{
-    Axis, Chain, FrameId, JointId, JointKind, Load, Payload, TargetId, Wrench, rotation_log, samples,
+    Axis, Chain, FrameId, JointId, JointKind, Load, Payload, TargetId, ToolId, Wrench, rotation_log, samples,
 };
 
 fn data(chain: &Chain, rows: usize) -> Dataset {
@@ -38,6 +38,8 @@ fn data(chain: &Chain, rows: usize) -> Dataset {
         });
         data.time.push(0.0);
     }
+    let tools: Vec<ToolId> = (0..rows).map(|row| ToolId(row / 3 % chain.tools().len())).collect();
+    data.set_tools(chain, &tools);
     data
 }
 
@@ -189,7 +191,7 @@ fn rows_along_a_direction_agree_with_single_rows() {
 #[test]
 fn a_block_says_what_its_rows_say_on_every_level_of_the_processor() {
     let levels = levels();
-    for chain in samples::all() {
+    for chain in samples::all().into_iter().chain([samples::dual()]) {
         let data = data(&chain, 21);
         for model in models(&chain) {
             let zero = vec![0.0; model.columns().len()];
@@ -225,7 +227,7 @@ fn what_is_zero_is_left_out() {
 
 #[test]
 fn rows_of_one_standstill_say_what_each_says_by_itself() {
-    for chain in samples::all() {
+    for chain in samples::all().into_iter().chain([samples::dual()]) {
         // Three rows a standstill, of which each is seen in its own way; one stands alone.
         let mut data = data(&chain, 22);
         let first = |row: usize| row - row % 3;

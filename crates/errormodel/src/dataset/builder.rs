@@ -8,7 +8,7 @@ use super::table::Dataset;
 use super::visits::visits_from_rows;
 use crate::error::ModelError;
 use std::collections::HashMap;
-use truepose_kinematics::{Chain, Load};
+use truepose_kinematics::{Chain, Load, ToolId};
 
 /// Collects measurements of one robot into a [`Dataset`].
 ///
@@ -27,7 +27,8 @@ use truepose_kinematics::{Chain, Load};
 #[derive(Debug, Clone)]
 pub struct DatasetBuilder {
     movable: usize,
-    targets: usize,
+    chain: Chain,
+    tools: Vec<ToolId>,
     data: Dataset,
     /// The number of each visit that was given, and its index.
     visits: HashMap<u64, usize>,
@@ -48,7 +49,14 @@ impl DatasetBuilder {
             approach: vec![Vec::new(); movable],
             ..Dataset::default()
         };
-        DatasetBuilder { movable, targets: chain.targets().len(), data, visits: HashMap::new(), given: None }
+        DatasetBuilder {
+            movable,
+            chain: chain.clone(),
+            tools: Vec::new(),
+            data,
+            visits: HashMap::new(),
+            given: None,
+        }
     }
 
     /// With another tolerance of dwells and configurations.
@@ -85,6 +93,7 @@ impl DatasetBuilder {
         data.position_sd.push(row.position_sd);
         data.orientation_sd.push(row.orientation_sd);
         data.target.push(row.target);
+        self.tools.push(row.tool);
         data.schema.load |= row.load != Load::None;
         data.load.push(row.load);
         data.time.push(row.time.unwrap_or(0.0));
@@ -131,8 +140,13 @@ impl DatasetBuilder {
             return Err(format!("a direction of approach is -1, 0 or 1, not {direction}"));
         }
         match row.target {
-            Some(target) if target.0 >= self.targets => {
-                Err(format!("target {} is measured, but the robot has {}", target.0, self.targets))
+            Some(target) if target.0 >= self.chain.targets().len() => {
+                let has = self.chain.targets().len();
+                Err(format!("target {} is measured, but the robot has {has}", target.0))
+            }
+            _ if row.tool.0 >= self.chain.tools().len() => {
+                let has = self.chain.tools().len();
+                Err(format!("it is of tool {}, but the robot has {has}", row.tool.0))
             }
             _ => Ok(()),
         }
@@ -144,6 +158,7 @@ impl DatasetBuilder {
         let mut data = self.data;
         let [visit, time, approach] = self.given.unwrap_or([true, false, true]);
         data.schema = Schema { time, approach: true, ..data.schema };
+        data.set_tools(&self.chain, &self.tools);
         if !visit {
             data.visit = visits_from_rows(&data);
         }

@@ -8,6 +8,7 @@
 //! | `tau_3~lag=600`, `work_3~lag=600`, `travel_3~lag=600`, `working_300~lag=600` | what was carried, done, moved and paused ([`History`](super::History)) | joints, load and `time` of all poses |
 //! | `session~` ([`SESSION`]) | number of the installation, 0… | the column `session` |
 //! | `landmark~` ([`LANDMARK`]) | number of the landmark that was touched, 1…; 0: none | the columns `kind`, `landmark` |
+//! | `tool~` ([`TOOL`]) | number of the tool, 0… | the columns `tool`, `target` |
 //! | `kind~`, `value~…`, `ray~…`, `sensor~`, `own~…` | observation of one number ([`Ray`](super::Ray)) | `kind`, `landmark` and measured scalars |
 //! | `payload` ([`CARRIED`]) | the mass that is declared to be carried, kg; none is zero | the load |
 //!
@@ -21,6 +22,7 @@ use super::schema::Channel;
 use super::session::SESSION;
 use super::step::step_of;
 use super::table::Dataset;
+use super::tool::TOOL;
 use truepose_kinematics::Load;
 
 /// The channel of the mass that is declared to be carried, kg.
@@ -31,6 +33,7 @@ pub fn is_derived(channel: &str) -> bool {
     channel == CARRIED
         || channel == SESSION
         || channel == LANDMARK
+        || channel == TOOL
         || of_observation(channel)
         || channel.contains(LATE)
         || presliding_of(channel).is_some()

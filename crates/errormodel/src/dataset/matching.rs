@@ -28,6 +28,7 @@ impl Dataset {
     pub(crate) fn same_inputs(&self, a: usize, b: usize) -> bool {
         self.joints.iter().all(|column| column[a].to_bits() == column[b].to_bits())
             && self.load[a] == self.load[b]
+            && self.tools().is_none_or(|tools| tools[a].to_bits() == tools[b].to_bits())
     }
 
     /// True when a row goes on with the dwell that began at row `first`, all rows from there on being of that dwell: the same

@@ -1,6 +1,6 @@
 //! One measurement: the inputs of a row, and what was measured.
 
-use truepose_kinematics::{Load, TargetId};
+use truepose_kinematics::{Load, TargetId, ToolId};
 
 /// One measured (or to be predicted) row, in SI units. What is not set was not measured, or is the same for all rows.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +18,8 @@ pub struct Measurement {
     pub orientation_sd: [f64; 3],
     /// The measured target; none stands for the tool's origin.
     pub target: Option<TargetId>,
+    /// The tool, of a row without a target.
+    pub tool: ToolId,
     /// Number of the pose measurement (`visit`) to which the row belongs; of all rows or of none.
     pub visit: Option<u64>,
     /// The load.
@@ -40,6 +42,7 @@ impl Measurement {
             position_sd: [f64::NAN; 3],
             orientation_sd: [f64::NAN; 3],
             target: None,
+            tool: ToolId::FIRST,
             visit: None,
             load: Load::None,
             time: None,
@@ -71,6 +74,11 @@ impl Measurement {
     /// Of this target.
     pub fn target(self, target: impl Into<Option<TargetId>>) -> Self {
         Measurement { target: target.into(), ..self }
+    }
+
+    /// Of this tool's origin, or orientation.
+    pub fn tool(self, tool: ToolId) -> Self {
+        Measurement { tool, ..self }
     }
 
     /// Of the pose measurement (`visit`) with this number.

@@ -19,6 +19,7 @@ mod schema;
 mod session;
 mod step;
 mod table;
+mod tool;
 mod visits;
 
 pub use approach::approach_from_order;
@@ -37,4 +38,5 @@ pub use schema::{Channel, Schema};
 pub use session::{SESSION, SessionRules};
 pub use step::{step_channel, step_of};
 pub use table::{Dataset, Seen};
+pub use tool::TOOL;
 pub use visits::{Visits, configurations, visits_from_rows};

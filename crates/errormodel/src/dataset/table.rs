@@ -115,6 +115,7 @@ impl Dataset {
         for (value, column) in into.channels.iter_mut().zip(&self.channels) {
             *value = column[row];
         }
+        into.tool = self.tool(row);
         into.load = self.load[row];
         into.time = self.time[row];
     }

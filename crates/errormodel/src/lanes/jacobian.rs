@@ -23,12 +23,18 @@ impl Store {
                 }
             }
         }
+        if self.branches() {
+            self.take_tools(chain);
+        }
         self.arch.dispatch(Reach { store: self, frames, lanes });
+        if self.branches() {
+            self.part(chain);
+        }
     }
 
     /// The tool's axes where a target is measured, zero where it is not.
     pub fn carry(&mut self, target: usize) {
-        let (from, to) = (self.behind(self.frames - 1), self.carried(target));
+        let (from, to) = (self.tool().0, self.carried(target));
         for k in 0..9 {
             for lane in 0..self.target.len() {
                 let here = self.target[lane].is_some_and(|t| t.0 == target);
@@ -72,13 +78,13 @@ impl WithSimd for Reach<'_> {
         let Reach { store, frames, lanes } = self;
         let width = LANES / S::F64_LANES;
         let vectors = lanes.div_ceil(S::F64_LANES);
-        let (count, tool, aimed, point) =
-            (store.frames, store.behind(store.frames - 1), store.aimed(), store.point());
+        let (count, (tool, origin)) = (store.frames, store.tool());
+        let (aimed, point) = (store.aimed(), store.point());
         let (place, lever) = (store.place(0), store.lever(0));
         let axes: Vec<usize> = (0..count).map(|frame| store.axes(frame)).collect();
         let numbers = S::as_mut_simd_f64s(&mut store.numbers).0;
         for v in 0..vectors {
-            let mut p = three!(c => Lane::read(simd, numbers, place + 3 * (count - 1) + c, width, v));
+            let mut p = three!(c => Lane::read(simd, numbers, origin + c, width, v));
             for k in 0..3 {
                 let by = Lane::read(simd, numbers, aimed + k, width, v);
                 p = three!(c => Lane::read(simd, numbers, tool + 3 * k + c, width, v).mul_add(by, p[c]));
@@ -124,7 +130,7 @@ pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Re
     let mut inputs = vec![0.0; joints.len() * LANES];
     let mut wanted = vec![true; store.frames];
     wanted[0] = false;
-    wanted[store.frames - 1] = false;
+    wanted[chain.joints().len() + 1..].fill(false);
     for (k, into) in into.chunks_exact_mut(size).enumerate() {
         let first = k * LANES;
         for (to, from) in inputs.chunks_exact_mut(LANES).zip(joints) {

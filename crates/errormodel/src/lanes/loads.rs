@@ -6,7 +6,7 @@ use crate::Dataset;
 use nalgebra::Vector3;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Simd, WithSimd};
-use truepose_kinematics::{Chain, JointId, JointKind, Load, three};
+use truepose_kinematics::{Chain, JointId, JointKind, Load, ToolId, Wrench, three, weigh};
 
 /// What the tool carries, lane by lane.
 #[derive(Debug, Clone)]
@@ -15,18 +15,24 @@ pub(crate) struct LaneLoad {
     numbers: Vec<f64>,
     /// Whether each lane has a measured wrench or nothing: then it is known in the tool's axes without any posture.
     pub measured: bool,
+    /// The same one by one, with the tool that carries it; where robots branch.
+    each: Vec<(ToolId, Load)>,
 }
 
 impl Default for LaneLoad {
     fn default() -> Self {
-        LaneLoad { numbers: vec![0.0; 10 * LANES], measured: true }
+        LaneLoad { numbers: vec![0.0; 10 * LANES], measured: true, each: Vec::new() }
     }
 }
 
 impl LaneLoad {
-    pub fn gather(&mut self, data: &Dataset, rows: &[usize]) {
+    pub fn gather(&mut self, data: &Dataset, rows: &[usize], branches: bool) {
         self.numbers.fill(0.0);
         self.measured = true;
+        self.each.clear();
+        if branches {
+            self.each.extend(rows.iter().map(|&row| (data.tool(row), data.load[row])));
+        }
         for (lane, &row) in rows.iter().enumerate() {
             let mut put = |k: usize, v: f64| self.numbers[k * LANES + lane] = v;
             match data.load[row] {
@@ -50,7 +56,27 @@ impl LaneLoad {
 impl Store {
     /// Wrenches of all frames and loads of all joints, of the first lanes.
     pub fn weigh(&mut self, chain: &Chain, load: &LaneLoad, gravity: &Vector3<f64>, lanes: usize) {
+        if self.branches() {
+            self.weigh_branches(chain, load, gravity, lanes);
+        }
         self.arch.dispatch(Weigh { store: self, chain, load, gravity, lanes });
+    }
+
+    /// Wrenches of all frames of a robot that branches, lane by lane.
+    fn weigh_branches(&mut self, chain: &Chain, load: &LaneLoad, gravity: &Vector3<f64>, lanes: usize) {
+        let mut wrenches = vec![Wrench::default(); self.frames];
+        let mut frames = Vec::with_capacity(self.frames);
+        for lane in 0..lanes {
+            frames.clear();
+            frames.extend((0..self.frames).map(|frame| self.frame(frame, lane)));
+            let (tool, load) =
+                load.each.get(lane).map_or((ToolId::FIRST, &Load::None), |(t, load)| (*t, load));
+            weigh(chain, &frames, (tool, load), gravity, &mut wrenches);
+            for (frame, carried) in wrenches.iter().enumerate() {
+                let first = self.wrench(frame);
+                (0..6).for_each(|k| self.numbers[(first + k) * LANES + lane] = carried.component(k));
+            }
+        }
     }
 }
 
@@ -91,6 +117,7 @@ impl WithSimd for Weigh<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Weigh { store, chain, load, gravity, lanes } = self;
         let (frames, width) = (store.frames, LANES / S::F64_LANES);
+        let branches = store.branches();
         let rotation: Vec<usize> = (0..frames).map(|frame| store.behind(frame)).collect();
         let (place, wrench, felt) = (store.place(0), store.wrench(0), store.load(0));
         let numbers = S::as_mut_simd_f64s(&mut store.numbers).0;
@@ -107,7 +134,8 @@ impl WithSimd for Weigh<'_> {
             );
             let mut force = three!(k => weight[k] + measured[k]);
             let mut moment = three!(k => at_centre[k] + moment[k]);
-            for frame in (0..frames).rev() {
+            let wide = if branches { 0 } else { frames };
+            for frame in (0..wide).rev() {
                 if frame + 1 < frames {
                     let (here, next) = (
                         vector(simd, numbers, width, v, place + 3 * frame),

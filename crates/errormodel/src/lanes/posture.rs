@@ -71,7 +71,7 @@ impl<'a> LanePosture<'a> {
 
     /// Writes a component (0…5: `[fx fy fz mx my mz]`) of the wrench that a frame carries, about its origin, in its axes: N, N·m.
     pub fn wrench(&self, frame: FrameId, component: usize, into: &mut [f64]) {
-        if frame == self.chain.tool_frame() && self.load.measured {
+        if frame == self.chain.tool_frame() && self.load.measured && !self.store.branches() {
             into.copy_from_slice(self.load.component(component));
             return;
         }

@@ -16,7 +16,7 @@ use super::width::LANES;
 use crate::Dataset;
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::pulp::Arch;
-use truepose_kinematics::{Axis, Chain, FrameId, Pose, Site, TargetId, Wrench};
+use truepose_kinematics::{Axis, Chain, FrameId, Pose, Site, TargetId, ToolId, Wrench};
 
 /// The rows, and which of them stand for others.
 #[derive(Debug, Clone)]
@@ -28,6 +28,9 @@ pub(crate) struct Store {
     targets: usize,
     /// The target of each lane.
     pub target: Vec<Option<TargetId>>,
+    /// Whether the robot branches, and the tool of each lane then.
+    branches: bool,
+    tool: Vec<ToolId>,
     /// The processor's registers.
     pub arch: Arch,
 }
@@ -41,9 +44,11 @@ impl Store {
             frames,
             targets,
             target: Vec::with_capacity(LANES),
+            branches: !chain.is_serial(),
+            tool: Vec::new(),
             arch: Arch::new(),
         };
-        store.numbers = vec![0.0; (store.angle(frames, 0)) * LANES];
+        store.numbers = vec![0.0; (store.hand() + 12) * LANES];
         store
     }
 
@@ -111,6 +116,50 @@ impl Store {
         self.turn_of(self.frames, 0) + 12 * frame + which
     }
 
+    /// Where robots branch: axes (nine) and origin (three) of each lane's own tool.
+    #[inline(always)]
+    fn hand(&self) -> usize {
+        self.angle(self.frames, 0)
+    }
+
+    /// Rows of the axes of the tool that is looked at, and of its origin.
+    #[inline(always)]
+    pub fn tool(&self) -> (usize, usize) {
+        match self.branches {
+            true => (self.hand(), self.hand() + 9),
+            false => (self.behind(self.frames - 1), self.place(self.frames - 1)),
+        }
+    }
+
+    /// Takes each lane's tool to where [`Store::tool`] says.
+    pub fn take_tools(&mut self, chain: &Chain) {
+        let hand = self.hand();
+        for lane in 0..LANES {
+            let frame = chain.frame_of_tool(self.tool.get(lane).copied().unwrap_or_default()).0;
+            let (axes, place) = (self.behind(frame), self.place(frame));
+            for k in 0..12 {
+                let from = if k < 9 { axes + k } else { place + k - 9 };
+                self.numbers[(hand + k) * LANES + lane] = self.numbers[from * LANES + lane];
+            }
+        }
+    }
+
+    /// Takes from each lane the levers of frames that do not carry its tool. Nothing but levers may be asked for after that.
+    pub fn part(&mut self, chain: &Chain) {
+        for (lane, tool) in self.tool.iter().enumerate() {
+            for frame in (0..self.frames).filter(|frame| !chain.carries(FrameId(*frame), *tool)) {
+                for first in [self.before(frame), self.axes(frame), self.lever(frame)] {
+                    (0..9).for_each(|k| self.numbers[(first + k) * LANES + lane] = 0.0);
+                }
+            }
+        }
+    }
+
+    /// Whether the robot branches.
+    pub fn branches(&self) -> bool {
+        self.branches
+    }
+
     /// As [`Chain::site_at`].
     #[inline(always)]
     pub fn site(&self, index: usize) -> Site {
@@ -170,6 +219,10 @@ impl Store {
     pub fn aim(&mut self, chain: &Chain, data: &Dataset, rows: &[usize]) {
         self.target.clear();
         self.target.extend(rows.iter().map(|&row| data.target[row]));
+        if self.branches {
+            self.tool.clear();
+            self.tool.extend(rows.iter().map(|&row| data.tool(row)));
+        }
         for direction in 0..3 {
             let at = (self.aimed() + direction) * LANES;
             for (lane, target) in self.target.iter().enumerate() {

@@ -89,7 +89,7 @@ impl WithSimd for Walk<'_> {
             }
         }
         let base = chain.base().pose;
-        let tool = chain.tool().pose;
+        let jumps = Jumps::of(store, chain);
         let width = LANES / S::F64_LANES;
         let at = Rows::of(store);
         let joints = S::as_simd_f64s(joints).0;
@@ -97,6 +97,26 @@ impl WithSimd for Walk<'_> {
         for v in 0..lanes.div_ceil(S::F64_LANES) {
             let mut pose = LanePose::splat(simd, &base);
             for frame in 0..frames {
+                if let Some(step) = frame.checked_sub(1) {
+                    if let Some((axes, place)) = jumps.of_frame(frame) {
+                        pose = LanePose {
+                            rotation: three!(k => three!(c => Lane::read(simd, numbers, axes + 3 * k + c, width, v))),
+                            translation: three!(c => Lane::read(simd, numbers, place + c, width, v)),
+                        };
+                    }
+                    if step < chain.joints().len() {
+                        let q = match chain.coordinate(JointId(frame)) {
+                            Some(k) => Lane::of(simd, joints[k * width + v]),
+                            None => Lane::splat(simd, 0.0),
+                        };
+                        let s = Lane::read(simd, numbers, at.turn + 2 * step, width, v);
+                        let c = Lane::read(simd, numbers, at.turn + 2 * step + 1, width, v);
+                        pose = pose.past(simd, chain, step, q, s, c);
+                    } else {
+                        let tool = &chain.tools()[step - chain.joints().len()].placed.pose;
+                        pose = pose.moved(&tool.translation).turned(&tool.rotation);
+                    }
+                }
                 put(numbers, &pose.rotation, at.before + 9 * frame, width, v);
                 match errors.of(FrameId(frame)) {
                     FrameErrors::Plain => {}
@@ -121,19 +141,29 @@ impl WithSimd for Walk<'_> {
                 for (c, p) in pose.translation.iter().enumerate() {
                     numbers[(at.place + 3 * frame + c) * width + v] = p.value();
                 }
-                if frame + 2 < frames {
-                    let q = match chain.coordinate(JointId(frame + 1)) {
-                        Some(k) => Lane::of(simd, joints[k * width + v]),
-                        None => Lane::splat(simd, 0.0),
-                    };
-                    let s = Lane::read(simd, numbers, at.turn + 2 * frame, width, v);
-                    let c = Lane::read(simd, numbers, at.turn + 2 * frame + 1, width, v);
-                    pose = pose.past(simd, chain, frame, q, s, c);
-                } else if frame + 1 < frames {
-                    pose = pose.moved(&tool.translation).turned(&tool.rotation);
-                }
             }
         }
+    }
+}
+
+/// Where a frame does not stand on the one numbered before it: rows of the axes and the origin of the one on which it does.
+struct Jumps(Vec<Option<(usize, usize)>>);
+
+impl Jumps {
+    fn of(store: &Store, chain: &Chain) -> Self {
+        if !store.branches() {
+            return Jumps(Vec::new());
+        }
+        let rows = |frame: usize| {
+            let before = chain.parent(FrameId(frame))?.0;
+            (before + 1 != frame).then(|| (store.behind(before), store.place(before)))
+        };
+        Jumps((0..store.frames).map(rows).collect())
+    }
+
+    #[inline(always)]
+    fn of_frame(&self, frame: usize) -> Option<(usize, usize)> {
+        self.0.get(frame).copied().flatten()
     }
 }
 

@@ -189,10 +189,9 @@ impl Effect for LinkCompliance {
 
             let mut loaded = bare.with_tip(&at.tip_wrench(&span));
             if self.own_weight == OwnWeight::Declared {
-                let last = span.next.map_or(chain.joints().len(), |next| next.0 - 1);
-                for part in joint.0..=last {
-                    if let Some(link) = &chain.joint(JointId(part)).link {
-                        let centre = at.frame(chain.frame_after(JointId(part))).apply(&link.com) - span.root;
+                for part in chain.link_parts(joint) {
+                    if let Some(link) = &chain.joint(part).link {
+                        let centre = at.frame(chain.frame_after(part)).apply(&link.com) - span.root;
                         loaded = loaded.with_mass(link.mass, &centre, &gravity);
                     }
                 }
@@ -218,7 +217,7 @@ impl Effect for LinkCompliance {
     }
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
-        if self.ram.is_some() {
+        if self.ram.is_some() || !at.chain().is_serial() {
             return false;
         }
         let (chain, width) = (at.chain(), self.width());
