@@ -20,6 +20,7 @@ fn arm(places: &[[f64; 3]]) -> Chain {
         name: format!("T{k}"),
         position: Vector3::from(*p) * 1e-3,
         known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
     };
     let base = Placed { pose: Pose::from_xyz_rpy([3.0, -2.0, 0.7], [0.0, 0.0, 2.1]), known: true };
     samples::ur10()

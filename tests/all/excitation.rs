@@ -63,6 +63,7 @@ fn targets_on_a_line_leave_the_turn_about_it_open() {
         name: format!("T{k}"),
         position: Vector3::new(0.1, 0.02, 0.05) + Vector3::new(0.05, -0.03, 0.02) * k as f64,
         known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
     };
     let chain = samples::ur10().with_targets((0..3).map(on_a_line).collect()).unwrap();
     let data = geometric_plant(&chain, 2).measure(&Campaign::random(&chain, 40, 6).unwrap(), 1).unwrap();

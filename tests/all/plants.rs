@@ -9,8 +9,12 @@ use truepose_simulate::{Campaign, Flaws, Observation, Plant, flaws};
 
 /// The same robot with three targets off every axis, and limits on slides that have none.
 pub fn with_three_targets(chain: &Chain) -> Chain {
-    let target =
-        |name: &str, p: [f64; 3]| Target { name: name.into(), position: Vector3::from(p), known: true };
+    let target = |name: &str, p: [f64; 3]| Target {
+        name: name.into(),
+        position: Vector3::from(p),
+        known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
+    };
     bounded(chain)
         .with_targets(vec![
             target("A", [0.12, 0.03, 0.05]),

@@ -113,7 +113,7 @@ fn known(chain: &Chain, data: &Dataset, columns: bool, alignment: Alignment) -> 
     if !chain.base().known && alignment == Alignment::Described {
         return open("the base".into());
     }
-    if !chain.tool().known {
+    if !chain.tools_known() {
         return open("the tool".into());
     }
     for target in data.target.iter().flatten() {

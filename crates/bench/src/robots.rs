@@ -56,7 +56,12 @@ pub fn robot(path: &Path) -> Result<Chain, Failure> {
     let tool = Pose::new(rotation(&all["tool_R"])?, vector(&all["tool_xyz"])?);
     let mut targets = Vec::new();
     for (k, position) in all["targets"].as_array().into_iter().flatten().enumerate() {
-        targets.push(Target { name: format!("P{}", k + 1), position: vector(position)?, known: true });
+        targets.push(Target {
+            name: format!("P{}", k + 1),
+            position: vector(position)?,
+            known: true,
+            tool: truepose_kinematics::ToolId::FIRST,
+        });
     }
     let gravity = Gravity { vector: Vector3::new(0.0, 0.0, -9.80665), frame: GravityFrame::Measurement };
     let chain = Chain::new(all["name"].as_str().unwrap_or("robot"), joints)?;

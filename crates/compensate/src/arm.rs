@@ -18,7 +18,7 @@
 use crate::command::MOST;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use truepose_errormodel::error_matrix;
-use truepose_kinematics::{Chain, FrameId, JointId, JointKind, Placement, Pose, sin_cos};
+use truepose_kinematics::{Chain, FrameId, JointId, JointKind, Placement, Pose, ToolId, sin_cos};
 
 /// One factor of T.
 #[derive(Debug, Clone)]
@@ -37,6 +37,8 @@ pub(crate) enum Factor {
     Turn,
     /// The next joint slides.
     Slide,
+    /// No factor: the next joint does not carry the tool.
+    Skip,
     /// No factor: a mark at this place.
     Mark(Mark),
 }
@@ -84,17 +86,33 @@ impl Reached {
 impl Arm {
     /// Of a robot with these generalized errors, six a frame, constant except at those that `moves` marks.
     pub fn new(chain: &Chain, errors: &[f64], moves: &[bool]) -> Self {
-        Arm::with_marks(chain, errors, moves, &[])
+        Arm::to_tool(chain, ToolId::FIRST, errors, moves)
+    }
+
+    /// The same to another tool: joints that do not carry it have an axis of zero.
+    pub fn to_tool(chain: &Chain, tool: ToolId, errors: &[f64], moves: &[bool]) -> Self {
+        Arm::between(chain, tool, errors, moves, &[])
     }
 
     /// The same with marks, each behind the errors of its frame.
     pub fn with_marks(chain: &Chain, errors: &[f64], moves: &[bool], marks: &[Marked]) -> Self {
+        Arm::between(chain, ToolId::FIRST, errors, moves, marks)
+    }
+
+    fn between(chain: &Chain, tool: ToolId, errors: &[f64], moves: &[bool], marks: &[Marked]) -> Self {
         let mut made = Factors { factors: Vec::new(), pending: chain.base().pose };
         let mut slides = [false; MOST];
         let mut joints = 0;
         made.errors(0, errors, moves);
         made.marks(0, marks);
         for (index, joint) in chain.joints().iter().enumerate() {
+            if !chain.carries(FrameId(index + 1), tool) {
+                if joint.moves() {
+                    made.factors.push(Factor::Skip);
+                    joints += 1;
+                }
+                continue;
+            }
             let (pre, post) = around_motion(chain, JointId(index + 1));
             made.constant(&pre);
             match joint.kind {
@@ -115,8 +133,8 @@ impl Arm {
             made.errors(index + 1, errors, moves);
             made.marks(index + 1, marks);
         }
-        made.constant(&chain.tool().pose);
-        made.errors(chain.joints().len() + 1, errors, moves);
+        made.constant(&chain.tools()[tool.0].placed.pose);
+        made.errors(chain.frame_of_tool(tool).0, errors, moves);
         made.flush();
         Arm { factors: made.factors, slides, joints: joints.min(MOST) }
     }
@@ -169,6 +187,10 @@ impl Arm {
                     out.axes[k] = z;
                     out.origins[k] = at;
                     at += z * q[k];
+                    k += 1;
+                }
+                Factor::Skip => {
+                    out.axes[k] = Vector3::zeros();
                     k += 1;
                 }
                 Factor::Mark(_) => {}

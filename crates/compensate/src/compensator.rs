@@ -78,13 +78,18 @@ impl<'m> Compensator<'m> {
         if let Some((column, _)) = columns.into_iter().find(|(_, c)| !c.is_finite()) {
             return Err(CompensateError::NotFinite { name: column.name.clone() });
         }
-        let real = RealArm::bind(fitted, schema)?;
+        let tool = options.tool;
+        if tool.0 >= chain.tools().len() {
+            let (value, need) = (tool.0 as f64, "the number of a tool of the robot");
+            return Err(CompensateError::Option { option: "tool", value, need });
+        }
+        let real = RealArm::bind(fitted, schema, tool)?;
         let (channels, read) = channels_read(fitted, schema);
         let timed = fitted.model().effects().iter().any(|effect| effect.needs().contains(&Signal::Time));
         if channels.len() > MOST {
             return Err(CompensateError::TooManyChannels { have: channels.len(), most: MOST });
         }
-        let nominal = Arm::new(chain, &[], &[]);
+        let nominal = Arm::to_tool(chain, tool, &[], &[]);
         let length = chain.characteristic_length();
         let mut scale = [1.0; MOST];
         let mut limits = Limits::NONE;
@@ -97,6 +102,7 @@ impl<'m> Compensator<'m> {
             }
         }
         let conditions = Conditions {
+            tool,
             joints: vec![0.0; n],
             approach: vec![0.0; n],
             channels: vec![0.0; schema.channels.len()],

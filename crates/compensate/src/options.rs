@@ -1,6 +1,7 @@
 //! How commands are sought.
 
 use crate::CompensateError;
+use truepose_kinematics::ToolId;
 
 /// Where the directions of approach come from, on which backlash and its kind depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,6 +27,8 @@ pub struct CompensatorOptions {
     pub starts: usize,
     /// Where the directions of approach come from.
     pub approach: Approach,
+    /// The tool that is brought to its target; joints that do not carry it stay where the seed has them.
+    pub tool: ToolId,
 }
 
 impl Default for CompensatorOptions {
@@ -36,6 +39,7 @@ impl Default for CompensatorOptions {
             rounds: 80,
             starts: 24,
             approach: Approach::Stated,
+            tool: ToolId::FIRST,
         }
     }
 }

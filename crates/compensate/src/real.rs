@@ -12,7 +12,7 @@ use crate::arm::{Arm, Reached};
 use crate::command::MOST;
 use nalgebra::Vector3;
 use truepose_errormodel::{BoundModel, Emission, Equilibrium, FittedModel, ModelError, Schema};
-use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId, sin_cos};
+use truepose_kinematics::{Conditions, PostureBuffer, Site, TargetId, ToolId, sin_cos};
 
 /// The real robot of a fitted model.
 #[derive(Debug, Clone)]
@@ -36,7 +36,7 @@ pub(crate) struct RealArm<'m> {
 }
 
 impl<'m> RealArm<'m> {
-    pub fn bind(fitted: &'m FittedModel, schema: &Schema) -> Result<Self, ModelError> {
+    pub fn bind(fitted: &'m FittedModel, schema: &Schema, tool: ToolId) -> Result<Self, ModelError> {
         // For its check of the channels' units.
         fitted.bind(schema)?;
         let model = fitted.model();
@@ -52,8 +52,8 @@ impl<'m> RealArm<'m> {
             constant: vec![0.0; chain.site_count()],
             errors: vec![0.0; chain.site_count()],
             moves: vec![false; 6 * frames],
-            lean: Arm::new(chain, &[], &[]),
-            full: Arm::new(chain, &[], &vec![true; 6 * frames]),
+            lean: Arm::to_tool(chain, tool, &[], &[]),
+            full: Arm::to_tool(chain, tool, &[], &vec![true; 6 * frames]),
             posture: PostureBuffer::new(chain),
             // An effect speaks of a column at most once a component of two frames or so.
             emission: Emission::with_capacity(12 * moving_columns.max(still.len())),
@@ -65,6 +65,7 @@ impl<'m> RealArm<'m> {
         };
         let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
         conditions.channels = vec![0.0; schema.channels.len()];
+        conditions.tool = tool;
         let coefficients = fitted.coefficients();
         {
             let posture = arm.posture.update(chain, &conditions);
@@ -94,7 +95,7 @@ impl<'m> RealArm<'m> {
             }
         }
         arm.errors.copy_from_slice(&arm.constant);
-        arm.lean = Arm::new(chain, &arm.constant, &arm.moves);
+        arm.lean = Arm::to_tool(chain, tool, &arm.constant, &arm.moves);
         Ok(arm)
     }
 

@@ -294,7 +294,8 @@ fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn A
 
 /// Errors of the base, the tool and the targets: what says where instrument and targets are, and nothing about the arm.
 fn frames_only(chain: &Chain) -> Geometric {
-    let mut frames = vec![Where::Frame(FrameId::BASE), Where::Frame(chain.tool_frame())];
+    let ends = chain.frames().filter(|frame| *frame == FrameId::BASE || chain.tool_of(*frame).is_some());
+    let mut frames: Vec<Where> = ends.map(Where::Frame).collect();
     if !chain.targets().is_empty() {
         frames.push(Where::Targets(truepose_errormodel::effects::AllTargets::All));
     }

@@ -8,7 +8,12 @@ use truepose_kinematics::{Chain, Pose, Target, nalgebra::Vector3, samples};
 
 /// A robot of four joints, r1, r2, slide, r4, with two targets.
 fn robot() -> Chain {
-    let target = |name: &str| Target { name: name.into(), position: Vector3::zeros(), known: true };
+    let target = |name: &str| Target {
+        name: name.into(),
+        position: Vector3::zeros(),
+        known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
+    };
     samples::scara().with_targets(vec![target("P1"), target("P2")]).unwrap()
 }
 

@@ -95,6 +95,20 @@ impl Chain {
         self.with_tools(tools)
     }
 
+    /// With what this makes of the pose of each tool.
+    ///
+    /// # Errors
+    /// When a pose is not finite.
+    pub fn map_tools(self, made: impl Fn(&Placed) -> Placed) -> Result<Self, ChainError> {
+        let placed: Vec<Placed> = self.tools.iter().map(|tool| made(&tool.placed)).collect();
+        self.with_placed_tools(&placed)
+    }
+
+    /// Whether the poses of all tools are known.
+    pub fn tools_known(&self) -> bool {
+        self.tools.iter().all(|tool| tool.placed.known)
+    }
+
     /// The tools; one of most robots.
     pub fn tools(&self) -> &[Tool] {
         &self.tools

@@ -99,6 +99,7 @@ impl Plant {
                 let time = times[index] + campaign.row_s * k as f64;
                 let conditions = Conditions {
                     joints: visit.joints.iter().zip(&wound_up[index]).map(|(q, off)| q + off).collect(),
+                    tool: truepose_kinematics::ToolId::FIRST,
                     load: carried,
                     time,
                     approach: approach.clone(),

@@ -39,12 +39,16 @@ impl Installation {
 
     /// The robot with what is new marked as unknown.
     pub(crate) fn unknown(self, chain: &Chain) -> Result<Chain, UpkeepError> {
+        if self.tool && chain.tools().len() > 1 {
+            let why = "a new tool is found for robots with one tool; this one has several".into();
+            return Err(IdentifyError::Placement { what: "tool".into(), why }.into());
+        }
         let targets = chain.targets().iter();
         let targets = targets.map(|t| Target { known: !self.targets, ..t.clone() }).collect();
         Ok(chain
             .clone()
             .with_base(Placed { known: !self.base, ..*chain.base() })
-            .and_then(|c| c.with_tool(Placed { known: !self.tool, ..*chain.tool() }))
+            .and_then(|c| c.map_tools(|tool| Placed { known: !self.tool, ..*tool }))
             .and_then(|c| c.with_targets(targets))
             .map_err(described)?)
     }

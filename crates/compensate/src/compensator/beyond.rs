@@ -34,6 +34,7 @@ impl<'m> Beyond<'m> {
             predictor: fitted.bind(schema)?,
             declared: Box::new(Compensator::bind(&fallback.declared, schema, options.clone())?),
             conditions: Conditions {
+                tool: options.tool,
                 joints: vec![0.0; fitted.chain().movable().len()],
                 approach: vec![0.0; fitted.chain().movable().len()],
                 channels: vec![0.0; schema.channels.len()],
@@ -44,7 +45,9 @@ impl<'m> Beyond<'m> {
 
     /// Where the real robot's target is.
     pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
-        self.predictor.predict(conditions, target)
+        self.conditions.clone_from(conditions);
+        self.conditions.tool = self.declared.options.tool;
+        self.predictor.predict(&self.conditions, target)
     }
 
     /// The command with as much of the findings as the prediction has there.
@@ -53,6 +56,7 @@ impl<'m> Beyond<'m> {
             return found;
         }
         self.conditions.clone_from(conditions);
+        self.conditions.tool = self.declared.options.tool;
         self.conditions.joints.clear();
         self.conditions.joints.extend_from_slice(&found.joints);
         self.conditions.approach.clear();

@@ -22,7 +22,9 @@ impl Compensator<'_> {
             return None;
         }
         if !finite(target.position.as_slice())
-            || target.target.is_some_and(|t| t.0 >= chain.targets().len())
+            || target
+                .target
+                .is_some_and(|t| chain.targets().get(t.0).is_none_or(|t| t.tool != self.options.tool))
             || !load_is_finite(&conditions.load)
             || !conditions.time.is_finite()
         {

@@ -116,6 +116,10 @@ impl<S: Simd> Place<S> {
                     self.points[mark.what] = through!(mark.point, at);
                     self.directions[mark.what] = through!(mark.direction, Space::all(simd, [0.0; 3]));
                 }
+                Factor::Skip => {
+                    self.axes[k] = Space::all(simd, [0.0; 3]);
+                    k += 1;
+                }
                 Factor::Mark(_) => {}
             }
         }

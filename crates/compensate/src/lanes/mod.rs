@@ -109,7 +109,7 @@ impl Kernel {
     ) -> Option<Self> {
         let (chain, model) = (fitted.chain(), fitted.model());
         let links = chain.joints().len();
-        if chain.movable().len() != JOINTS || links > LINKS {
+        if chain.movable().len() != JOINTS || links > LINKS || !chain.is_serial() {
             return None;
         }
         let frames = 6 * chain.frames().len();
@@ -284,7 +284,8 @@ mod tests {
         let p = c.len();
         let fitted = FittedModel::new(model, c, DMatrix::zeros(p, p)).unwrap();
         let schema = Schema { load: true, ..Schema::default() };
-        let constant = RealArm::bind(&fitted, &schema).unwrap().constant().to_vec();
+        let constant =
+            RealArm::bind(&fitted, &schema, truepose_kinematics::ToolId::FIRST).unwrap().constant().to_vec();
         let options = CompensatorOptions::default();
         let kernel = Kernel::of(&fitted, &constant, &[1.0; MOST], &Limits::NONE, &options)?;
         Some((fitted, kernel))
@@ -311,7 +312,10 @@ mod tests {
         let (chain, load) = (samples::heavy(), Payload { mass: 80.0, com: Vector3::new(0.1, 0.0, 0.2) });
         let (fitted, kernel) = kernel(&chain, elastic()).unwrap();
         let schema = Schema { load: true, ..Schema::default() };
-        let (mut real, mut at) = (RealArm::bind(&fitted, &schema).unwrap(), Reached::nowhere());
+        let (mut real, mut at) = (
+            RealArm::bind(&fitted, &schema, truepose_kinematics::ToolId::FIRST).unwrap(),
+            Reached::nowhere(),
+        );
         let mut block = Block::empty();
         let mut jobs = Vec::new();
         for k in 0..WIDTH {

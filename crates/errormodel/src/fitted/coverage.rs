@@ -187,7 +187,7 @@ impl FittedModel {
             return TargetKnown::Measured;
         }
         // Declared on the tool: known where the tool is.
-        let anchored = chain.tool().known || self.anchors().next().is_some();
+        let anchored = chain.tools_known() || self.anchors().next().is_some();
         match self.orientation_known() {
             TargetKnown::Undetermined => TargetKnown::Undetermined,
             _ if !anchored => TargetKnown::Undetermined,
@@ -203,7 +203,7 @@ impl FittedModel {
         {
             return TargetKnown::Measured;
         }
-        if self.chain().tool().known || self.fixed_by_points() {
+        if self.chain().tools_known() || self.fixed_by_points() {
             TargetKnown::Declared
         } else {
             TargetKnown::Undetermined

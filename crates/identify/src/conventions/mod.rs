@@ -61,13 +61,18 @@ pub fn nominal_residual(chain: &Chain, data: &Dataset) -> Result<Option<NominalR
     }
     let Some(placement) = placed::placed(chain, &rows) else { return Ok(None) };
     let position_rms = placement.rms;
-    let orientation_rms = orientation::rms(&placement.chain, data);
+    let one = placement.chain.tools().len() == 1;
+    let orientation_rms = if one { orientation::rms(&placement.chain, data) } else { None };
     let length = chain.characteristic_length();
     Ok(Some(NominalResidual { placement, position_rms, orientation_rms, length }))
 }
 
 /// The likely mistakes behind what the nominal robot leaves: about positions, or else about orientations and the tool; or none.
 pub fn misreadings(chain: &Chain, data: &Dataset, found: &NominalResidual) -> Vec<Misread> {
+    // Usual mistakes are those of tables of one chain.
+    if !chain.is_serial() {
+        return Vec::new();
+    }
     if found.share() > NEGLIGIBLE {
         return positions::misread(chain, data).into_iter().collect();
     }

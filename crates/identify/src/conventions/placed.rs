@@ -7,8 +7,8 @@ use truepose_kinematics::{Chain, Placed, Pose};
 /// Base and tool where they fit the positions best.
 pub(super) fn placed(chain: &Chain, rows: &Dataset) -> Option<Placement> {
     let free = |placed: &Placed| Placed { known: false, ..*placed };
-    let (base, tool) = (free(chain.base()), free(chain.tool()));
-    let chain = chain.clone().with_base(base).and_then(|chain| chain.with_tool(tool)).ok()?;
+    let base = free(chain.base());
+    let chain = chain.clone().with_base(base).and_then(|chain| chain.map_tools(free)).ok()?;
     let mut positions = rows.clone();
     positions.orientation.fill(None);
     place(&chain, &positions).ok()
@@ -21,7 +21,7 @@ pub(super) fn left(chain: &Chain, rows: &Dataset) -> Option<f64> {
 
 /// The flange in frame 0 at each row.
 pub(super) fn flanges(chain: &Chain, rows: &Dataset) -> Vec<Pose> {
-    let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default()));
+    let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.map_tools(|_| Placed::default()));
     let bare = bare.unwrap_or_else(|_| chain.clone());
     let joints = |row: usize| rows.joints.iter().map(|column| column[row]).collect::<Vec<f64>>();
     (0..rows.len()).map(|row| bare.forward(&joints(row))).collect()

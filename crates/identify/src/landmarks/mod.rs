@@ -34,7 +34,7 @@ use ties::tied;
 use truepose_errormodel::effects::{AllTargets, Geometric, Landmarks, Observed, Where};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Surroundings, Visits};
 use truepose_kinematics::nalgebra::DMatrix;
-use truepose_kinematics::{Chain, FrameId, Placed, Pose, Target};
+use truepose_kinematics::{Chain, FrameId, Placed, Pose, Target, ToolId};
 use truepose_solvers::Solver;
 
 /// Rows and model of a campaign with landmarks, ready for every step of an identification.
@@ -212,9 +212,9 @@ fn settle_known(
 fn all_known(chain: &Chain) -> Result<Chain, IdentifyError> {
     let known = |placed: &Placed| Placed { known: true, ..*placed };
     let targets = chain.targets().iter().map(|target| Target { known: true, ..target.clone() }).collect();
-    let (base, tool) = (known(chain.base()), known(chain.tool()));
+    let base = known(chain.base());
     let all =
-        chain.clone().with_base(base).and_then(|c| c.with_tool(tool)).and_then(|c| c.with_targets(targets));
+        chain.clone().with_base(base).and_then(|c| c.map_tools(known)).and_then(|c| c.with_targets(targets));
     all.map_err(|error| IdentifyError::Landmark { name: "all".into(), why: error.to_string() })
 }
 
@@ -239,7 +239,6 @@ fn without_base(effects: Vec<Box<dyn AnyEffect>>, chain: &Chain) -> Vec<Box<dyn 
 
 /// Errors of tool and targets, where these are described as unknown and no declared effect has them.
 fn unknown_tool(described: &Chain, declared: &[Box<dyn AnyEffect>]) -> Option<Box<dyn AnyEffect>> {
-    let tool = described.tool_frame();
     let has = |wanted: &dyn Fn(&Where) -> bool| {
         declared.iter().any(|effect| {
             let geometric = (&**effect as &dyn Any).downcast_ref::<Geometric>();
@@ -247,8 +246,11 @@ fn unknown_tool(described: &Chain, declared: &[Box<dyn AnyEffect>]) -> Option<Bo
         })
     };
     let mut missing = Vec::new();
-    if !described.tool().known && !has(&|place| *place == Where::Frame(tool)) {
-        missing.push(Where::Frame(tool));
+    for (k, tool) in described.tools().iter().enumerate() {
+        let frame = Where::Frame(described.frame_of_tool(ToolId(k)));
+        if !tool.placed.known && !has(&|place| *place == frame) {
+            missing.push(frame);
+        }
     }
     let targets = described.targets().iter().any(|target| !target.known);
     if targets && !has(&|place| matches!(place, Where::Targets(_))) {

@@ -43,7 +43,8 @@ pub fn place_fitted(fitted: &FittedModel, chain: &Chain, data: &Dataset) -> Resu
         let (sights, offsets) = sights(&fitted.on(at(chain, &unknowns, &state)?)?, data)?;
         // The tool is part of the flange: what is found is how it moves.
         let targets = state.targets.iter().zip(&offsets).map(|(at, offset)| at + offset).collect();
-        let start = State { base: state.base, tool: Pose::IDENTITY, targets };
+        let tools = vec![Pose::IDENTITY; state.tools.len()];
+        let start = State { base: state.base, tools, targets };
         let bare = at(chain, &unknowns, &start)?;
         let refined = match found {
             None => best(&bare, &unknowns, &sights)?,
@@ -51,7 +52,7 @@ pub fn place_fitted(fitted: &FittedModel, chain: &Chain, data: &Dataset) -> Resu
         };
         let next = State {
             base: refined.state.base,
-            tool: (state.tool * refined.state.tool).renormalised(),
+            tools: both(&state.tools, &refined.state.tools).map(|(a, b)| (*a * *b).renormalised()).collect(),
             targets: refined.state.targets.iter().zip(&offsets).map(|(at, offset)| at - offset).collect(),
         };
         let still = distance(&state, &next) < STILL;
@@ -77,12 +78,19 @@ fn at(chain: &Chain, unknowns: &Unknowns, state: &State) -> Result<Chain, Identi
     };
     let targets = chain.targets().iter().zip(&state.targets);
     let targets = targets.map(|(target, &position)| Target { position, ..target.clone() }).collect();
+    let placed = both(chain.tools(), &state.tools);
+    let tools: Vec<Placed> = placed.map(|(tool, &pose)| Placed { pose, ..tool.placed }).collect();
     chain
         .clone()
         .with_base(Placed { pose: state.base, ..*chain.base() })
-        .and_then(|c| c.with_tool(Placed { pose: state.tool, ..*chain.tool() }))
+        .and_then(|c| c.with_placed_tools(&tools))
         .and_then(|c| c.with_targets(targets))
         .map_err(wrong)
+}
+
+/// The tools of two lists, one by one.
+fn both<'a, A, B>(a: &'a [A], b: &'a [B]) -> impl Iterator<Item = (&'a A, &'a B)> {
+    a.iter().zip(b)
 }
 
 /// Largest move of base, tool or a target, m and rad.
@@ -90,7 +98,8 @@ fn distance(a: &State, b: &State) -> f64 {
     let apart =
         |a: &Pose, b: &Pose| (a.translation - b.translation).norm() + (a.rotation - b.rotation).norm();
     let targets = a.targets.iter().zip(&b.targets).map(|(a, b)| (a - b).norm());
-    apart(&a.base, &b.base).max(apart(&a.tool, &b.tool)).max(targets.fold(0.0, f64::max))
+    let tools = both(&a.tools, &b.tools).map(|(a, b)| apart(a, b));
+    tools.chain(targets).fold(apart(&a.base, &b.base), f64::max)
 }
 
 /// Rows with the tool's pose as flange, and by how much the fit moves each target, m, tool axes.
@@ -128,6 +137,7 @@ mod tests {
             name: format!("T{k}"),
             position: Vector3::from(*at),
             known: true,
+            tool: truepose_kinematics::ToolId::FIRST,
         });
         let chain = samples::ur10().with_targets(targets.collect()).unwrap();
         let effects: Vec<Box<dyn truepose_errormodel::AnyEffect>> =

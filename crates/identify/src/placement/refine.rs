@@ -14,14 +14,16 @@ use super::sight::Sight;
 use crate::IdentifyError;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, Placed, Pose, Target, TargetId, rotation_log, rotation_vector, skew};
+use truepose_kinematics::{
+    Chain, Placed, Pose, Target, TargetId, ToolId, rotation_log, rotation_vector, skew,
+};
 use truepose_solvers::accumulator::{ColumnScale, Factor, Triangular};
 
 /// What is to be found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Unknowns {
     pub base: bool,
-    pub tool: bool,
+    pub tools: Vec<ToolId>,
     pub targets: Vec<TargetId>,
 }
 
@@ -33,9 +35,15 @@ impl Unknowns {
             .map(TargetId)
             .filter(|t| !chain.targets()[t.0].known && data.target.contains(&Some(*t)))
             .collect();
-        let turned = data.orientation.iter().any(Option::is_some);
-        let fixed_point = data.target.iter().any(|t| t.is_none_or(|t| !targets.contains(&t)));
-        Unknowns { base: !chain.base().known, tool: !chain.tool().known && (turned || fixed_point), targets }
+        let shown = |tool: &ToolId| {
+            let shows = |row: usize| {
+                let fixed_point = data.target[row].is_none_or(|t| !targets.contains(&t));
+                data.tool(row) == *tool && (fixed_point || data.orientation[row].is_some())
+            };
+            !chain.tools()[tool.0].placed.known && (0..data.len()).any(shows)
+        };
+        let tools = (0..chain.tools().len()).map(ToolId).filter(shown).collect();
+        Unknowns { base: !chain.base().known, tools, targets }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -43,16 +51,17 @@ impl Unknowns {
     }
 
     pub fn count(&self) -> usize {
-        6 * (usize::from(self.base) + usize::from(self.tool)) + 3 * self.targets.len()
+        6 * (usize::from(self.base) + self.tools.len()) + 3 * self.targets.len()
     }
 
-    pub fn tool_column(&self) -> usize {
-        if self.base { 6 } else { 0 }
+    pub fn tool_column(&self, tool: ToolId) -> Option<usize> {
+        let place = self.tools.iter().position(|&t| t == tool)?;
+        Some(6 * (usize::from(self.base) + place))
     }
 
     pub fn target_column(&self, target: TargetId) -> Option<usize> {
         let place = self.targets.iter().position(|&t| t == target)?;
-        Some(self.tool_column() + if self.tool { 6 } else { 0 } + 3 * place)
+        Some(6 * (usize::from(self.base) + self.tools.len()) + 3 * place)
     }
 
     /// Names of what is looked for.
@@ -61,9 +70,7 @@ impl Unknowns {
         if self.base {
             words.push("base".into());
         }
-        if self.tool {
-            words.push("tool".into());
-        }
+        words.extend(self.tools.iter().map(|&t| chain.frame_word(chain.frame_of_tool(t)).to_owned()));
         words.extend(self.targets.iter().map(|t| format!("target {}", chain.targets()[t.0].name)));
         words
     }
@@ -73,7 +80,7 @@ impl Unknowns {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct State {
     pub base: Pose,
-    pub tool: Pose,
+    pub tools: Vec<Pose>,
     pub targets: Vec<Vector3<f64>>,
 }
 
@@ -81,7 +88,7 @@ impl State {
     pub fn of(chain: &Chain) -> Self {
         State {
             base: chain.base().pose,
-            tool: chain.tool().pose,
+            tools: chain.tools().iter().map(|tool| tool.placed.pose).collect(),
             targets: chain.targets().iter().map(|t| t.position).collect(),
         }
     }
@@ -89,6 +96,11 @@ impl State {
     /// A sight's target in the tool's axes.
     pub fn point(&self, target: Option<TargetId>) -> Vector3<f64> {
         target.map_or(Vector3::zeros(), |t| self.targets[t.0])
+    }
+
+    /// The tools, all known.
+    fn placed(&self) -> Vec<Placed> {
+        self.tools.iter().map(|&pose| Placed { pose, known: true }).collect()
     }
 
     fn moved(&self, unknowns: &Unknowns, by: &DVector<f64>) -> State {
@@ -100,8 +112,10 @@ impl State {
         if unknowns.base {
             next.base = (twist(0) * self.base).renormalised();
         }
-        if unknowns.tool {
-            next.tool = (self.tool * twist(unknowns.tool_column())).renormalised();
+        for &tool in &unknowns.tools {
+            if let Some(at) = unknowns.tool_column(tool) {
+                next.tools[tool.0] = (self.tools[tool.0] * twist(at)).renormalised();
+            }
         }
         for &target in &unknowns.targets {
             if let Some(at) = unknowns.target_column(target) {
@@ -130,7 +144,7 @@ impl State {
         chain
             .clone()
             .with_base(Placed { pose: self.base, known: true })
-            .and_then(|c| c.with_tool(Placed { pose: self.tool, known: true }))
+            .and_then(|c| c.with_placed_tools(&self.placed()))
             .and_then(|c| c.with_targets(targets))
             .map_err(wrong)
     }
@@ -191,7 +205,7 @@ pub(crate) fn refine(
 
 /// Tool orientation and target position of a sight.
 fn predicted(sight: &Sight, state: &State) -> Pose {
-    let tool = state.base * sight.flange * state.tool;
+    let tool = state.base * sight.flange * state.tools[sight.tool.0];
     Pose::new(tool.rotation, tool.apply(&state.point(sight.target)))
 }
 
@@ -229,9 +243,9 @@ fn linearised(unknowns: &Unknowns, sights: &[Sight], state: &State, length: f64)
                 block(0, &Matrix3::identity());
                 block(3, &-skew(&pose.translation));
             }
-            if unknowns.tool {
-                block(unknowns.tool_column(), &pose.rotation);
-                block(unknowns.tool_column() + 3, &-(pose.rotation * skew(&x)));
+            if let Some(at) = unknowns.tool_column(sight.tool) {
+                block(at, &pose.rotation);
+                block(at + 3, &-(pose.rotation * skew(&x)));
             }
             if let Some(at) = sight.target.and_then(|t| unknowns.target_column(t)) {
                 block(at, &pose.rotation);
@@ -248,8 +262,8 @@ fn linearised(unknowns: &Unknowns, sights: &[Sight], state: &State, length: f64)
             if unknowns.base {
                 block(3, Matrix3::identity());
             }
-            if unknowns.tool {
-                block(unknowns.tool_column() + 3, pose.rotation);
+            if let Some(at) = unknowns.tool_column(sight.tool) {
+                block(at + 3, pose.rotation);
             }
             let residual = rotation_log(&(r * pose.rotation.transpose())) * length;
             rows.row_mut(count).copy_from(&residual.transpose());
@@ -262,7 +276,7 @@ fn linearised(unknowns: &Unknowns, sights: &[Sight], state: &State, length: f64)
 /// A metre, and the angle that moves the end of the arm by a metre.
 pub(crate) fn scales(unknowns: &Unknowns, length: f64) -> Vec<f64> {
     let mut scale = Vec::with_capacity(unknowns.count());
-    for _ in 0..usize::from(unknowns.base) + usize::from(unknowns.tool) {
+    for _ in 0..usize::from(unknowns.base) + unknowns.tools.len() {
         scale.extend([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length]);
     }
     scale.resize(unknowns.count(), 1.0);

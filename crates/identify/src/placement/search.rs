@@ -84,14 +84,15 @@ pub(super) fn best(chain: &Chain, unknowns: &Unknowns, sights: &[Sight]) -> Resu
 
 /// Rows as sights, at most `limit`, evenly taken.
 fn sights(chain: &Chain, data: &Dataset, limit: usize) -> Vec<Sight> {
-    let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default()));
+    let bare = vec![Placed::default(); chain.tools().len()];
+    let bare = chain.clone().with_base(Placed::default()).and_then(|c| c.with_placed_tools(&bare));
     let bare = bare.as_ref().unwrap_or(chain);
     let mut joints = vec![0.0; data.joints.len()];
     let flange = |row: usize| {
         for (value, column) in joints.iter_mut().zip(&data.joints) {
             *value = column[row];
         }
-        bare.forward(&joints)
+        bare.forward_to(data.tool(row), &joints)
     };
     sights_of(data, limit, flange)
 }
@@ -109,6 +110,7 @@ pub(super) fn sights_of(data: &Dataset, limit: usize, mut flange: impl FnMut(usi
             flange: flange(row),
             position: position.iter().all(|v| v.is_finite()).then_some(position),
             rotation: data.measured_rotation(row),
+            tool: data.tool(row),
             target: data.target[row],
         }
     };
@@ -166,6 +168,7 @@ mod tests {
                 name: format!("T{k}"),
                 position: Vector3::from_fn(|_, _| rng.random_range(-0.2..0.2)),
                 known: true,
+                tool: truepose_kinematics::ToolId::FIRST,
             })
             .collect()
     }

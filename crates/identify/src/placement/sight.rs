@@ -1,7 +1,7 @@
 //! One measured row, as a placement sees it.
 
 use nalgebra::{Matrix3, Vector3};
-use truepose_kinematics::{Pose, TargetId};
+use truepose_kinematics::{Pose, TargetId, ToolId};
 
 /// One measured row: the nominal flange, what was measured, and of which target.
 #[derive(Debug, Clone)]
@@ -12,6 +12,8 @@ pub(crate) struct Sight {
     pub position: Option<Vector3<f64>>,
     /// Orientation of the tool.
     pub rotation: Option<Matrix3<f64>>,
+    /// Which tool.
+    pub tool: ToolId,
     /// Which target; none is the tool's origin.
     pub target: Option<TargetId>,
 }

@@ -47,9 +47,12 @@ fn shares(chain: &Chain, unknowns: &Unknowns, basis: &DMatrix<f64>) -> Vec<Strin
         blocks.push(("position of the base".into(), 0));
         blocks.push(("orientation of the base".into(), 3));
     }
-    if unknowns.tool {
-        blocks.push(("position of the tool".into(), unknowns.tool_column()));
-        blocks.push(("orientation of the tool".into(), unknowns.tool_column() + 3));
+    for &tool in &unknowns.tools {
+        if let Some(at) = unknowns.tool_column(tool) {
+            let word = chain.frame_word(chain.frame_of_tool(tool));
+            blocks.push((format!("position of the {word}"), at));
+            blocks.push((format!("orientation of the {word}"), at + 3));
+        }
     }
     for &target in &unknowns.targets {
         if let Some(at) = unknowns.target_column(target) {
@@ -101,7 +104,7 @@ fn advice(chain: &Chain, unknowns: &Unknowns, sights: &[Sight], data: &Dataset) 
         return "move at least two turning joints whose axes are not parallel, or measure orientations"
             .into();
     }
-    if !turned && unknowns.tool && seen.len() < 3 {
+    if !turned && !unknowns.tools.is_empty() && seen.len() < 3 {
         return "positions of fewer than three targets do not show how the tool is turned: measure orientations, or \
                 three targets that are not on a line; until then the tool's orientation stays as described"
             .into();

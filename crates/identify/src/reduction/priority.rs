@@ -31,7 +31,7 @@ enum Class {
 fn class(chain: &Chain, site: Site) -> Class {
     match site {
         Site::Frame(FrameId::BASE, _) => Class::Base,
-        Site::Frame(frame, _) if frame == chain.tool_frame() => Class::ToolOrTarget,
+        Site::Frame(frame, _) if chain.tool_of(frame).is_some() => Class::ToolOrTarget,
         Site::Target(..) => Class::ToolOrTarget,
         Site::Frame(..) if motion_at(chain, site).is_some() => Class::Motion,
         Site::Frame(_, axis) if !axis.is_rotation() => Class::Length,
@@ -57,7 +57,7 @@ pub fn column_word(model: &ErrorModel, column: usize) -> (String, f64) {
     let chain = model.chain();
     let described = &model.columns()[column];
     match described.site {
-        Some(site @ Site::Frame(frame, _)) if frame != FrameId::BASE && frame != chain.tool_frame() => {
+        Some(site @ Site::Frame(frame, _)) if frame != FrameId::BASE && chain.tool_of(frame).is_none() => {
             match motion_at(chain, site) {
                 Some((joint, sign)) => {
                     let verb = if site.axis() >= Axis::Rx { "turn" } else { "slide" };

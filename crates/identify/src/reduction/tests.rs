@@ -47,6 +47,7 @@ fn ur10_has_rank_30_for_poses_and_three_targets_and_27_for_one() {
         name: name.into(),
         position: Vector3::from(position),
         known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
     };
     let with_targets = chain
         .clone()

@@ -62,6 +62,12 @@ pub fn unify(
     rules: SessionRules,
 ) -> Result<Unified, IdentifyError> {
     data.validate(chain)?;
+    if rules.tool && chain.tools().len() > 1 {
+        return Err(IdentifyError::Placement {
+            what: "tool".into(),
+            why: "`tool = \"own\"` is for robots with one tool; this one has several".into(),
+        });
+    }
     let mut data = data.clone();
     let chain = if rules.targets { with_own_targets(chain, &mut data, names)? } else { chain.clone() };
     let rows: Vec<Vec<usize>> = (0..names.len())
@@ -74,7 +80,7 @@ pub fn unify(
         same_arm(&chain, &bases.rms, names)?;
     }
     for _ in 1..ROUNDS {
-        if !rules.base || (chain.tool().known && chain.targets().iter().all(|t| t.known)) {
+        if !rules.base || (chain.tools_known() && chain.targets().iter().all(|t| t.known)) {
             break;
         }
         // Tool and targets from all sessions at once, then the bases with these.

@@ -19,8 +19,12 @@ struct Campaign {
 fn campaign(poses: &[usize], seed: u64) -> Campaign {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let targets = [[0.12, 0.0, 0.03], [-0.07, 0.09, 0.0], [0.0, -0.1, 0.05]].iter().enumerate();
-    let targets =
-        targets.map(|(k, at)| Target { name: format!("T{k}"), position: Vector3::from(*at), known: true });
+    let targets = targets.map(|(k, at)| Target {
+        name: format!("T{k}"),
+        position: Vector3::from(*at),
+        known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
+    });
     let robot = samples::ur10().with_targets(targets.collect()).unwrap();
     let arm: Vec<_> = robot.frames().collect();
     let frames = arm[1..].iter().map(|&f| truepose_errormodel::effects::Where::Frame(f)).collect();

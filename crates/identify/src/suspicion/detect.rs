@@ -145,6 +145,9 @@ struct Row {
 
 impl<'a> Sample<'a> {
     fn of(chain: &'a Chain, data: &Dataset) -> Option<Self> {
+        if !chain.is_serial() {
+            return None;
+        }
         let bare =
             chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default())).ok()?;
         let visits = Visits::of(data).rows;

@@ -10,8 +10,12 @@ use truepose_kinematics::{Chain, JointKind, Placed, Pose, Target, TargetId, samp
 /// A robot with two targets, measured with errors of some millimetres: as a robot before its calibration.
 fn measured(chain: &Chain, seed: u64) -> (Chain, Dataset) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let target =
-        |name: &str, at: [f64; 3]| Target { name: name.into(), position: Vector3::from(at), known: true };
+    let target = |name: &str, at: [f64; 3]| Target {
+        name: name.into(),
+        position: Vector3::from(at),
+        known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
+    };
     let chain = chain
         .clone()
         .with_targets(vec![target("T1", [0.05, 0.0, 0.03]), target("T2", [-0.02, 0.16, 0.0])])

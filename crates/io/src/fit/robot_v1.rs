@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::{Matrix3, Unit, Vector3};
 use truepose_kinematics::{
     Chain, ChainError, Coupling, Gravity, GravityFrame, Joint, JointId, JointKind, Link, Placed, Placement,
-    Pose, Target,
+    Pose, Target, Tool, ToolId,
 };
 
 /// Rows of a rotation matrix are orthonormal to this.
@@ -20,6 +20,21 @@ pub(super) struct RobotV1 {
     targets: Vec<TargetV1>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     couplings: Vec<CouplingV1>,
+    /// Of a robot that branches: the number of the joint in front of each joint; zero: the base.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    parents: Vec<usize>,
+    /// All tools, where there are several, or the only one is not on the last joint.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    tools: Vec<ToolV1>,
+}
+
+/// A tool behind a joint, by its number; zero: on the base.
+#[derive(Debug, Serialize, Deserialize)]
+struct ToolV1 {
+    name: String,
+    joint: usize,
+    #[serde(flatten)]
+    placed: PlacedV1,
 }
 
 /// Joints by number, from 1.
@@ -94,6 +109,14 @@ struct TargetV1 {
     name: String,
     position: [f64; 3],
     known: bool,
+    /// Number of its tool, from zero.
+    #[serde(default, skip_serializing_if = "is_first")]
+    tool: usize,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_first(tool: &usize) -> bool {
+    *tool == 0
 }
 
 impl From<&Chain> for RobotV1 {
@@ -106,6 +129,19 @@ impl From<&Chain> for RobotV1 {
             name: target.name.clone(),
             position: target.position.into(),
             known: target.known,
+            tool: target.tool.0,
+        };
+        let tool = |tool: &Tool| ToolV1 {
+            name: tool.name.clone(),
+            joint: tool.frame.0,
+            placed: (&tool.placed).into(),
+        };
+        let (parents, tools) = match chain.is_serial() {
+            true => (Vec::new(), Vec::new()),
+            false => (
+                (1..=chain.joints().len()).map(|k| chain.before(JointId(k)).0).collect(),
+                chain.tools().iter().map(tool).collect(),
+            ),
         };
         let coupling = |c: &Coupling| CouplingV1 { joint: c.joint.0, driver: c.driver.0, factor: c.factor };
         RobotV1 {
@@ -120,6 +156,8 @@ impl From<&Chain> for RobotV1 {
             tool: chain.tool().into(),
             targets: chain.targets().iter().map(target).collect(),
             couplings: chain.couplings().iter().map(coupling).collect(),
+            parents,
+            tools,
         }
     }
 }
@@ -176,13 +214,15 @@ impl TryFrom<RobotV1> for Chain {
             name: target.name,
             position: Vector3::from(target.position),
             known: target.known,
+            tool: ToolId(target.tool),
         };
         let coupling =
             |c: CouplingV1| Coupling { joint: JointId(c.joint), driver: JointId(c.driver), factor: c.factor };
         Chain::new(robot.name, joints)?
             .with_couplings(robot.couplings.into_iter().map(coupling).collect())?
             .with_base(placed(robot.base, "base")?)?
-            .with_tool(placed(robot.tool, "tool")?)?
+            .with_tool(placed(robot.tool, "tool")?)
+            .and_then(|chain| branched(chain, &robot.parents, robot.tools))?
             .with_targets(robot.targets.into_iter().map(target).collect())?
             .with_gravity(Gravity { vector: Vector3::from(robot.gravity.vector), frame })
     }
@@ -216,6 +256,19 @@ impl TryFrom<JointV1> for Joint {
     }
 }
 
+/// With these joints in front of the joints and these tools, where there are any.
+fn branched(chain: Chain, parents: &[usize], tools: Vec<ToolV1>) -> Result<Chain, ChainError> {
+    if parents.is_empty() && tools.is_empty() {
+        return Ok(chain);
+    }
+    let joint = |number: usize| (number > 0).then_some(JointId(number));
+    let parents: Vec<Option<JointId>> = parents.iter().map(|&number| joint(number)).collect();
+    let tool =
+        |tool: ToolV1| Ok(Tool::on(tool.name.clone(), joint(tool.joint), placed(tool.placed, &tool.name)?));
+    let tools = tools.into_iter().map(tool).collect::<Result<_, ChainError>>()?;
+    chain.with_parents(&parents)?.with_tools(tools)
+}
+
 fn placed(placed: PlacedV1, name: &str) -> Result<Placed, ChainError> {
     Ok(Placed { pose: pose(placed.pose, name)?, known: placed.known })
 }
@@ -239,7 +292,7 @@ mod tests {
     fn every_sample_robot_comes_back_to_the_bit() {
         let coupling = Coupling { joint: JointId(3), driver: JointId(2), factor: 0.3 };
         let coupled = samples::ur10().with_couplings(vec![coupling]).unwrap();
-        for chain in samples::all().into_iter().chain([coupled]) {
+        for chain in samples::all().into_iter().chain([coupled, samples::dual()]) {
             let text = serde_json::to_string(&RobotV1::from(&chain)).unwrap();
             let again = Chain::try_from(serde_json::from_str::<RobotV1>(&text).unwrap()).unwrap();
             assert_eq!(again, chain);

@@ -26,6 +26,8 @@ pub(crate) enum Role {
     Kind,
     /// What of the surroundings the row touched.
     Landmark,
+    /// The tool, of a robot that has several.
+    Tool,
     /// A measured number, by its place in [`SCALARS`]; only beside a column `kind`.
     Scalar(usize),
     PayloadMass,
@@ -66,6 +68,8 @@ pub(crate) enum Cells {
     Kind,
     /// A name of a landmark, or nothing.
     Landmark,
+    /// A name of a tool, or nothing.
+    Tool,
     /// Anything; not read.
     Note,
     /// Nothing: the column has no name.
@@ -89,6 +93,9 @@ pub(crate) struct Column {
     pub cells: Cells,
     pub meaning: String,
 }
+
+/// The column of the tool.
+const TOOL: &str = "tool";
 
 /// Columns with a meaning of their own, apart from joints and directions of approach.
 pub(crate) const FIXED: [(&str, Role); 35] = [
@@ -141,6 +148,10 @@ impl Role {
                 None => Err(format!("joint `{name}` is fixed and has no values; remove the column")),
             };
         }
+        // On a robot with one tool it is a column like any other.
+        if name == TOOL && chain.tools().len() > 1 {
+            return Ok(Role::Tool);
+        }
         if let Some((_, role)) = FIXED.iter().find(|(word, _)| *word == name) {
             return Ok(*role);
         }
@@ -173,6 +184,7 @@ impl Role {
             | Role::Session
             | Role::Kind
             | Role::Landmark
+            | Role::Tool
             | Role::Note
             | Role::Use
             | Role::Nothing => Some(Quantity::Ratio),
@@ -194,6 +206,7 @@ impl Role {
             Role::Session => Cells::Session,
             Role::Kind => Cells::Kind,
             Role::Landmark => Cells::Landmark,
+            Role::Tool => Cells::Tool,
             Role::Note | Role::Nothing => Cells::Note,
             Role::Use => Cells::Use,
             _ => Cells::Maybe,
@@ -218,6 +231,7 @@ impl Role {
             Role::Visit => "visit".into(),
             Role::Kind => "kind of observation".into(),
             Role::Landmark => "landmark that was observed".into(),
+            Role::Tool => "tool".into(),
             Role::Scalar(k) => scalars::MEANINGS[k].into(),
             Role::Session => "session: installation of robot and instrument".into(),
             Role::PayloadMass => "mass carried".into(),

@@ -10,7 +10,7 @@ use crate::nearest::{listed, meant};
 use crate::{IoError, Warning};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{Channel, KIND, LANDMARK, SESSION, Schema, VALUE};
+use truepose_errormodel::{Channel, KIND, LANDMARK, SESSION, Schema, TOOL, VALUE};
 use truepose_kinematics::Chain;
 
 /// A table with more columns is another kind of file.
@@ -195,8 +195,10 @@ impl Header {
         let session = self.slots.session.map(|_| number(SESSION));
         let landmark = self.slots.landmark.map(|_| number(LANDMARK));
         let observed = [KIND, VALUE[0], VALUE[1]].map(|name| self.slots.landmark.map(|_| number(name)));
+        let tool = (chain.tools().len() > 1).then(|| number(TOOL));
+        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten()).chain(tool);
         Schema {
-            channels: channels.chain(session).chain(landmark).chain(observed.into_iter().flatten()).collect(),
+            channels: channels.chain(hidden).collect(),
             time: self.slots.time.is_some(),
             load: self.slots.payload.is_some() || self.slots.wrench.is_some(),
             approach: self.slots.approach.len() == chain.movable().len()

@@ -118,7 +118,15 @@ impl Names<'_> {
             Named::Header(header) => {
                 matches!(
                     self.role(split_unit(&header).0),
-                    Some(Role::Target | Role::Note | Role::Id | Role::Session | Role::Kind | Role::Landmark)
+                    Some(
+                        Role::Target
+                            | Role::Note
+                            | Role::Id
+                            | Role::Session
+                            | Role::Kind
+                            | Role::Landmark
+                            | Role::Tool
+                    )
                 )
             }
         }

@@ -10,7 +10,7 @@ use super::lost::Lost;
 use super::plausible::Plausible;
 use crate::IoError;
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, Load, TargetId};
+use truepose_kinematics::{Chain, Load, TargetId, ToolId};
 
 /// No number of a table is larger (SI): squares and sums of such numbers are still numbers.
 const LARGEST: f64 = 1e30;
@@ -22,7 +22,11 @@ pub(crate) struct RowReader {
     /// Of each column: what its cells hold, and whether they are in the unit of memory already.
     pub(super) kinds: Vec<(Cells, bool)>,
     pub(super) plausible: Vec<Plausible>,
+    /// Names of the targets, and the tool that carries each.
     pub(super) targets: Vec<String>,
+    carriers: Vec<ToolId>,
+    /// Names of the tools.
+    pub(super) tools: Vec<String>,
     pub(super) position_needed: bool,
     /// The cells of the row in SI units, NaN where they are empty.
     pub(super) numbers: Vec<f64>,
@@ -78,6 +82,8 @@ pub(crate) struct Row {
     pub landmark: Option<usize>,
     pub time: f64,
     pub(super) target: Option<TargetId>,
+    /// The tool that the row names.
+    pub(super) tool: Option<ToolId>,
     pub orientation: Option<[f64; 4]>,
     pub load: Load,
 }
@@ -89,6 +95,8 @@ impl RowReader {
             kinds: header.columns.iter().map(kind).collect(),
             plausible: chain.movable().iter().map(|&joint| Plausible::of(chain, joint)).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
+            carriers: chain.targets().iter().map(|target| target.tool).collect(),
+            tools: chain.tools().iter().map(|tool| tool.name.clone()).collect(),
             position_needed,
             numbers: vec![f64::NAN; header.columns.len()],
             row: Row::default(),
@@ -147,6 +155,7 @@ impl RowReader {
                     | Cells::Session
                     | Cells::Kind
                     | Cells::Landmark
+                    | Cells::Tool
             ) {
                 at = self.read_text(line, text, at, k)?;
                 continue;
@@ -245,7 +254,8 @@ impl RowReader {
         let session = slots.session.map(|_| self.row.session as f64);
         let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));
         let observed = slots.landmark.map(|_| self.observation());
-        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten());
+        let tool = (self.tools.len() > 1).then(|| self.tool().0 as f64);
+        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten()).chain(tool);
         for (column, number) in into.channels.iter_mut().skip(slots.channels.len()).zip(hidden) {
             column.push(number);
         }
@@ -258,6 +268,17 @@ impl RowReader {
         into.time.push(self.row.time);
         into.visit.push(visit);
         into.line.push(self.row.line);
+    }
+
+    /// The tool that carries a target.
+    pub(super) fn carrier(&self, target: TargetId) -> ToolId {
+        self.carriers.get(target.0).copied().unwrap_or_default()
+    }
+
+    /// The tool of the row: that of its target, the one that it names, or the first.
+    fn tool(&self) -> ToolId {
+        let carrier = self.row.target.map(|target| self.carrier(target));
+        carrier.or(self.row.tool).unwrap_or_default()
     }
 
     pub(super) fn cell<'t>(

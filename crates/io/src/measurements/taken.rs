@@ -42,7 +42,7 @@ impl RowReader {
                     self.take_id(k, &value.to_string());
                     continue;
                 }
-                (Cells::Session | Cells::Kind | Cells::Landmark, Cell::Number(value)) => {
+                (Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool, Cell::Number(value)) => {
                     self.take_word(line, k, &value.to_string());
                     continue;
                 }
@@ -58,7 +58,7 @@ impl RowReader {
                         self.take_id(k, text);
                         continue;
                     }
-                    if matches!(cells, Cells::Session | Cells::Kind | Cells::Landmark) {
+                    if matches!(cells, Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool) {
                         self.take_word(line, k, text);
                         continue;
                     }
@@ -74,7 +74,7 @@ impl RowReader {
             };
             match raw {
                 Some(raw) => self.put(line, k, raw)?,
-                None if matches!(cells, Cells::Kind | Cells::Landmark) => {}
+                None if matches!(cells, Cells::Kind | Cells::Landmark | Cells::Tool) => {}
                 None if matches!(cells, Cells::Maybe | Cells::Target | Cells::Id) => {
                     self.numbers[k] = f64::NAN
                 }

@@ -7,7 +7,7 @@ use crate::IoError;
 use crate::nearest::{listed, meant};
 use crate::table::unprefixed;
 use truepose_errormodel::observation::KINDS as NUMBERS;
-use truepose_kinematics::TargetId;
+use truepose_kinematics::{TargetId, ToolId};
 
 /// Words of the column `kind`.
 const KINDS: [(&str, Kind); 3 + NUMBERS.len()] = {
@@ -56,7 +56,9 @@ impl RowReader {
             }
             Cells::Use => self.use_row(line, k, &content)?,
             Cells::Id => self.take_id(k, &content),
-            Cells::Session | Cells::Kind | Cells::Landmark => self.take_word(line, k, &content),
+            Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool => {
+                self.take_word(line, k, &content);
+            }
             _ => {}
         }
         Ok(end)
@@ -69,12 +71,25 @@ impl RowReader {
         self.seen[k].filled += usize::from(!content.is_empty());
     }
 
-    /// Session, kind or landmark of the row.
+    /// Session, kind, landmark or tool of the row.
     pub(super) fn take_word(&mut self, line: u64, k: usize, content: &str) {
         let word = unprefixed(content).trim();
         match self.kinds[k].0 {
             Cells::Session => self.take_session(line, k, word),
             _ if word.is_empty() => {}
+            Cells::Tool => match self.tools.iter().position(|known| known == word) {
+                Some(tool) => {
+                    self.row.tool = Some(ToolId(tool));
+                    self.seen[k].filled += 1;
+                }
+                None => {
+                    let known = || self.tools.iter().map(String::as_str);
+                    let (hint, known) = (meant(word, known()), listed(known()));
+                    let message =
+                        format!("the robot has no tool `{}`{hint} (its tools: {known})", shown(word));
+                    self.problems.push(self.header.cell_error(line, k, message));
+                }
+            },
             Cells::Kind => match KINDS.iter().find(|(known, _)| *known == word) {
                 Some(&(_, kind)) => {
                     self.row.kind = kind;

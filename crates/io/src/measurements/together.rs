@@ -1,5 +1,6 @@
 //! Values of one row that depend on several cells: plausible joints, an orientation, a load.
 
+use super::columns::Role;
 use super::row::{Kind, RowReader};
 use super::scalars::{SCALARS, usual_unit};
 use super::visits::in_session;
@@ -35,6 +36,7 @@ impl RowReader {
         if let Some(k) = self.header.slots.visit {
             self.row.visit = Some(in_session(self.numbers[k] as i64, self.row.session));
         }
+        self.carried_by(line)?;
         self.observed(line)?;
         if let Some(k) = self.header.slots.time {
             self.row.time = self.numbers[k];
@@ -68,6 +70,21 @@ impl RowReader {
             }
         }
         self.loaded()
+    }
+
+    /// A row that names a target and a tool names the tool that carries the target.
+    fn carried_by(&mut self, line: u64) -> Result<(), IoError> {
+        let named = self.row.target.zip(self.row.tool);
+        let Some((target, tool)) = named.filter(|(target, tool)| self.carrier(*target) != *tool) else {
+            return Ok(());
+        };
+        let carrier = &self.tools[self.carrier(target).0];
+        let message = format!(
+            "the row is of tool `{}`, but target `{}` is on tool `{carrier}`",
+            self.tools[tool.0], self.targets[target.0]
+        );
+        let at = self.header.columns.iter().position(|column| column.role == Role::Tool).unwrap_or(0);
+        Err(self.header.cell_error(line, at, message))
     }
 
     /// Kind, landmark and measured number belong together.

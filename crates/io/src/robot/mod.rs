@@ -10,6 +10,7 @@ pub(crate) mod names;
 mod sessions;
 mod surroundings;
 mod toml_form;
+mod tree;
 mod urdf;
 mod urdf_corrected;
 mod urdf_form;
@@ -30,7 +31,7 @@ use std::path::{Path, PathBuf};
 use truepose_errormodel::{SessionRules, Surroundings};
 use truepose_kinematics::Chain;
 
-/// No serial robot has more joints, fixed ones included.
+/// No robot has more joints, fixed ones included.
 const MOST_JOINTS: usize = 256;
 
 /// No tool carries more targets.

@@ -2,7 +2,7 @@
 
 use super::names::{cell_problem, joint_name_problem};
 use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
-use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings};
+use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings, tree};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
@@ -55,6 +55,7 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
         "base_link",
         "joints",
         "tool",
+        "tools",
         "targets",
         "urdf",
         "kinematics",
@@ -76,14 +77,14 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     let units = units(&root)?;
     details::of(&root)?;
     let (found, there) = kinematics_yaml::named(&root, |file| beside(path, file))?;
-    let (name, joints) = match (root.get("urdf"), root.get("joints")) {
-        (None, None) if found.is_some() => found.unwrap_or_default(),
+    let ((name, joints), parents) = match (root.get("urdf"), root.get("joints")) {
+        (None, None) if found.is_some() => (found.unwrap_or_default(), Vec::new()),
         (Some(urdf), Some(_)) => {
             return Err(urdf.error("`urdf` and [[joints]] exclude each other; keep one of them"));
         }
         (Some(file), None) => {
             let arm = from_urdf(path, &root, &file, options, warnings)?;
-            (arm.name, arm.joints)
+            ((arm.name, arm.joints), arm.parents)
         }
         (None, joints) => {
             if options.base.is_some() || options.tip.is_some() {
@@ -100,7 +101,9 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
             let joints = joints.ok_or_else(|| {
                 IoError::file(path, "has neither [[joints]] nor `urdf`; a robot needs one of them")
             })?;
-            (String::from("robot"), self::joints(&joints, units, &mut errors)?)
+            let read = self::joints(&joints, units, &mut errors)?;
+            let parents = tree::parents(&joints.tables("joints")?, &mut errors)?;
+            ((String::from("robot"), read), parents)
         }
     };
     let name = root.get("name").map(|value| value.string().map(String::from)).transpose()?.unwrap_or(name);
@@ -113,12 +116,18 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     let base = kept(at("base", "[base]"), &mut errors).flatten();
     let tool = kept(at("tool", "[tool]"), &mut errors).flatten();
     let targets = match root.get("targets") {
-        Some(targets) => self::targets(&targets, units, &mut errors)?,
+        Some(targets) => self::targets(&targets, units, &tree::names(&root)?, &mut errors)?,
         None => Vec::new(),
     };
     let gravity = kept(gravity(&root), &mut errors).unwrap_or_default();
     some(errors)?;
     let mut chain = Chain::new(name, joints).map_err(whole)?;
+    if !parents.is_empty() {
+        chain = chain.with_parents(&parents).map_err(whole)?;
+    }
+    if let Some(tools) = tree::tools(&root, &chain, |table| placed_at(table, units))? {
+        chain = chain.with_tools(tools).map_err(whole)?;
+    }
     let mut errors = Vec::new();
     let couplings = couplings::read(&root, &chain, &mut errors)?;
     some(errors)?;
@@ -194,7 +203,14 @@ fn from_urdf(
             beside.display()
         )));
     }
-    urdf::read(&beside, &options, warnings)
+    let ends = tree::ends(root)?;
+    if ends.is_empty() {
+        return urdf::read(&beside, &options, warnings);
+    }
+    if let Some(tip) = root.get("tip") {
+        return Err(tip.error("`tip` and [[tools]] exclude each other: each tool names its `joint`"));
+    }
+    urdf::read_tree(&beside, &options, &ends, warnings)
 }
 
 /// The unit of every length of a description.
@@ -240,7 +256,7 @@ fn joints(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<
 }
 
 fn joint(table: &Table<'_>, units: Units) -> Result<Joint, IoError> {
-    table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com"])?;
+    table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com", "parent"])?;
     let name = table.require("name")?;
     let called = joint_name(name.string()?);
     if let Some(problem) = joint_name_problem(&called) {
@@ -329,24 +345,33 @@ fn pose(table: &Table<'_>, units: Units) -> Result<Pose, IoError> {
 
 fn placed(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
     table.only(&["xyz", "rpy", "known"])?;
+    placed_at(table, units)
+}
+
+fn placed_at(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
     let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
     Ok(Placed { pose: pose(table, units)?, known })
 }
 
-fn targets(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<Vec<Target>, IoError> {
+fn targets(
+    value: &Value<'_>,
+    units: Units,
+    tools: &[String],
+    errors: &mut Vec<IoError>,
+) -> Result<Vec<Target>, IoError> {
     let mut targets: Vec<Target> = Vec::new();
     let tables = value.tables("targets")?;
     if let Some(table) = tables.get(MOST_TARGETS) {
         return Err(table.error(format!("a robot has at most {MOST_TARGETS} targets")));
     }
     for table in &tables {
-        targets.extend(kept(target(table, units, &targets), errors));
+        targets.extend(kept(target(table, units, &targets, tools), errors));
     }
     Ok(targets)
 }
 
-fn target(table: &Table<'_>, units: Units, others: &[Target]) -> Result<Target, IoError> {
-    table.only(&["name", "xyz", "known"])?;
+fn target(table: &Table<'_>, units: Units, others: &[Target], tools: &[String]) -> Result<Target, IoError> {
+    table.only(&["name", "xyz", "known", "tool"])?;
     let name = table.require("name")?;
     if let Some(problem) = cell_problem(name.string()?) {
         return Err(name.error(problem));
@@ -363,7 +388,7 @@ fn target(table: &Table<'_>, units: Units, others: &[Target]) -> Result<Target, 
             return Err(table.error(format!("{} lacks `xyz`; add it, or `known = false`", table.name())));
         }
     };
-    Ok(Target { name: word.into(), position, known })
+    Ok(Target { name: word.into(), position, known, tool: tree::tool_of(table, tools)? })
 }
 
 fn gravity(root: &Table<'_>) -> Result<Gravity, IoError> {

@@ -7,21 +7,35 @@ use super::RobotOptions;
 use super::names::joint_name_problem;
 use super::urdf_path::path_between;
 use super::xml_places::{place_of, tags};
+use crate::nearest::{listed, meant};
 use crate::text::Text;
+use crate::toml_tree::Value;
 use crate::{IoError, Warning};
 use std::path::Path;
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
-use truepose_kinematics::{Joint, JointKind, Link, Placement, Pose};
+use truepose_kinematics::{Joint, JointId, JointKind, Link, Placement, Pose};
 use urdf_rs::JointType;
 
-/// The serial part of a URDF.
+/// The part of a URDF that is read.
 #[derive(Debug)]
 pub(super) struct Arm {
     pub name: String,
     pub joints: Vec<Joint>,
+    /// The joint in front of each; none of them where all follow one another.
+    pub parents: Vec<Option<JointId>>,
 }
 
 pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warning>) -> Result<Arm, IoError> {
+    read_tree(path, options, &[], warnings)
+}
+
+/// All joints between the base and these ones, each with the place that names it; from the base to the tip where there are none.
+pub(super) fn read_tree(
+    path: &Path,
+    options: &RobotOptions,
+    ends: &[(String, Value<'_>)],
+    warnings: &mut Vec<Warning>,
+) -> Result<Arm, IoError> {
     let text = Text::read(path)?;
     if text.text.trim().is_empty() {
         return Err(IoError::file(path, "is empty; a URDF begins with <robot name=\"…\">"));
@@ -41,10 +55,33 @@ pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warni
         let at = culprit(&words, &tags);
         text.error(at, format!("is not a valid URDF: {words}"))
     })?;
-    let on_path = path_between(&robot, options).map_err(|problem| {
-        let at = problem.element.map_or(0, |(element, name)| place_of(&tags, element, &name));
-        text.error(at, problem.message)
-    })?;
+    let between = |options: &RobotOptions| {
+        path_between(&robot, options).map_err(|problem| {
+            let at = problem.element.map_or(0, |(element, name)| place_of(&tags, element, &name));
+            text.error(at, problem.message)
+        })
+    };
+    let mut on_path = Vec::new();
+    for (name, place) in ends {
+        let joints = || robot.joints.iter().map(|joint| joint.name.as_str());
+        let Some(last) = robot.joints.iter().find(|joint| joint.name == *name) else {
+            let (hint, known) = (meant(name, joints()), listed(joints()));
+            return Err(place.error(format!("the URDF has no joint `{name}`{hint} (its joints: {known})")));
+        };
+        let tip = Some(last.child.link.clone());
+        for joint in between(&RobotOptions { tip, ..options.clone() })? {
+            if !on_path.iter().any(|other: &&urdf_rs::Joint| other.name == joint.name) {
+                on_path.push(joint);
+            }
+        }
+    }
+    if ends.is_empty() {
+        on_path = between(options)?;
+    }
+    let before = |joint: &&urdf_rs::Joint| {
+        on_path.iter().position(|other| other.child.link == joint.parent.link).map(|k| JointId(k + 1))
+    };
+    let parents = if ends.is_empty() { Vec::new() } else { on_path.iter().map(before).collect() };
     let mut joints: Vec<Joint> = Vec::with_capacity(on_path.len());
     for described in on_path {
         let at = place_of(&tags, "joint", &described.name);
@@ -73,7 +110,7 @@ pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warni
     if joints.is_empty() {
         return Err(text.error(0, "base and tip are the same link; choose links with joints between them"));
     }
-    Ok(Arm { name: robot.name.clone(), joints })
+    Ok(Arm { name: robot.name.clone(), joints, parents })
 }
 
 fn joint(described: &urdf_rs::Joint) -> Result<Joint, String> {

@@ -1,7 +1,7 @@
 //! A robot description as TOML, in m and rad, with digits that read back to the same numbers.
 
 use std::fmt::Write;
-use truepose_kinematics::{Chain, Gravity, GravityFrame, JointKind, Placed, Placement, Pose};
+use truepose_kinematics::{Chain, Gravity, GravityFrame, JointId, JointKind, Placed, Placement, Pose};
 
 /// The robot as a TOML description.
 pub fn robot_toml(chain: &Chain) -> String {
@@ -22,13 +22,17 @@ fn write(chain: &Chain, out: &mut String) -> std::fmt::Result {
     }
     writeln!(out, "\n[units]\nlength = \"m\"\nangle = \"rad\"")?;
     placed("base", chain.base(), out)?;
-    for joint in chain.joints() {
+    for (index, joint) in chain.joints().iter().enumerate() {
         let kind = match joint.kind {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
             JointKind::Fixed => "fixed",
         };
         writeln!(out, "\n[[joints]]\nname = {}\ntype = \"{kind}\"", quoted(&joint.name))?;
+        let before = chain.before(JointId(index + 1));
+        if before.0 != index {
+            writeln!(out, "parent = {}", quoted(chain.frame_word(before)))?;
+        }
         if let Some((lower, upper)) =
             chain.joint_named(&joint.name).and_then(|id| chain.controller_limits(id))
             && joint.moves()
@@ -56,7 +60,17 @@ fn write(chain: &Chain, out: &mut String) -> std::fmt::Result {
         let (joint, driver) = (name(coupling.joint), name(coupling.driver));
         writeln!(out, "\n[[couplings]]\njoint = {joint}\ndriver = {driver}\nfactor = {:?}", coupling.factor)?;
     }
-    placed("tool", chain.tool(), out)?;
+    let several = chain.tools().len() > 1 || chain.tool_frame().0 != chain.tools()[0].frame.0 + 1;
+    match several {
+        false => placed("tool", chain.tool(), out)?,
+        true => chain.tools().iter().try_for_each(|tool| {
+            let (name, joint) = (quoted(&tool.name), quoted(chain.frame_word(tool.frame)));
+            writeln!(out, "\n[[tools]]\nname = {name}\njoint = {joint}")?;
+            let (xyz, rpy) = xyz_rpy(&tool.placed.pose);
+            writeln!(out, "xyz = {xyz}\nrpy = {rpy}")?;
+            if tool.placed.known { Ok(()) } else { writeln!(out, "known = false") }
+        })?,
+    }
     for target in chain.targets() {
         writeln!(
             out,
@@ -66,6 +80,9 @@ fn write(chain: &Chain, out: &mut String) -> std::fmt::Result {
         )?;
         if !target.known {
             writeln!(out, "known = false")?;
+        }
+        if several {
+            writeln!(out, "tool = {}", quoted(&chain.tools()[target.tool.0].name))?;
         }
     }
     Ok(())
@@ -97,7 +114,7 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::{RobotOptions, read_robot};
-    use truepose_kinematics::{Coupling, JointId, samples};
+    use truepose_kinematics::{Coupling, JointId, ToolId, samples};
 
     #[test]
     fn every_sample_robot_comes_back() {
@@ -105,18 +122,20 @@ mod tests {
         let path = folder.path().join("r.toml");
         let coupling = Coupling { joint: JointId(3), driver: JointId(2), factor: 0.3 };
         let coupled = samples::ur10().with_couplings(vec![coupling]).unwrap();
-        for chain in samples::all().into_iter().chain([coupled]) {
+        for chain in samples::all().into_iter().chain([coupled, samples::dual()]) {
             std::fs::write(&path, robot_toml(&chain)).unwrap();
             let (again, _) = read_robot(&path, &RobotOptions::default()).unwrap();
             assert_eq!(again.name(), chain.name());
             assert_eq!(again.targets(), chain.targets());
+            assert_eq!(again.is_serial(), chain.is_serial());
             assert_eq!(again.gravity(), chain.gravity());
             assert_eq!(again.couplings(), chain.couplings());
             for (a, b) in again.joints().iter().zip(chain.joints()) {
                 assert_eq!((&a.name, a.kind, a.limits, a.link), (&b.name, b.kind, b.limits, b.link));
             }
             let q: Vec<f64> = (0..chain.movable().len()).map(|k| 0.1 + 0.2 * k as f64).collect();
-            let (here, there) = (again.forward(&q), chain.forward(&q));
+            let last = ToolId(chain.tools().len() - 1);
+            let (here, there) = (again.forward_to(last, &q), chain.forward_to(last, &q));
             // A rotation passes through its angles, which costs a few units in the last place.
             assert!((here.translation - there.translation).norm() < 1e-14);
             assert!((here.rotation - there.rotation).amax() < 1e-14);

@@ -25,8 +25,12 @@ pub fn gantry() -> Result<Chain, SimulateError> {
         joint("gz", slide, [0.1, 0.0, -0.2], down, (0.0, 1.0), 90.0, [0.0, 0.02, 0.3]),
         joint("gw", turn, [0.0, 0.0, -0.35], up, (-PI, PI), 25.0, [0.05, 0.0, -0.08]),
     ];
-    let target =
-        |name: &str, xyz: [f64; 3]| Target { name: name.into(), position: Vector3::from(xyz), known: true };
+    let target = |name: &str, xyz: [f64; 3]| Target {
+        name: name.into(),
+        position: Vector3::from(xyz),
+        known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
+    };
     let targets = vec![
         target("G1", [0.25, 0.0, 0.0]),
         target("G2", [-0.05, 0.2, -0.03]),

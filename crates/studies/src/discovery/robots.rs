@@ -129,6 +129,7 @@ fn weighed(chain: &Chain, weights: &[(f64, [f64; 3])], reach: f64) -> Result<Cha
         name: name.into(),
         position: Vector3::from(at) * reach,
         known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
     };
     Ok(Chain::new(chain.name(), joints.collect())?
         .with_base(*chain.base())?

@@ -171,6 +171,7 @@ fn placed(make: Make, spoil: Spoil, shape: &mut Draw, place: &mut Draw) -> Resul
         name: format!("T{}", k + 1),
         position: place.direction() * reach * place.between(0.04, 0.15),
         known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
     };
     let targets = (0..count).map(|k| target(k, place)).collect();
     Ok(chain.with_base(base)?.with_tool(tool)?.with_targets(targets)?)

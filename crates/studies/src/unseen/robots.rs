@@ -64,6 +64,7 @@ pub fn robot(make: Make, targets: usize, draw: &mut Draw) -> Result<Robot, Box<d
         name: format!("T{}", k + 1),
         position: Vector3::from_fn(|_, _| draw.normal()).normalize() * scale * draw.between(0.05, 0.14),
         known: true,
+        tool: truepose_kinematics::ToolId::FIRST,
     });
     let list = list.collect();
     let known = |pose| Placed { pose, known: true };

@@ -18,9 +18,9 @@ use truepose_kinematics::{FrameId, Site};
 impl State<'_> {
     /// Places of the kept columns that say where base, tool and targets are.
     pub(super) fn placement(&self, reduction: &Reduction) -> Vec<usize> {
-        let tool = self.model.chain().tool_frame();
+        let chain = self.model.chain();
         let places = |column: usize| match self.model.columns()[column].site {
-            Some(Site::Frame(frame, _)) => frame == FrameId::BASE || frame == tool,
+            Some(Site::Frame(frame, _)) => frame == FrameId::BASE || chain.tool_of(frame).is_some(),
             Some(Site::Target(..)) => true,
             None => false,
         };
