@@ -7,6 +7,7 @@
 )]
 
 mod beams;
+mod branches;
 mod cancelled;
 mod census;
 mod compensation;

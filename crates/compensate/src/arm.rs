@@ -84,12 +84,8 @@ impl Reached {
 }
 
 impl Arm {
-    /// Of a robot with these generalized errors, six a frame, constant except at those that `moves` marks.
-    pub fn new(chain: &Chain, errors: &[f64], moves: &[bool]) -> Self {
-        Arm::to_tool(chain, ToolId::FIRST, errors, moves)
-    }
-
-    /// The same to another tool: joints that do not carry it have an axis of zero.
+    /// From the base to a tool of a robot with these generalized errors, six a frame, constant except at those that `moves` marks. Joints that
+    /// do not carry the tool have an axis of zero.
     pub fn to_tool(chain: &Chain, tool: ToolId, errors: &[f64], moves: &[bool]) -> Self {
         Arm::between(chain, tool, errors, moves, &[])
     }
@@ -358,7 +354,12 @@ mod tests {
                 real.update(&nominal, &generalized);
 
                 let mut at = Reached::nowhere();
-                Arm::new(&chain, &errors, &moves).reach(&q, nominal.turns(), &errors, &mut at);
+                Arm::to_tool(&chain, ToolId::FIRST, &errors, &moves).reach(
+                    &q,
+                    nominal.turns(),
+                    &errors,
+                    &mut at,
+                );
                 assert!((at.tool.rotation - real.tool().rotation).amax() < 1e-14, "{}", chain.name());
                 assert!((at.tool.translation - real.tool().translation).amax() < 1e-14, "{}", chain.name());
                 if round == 0 {
@@ -382,11 +383,11 @@ mod tests {
     fn constants_are_multiplied_out() {
         let chain = samples::ur10();
         let frames = chain.frames().len();
-        let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &vec![false; 6 * frames]);
+        let arm = Arm::to_tool(&chain, ToolId::FIRST, &vec![1e-3; 6 * frames], &vec![false; 6 * frames]);
         assert_eq!(arm.factors.len(), 6 + 7);
         // A frame that yields about z costs a turn of two columns on either side of one more turn.
         let moves: Vec<bool> = (0..6 * frames).map(|k| k == 6 + 5).collect();
-        let arm = Arm::new(&chain, &vec![1e-3; 6 * frames], &moves);
+        let arm = Arm::to_tool(&chain, ToolId::FIRST, &vec![1e-3; 6 * frames], &moves);
         assert_eq!(arm.factors.len(), 6 + 7 + 2);
     }
 

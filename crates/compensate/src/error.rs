@@ -18,6 +18,12 @@ pub enum CompensateError {
         /// Why.
         reason: String,
     },
+    /// A robot that branches, in a form that holds one chain of joints.
+    #[error("the robot branches: {what} are those of one chain of joints")]
+    Branches {
+        /// What is asked for.
+        what: &'static str,
+    },
     /// A robot with more joints than a command has room for.
     #[error("the robot has {have} movable joints; commands have room for {most}")]
     TooManyJoints {

@@ -103,6 +103,7 @@ pub unsafe extern "C" fn truepose_arm_new(
             rounds: given.iterations as usize,
             starts: given.starts as usize,
             approach: if given.approach_from_seed == 0 { Approach::Stated } else { Approach::FromSeed },
+            ..CompensatorOptions::default()
         });
         match truepose_arm::new(&fit.shared, options) {
             Ok(made) => {

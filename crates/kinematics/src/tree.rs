@@ -82,6 +82,18 @@ impl Chain {
         self.with_targets(targets)
     }
 
+    /// With the branches and the tools of another description of the same joints.
+    ///
+    /// # Errors
+    /// When the joints are others.
+    pub fn branched_as(mut self, other: &Chain) -> Result<Self, ChainError> {
+        if self.joints().len() != other.joints().len() {
+            return Err(ChainError::ParentBehind { name: self.name().into() });
+        }
+        self.parents.clone_from(&other.parents);
+        self.with_tools(other.tools.clone())
+    }
+
     /// With these poses of the tools, in the order of [`Chain::tools`].
     ///
     /// # Errors

@@ -54,6 +54,12 @@ pub enum SimulateError {
         /// The length it should have.
         need: usize,
     },
+    /// A robot that is a tree.
+    #[error("the robot `{robot}` branches, and only robots whose joints follow one another are simulated")]
+    Branches {
+        /// The robot.
+        robot: String,
+    },
     /// A robot that is too soft to stand.
     #[error(
         "the robot `{robot}` finds no equilibrium under its load: after {iterations} steps it still moves by \

@@ -37,8 +37,11 @@ impl Plant {
     /// A robot with these errors, measured without noise at 20 °C.
     ///
     /// # Errors
-    /// [`SimulateError::Shape`] when the truth has not the size of the robot.
+    /// [`SimulateError::Branches`] of a robot that is a tree, [`SimulateError::Shape`] when the truth has not the size of the robot.
     pub fn new(chain: &Chain, truth: Truth) -> Result<Self, SimulateError> {
+        if !chain.is_serial() {
+            return Err(SimulateError::Branches { robot: chain.name().into() });
+        }
         truth.fits(chain)?;
         Ok(Plant {
             chain: chain.clone(),

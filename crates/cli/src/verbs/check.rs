@@ -10,7 +10,7 @@ use truepose_errormodel::effects::{AllTargets, Geometric, Where};
 use truepose_errormodel::{AnyEffect, ErrorModel};
 use truepose_identify::{FitOptions, suspicions};
 use truepose_io::{CsvInfo, Grouping, MeasurementsOptions, read_measurements, read_model};
-use truepose_kinematics::{Chain, GravityFrame, JointKind};
+use truepose_kinematics::{Chain, GravityFrame, JointId, JointKind, ToolId};
 use truepose_report::Alignment::{Left, Right};
 use truepose_report::{count, significant, suspicion_text, table};
 use truepose_solvers::{PivotedQr, Solver};
@@ -102,7 +102,13 @@ pub(super) fn robot_text(chain: &Chain) -> String {
             });
             let mass =
                 joint.link.map_or_else(String::new, |link| format!("{} kg", significant(link.mass, 4)));
-            vec![joint.name.clone(), format!("{:?}", joint.kind).to_lowercase(), limits, mass]
+            let mut cells =
+                vec![joint.name.clone(), format!("{:?}", joint.kind).to_lowercase(), limits, mass];
+            if !chain.is_serial() {
+                let before = chain.joint_named(&joint.name).map(|id: JointId| chain.before(id));
+                cells.push(before.map_or_else(String::new, |frame| chain.frame_word(frame).to_owned()));
+            }
+            cells
         })
         .collect();
     let gravity = chain.gravity();
@@ -121,9 +127,16 @@ pub(super) fn robot_text(chain: &Chain) -> String {
         )
     };
     let mut text = format!("robot {}: {}\n", chain.name(), count(chain.movable().len(), "moving joint"));
-    text += &table(&["joint", "type", "limits", "link"], &[Left, Left, Left, Right], &rows);
+    let (heads, sides) = (["joint", "type", "limits", "link", "hangs on"], [Left, Left, Left, Right, Left]);
+    let columns = if chain.is_serial() { 4 } else { 5 };
+    text += &table(&heads[..columns], &sides[..columns], &rows);
     text += &format!(" base {}{}\n", place(&chain.base().pose), known(chain.base().known));
-    text += &format!(" tool {}{}\n", place(&chain.tool().pose), known(chain.tool().known));
+    for (k, tool) in chain.tools().iter().enumerate() {
+        let on =
+            if chain.is_serial() { String::new() } else { format!(" on {},", chain.frame_word(tool.frame)) };
+        let word = chain.frame_word(chain.frame_of_tool(ToolId(k)));
+        text += &format!(" {word}{on} {}{}\n", place(&tool.placed.pose), known(tool.placed.known));
+    }
     for coupling in chain.couplings() {
         let (joint, driver) = (name(coupling.joint), name(coupling.driver));
         let factor = coupling.factor;

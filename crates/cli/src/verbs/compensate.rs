@@ -19,14 +19,14 @@ use truepose_compensate::{
     correction_helps, radius_95,
 };
 use truepose_errormodel::{
-    Beyond, Coverage, ErrorModel, FittedModel, History, Signal, history_of, presliding_of,
+    Beyond, Coverage, ErrorModel, FittedModel, History, Schema, Signal, history_of, presliding_of,
 };
 use truepose_io::{
     CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
     read_measurements, read_poses,
 };
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
-use truepose_kinematics::{Chain, Conditions, Pose};
+use truepose_kinematics::{Chain, Conditions, Pose, ToolId};
 use truepose_report::{CommandView, CommandsView, commands_report, count, millimetres};
 
 /// Poses that one thread takes at a time.
@@ -258,13 +258,13 @@ fn expected(
     let coverage = Coverage::new(fitted, &inputs.schema)?;
     let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
     let ideal = FittedModel::new(nothing, Vec::new(), DMatrix::zeros(0, 0))?;
-    let nominal = Compensator::bind(&ideal, &inputs.schema, CompensatorOptions::default())?;
+    let nominals = for_tools(&ideal, &inputs.schema)?;
     let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
     let parts: Vec<Vec<Expected>> = commands
         .par_chunks_mut(CHUNK)
         .enumerate()
         .map(|(part, commands)| {
-            let (mut coverage, mut nominal) = (coverage.clone(), nominal.clone());
+            let (mut coverage, mut nominals) = (coverage.clone(), nominals.clone());
             let mut conditions = Conditions::default();
             let one = |(k, command): (usize, &mut Command)| {
                 let row = part * CHUNK + k;
@@ -283,6 +283,7 @@ fn expected(
                 };
                 if command.status == Status::Ok && !correction_helps(&displacement, &at.covariance) {
                     let asked = wanted(poses, &conditions, row).target;
+                    let nominal = &mut nominals[inputs.tool(row).0];
                     let other = nominal.command(&asked, &conditions, Some(&command.joints));
                     if other.status == Status::Ok {
                         command.joints = other.joints;
@@ -331,6 +332,12 @@ fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandR
     CommandRequest { target, conditions, seed: poses.seeded.then_some(conditions.joints.as_slice()) }
 }
 
+/// A compensator for each tool of the robot.
+fn for_tools<'m>(fitted: &'m FittedModel, schema: &Schema) -> Result<Vec<Compensator<'m>>, CompensateError> {
+    let tool = |k| CompensatorOptions { tool: ToolId(k), ..CompensatorOptions::default() };
+    (0..fitted.chain().tools().len()).map(|k| Compensator::bind(fitted, schema, tool(k))).collect()
+}
+
 /// Commands for all poses, in their order; chunks are of fixed size, and no command depends on another.
 fn commands(
     fitted: &FittedModel,
@@ -339,12 +346,16 @@ fn commands(
 ) -> Result<Vec<Command>, CompensateError> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
     let inputs = poses.rows.derived_for(fitted.model())?;
-    let compensator = Compensator::bind(fitted, &inputs.schema, CompensatorOptions::default())?;
+    let compensators = for_tools(fitted, &inputs.schema)?;
+    // Rows of one tool follow one another.
     let parts: Vec<Vec<Command>> = rows
-        .par_chunks(CHUNK)
+        .chunk_by(|a, b| inputs.tool(*a) == inputs.tool(*b))
+        .flat_map(|rows| rows.chunks(CHUNK))
+        .collect::<Vec<_>>()
+        .into_par_iter()
         .map(|chunk| {
             begin();
-            let mut compensator = compensator.clone();
+            let mut compensator = compensators[inputs.tool(chunk[0]).0].clone();
             let mut conditions = vec![Conditions::default(); TOGETHER];
             let mut commands = Vec::with_capacity(chunk.len());
             for rows in chunk.chunks(TOGETHER) {

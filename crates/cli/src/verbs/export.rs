@@ -98,6 +98,10 @@ pub(crate) fn text(
     fitted: &FittedModel,
     options: &ExportOptions,
 ) -> Result<Option<Written>, Failure> {
+    if !fitted.chain().is_serial() && wanted.format != ExportFormat::Urdf {
+        let why = "the robot branches, and this format holds a chain of joints: use --format urdf";
+        return Err(Failure::Input(why.into()));
+    }
     Ok(Some(match wanted.format {
         ExportFormat::Urdf => urdf(wanted, fitted, options)?,
         ExportFormat::Dh => axes(wanted, fitted, options, AxisConvention::Dh)?,
@@ -244,7 +248,7 @@ fn urdf(wanted: &Wanted<'_>, fitted: &FittedModel, options: &ExportOptions) -> R
     let origins = joint_origins(fitted, options)?;
     let mut notes = notes(fitted, &origins);
     notes.extend(targets(fitted, &origins.value.targets));
-    let JointOrigins { base, joints, tool, .. } = &origins.value;
+    let JointOrigins { base, joints, tools, .. } = &origins.value;
     if *base != Pose::IDENTITY {
         notes.push(format!("the base link is in the measurement frame at {}", place(base)));
     }
@@ -252,7 +256,18 @@ fn urdf(wanted: &Wanted<'_>, fitted: &FittedModel, options: &ExportOptions) -> R
     let text = match wanted.urdf {
         None => robot_urdf(&origins.value.to_chain(nominal)?, &notes),
         Some(path) => {
-            let declared = nominal.tool();
+            if tools.len() > 1 {
+                for (tool, pose) in nominal.tools().iter().zip(tools) {
+                    let (name, frame) = (&tool.name, nominal.frame_word(tool.frame));
+                    notes.push(format!("tool `{name}` is behind joint {frame} at {}", place(pose)));
+                }
+                let origins = joints.iter().map(|joint| joint.pose).collect();
+                let behind = Pose::IDENTITY;
+                let correction = UrdfCorrection { origins, behind, comment: notes.clone() };
+                let text = corrected_urdf(path, nominal, &correction)?;
+                return Ok(written(text, self::joint_origins(fitted, options)?, notes));
+            }
+            let (declared, tool) = (nominal.tool(), &tools[0]);
             let known = declared.known;
             if !known || declared.pose != Pose::IDENTITY {
                 let whole = if known { &declared.pose } else { tool };

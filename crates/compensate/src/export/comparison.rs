@@ -106,7 +106,10 @@ pub(super) fn compared(
 /// The tool of a robot at a row, and the row's target on it.
 pub(super) fn of_chain(chain: &Chain, row: &Row) -> (Pose, Vector3<f64>) {
     let target = row.target.and_then(|t| chain.targets().get(t.0));
-    (chain.forward(&row.conditions.joints), target.map_or(Vector3::zeros(), |target| target.position))
+    (
+        chain.forward_to(row.conditions.tool, &row.conditions.joints),
+        target.map_or(Vector3::zeros(), |target| target.position),
+    )
 }
 
 /// A row as one robot has it.

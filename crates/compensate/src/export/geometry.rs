@@ -23,7 +23,7 @@ use nalgebra::{Unit, Vector3};
 use truepose_errormodel::{Emission, FittedModel, GeneralizedErrors, error_matrix};
 use truepose_kinematics::{
     Chain, Conditions, FrameId, Joint, JointId, JointKind, Placed, Placement, Pose, PostureBuffer, Target,
-    TargetId,
+    TargetId, ToolId,
 };
 
 /// The nominal robot with corrected joint origins, base, tool and targets: the constant errors that come nearest to the whole model at
@@ -79,10 +79,11 @@ pub(super) fn constant_errors(fitted: &FittedModel) -> Result<GeneralizedErrors,
 pub(super) fn with_errors(chain: &Chain, errors: &GeneralizedErrors) -> Result<Chain, CompensateError> {
     let e = |frame: usize| error_matrix(&errors.frame(FrameId(frame)));
     let mut joints: Vec<Joint> = Vec::new();
-    let mut before = Pose::IDENTITY;
+    // Behind the motion of each frame: what the joints and tools on it begin with.
+    let mut behind = vec![Pose::IDENTITY];
     for (index, joint) in chain.joints().iter().enumerate() {
         let (pre, post, axis) = split(chain, JointId(index + 1));
-        let pose = before * pre;
+        let pose = behind[chain.before(JointId(index + 1)).0] * pre;
         let mut corrected = joint.clone();
         corrected.placement = Placement::Origin { pose, axis };
         if let Some(link) = &mut corrected.link {
@@ -90,19 +91,27 @@ pub(super) fn with_errors(chain: &Chain, errors: &GeneralizedErrors) -> Result<C
             link.com = post.apply(&link.com);
         }
         joints.push(corrected);
-        before = post * e(index + 1);
+        behind.push(post * e(index + 1));
     }
-    let n = chain.joints().len();
     let base = Placed { pose: chain.base().pose * e(0), known: chain.base().known };
-    let tool = Placed { pose: before * chain.tool().pose * e(n + 1), known: chain.tool().known };
+    let tools: Vec<Placed> = chain
+        .tools()
+        .iter()
+        .enumerate()
+        .map(|(k, tool)| {
+            let error = e(chain.frame_of_tool(ToolId(k)).0);
+            Placed { pose: behind[tool.frame.0] * tool.placed.pose * error, ..tool.placed }
+        })
+        .collect();
     let targets = chain.targets().iter().enumerate().map(|(k, target)| Target {
         position: target.position + errors.target(TargetId(k)),
         ..target.clone()
     });
     Ok(Chain::new(chain.name(), joints)?
         .coupled_as(chain)?
+        .branched_as(chain)?
         .with_base(base)?
-        .with_tool(tool)?
+        .with_placed_tools(&tools)?
         .with_gravity(*chain.gravity())?
         .with_targets(targets.collect())?)
 }

@@ -19,7 +19,7 @@ use super::remaining::Exported;
 use crate::CompensateError;
 use nalgebra::{Unit, Vector3};
 use truepose_errormodel::FittedModel;
-use truepose_kinematics::{Chain, Joint, Link, Placed, Placement, Pose, Target};
+use truepose_kinematics::{Chain, FrameId, Joint, JointId, Link, Placed, Placement, Pose, Target};
 
 /// A joint's origin, and its axis there.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +41,8 @@ pub struct JointOrigins {
     pub base: Pose,
     /// One a joint, fixed ones included.
     pub joints: Vec<JointOrigin>,
-    /// Last joint's frame to the tool.
-    pub tool: Pose,
+    /// The frame in front of each tool, the last joint's of most robots, to the tool.
+    pub tools: Vec<Pose>,
     /// The targets, m, in the tool's axes.
     pub targets: Vec<Vector3<f64>>,
 }
@@ -58,10 +58,12 @@ impl JointOrigins {
             link: origin.link,
             ..described.clone()
         });
+        let tools: Vec<Placed> = self.tools.iter().map(|&pose| Placed { pose, known: true }).collect();
         Ok(Chain::new(like.name(), joints.collect())?
             .coupled_as(like)?
+            .branched_as(like)?
             .with_base(Placed { pose: self.base, known: true })?
-            .with_tool(Placed { pose: self.tool, known: true })?
+            .with_placed_tools(&tools)?
             .with_gravity(*like.gravity())?
             .with_targets(placed(like, &self.targets))?)
     }
@@ -83,26 +85,28 @@ pub fn joint_origins(
 ) -> Result<Exported<JointOrigins>, CompensateError> {
     let Exported { value: chain, left_out, remaining_error, comparison } = corrected_chain(fitted, options)?;
     let declared = fitted.chain().base();
-    let (base, mut before) = if declared.known {
+    let (base, mut error) = if declared.known {
         (declared.pose, declared.pose.inverse() * chain.base().pose)
     } else {
         (chain.base().pose, Pose::IDENTITY)
     };
     if fitted.chain().base().pose == chain.base().pose {
         // No error of the base: the first origin stays what it is, to the last digit.
-        before = Pose::IDENTITY;
+        error = Pose::IDENTITY;
     }
     let mut joints = Vec::with_capacity(chain.joints().len());
-    for joint in chain.joints() {
+    for (index, joint) in chain.joints().iter().enumerate() {
         let (pose, axis) = match joint.placement {
             Placement::Origin { pose, axis } => (pose, axis),
             // A corrected chain has origins alone.
             _ => (joint.transform(0.0), Vector3::z_axis()),
         };
-        joints.push(JointOrigin { name: joint.name.clone(), pose: before * pose, axis, link: joint.link });
-        before = Pose::IDENTITY;
+        let on_base = chain.before(JointId(index + 1)) == FrameId::BASE;
+        let pose = if on_base { error * pose } else { pose };
+        joints.push(JointOrigin { name: joint.name.clone(), pose, axis, link: joint.link });
     }
     let targets = chain.targets().iter().map(|target| target.position).collect();
-    let value = JointOrigins { base, joints, tool: chain.tool().pose, targets };
+    let tools = chain.tools().iter().map(|tool| tool.placed.pose).collect();
+    let value = JointOrigins { base, joints, tools, targets };
     Ok(Exported { value, left_out, remaining_error, comparison })
 }

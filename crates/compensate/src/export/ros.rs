@@ -44,7 +44,7 @@ impl JointOrigins {
             entry("    ", &joint.pose, out)?;
         }
         writeln!(out, "truepose:")?;
-        for (key, pose) in [("base", &self.base), ("tool", &self.tool)] {
+        for (key, pose) in [("base", &self.base), ("tool", &self.tools[0])] {
             writeln!(out, "  {key}:")?;
             entry("    ", pose, out)?;
         }

@@ -151,7 +151,7 @@ impl JointOrigins {
         });
         let own = has_fixed.then(|| last.inverse() * fixed);
         let flange = style.flange().and(own.or(of_file));
-        let tool = last.inverse() * fixed * self.tool;
+        let tool = last.inverse() * fixed * self.tools[0];
         Ok(StyledOrigins { style, base: self.base, joints, flange, tool, as_maker: theirs.is_some() })
     }
 }

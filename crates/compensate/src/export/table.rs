@@ -140,6 +140,9 @@ pub fn axis_table(
     options: &ExportOptions,
     allow: &AxisTableOptions,
 ) -> Result<Exported<AxisTable>, CompensateError> {
+    if !fitted.chain().is_serial() {
+        return Err(CompensateError::Branches { what: "tables of axes" });
+    }
     let exported = corrected_chain(fitted, options)?;
     let chain = &exported.value;
     let table = table_of(chain, allow)?;

@@ -41,6 +41,9 @@ pub fn error_tables(
     options: &ExportOptions,
     entries: usize,
 ) -> Result<Exported<ErrorTables>, CompensateError> {
+    if !fitted.chain().is_serial() {
+        return Err(CompensateError::Branches { what: "component errors of ISO 230-1" });
+    }
     if !(2..=100_000).contains(&entries) {
         let value = entries as f64;
         return Err(CompensateError::Option { option: "entries", value, need: "2 to 100 000" });

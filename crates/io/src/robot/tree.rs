@@ -123,3 +123,40 @@ pub(super) fn tool_of(target: &Table<'_>, tools: &[String]) -> Result<ToolId, Io
         tool.error(format!("there is no tool `{word}`{hint} (tools: {})", known()))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{RobotOptions, robot_from_text};
+
+    const JOINTS: &str = "[[joints]]\nname = \"t\"\norigin = { axis = [0, 0, 1] }\n\
+        [[joints]]\nname = \"l\"\norigin = { xyz = [1, 0, 0], axis = [0, 1, 0] }\n\
+        [[joints]]\nname = \"r\"\nparent = \"t\"\norigin = { xyz = [0, 1, 0], axis = [0, 1, 0] }\n";
+    const TOOLS: &str = "[[tools]]\nname = \"L\"\njoint = \"l\"\n[[tools]]\nname = \"R\"\njoint = \"r\"\n";
+
+    #[test]
+    fn what_is_wrong_with_a_tree_is_said_with_its_place() {
+        let read = |text: &str| robot_from_text("r.toml", text, &RobotOptions::default());
+        let whole = [JOINTS, TOOLS].concat();
+        assert_eq!(read(&whole).unwrap().0.tools().len(), 2);
+        let target = |tool: &str| format!("{whole}[[targets]]\nname = \"P\"\n{tool}xyz = [0, 0, 0]\n");
+        for (text, words) in [
+            (
+                whole.replace("parent = \"t\"", "parent = \"tt\""),
+                "r.toml:9:10: no joint `tt` is declared before this one",
+            ),
+            (
+                whole.replace("name = \"l\"\no", "name = \"l\"\nparent = \"r\"\no"),
+                "r.toml:6:10: no joint `r` is declared before this one",
+            ),
+            (format!("{whole}size = 1\n"), "unknown key `size`"),
+            (whole.replace("joint = \"r\"", "joint = \"q\""), "the robot has no joint `q`"),
+            (whole.replace("name = \"R\"", "name = \"L\""), "two tools have the name `L`"),
+            (format!("{whole}[tool]\nxyz = [0, 0, 1]\n"), "[tool] and [[tools]] exclude each other"),
+            (target(""), "lacks `tool`, the tool that carries it (tools: L, R)"),
+            (target("tool = \"l\"\n"), "there is no tool `l`"),
+        ] {
+            let found = read(&text).unwrap_err().to_string();
+            assert!(found.contains(words), "{found}");
+        }
+    }
+}

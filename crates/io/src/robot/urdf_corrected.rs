@@ -10,7 +10,7 @@ use crate::text::Text;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
-use truepose_kinematics::{Chain, Placement, Pose};
+use truepose_kinematics::{Chain, JointId, Placement, Pose};
 
 /// What is put into a URDF.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +55,8 @@ pub fn corrected_urdf(
     }
     let mut edits = vec![Edit { at: robot.end..robot.end, with: comment(&correction.comment) }];
     let last = nominal.joints().len().saturating_sub(1);
-    let mut parent: Option<&str> = None;
+    // Link behind each joint.
+    let mut links: Vec<&str> = Vec::with_capacity(nominal.joints().len());
     for (index, (joint, corrected)) in nominal.joints().iter().zip(&correction.origins).enumerate() {
         let Some(element) = joint_element(&tags, &joint.name) else {
             return Err(
@@ -67,10 +68,11 @@ pub fn corrected_urdf(
         let Some(found) = described.joints.iter().find(|described| described.name == joint.name) else {
             return Err(refused("cannot be read".into()));
         };
-        if parent.is_some_and(|link| link != found.parent.link) {
+        let before = nominal.before(JointId(index + 1)).0.checked_sub(1);
+        if before.is_some_and(|k| links.get(k).is_none_or(|link| *link != found.parent.link)) {
             return Err(refused("does not follow the joint in front of it in the fit's robot".into()));
         }
-        parent = Some(&found.child.link);
+        links.push(&found.child.link);
         let Placement::Origin { pose, .. } = joint.placement else {
             return Err(refused(
                 "is described in the fit's robot by a row of Denavit and Hartenberg, not by this URDF".into(),
@@ -100,7 +102,10 @@ pub fn corrected_urdf(
             }
         }
         let end = text.text.rfind("</robot").unwrap_or(text.text.len());
-        edits.push(Edit { at: end..end, with: added(parent.unwrap_or_default(), &correction.behind) });
+        edits.push(Edit {
+            at: end..end,
+            with: added(links.last().copied().unwrap_or_default(), &correction.behind),
+        });
     }
     Ok(edited(&text.text, edits))
 }

@@ -5,7 +5,7 @@
 
 use super::urdf_corrected::{comment, xml};
 use std::fmt::Write;
-use truepose_kinematics::{Chain, Joint, JointKind, Placement, Pose};
+use truepose_kinematics::{Chain, Joint, JointId, JointKind, Placement, Pose};
 
 /// The robot as a URDF, from its base to its tool, with digits that read back to the same numbers. Its base pose is left
 /// away: a URDF begins at the base link.
@@ -20,9 +20,10 @@ fn write(chain: &Chain, comments: &[String], out: &mut String) -> std::fmt::Resu
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     writeln!(out, "<robot name=\"{}\">{}", escaped(chain.name()), comment(comments))?;
     writeln!(out, "  <link name=\"base_link\"/>")?;
-    let mut parent = String::from("base_link");
-    let mut before = Pose::IDENTITY;
-    for joint in chain.joints() {
+    // Link of each frame, and where the joints on it begin.
+    let mut frames = vec![(String::from("base_link"), Pose::IDENTITY)];
+    for (index, joint) in chain.joints().iter().enumerate() {
+        let (parent, before) = frames[chain.before(JointId(index + 1)).0].clone();
         let (pose, axis, behind) = match joint.placement {
             Placement::Origin { pose, axis } => (pose, axis.into_inner().into(), Pose::IDENTITY),
             Placement::Dh { .. } if joint.moves() => (Pose::IDENTITY, [0.0, 0.0, 1.0], joint.transform(0.0)),
@@ -38,12 +39,18 @@ fn write(chain: &Chain, comments: &[String], out: &mut String) -> std::fmt::Resu
         };
         let limits = joint.limits.filter(|_| joint.moves());
         connection(&joint.name, kind, &(before * pose), (&parent, &child), Some(axis), limits, out)?;
-        (parent, before) = (child, behind);
+        frames.push((child, behind));
     }
-    let tool = before * chain.tool().pose;
-    if tool != Pose::IDENTITY {
-        writeln!(out, "  <link name=\"tool_link\"/>")?;
-        connection("tool_joint", "fixed", &tool, (&parent, "tool_link"), None, None, out)?;
+    for tool in chain.tools() {
+        let (parent, before) = &frames[tool.frame.0];
+        let pose = *before * tool.placed.pose;
+        // Of several tools each has a link, as a robot has leaves.
+        let name = if chain.tools().len() == 1 { "tool" } else { &tool.name };
+        if pose != Pose::IDENTITY || chain.tools().len() > 1 {
+            let (link, joint) = (format!("{name}_link"), format!("{name}_joint"));
+            writeln!(out, "  <link name=\"{}\"/>", escaped(&link))?;
+            connection(&joint, "fixed", &pose, (parent, &link), None, None, out)?;
+        }
     }
     writeln!(out, "</robot>")
 }

@@ -5,7 +5,7 @@ use super::rows::{Rows, length};
 use crate::figure::{escape, sticks, thin};
 use crate::{count, significant};
 use truepose_errormodel::Dataset;
-use truepose_kinematics::{Chain, PostureBuffer};
+use truepose_kinematics::{Chain, FrameId, PostureBuffer};
 
 /// Rows that are drawn.
 const DRAWN: usize = 48;
@@ -31,8 +31,10 @@ pub(crate) fn corners(
 ) -> Vec<[f64; 3]> {
     let conditions = data.conditions(row);
     let posture = buffer.update(chain, &conditions);
+    // Where the robot branches, the branch that was measured.
+    let carries = |frame: &FrameId| chain.carries(*frame, conditions.tool);
     let mut corners: Vec<[f64; 3]> =
-        chain.frames().map(|frame| posture.frame(frame).translation.into()).collect();
+        chain.frames().filter(carries).map(|frame| posture.frame(frame).translation.into()).collect();
     let tool = posture.tool();
     corners.push(tool.translation.into());
     if let Some(target) = data.target[row] {

@@ -98,6 +98,9 @@ pub fn parameter_table(
     fitted: &FittedModel,
     options: &ExportOptions,
 ) -> Result<Exported<ParameterTable>, CompensateError> {
+    if !fitted.chain().is_serial() {
+        return Err(CompensateError::Branches { what: "rows of a table" });
+    }
     let reference = Reference::of(fitted, options)?;
     let (exported, constants) = corrected(fitted, &reference)?;
     let described = Described::new(fitted.model());
