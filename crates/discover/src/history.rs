@@ -21,6 +21,8 @@ pub(crate) struct History {
     circling: bool,
     /// Whether the noise of the screens has a wander.
     wanders: bool,
+    /// Whether a scatter of the joints was looked for.
+    scatters: bool,
 }
 
 impl History {
@@ -48,6 +50,13 @@ impl History {
     pub fn may_wander(&mut self, stop: Option<Termination>) -> bool {
         let may = !self.wanders && matches!(stop, None | Some(Termination::NothingLeft));
         self.wanders |= may;
+        may
+    }
+
+    /// Whether a scatter of the joints may be looked for now: once, when no effect is left to be found without it.
+    pub fn may_scatter(&mut self, stop: Option<Termination>) -> bool {
+        let may = !self.scatters && matches!(stop, None | Some(Termination::NothingLeft));
+        self.scatters |= may;
         may
     }
 

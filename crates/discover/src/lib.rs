@@ -57,6 +57,8 @@ pub use nested::{Nested, nested};
 pub use options::DiscoverOptions;
 pub use policy::Policy;
 pub use problem::dependence::Dependence;
+pub use problem::joint_noise::JointRepeatability;
+pub use problem::noise::JointNoise;
 pub use progress::Progress;
 pub use screen::untestable::Untestable;
 pub use termination::Termination;

@@ -121,6 +121,9 @@ constants! {
         /// Independent tests that a screen is worth where a candidate is compared with a wander: between the 400 that the level of the
         /// resampling test is worth for one unknown (a statistic of 21) and the 10⁴ that are made. Convention.
         dependence_tests: f64 = 1000.0;
+        /// p of joints that do not scatter below which their scatter joins the noise of a search that found no further effect: one campaign in a
+        /// thousand has it for nothing. Convention.
+        joint_noise_level: f64 = 0.001;
 
         /// Information of a direction times the square of its prior standard deviation below which the data cannot test it: there the data
         /// narrows the prior by less than a factor √2.

@@ -9,6 +9,7 @@ use crate::error::DiscoverError;
 use crate::history::History;
 use crate::model::current::Context;
 use crate::observer::Begin;
+use crate::problem::joint_noise::joint_repeatability;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::revise::revision::{after_finding, descended, reconsidered_once};
@@ -35,6 +36,10 @@ pub(crate) fn search(
         let mut linearisation = Linearisation::new(&current.fit, &current.data, options)?;
         if history.wanders() {
             linearisation = linearisation.beside_wander(options.seed);
+        }
+        if let Some(found) = &mut outcome.joints {
+            linearisation = linearisation.beside_joints(found.joints);
+            *found = found.under(&linearisation);
         }
         let screen = Screen::new(&linearisation, &options.library, &current.found);
         let (multiplicity, p_value) = Multiplicity::of(&linearisation, &screen, known.take(), options)?;
@@ -80,6 +85,13 @@ pub(crate) fn search(
         }
         // No effect explains why poses depend on those before: it is noise, beside which the search goes on.
         if history.may_wander(stop) && linearisation.is_dependent(options.seed) {
+            continue;
+        }
+        // Nor why poses scatter as they do: neither alike everywhere nor along all axes.
+        if history.may_scatter(stop)
+            && let Some(found) = joint_repeatability(&linearisation)
+        {
+            outcome.joints = Some(found);
             continue;
         }
         outcome.untestable = untestable(&linearisation, &screen, outcome.last.detectable_gain);

@@ -18,7 +18,6 @@ use crate::policy::Policy;
 use crate::problem::dependence::BesideWander;
 use crate::problem::likelihood::{Likelihood, distances};
 use crate::problem::linearisation::Linearisation;
-use crate::problem::observation::Observation;
 use crate::screen::candidates::Screen;
 use crate::significance::sign_flips::sign_flips;
 use nalgebra::DMatrix;
@@ -156,6 +155,10 @@ pub(crate) fn collect(
     if evidence.doubt_beyond_size(policy, competitor.candidate.follows_time()).is_none() {
         let beside = wander.p_value(&competitor.columns, competitor.freedom);
         evidence.p_value = beside.map_or(p_value, |beside| beside.max(p_value));
+        if evidence.p_value <= options.alpha {
+            let beside = wander.joints.p_value(&competitor.columns, competitor.freedom);
+            evidence.p_value = beside.filter(|beside| *beside > options.alpha).unwrap_or(evidence.p_value);
+        }
     }
     Ok(evidence)
 }
@@ -221,16 +224,9 @@ fn paired(
     after: &[f64],
 ) -> Gain {
     let noise = competitor.likelihood.noise;
-    let deviation = |o: &Observation| {
-        if o.component < 3 {
-            noise.position(linearisation.data.position_sd[o.row][o.component]).hypot(noise.visit_sd)
-        } else {
-            noise.orientation(linearisation.data.orientation_sd[o.row][o.component - 3])
-        }
-    };
-    let by_itself = |residual: &[f64]| -> Vec<f64> {
-        linearisation.observations.iter().zip(residual).map(|(o, r)| r / deviation(o)).collect()
-    };
+    let deviations = linearisation.deviations(noise);
+    let by_itself =
+        |residual: &[f64]| -> Vec<f64> { deviations.iter().zip(residual).map(|(sd, r)| r / sd).collect() };
     let among_others = |residual: &[f64]| {
         let mut white = DMatrix::from_column_slice(residual.len(), 1, residual);
         linearisation.whitener(noise).apply(&mut white);

@@ -2,6 +2,7 @@
 
 use crate::accept::evidence::Refused;
 use crate::accept::model::Model;
+use crate::problem::joint_noise::JointRepeatability;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 
@@ -15,6 +16,8 @@ pub(crate) struct Outcome {
     pub untestable: Vec<Untestable>,
     pub last: LastScreen,
     pub stopped: Termination,
+    /// Repeatability in joint space, where it is significant.
+    pub joints: Option<JointRepeatability>,
 }
 
 /// Result of the last screen of all candidates.
@@ -35,6 +38,7 @@ impl Outcome {
             untestable: Vec::new(),
             last: LastScreen { p_value: 1.0, detectable_gain: f64::INFINITY },
             stopped: Termination::Interrupted,
+            joints: None,
         }
     }
 }

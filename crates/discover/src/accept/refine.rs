@@ -34,7 +34,7 @@ pub(crate) fn refined_in_model(
     else {
         return Ok(None);
     };
-    linearisation.noise = current.fit.noise;
+    linearisation.noise = current.fit.noise.into();
     let present = Projection::new(&linearisation);
     let mut gained = false;
     for _ in 0..if parts.len() > 1 { context.budget().sweeps } else { 1 } {

@@ -35,7 +35,7 @@ pub(crate) fn winner(
         for (k, best) in competitors.iter().enumerate().take(context.budget().tested) {
             let p = own_p_value(linearisation, null, best, options.alpha);
             let evidence = collect((linearisation, &wander), (screen, &present), best, p, options)?;
-            let floor = best.likelihood.noise.floor(linearisation.typical_sd());
+            let floor = linearisation.floor(best.likelihood.noise);
             let doubt = if best.score >= present.deviance {
                 Some(Doubt::TooSmall)
             } else {

@@ -84,7 +84,7 @@ fn equations(fit: &Fit, blocks: &Blocks, options: &DiscoverOptions) -> Result<Eq
     let r = fit.reduction.kept.len();
     let mut sum = Equations { gram: DMatrix::zeros(r, r), right: DVector::zeros(r), squares: 0.0, count: 0 };
     let of = |block: &Dataset| -> Result<Equations, DiscoverError> {
-        let linearisation = Linearisation::new(fit, block, options)?;
+        let linearisation = blocks.linearised(fit, block, options)?;
         let (base, residual) = whitened(&linearisation);
         Ok(Equations {
             gram: gram_matrix(&base),

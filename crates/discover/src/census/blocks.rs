@@ -2,9 +2,12 @@
 
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
+use crate::problem::linearisation::Linearisation;
+use crate::problem::noise::Noise;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use truepose_identify::Fit;
 use truepose_kinematics::Chain;
 
 /// Rows of a block, at most about.
@@ -19,6 +22,8 @@ pub(crate) struct Blocks {
     /// With the derived channels that any candidate reads: they follow the order of all poses.
     data: Dataset,
     rows: Vec<Vec<usize>>,
+    /// The noise of the search where the joints scatter.
+    noise: Option<Noise>,
 }
 
 impl Blocks {
@@ -42,7 +47,24 @@ impl Blocks {
                 _ => rows.push(own),
             }
         }
-        Ok(Blocks { data, rows })
+        Ok(Blocks { data, rows, noise: None })
+    }
+
+    /// With the noise of a search in which the joints scatter.
+    pub fn under(self, noise: Option<Noise>) -> Self {
+        Blocks { noise, ..self }
+    }
+
+    /// Data linearised at a fit, under that noise, or under that of the fit.
+    pub fn linearised<'a>(
+        &self,
+        fit: &'a Fit,
+        data: &'a Dataset,
+        options: &'a DiscoverOptions,
+    ) -> Result<Linearisation<'a>, DiscoverError> {
+        let mut linearisation = Linearisation::new(fit, data, options)?;
+        linearisation.noise = self.noise.unwrap_or(linearisation.noise);
+        Ok(linearisation)
     }
 
     /// How many units the blocks are of.

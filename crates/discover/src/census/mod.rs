@@ -71,12 +71,13 @@ impl<'a> Census<'a> {
     pub fn new(
         (sample, fitted): (&'a Context<'a>, &'a Context<'a>),
         train: &Dataset,
-        searched: &Model,
+        searched: &Outcome,
     ) -> Result<Self, DiscoverError> {
-        let ModelFit { found, fit, .. } = &*searched.current;
+        let ModelFit { found, fit, .. } = &*searched.model.current;
         let train = with_loads(train, found);
         let far = gross(&Residuals::of(&fit.fitted, &train)?);
-        let blocks = Blocks::new(sample.chain, &without(&train, &far), sample.options)?;
+        let blocks = Blocks::new(sample.chain, &without(&train, &far), sample.options)?
+            .under(searched.joints.map(|joints| joints.noise()));
         Ok(Census { sample, fitted, blocks })
     }
 
@@ -91,7 +92,7 @@ impl<'a> Census<'a> {
         let mut all = AllRows::of(&outcome.model.current.fit, blocks, options)?;
         loop {
             progress(Progress::Screening(outcome.model.findings.len()))?;
-            let linearisation = Linearisation::new(&all.fit, &sample, options)?;
+            let linearisation = blocks.linearised(&all.fit, &sample, options)?;
             let mut screen = Screen::new(&linearisation, &options.library, &outcome.model.current.found);
             let null = match known.take() {
                 Some(null) => null,

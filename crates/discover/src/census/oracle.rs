@@ -9,12 +9,19 @@ use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::problem::dense::Dense;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::noise::{JointNoise, Noise};
 use crate::problem::synthetic::{data, fitted, wave};
 use crate::screen::candidates::Screen;
 use nalgebra::DMatrix;
 use truepose_errormodel::Dataset;
-use truepose_identify::Fit;
+use truepose_identify::{Fit, NoiseModel};
 use truepose_kinematics::Chain;
+
+/// Noise of a search in which the joints scatter.
+const SCATTER: Noise = Noise {
+    rows: NoiseModel { position_sd: 4e-5, visit_sd: 2e-5, orientation_sd: 2e-4 },
+    joints: JointNoise { turning: 5e-5, sliding: 0.0 },
+};
 
 /// A gear error of the third joint, and noise; poses of one row and of three.
 fn measured() -> (Chain, Dataset, Fit) {
@@ -41,10 +48,21 @@ fn of_others(fit: &Fit) -> Fit {
 fn coefficients_of_all_rows_are_those_of_whole_matrices_wherever_they_begin() {
     let (chain, data, fit) = measured();
     let options = DiscoverOptions::default();
-    let blocks = Blocks::new(&chain, &data, &options).unwrap();
-    let all = AllRows::of(&of_others(&fit), &blocks, &options).unwrap();
-    let linearisation = Linearisation::new(&all.fit, &data, &options).unwrap();
-    let dense = Dense::new(&linearisation, linearisation.noise);
+    for noise in [None, Some(SCATTER)] {
+        let blocks = Blocks::new(&chain, &data, &options).unwrap().under(noise);
+        let all = AllRows::of(&of_others(&fit), &blocks, &options).unwrap();
+        let linearisation = blocks.linearised(&all.fit, &data, &options).unwrap();
+        assert_eq!(linearisation.noise.joints.is_some(), noise.is_some());
+        coefficients_are_those_of_whole_matrices(&all, &linearisation, &options);
+    }
+}
+
+fn coefficients_are_those_of_whole_matrices(
+    all: &AllRows,
+    linearisation: &Linearisation<'_>,
+    options: &DiscoverOptions,
+) {
+    let dense = Dense::new(linearisation, linearisation.noise);
     let nothing = DMatrix::zeros(linearisation.len(), 0);
     let used = vec![true; linearisation.len()];
     let (solution, covariance, _) = dense.solve(&nothing, &used, options.policy.wide);
@@ -61,15 +79,25 @@ fn coefficients_of_all_rows_are_those_of_whole_matrices_wherever_they_begin() {
 fn sums_over_blocks_judge_a_candidate_as_whole_matrices_do() {
     let (chain, data, fit) = measured();
     let options = DiscoverOptions::default();
-    let blocks = Blocks::new(&chain, &data, &options).unwrap();
-    assert!(blocks.units() > 40);
-    let all = AllRows::of(&fit, &blocks, &options).unwrap();
-    let linearisation = Linearisation::new(&all.fit, &data, &options).unwrap();
+    for noise in [None, Some(SCATTER)] {
+        let blocks = Blocks::new(&chain, &data, &options).unwrap().under(noise);
+        assert!(blocks.units() > 40);
+        candidates_are_judged_as_by_whole_matrices((&chain, &data, &fit), &blocks, &options);
+    }
+}
+
+fn candidates_are_judged_as_by_whole_matrices(
+    (chain, data, fit): (&Chain, &Dataset, &Fit),
+    blocks: &Blocks,
+    options: &DiscoverOptions,
+) {
+    let all = AllRows::of(fit, blocks, options).unwrap();
+    let linearisation = blocks.linearised(&all.fit, data, options).unwrap();
     let dense = Dense::new(&linearisation, linearisation.noise).held();
     let candidates: Vec<Candidate> =
-        options.library.candidates(&chain, &data).into_iter().step_by(61).collect();
+        options.library.candidates(chain, data).into_iter().step_by(61).collect();
     let mut judged = 0;
-    let each = sums(&candidates, (&all, &blocks), 1, &options).unwrap();
+    let each = sums(&candidates, (&all, blocks), 1, options).unwrap();
     for (candidate, sums) in candidates.iter().zip(each) {
         let (Some(sums), Ok(x)) = (sums, linearisation.columns_of(candidate)) else { continue };
         let detail = Detail::of(&sums, &all, 1, &options.policy);

@@ -17,7 +17,6 @@ use crate::census::details::Detail;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
-use crate::problem::linearisation::Linearisation;
 use crate::significance::rotation::NullDistribution;
 use crate::statistics::beta::surprisal;
 use nalgebra::{DMatrix, DVector};
@@ -161,7 +160,7 @@ fn units(
     options: &DiscoverOptions,
 ) -> Result<Vec<Unit>, DiscoverError> {
     let of = |block: &Dataset| -> Result<Unit, DiscoverError> {
-        let linearisation = Linearisation::new(&all.fit, block, options)?;
+        let linearisation = blocks.linearised(&all.fit, block, options)?;
         let (base, residual) = whitened(&linearisation);
         let whitener = linearisation.whitener(linearisation.noise);
         let columns = whitener.of(&linearisation.columns_of(candidate)?);

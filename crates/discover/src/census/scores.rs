@@ -100,7 +100,7 @@ fn scores(
         })
         .collect();
     let of = |block: &Dataset| -> Result<Scores, DiscoverError> {
-        let linearisation = Linearisation::new(&all.fit, block, options)?;
+        let linearisation = blocks.linearised(&all.fit, block, options)?;
         let (_, residual) = whitened(&linearisation);
         let whitener = linearisation.whitener(linearisation.noise);
         let nothing = DMatrix::zeros(linearisation.len(), 0);
@@ -157,7 +157,7 @@ pub(crate) fn sums(
     options: &DiscoverOptions,
 ) -> Result<Vec<Option<Sums>>, DiscoverError> {
     let of = |block: &Dataset| -> Result<Vec<Option<Sums>>, DiscoverError> {
-        let linearisation = Linearisation::new(&all.fit, block, options)?;
+        let linearisation = blocks.linearised(&all.fit, block, options)?;
         let (base, residual) = whitened(&linearisation);
         let whitener = linearisation.whitener(linearisation.noise);
         let tables = Tables::new(&linearisation, &whitener, (&base, &residual));

@@ -13,6 +13,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::place::Place;
 use crate::problem::dependence::Dependence;
+use crate::problem::joint_noise::JointRepeatability;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,8 @@ pub struct Diagnosis {
     pub noise_floor: NoiseFloor,
     /// Dependence of poses on those measured before, with the model of the search; `None` with fewer than ten poses.
     pub dependence: Option<Dependence>,
+    /// Repeatability in joint space; `None` where it is not significant.
+    pub joints: Option<JointRepeatability>,
     /// Whether the model is adequate.
     pub verdict: Verdict,
     /// Pure error of repeated poses and lack of fit of the declared model.

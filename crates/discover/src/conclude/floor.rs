@@ -90,16 +90,20 @@ impl NoiseFloor {
         }
     }
 
-    /// From the residuals of a model on data, and its residual variance. `trusted`: the stated standard deviations were not found too large.
+    /// From the residuals of a model on data, and its residual variance. `weights`: of each row, so that all poses scatter alike. `trusted`: the stated standard deviations were not found too large.
     pub(crate) fn of(
         fitted: &FittedModel,
-        data: &Dataset,
+        (data, weights): (&Dataset, Option<&[f64]>),
         left: Option<&ResidualVariance>,
         trusted: bool,
         policy: &Policy,
     ) -> Result<Self, DiscoverError> {
         let residuals = Residuals::of(fitted, data)?;
-        let pure = |groups: Vec<Vec<usize>>| PureError::of(&residuals, data, &groups);
+        let mut alike = residuals.clone();
+        for (residual, weight) in alike.position.iter_mut().zip(weights.unwrap_or_default()) {
+            *residual *= *weight;
+        }
+        let pure = |groups: Vec<Vec<usize>>| PureError::of(&alike, data, &groups);
         let mut floor = NoiseFloor::unknown(policy);
         let stated = stated_rms(data).filter(|_| trusted);
         let dwell = within_dwell(&residuals, data).map(|(rms, _)| rms);

@@ -114,7 +114,7 @@ impl InterimReport {
         };
         let left = variances.after.as_ref();
         let noise_floor =
-            NoiseFloor::of(&current.fit.fitted, &current.data, left, trusted, context.policy())?;
+            NoiseFloor::of(&current.fit.fitted, (&current.data, None), left, trusted, context.policy())?;
         let last = (p_value, detectable_gain);
         let interrupted = Termination::Interrupted;
         let (verdict, unexplained) = verdict(&noise_floor, interrupted, variances, last, context.policy());
@@ -132,6 +132,7 @@ impl InterimReport {
             before: self.before.clone(),
             after,
             dependence: None,
+            joints: None,
             noise_floor,
             unexplained,
             intervals: None,

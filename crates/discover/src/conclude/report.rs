@@ -49,7 +49,7 @@ pub(crate) fn conclude(
 ) -> Result<Diagnosis, DiscoverError> {
     let held = partition.data.select(&partition.holdout_rows);
     let wanted = context.options.competing_fits;
-    let Outcome { model, refused, untestable, last, stopped } = outcome;
+    let Outcome { model, refused, untestable, last, stopped, joints } = outcome;
     let (accepted, current) = (model.findings.clone(), Arc::clone(&model.current));
     let found: Vec<Candidate> = accepted.iter().map(|a| a.candidate.clone()).collect();
     let declared = match found.is_empty() {
@@ -144,11 +144,23 @@ pub(crate) fn conclude(
     let trusted = partition.stated_scale.is_one();
     let variances = Variances {
         before: ResidualVariance::of(&declared, &context.prepared(&[], &current.outliers.suspects)),
-        after: ResidualVariance::of(&current.fit, &current.data),
+        after: match &joints {
+            None => ResidualVariance::of(&current.fit, &current.data),
+            Some(joints) => {
+                let weights =
+                    joints.weights(&Linearisation::new(&current.fit, &current.data, context.options)?);
+                ResidualVariance::of(&weighed(&current.fit, &weights), &current.data)
+            }
+        },
+    };
+    let weights = match &joints {
+        None => None,
+        Some(joints) => Some(joints.weights(&Linearisation::new(&fit, &data, context.options)?)),
     };
     // Repeats of the test set count as well: what poses of one configuration scatter by is no matter of the model.
     let left = variances.after.as_ref();
-    let noise_floor = NoiseFloor::of(&fit.fitted, &data, left, trusted, context.policy())?;
+    let noise_floor =
+        NoiseFloor::of(&fit.fitted, (&data, weights.as_deref()), left, trusted, context.policy())?;
     let last = (last.p_value, last.detectable_gain);
     let (verdict, unexplained) = self::verdict(&noise_floor, stopped, variances, last, context.policy());
     // Findings were testable, in the directions that the model does not absorb.
@@ -192,6 +204,7 @@ pub(crate) fn conclude(
         withdrawn,
         noise_floor,
         dependence,
+        joints,
         verdict,
         unexplained,
         intervals,
@@ -206,6 +219,13 @@ pub(crate) fn conclude(
         suspects: outside.suspects.iter().copied().filter(|row| !outside.certain.contains(row)).collect(),
         holdout_rows: partition.holdout_rows,
     })
+}
+
+/// The fit with its position residuals times a weight of their row.
+fn weighed(fit: &Fit, weights: &[f64]) -> Fit {
+    let mut fit = fit.clone();
+    fit.residuals.position.iter_mut().zip(weights).for_each(|(residual, weight)| *residual *= *weight);
+    fit
 }
 
 /// Sets loads, domain and channels of the fitted model as the data declares them: this is what a user

@@ -1,15 +1,16 @@
 //! A dense reference for every accelerated path: whiten, project and solve with whole matrices, straight from the definitions.
 //!
 //! ```text
-//! C = diag(s_i² + τ²) + ρ² within a pose and component of position,   C = L Lᵀ,   P = 1 − Ã (ÃᵀÃ)⁻¹ Ãᵀ,   Ã = [L⁻¹A; W]
+//! C = diag(s_i² + τ²) + ρ² within a pose and component of position + G_v Σ_q G_vᵀ within a pose,   C = L Lᵀ,   P = 1 − Ã (ÃᵀÃ)⁻¹ Ãᵀ,   Ã = [L⁻¹A; W]
 //! ```
 //!
 //! Slow, and used by tests alone. Nothing here is shared with what it is compared with but the linearised data itself.
 
 use crate::problem::linearisation::Linearisation;
+use crate::problem::noise::Noise;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use statrs::distribution::{Beta, ContinuousCDF};
-use truepose_identify::NoiseModel;
+use truepose_kinematics::JointKind;
 
 /// The linearised data under one noise model.
 pub(crate) struct Dense {
@@ -39,9 +40,23 @@ pub(crate) struct DenseScore {
 }
 
 impl Dense {
-    pub fn new(linearisation: &Linearisation<'_>, noise: NoiseModel) -> Self {
+    pub fn new(linearisation: &Linearisation<'_>, noise: impl Into<Noise>) -> Self {
+        let Noise { rows: noise, joints } = noise.into();
         let (data, observations) = (linearisation.data, &linearisation.observations);
         let m = observations.len();
+        // What one standard deviation of each joint does to every observation.
+        let chain = linearisation.chain();
+        let moved: Vec<Vec<f64>> = (chain.movable().iter())
+            .map(|&joint| {
+                let slides = chain.joint(joint).kind == JointKind::Prismatic;
+                let sd = if slides { joints.sliding } else { joints.turning };
+                let motion = linearisation.motion(joint).expect("a movable joint");
+                let along = |at: usize| -> f64 {
+                    motion.iter().map(|(site, part)| part * linearisation.sites(at)[*site]).sum()
+                };
+                (0..m).map(|at| sd * along(at)).collect()
+            })
+            .collect();
         let covariance = DMatrix::from_fn(m, m, |i, j| {
             let (a, b) = (observations[i], observations[j]);
             let shared = (a.visit, a.component) == (b.visit, b.component) && a.component < 3;
@@ -49,7 +64,13 @@ impl Dense {
                 0..3 => noise.position(data.position_sd[a.row][a.component]),
                 _ => noise.orientation(data.orientation_sd[a.row][a.component - 3]),
             };
-            (if i == j { own * own } else { 0.0 }) + if shared { noise.visit_sd.powi(2) } else { 0.0 }
+            let of_joints: f64 = match a.visit == b.visit {
+                true => moved.iter().map(|moved| moved[i] * moved[j]).sum(),
+                false => 0.0,
+            };
+            (if i == j { own * own } else { 0.0 })
+                + if shared { noise.visit_sd.powi(2) } else { 0.0 }
+                + of_joints
         });
         let lower = covariance.cholesky().expect("a covariance").unpack();
         let r = linearisation.base.ncols();
@@ -110,6 +131,11 @@ impl Dense {
             columns.columns_mut(r, more.ncols()).copy_from(&more);
         }
         self
+    }
+
+    /// C.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        &self.lower * self.lower.transpose()
     }
 
     /// ln det C.

@@ -7,6 +7,7 @@
 //! with a prior ([`crate::problem::wander`]), and the search goes on beside it.
 
 use crate::problem::autocorrelation::{Autocorrelation, autocorrelation};
+use crate::problem::joint_noise::BesideJoints;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::sequence::{Ordered, Process, Sequence};
 use crate::problem::wander::Wander;
@@ -88,6 +89,8 @@ impl Linearisation<'_> {
 /// Tests of candidates beside a wander of instrument or robot.
 pub(crate) struct BesideWander<'l> {
     linearisation: &'l Linearisation<'l>,
+    /// The same beside a scatter of the joints.
+    pub joints: BesideJoints<'l>,
     seed: u64,
     /// The poses in their order with −2 ln of the likelihood without a candidate and its process, once a candidate is tested; none where
     /// poses do not depend on each other significantly.
@@ -97,13 +100,18 @@ pub(crate) struct BesideWander<'l> {
 impl<'l> BesideWander<'l> {
     /// At a linearised problem.
     pub fn of(linearisation: &'l Linearisation<'l>, seed: u64) -> Self {
-        BesideWander { linearisation, seed, without: OnceLock::new() }
+        BesideWander {
+            linearisation,
+            joints: BesideJoints::of(linearisation),
+            seed,
+            without: OnceLock::new(),
+        }
     }
 
     fn without(&self) -> Option<&(Examined, Process, f64)> {
         let problem = self.linearisation;
         let examined = || {
-            if !problem.wander().is_empty() {
+            if !problem.wander().is_empty() || problem.noise.joints.is_some() {
                 return None;
             }
             let examined = Examined::of(problem, self.seed)?.significant(problem)?;

@@ -47,7 +47,7 @@ fn the_filter_has_the_likelihood_of_the_whole_covariance() {
     let (data, fit) = measured();
     let options = DiscoverOptions::default();
     let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-    linearisation.noise = NOISE;
+    linearisation.noise = NOISE.into();
     linearisation.y = wandering(&linearisation, 1, 5e-5, 0.6);
     let whitener = linearisation.whitener(NOISE);
     let sequence = Sequence::of(&linearisation, &whitener).unwrap();
@@ -132,7 +132,7 @@ fn p_of_independent_poses_is_uniform_and_such_data_has_no_wander() {
     let (trials, mut below) = (60, [0; 2]);
     for trial in 0..trials {
         let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-        linearisation.noise = NOISE;
+        linearisation.noise = NOISE.into();
         linearisation.y = wandering(&linearisation, trial, 0.0, 0.0);
         let found = dependence(&linearisation, options.seed).unwrap();
         below[0] += usize::from(found.p_value < 0.05);
@@ -162,7 +162,7 @@ fn a_wander_is_found_with_its_size_and_no_slow_function_is_significant_beside_it
     let mut sizes = Vec::new();
     for trial in 0..trials {
         let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-        linearisation.noise = NOISE;
+        linearisation.noise = NOISE.into();
         linearisation.y = wandering(&linearisation, trial, 8e-5, 0.8);
         let says = dependence(&linearisation, options.seed).unwrap();
         let Some(size) = says.wander else { continue };
@@ -195,7 +195,7 @@ fn a_drift_is_significant_beside_a_wander_and_what_only_follows_a_wander_is_not(
     let (mut drifts, mut false_ones, mut dependent) = (0, 0, 0);
     for trial in 0..8 {
         let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-        linearisation.noise = NOISE;
+        linearisation.noise = NOISE.into();
         let drift = DMatrix::from_fn(linearisation.len(), 1, |at, _| {
             let o = linearisation.observations[at];
             f64::from(u8::from(o.component == 2)) * (o.visit as f64 / POSES as f64 - 0.5)

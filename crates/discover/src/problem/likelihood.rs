@@ -15,6 +15,8 @@
 
 use crate::error::DiscoverError;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::noise::Noise;
+use crate::problem::restricted::Restricted;
 use crate::statistics::coefficients::CoefficientDistribution;
 use crate::statistics::product::{cholesky, gram_matrix};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
@@ -27,7 +29,7 @@ use truepose_identify::{Folds, Freedom, NoiseModel, Residuals, estimate_noise};
 pub(crate) struct Likelihood {
     /// −2 ln L.
     pub deviance: f64,
-    pub noise: NoiseModel,
+    pub noise: Noise,
     /// γ, in expected sizes.
     pub coefficients: DVector<f64>,
     /// Covariance of γ.
@@ -78,6 +80,9 @@ impl Likelihood {
         for at in r..n {
             prior[(at, at)] = 1.0 / (linearisation.policy.wide * linearisation.policy.wide);
         }
+        if linearisation.noise.joints.is_some() {
+            return Likelihood::beside_joints(linearisation, extra, prior);
+        }
         let known = linearisation.normal().map(|normal| (normal, normal.candidate_products(extra)));
         let gram = |noise: NoiseModel| match &known {
             Some((normal, candidate)) => normal.gram(noise, candidate),
@@ -92,7 +97,7 @@ impl Likelihood {
             let share = (1.0 - unknowns / linearisation.len().max(1) as f64).max(0.02);
             Freedom::all(linearisation.data, visits).share(share)
         };
-        let mut noise = linearisation.noise;
+        let mut noise = linearisation.noise.rows;
         let mut iterations = 0;
         loop {
             let (gram, log_determinant) = gram(noise);
@@ -117,7 +122,7 @@ impl Likelihood {
             let penalty = (&prior * &solution).dot(&solution);
             return Ok(Likelihood {
                 deviance: log_determinant + squares.max(0.0) + penalty,
-                noise,
+                noise: noise.into(),
                 coefficients: solution.rows(r, k).into_owned(),
                 covariance: factor.covariance(r),
                 extra: extra.clone(),
@@ -126,6 +131,34 @@ impl Likelihood {
                 rows: OnceLock::new(),
             });
         }
+    }
+
+    /// The same where the joints scatter: all components of the noise by restricted likelihood.
+    fn beside_joints(
+        linearisation: &Linearisation<'_>,
+        extra: &DMatrix<f64>,
+        prior: DMatrix<f64>,
+    ) -> Result<Self, DiscoverError> {
+        let (r, n) = (linearisation.base.ncols(), prior.ncols());
+        let restricted = Restricted::new(linearisation, extra, prior.clone());
+        let noise =
+            restricted.fitted(linearisation.noise, true).map_or(linearisation.noise, |fitted| fitted.0);
+        let whitener = linearisation.whitener(noise);
+        let gram = gram_matrix(&whitener.of(&joined(linearisation, extra)));
+        let (solution, factor) = solved(&gram, &prior)?;
+        let squares = gram[(n, n)] - 2.0 * gram.view((0, n), (n, 1)).dot(&solution)
+            + (gram.view((0, 0), (n, n)) * &solution).dot(&solution);
+        let penalty = (&prior * &solution).dot(&solution);
+        Ok(Likelihood {
+            deviance: whitener.log_determinant() + squares.max(0.0) + penalty,
+            noise,
+            coefficients: solution.rows(r, n - r).into_owned(),
+            covariance: factor.covariance(r),
+            extra: extra.clone(),
+            wide: linearisation.policy.wide,
+            prior,
+            rows: OnceLock::new(),
+        })
     }
 
     /// Standard deviation of one of γ.

@@ -18,6 +18,7 @@ use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::evaluated::{Evaluated, Station};
+use crate::problem::noise::{Levers, Noise};
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
@@ -26,8 +27,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
 use truepose_errormodel::{AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, FittedModel, Visits};
-use truepose_identify::{Fit, NoiseModel};
-use truepose_kinematics::{Chain, JointId, PostureBuffer, Site, rotation_log};
+use truepose_identify::Fit;
+use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer, Site, rotation_log};
 
 /// The data, linearised at a fit.
 #[derive(Debug)]
@@ -44,7 +45,7 @@ pub(crate) struct Linearisation<'a> {
     pub base: DMatrix<f64>,
     pub y: DVector<f64>,
     pub prior: Option<DMatrix<f64>>,
-    pub noise: NoiseModel,
+    pub noise: Noise,
     /// Columns of the model that are not in `base`, though they are in the fit.
     muted: Range<usize>,
     /// How many columns of `base`, its last ones, are those of a wander ([`crate::problem::dependence`]).
@@ -54,6 +55,7 @@ pub(crate) struct Linearisation<'a> {
     stations: Vec<Station>,
     /// Sums over the numbers, once they are asked for.
     normal: OnceLock<Option<Normal>>,
+    levers: OnceLock<Levers>,
 }
 
 impl<'a> Linearisation<'a> {
@@ -80,13 +82,14 @@ impl<'a> Linearisation<'a> {
             base: DMatrix::zeros(0, 0),
             y: DVector::zeros(0),
             prior: fit.prior.rows(),
-            noise: fit.noise,
+            noise: fit.noise.into(),
             muted: 0..0,
             wander: 0,
             sites: Vec::new(),
             site_count,
             stations: Vec::new(),
             normal: OnceLock::new(),
+            levers: OnceLock::new(),
         };
         let (mut flat, mut y) = (Vec::new(), Vec::new());
         let mut rest = Equilibrium::new(model);
@@ -169,8 +172,27 @@ impl<'a> Linearisation<'a> {
     }
 
     /// The whitening of these numbers under a noise model.
-    pub fn whitener(&self, noise: NoiseModel) -> Whitener {
-        Whitener::new(&self.observations, self.data, noise)
+    pub fn whitener(&self, noise: impl Into<Noise>) -> Whitener {
+        let Noise { rows, joints } = noise.into();
+        let whitener = Whitener::new(&self.observations, self.data, rows);
+        match joints.is_some() {
+            true => whitener.beside(&self.observations, self.levers(), joints),
+            false => whitener,
+        }
+    }
+
+    /// What a unit deviation of each movable joint does to every observation.
+    pub fn levers(&self) -> &Levers {
+        let motions = || -> Vec<_> {
+            let joints = self.chain().movable().iter();
+            joints
+                .filter_map(|&joint| {
+                    let slides = self.chain().joint(joint).kind == JointKind::Prismatic;
+                    Some((self.motion(joint)?, slides))
+                })
+                .collect()
+        };
+        self.levers.get_or_init(|| Levers::new(&motions(), self.len(), |at| self.sites(at)))
     }
 
     /// How many numbers were measured.

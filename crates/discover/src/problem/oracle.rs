@@ -59,7 +59,7 @@ fn scores_through_tables_are_those_of_whole_matrices() {
     let (chain, data, fit) = measured();
     let options = DiscoverOptions::default();
     let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-    linearisation.noise = NOISE;
+    linearisation.noise = NOISE.into();
     let projection = Projection::new(&linearisation);
     let dense = Dense::new(&linearisation, NOISE);
     let how = options.policy.absorbed;
@@ -79,7 +79,7 @@ fn scores_beside_further_columns_are_those_of_the_larger_model() {
     let (chain, data, fit) = measured();
     let options = DiscoverOptions::default();
     let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-    linearisation.noise = NOISE;
+    linearisation.noise = NOISE.into();
     let projection = Projection::new(&linearisation);
     let more = DMatrix::from_fn(linearisation.len(), 3, |i, j| 1e-4 * wave(31 * i + j));
     let larger = projection.with(&more).expect("three directions");

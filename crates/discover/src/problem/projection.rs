@@ -15,12 +15,12 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::noise::Noise;
 use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
 use crate::statistics::beta::surprisal;
 use crate::statistics::product::{cross, gram_matrix, orthonormal};
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
-use truepose_identify::NoiseModel;
 
 /// The present model, projected out.
 pub(crate) struct Projection {
@@ -78,7 +78,7 @@ impl Projection {
     }
 
     /// Under another noise model.
-    pub fn under(linearisation: &Linearisation<'_>, noise: NoiseModel) -> Self {
+    pub fn under(linearisation: &Linearisation<'_>, noise: Noise) -> Self {
         let whitener = linearisation.whitener(noise);
         let columns = whitener.of(&linearisation.base);
         let y = whitener.of(&DMatrix::from_column_slice(linearisation.len(), 1, linearisation.y.as_slice()));

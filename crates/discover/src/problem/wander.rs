@@ -79,7 +79,7 @@ impl Wander {
         // In their own standard deviations, so that the prior's rows are those of a unit matrix.
         columns.column_iter_mut().zip(widths.iter()).for_each(|(mut column, width)| column *= *width);
         let left = (process.white + process.wander * rest) * sequence.typical;
-        linearisation.noise = less_noise(&linearisation, sequence.typical, left);
+        linearisation.noise = less_noise(&linearisation, sequence.typical, left).into();
         let more = columns.ncols();
         let mut prior = DMatrix::zeros(r + more, r + more);
         match &linearisation.prior {
@@ -116,7 +116,7 @@ fn places(sequence: &Sequence, time: f64) -> Vec<(f64, f64)> {
 
 /// The noise whose typical pose has this variance on an axis, `left`, in place of `typical`.
 fn less_noise(linearisation: &Linearisation<'_>, typical: f64, left: f64) -> truepose_identify::NoiseModel {
-    let mut noise = linearisation.noise;
+    let mut noise = linearisation.noise.rows;
     let single = linearisation.visits == linearisation.data.len();
     if noise.visit_sd > 0.0 || (left > typical && !single) {
         noise.visit_sd = (noise.visit_sd.powi(2) + left - typical).max(0.0).sqrt();

@@ -2,9 +2,18 @@
 //!
 //! With σ_i² = s_i² + τ² and d = 1/σ: `z = u − (1 − 1/√(1 + ρ²|d|²)) d (d·u)/|d|²`, u = r/σ, as in
 //! [`truepose_identify::NoiseModel`]. The log determinant of the covariance is `Σ ln σ_i² + ln(1 + ρ²|d|²)`.
+//!
+//! Where the joints scatter, all observations of a pose go together. With B = W₀ G_v Σ_q^{1/2} = U Λ^{1/2} Vᵀ, W₀ the whitening above and G_v
+//! the levers of the joints ([`crate::problem::noise`]),
+//!
+//! ```text
+//! W = (1 + B Bᵀ)^{-1/2} W₀ = (1 − U (1 − (1 + Λ)^{-1/2}) Uᵀ) W₀,     ln det V = ln det V₀ + Σ ln(1 + λ)
+//! ```
 
+use crate::problem::noise::{JointNoise, Levers};
 use crate::problem::observation::Observation;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
+use std::ops::Range;
 use truepose_errormodel::Dataset;
 use truepose_identify::{NoiseModel, shrinkage};
 
@@ -19,10 +28,22 @@ struct Group {
     log_determinant: f64,
 }
 
+/// What the joints' scatter adds to one pose.
+#[derive(Debug, Clone)]
+struct Posture {
+    members: Range<usize>,
+    /// U, observations × directions.
+    directions: DMatrix<f64>,
+    /// λ of each.
+    stretch: Vec<f64>,
+}
+
 /// The whitening of one scene under one noise model.
 #[derive(Debug, Clone)]
 pub(crate) struct Whitener {
     groups: Vec<Group>,
+    /// Of poses that the joints' scatter reaches; empty where it is none.
+    postures: Vec<Posture>,
 }
 
 impl Whitener {
@@ -53,7 +74,24 @@ impl Whitener {
                 weights,
             });
         }
-        Whitener { groups }
+        Whitener { groups, postures: Vec::new() }
+    }
+
+    /// The same with joints that scatter by these standard deviations.
+    pub fn beside(mut self, observations: &[Observation], levers: &Levers, joints: JointNoise) -> Self {
+        if !joints.is_some() {
+            return self;
+        }
+        let mut scaled = levers.scaled(joints);
+        self.apply(&mut scaled);
+        let mut first = 0;
+        for pose in observations.chunk_by(|a, b| a.visit == b.visit) {
+            let members = first..first + pose.len();
+            first = members.end;
+            let own = scaled.rows(members.start, members.len());
+            self.postures.extend(Posture::new(members, own.into_owned()));
+        }
+        self
     }
 
     /// The weighted mean of each pose and component of position or orientation: its observations, their weights d, and its variance
@@ -85,6 +123,68 @@ impl Whitener {
                 }
             }
         }
+        self.apply_postures(columns);
+    }
+
+    /// Applies Wᵀ to every column in place: V⁻¹ = Wᵀ W.
+    pub fn apply_transposed(&self, columns: &mut DMatrix<f64>) {
+        self.apply_postures(columns);
+        self.transposed_groups(columns);
+    }
+
+    fn transposed_groups(&self, columns: &mut DMatrix<f64>) {
+        let rows = columns.nrows();
+        for column in columns.as_mut_slice().chunks_exact_mut(rows.max(1)) {
+            for group in &self.groups {
+                let along: f64 =
+                    group.members.iter().zip(&group.weights).map(|(&at, &d)| d * column[at]).sum();
+                for (&at, &d) in group.members.iter().zip(&group.weights) {
+                    column[at] = d * (column[at] - d * along * group.shrink);
+                }
+            }
+        }
+    }
+
+    fn apply_postures(&self, columns: &mut DMatrix<f64>) {
+        for posture in &self.postures {
+            let own = columns.rows(posture.members.start, posture.members.len());
+            let mut along = posture.directions.tr_mul(&own);
+            for (mut row, stretch) in along.row_iter_mut().zip(&posture.stretch) {
+                row *= 1.0 - 1.0 / (1.0 + stretch).sqrt();
+            }
+            let mut own = columns.rows_mut(posture.members.start, posture.members.len());
+            own.gemm(-1.0, &posture.directions, &along, 1.0);
+        }
+    }
+
+    /// The diagonal of V⁻¹, of so many observations.
+    pub fn precisions(&self, observations: usize) -> Vec<f64> {
+        let mut diagonal = vec![0.0; observations];
+        for group in &self.groups {
+            let squares: f64 = group.weights.iter().map(|d| d * d).sum();
+            let keep = (1.0 - group.shrink * squares).powi(2);
+            let factor = (1.0 - keep) / squares;
+            for (&at, &d) in group.members.iter().zip(&group.weights) {
+                diagonal[at] = d * d * (1.0 - factor * d * d);
+            }
+        }
+        if self.postures.is_empty() {
+            return diagonal;
+        }
+        // W₀ᵀU of all poses below each other: V⁻¹ = W₀ᵀ (1 − U Λ/(1 + Λ) Uᵀ) W₀.
+        let widest = self.postures.iter().map(|posture| posture.stretch.len()).max().unwrap_or(0);
+        let mut all = DMatrix::zeros(observations, widest);
+        for Posture { members, directions, stretch } in &self.postures {
+            all.view_mut((members.start, 0), (members.len(), stretch.len())).copy_from(directions);
+        }
+        self.transposed_groups(&mut all);
+        for Posture { members, stretch, .. } in &self.postures {
+            for at in members.clone() {
+                let less = stretch.iter().enumerate().map(|(k, l)| all[(at, k)].powi(2) * l / (1.0 + l));
+                diagonal[at] -= less.sum::<f64>();
+            }
+        }
+        diagonal
     }
 
     /// A whitened copy.
@@ -96,7 +196,9 @@ impl Whitener {
 
     /// Sum of the logarithms of the covariances' determinants.
     pub fn log_determinant(&self) -> f64 {
-        self.groups.iter().map(|group| group.log_determinant).sum()
+        let plain: f64 = self.groups.iter().map(|group| group.log_determinant).sum();
+        let further = self.postures.iter().flat_map(|posture| &posture.stretch);
+        if self.postures.is_empty() { plain } else { plain + further.map(|l| l.ln_1p()).sum::<f64>() }
     }
 
     /// Each number standardised by what all others of its visit and component say: N(0, 1) under the model.
@@ -117,5 +219,26 @@ impl Whitener {
             }
         }
         out
+    }
+}
+
+impl Posture {
+    /// Of B, observations × joints; none where the joints move nothing there.
+    fn new(members: Range<usize>, moved: DMatrix<f64>) -> Option<Self> {
+        /// λ of a direction, of the largest, below which it is rounding.
+        const ROUNDING: f64 = 1e-12;
+        let eigen = SymmetricEigen::new(moved.tr_mul(&moved));
+        let least = ROUNDING * eigen.eigenvalues.amax();
+        let kept: Vec<usize> =
+            (0..eigen.eigenvalues.len()).filter(|&k| eigen.eigenvalues[k] > least).collect();
+        if kept.is_empty() {
+            return None;
+        }
+        let mut directions = moved * eigen.eigenvectors.select_columns(&kept);
+        let stretch: Vec<f64> = kept.iter().map(|&k| eigen.eigenvalues[k]).collect();
+        for (mut column, stretch) in directions.column_iter_mut().zip(&stretch) {
+            column /= stretch.sqrt();
+        }
+        Some(Posture { members, directions, stretch })
     }
 }

@@ -47,7 +47,7 @@ pub(crate) fn reconsidered(
         let next = with_estimates(winner);
         let changed = !same_parameters(&next, &findings[at].candidate);
         findings[at].competitors = outcompeted(&contest.competitors, winner, context.policy());
-        let floor = winner.likelihood.noise.floor(typical_sd(&model.current.data));
+        let floor = winner.likelihood.noise.rows.floor(typical_sd(&model.current.data));
         let doubt = |evidence: &Evidence| {
             evidence.doubt((context.policy(), context.options.alpha), floor, next.follows_time())
         };

@@ -73,7 +73,7 @@ pub(crate) fn untestable(
     // Where there is no such statistic: of some 10⁴ tests.
     let significant = if significant.is_finite() && significant > 0.0 { significant } else { 21.0 };
     let wanted = (significant.sqrt() + policy.power).powi(2);
-    let floor = linearisation.noise.floor(linearisation.typical_sd());
+    let floor = linearisation.floor(linearisation.noise);
     let mut list: Vec<Untestable> = Vec::new();
     for screened in screen.candidates.iter().filter(|s| s.candidate.family.is_named()) {
         let (family, place) = (screened.candidate.family, screened.candidate.place.clone());
@@ -133,7 +133,7 @@ mod tests {
         let options = DiscoverOptions::default();
         let mut linearisation = Linearisation::new(&fit, &data, &options).expect("a linearisation");
         let mut list = |factor: f64| {
-            linearisation.noise = NoiseModel {
+            linearisation.noise.rows = NoiseModel {
                 position_sd: factor * 2e-5,
                 visit_sd: factor * 3e-5,
                 orientation_sd: factor * 1e-4,

@@ -36,8 +36,8 @@ fn p_is_uniform_where_nothing_is_missing_and_small_where_something_is() {
         let fit = fitted(&chain, &data);
         let options = DiscoverOptions::default();
         let mut linearisation = Linearisation::new(&fit, &data, &options).unwrap();
-        linearisation.noise = NoiseModel { position_sd: 3e-5, visit_sd: 5e-5, orientation_sd: 2e-4 };
-        let noise = linearisation.noise;
+        linearisation.noise.rows = NoiseModel { position_sd: 3e-5, visit_sd: 5e-5, orientation_sd: 2e-4 };
+        let noise = linearisation.noise.rows;
         let all = Library::standard().candidates(&chain, &data);
         let candidates: Vec<_> = all.into_iter().step_by(211).collect();
         let observations = linearisation.observations.clone();
