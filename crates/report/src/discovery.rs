@@ -6,6 +6,7 @@ mod candidates;
 mod dependence;
 mod effects;
 mod gain;
+mod joints;
 mod meaning;
 mod nested;
 mod parts;
@@ -21,6 +22,7 @@ pub use candidates::{RefusedSummary, UntestableSummary};
 pub use dependence::DependenceSummary;
 pub use effects::{AlternativeSummary, BeforeAfter, FindingSummary};
 pub use gain::{ExtrapolationSummary, GainSummary, PartName};
+pub use joints::JointRepeatabilitySummary;
 pub use nested::NestedSummary;
 pub use parts::TrainAndHoldout;
 
@@ -55,6 +57,9 @@ pub struct DiscoverySummary {
     /// Dependence of poses on those measured before; none with fewer than ten poses.
     #[serde(default)]
     pub dependence: Option<DependenceSummary>,
+    /// Repeatability in joint space, where it is significant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_repeatability: Option<JointRepeatabilitySummary>,
     /// With the declared model.
     pub before: TrainAndHoldout,
     /// With all findings.
@@ -170,6 +175,7 @@ impl DiscoverySummary {
             noise_floor_mm: found.noise_floor.rms.map(|rms| 1e3 * rms),
             noise_floor: NoiseFloorSummary::new(found),
             dependence: found.dependence.as_ref().map(DependenceSummary::new),
+            joint_repeatability: found.joints.as_ref().map(JointRepeatabilitySummary::new),
             verdict: found.verdict,
             before,
             after,

@@ -30,9 +30,9 @@ pub use acceptance::{
 pub use comparison::{ComparisonSummary, StrategyOutcome, StrategySummary};
 pub use discovery::{
     AlternativeSummary, AsFoundSummary, BeforeAfter, DependenceSummary, DiscoverySettings, DiscoverySummary,
-    ExtrapolationSummary, FindingSummary, GainSummary, LackOfFitSummary, NestedSummary, NoiseFloorSummary,
-    NoiseReference, PartName, RefusedSummary, StatedScaleSummary, TooFewPoses, TrainAndHoldout,
-    UnexplainedSummary, UntestableSummary, WithdrawnSummary,
+    ExtrapolationSummary, FindingSummary, GainSummary, JointRepeatabilitySummary, LackOfFitSummary,
+    NestedSummary, NoiseFloorSummary, NoiseReference, PartName, RefusedSummary, StatedScaleSummary,
+    TooFewPoses, TrainAndHoldout, UnexplainedSummary, UntestableSummary, WithdrawnSummary,
 };
 pub use explanation::{Explanation, explanation};
 pub use identification::{

@@ -67,6 +67,9 @@ impl DiscoverySummary {
         if let Some(wander) = self.dependence.as_ref().and_then(|d| d.sentence()) {
             writeln!(f, "{wander}")?;
         }
+        if let Some(joints) = &self.joint_repeatability {
+            writeln!(f, "{}", joints.sentence())?;
+        }
         if let Some(nested) = &self.nested {
             writeln!(f, "{}", nested.sentence())?;
             for (number, (found, after)) in (1..).zip(nested.found.iter().zip(&nested.after_by_fold)) {

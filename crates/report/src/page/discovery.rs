@@ -92,6 +92,9 @@ fn verdict(page: &mut Page, summary: &DiscoverySummary) {
     page.raw(&format!("<p class=\"verdict\">{}</p>", escape(&summary.adequacy())));
     page.text(&format!("{} {} {}", summary.answer(), summary.result(), summary.noise_floor.sentence()));
     page.text(summary.termination().trim());
+    if let Some(joints) = &summary.joint_repeatability {
+        page.text(&joints.sentence());
+    }
     summary.beside().iter().for_each(|sentence| page.text(sentence));
     page.raw("<div class=\"numbers4\">");
     let rows = summary.held_out_rows();
