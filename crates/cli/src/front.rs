@@ -1,19 +1,28 @@
 //! What the program does between reading and writing, for front ends in other languages: the same steps, so that the same bytes come out.
 
+mod campaign;
+mod program;
+
+pub use campaign::{Campaign, Fitting};
+pub use program::{Given, Rewriting, Rewritten, rewrite};
+
 use crate::args::ExportFormat;
+use crate::failure::Failure;
+use crate::library::{Known, ROBOTS};
 use crate::recorded;
 use crate::verbs::compensate::Expected;
 use crate::verbs::export::{Wanted, text};
-use crate::verbs::{beyond, compensate, discover, folds, identified, parameters, predict};
+use crate::verbs::{beyond, compensate, discover, folds, identified, parameters, predict, sessions, sister};
 use clap::ValueEnum;
 use std::path::Path;
 use truepose_compensate::{Command, CompensateError, ExportOptions};
 use truepose_discover::Progress;
 use truepose_errormodel::{Coverage, Dataset, FittedModel, ModelError};
 use truepose_identify::Split;
-use truepose_io::{ColumnMap, ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
-use truepose_kinematics::TargetId;
-use truepose_report::ParametersSummary;
+use truepose_io::{ColumnMap, CsvInfo, ExportUnits, NamedFrame, Poses, Prediction, RobotDetails};
+use truepose_kinematics::{Chain, TargetId};
+use truepose_report::{ParametersSummary, SisterSummary};
+use truepose_solvers::Solver;
 
 /// Records in a fit that `identify` made it: with this solver, of so many rows, with this seed; `held_out` where a test set was drawn first.
 pub fn identified(fitted: &mut FittedModel, solver: &str, rows: usize, seed: u64, held_out: bool) {
@@ -82,17 +91,62 @@ pub struct Predicted {
     pub warnings: Vec<String>,
 }
 
-/// Predicts every row of a table.
+/// Predicts every row of a table; a fit of several sessions in the session of each row.
 ///
 /// # Errors
-/// When the data lacks a signal of the model, or a target's position is not known.
-pub fn predict(fitted: &FittedModel, data: &Dataset) -> Result<Predicted, String> {
-    let words = |error: ModelError| error.to_string();
+/// When the data lacks a signal of the model or the name of a session, or a target's position is not known.
+pub fn predict(fitted: &FittedModel, data: &Dataset, info: &CsvInfo) -> Result<Predicted, String> {
     let warnings = predict::targets_seen(fitted, data)?;
-    let inputs = data.derived_for(fitted.model()).map_err(words)?;
-    let coverage = Coverage::new(fitted, &inputs.schema).map_err(words)?;
-    let rows = predict::predict(fitted, &coverage, &inputs).0;
-    Ok(Predicted { rows, warnings })
+    if fitted.sessions.is_empty() {
+        let words = |error: ModelError| error.to_string();
+        let inputs = data.derived_for(fitted.model()).map_err(words)?;
+        let coverage = Coverage::new(fitted, &inputs.schema).map_err(words)?;
+        let rows = predict::predict(fitted, &coverage, &inputs).0;
+        return Ok(Predicted { rows, warnings });
+    }
+    let mut data = data.clone();
+    let found = predict::in_sessions(fitted, &mut data, info, None, &info.file);
+    Ok(Predicted { rows: found.map_err(Failure::message)?.predicted, warnings })
+}
+
+/// A fit of several sessions in one of them; of one installation itself.
+///
+/// # Errors
+/// When the fit has no session of this name.
+pub fn in_session(fitted: &FittedModel, name: &str) -> Result<FittedModel, String> {
+    sessions::chosen(fitted.clone(), Some(name), false).map_err(Failure::message)
+}
+
+/// A fit of several sessions in the first of them; of one installation itself.
+///
+/// # Errors
+/// When the fit cannot be carried there.
+pub fn in_first_session(fitted: &FittedModel) -> Result<FittedModel, String> {
+    sessions::chosen(fitted.clone(), None, true).map_err(Failure::message)
+}
+
+/// A robot from few poses with its sisters as prior ([`truepose_upkeep::fleet`]), as `identify --prior FLEET`.
+///
+/// # Errors
+/// When the fleet is of another robot or model, or the rows are too few.
+pub fn sister(
+    prior: &FittedModel,
+    chain: &Chain,
+    data: &Dataset,
+    split: &Split,
+    solver: &dyn Solver,
+) -> Result<(FittedModel, SisterSummary), String> {
+    sister::identified(prior, chain, data, split, solver)
+}
+
+/// Robots of the library: name, title, and description as a robot file.
+pub fn robots() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    ROBOTS.iter().map(|robot| (robot.name, robot.title(), robot.text))
+}
+
+/// Names of robots of the library that contain a word, or begin as it does.
+pub fn robots_near(word: &str) -> Vec<&'static str> {
+    Known::near(word)
 }
 
 /// The command for a desired pose, and its expected accuracy.

@@ -2,6 +2,7 @@
 
 use crate::data::Data;
 use crate::error::input;
+use crate::identify::campaign;
 use crate::model::Model;
 use crate::options::{prior, solver, split};
 use crate::robot::Robot;
@@ -11,7 +12,7 @@ use truepose_cli::front;
 use truepose_errormodel::ErrorModel;
 use truepose_identify::{FitOptions, Folds, compare as compared, place};
 use truepose_report::ComparisonSummary;
-use truepose_solvers::Solver;
+use truepose_solvers::{PivotedQr, Solver};
 
 /// The summary as JSON and as text.
 #[pyfunction]
@@ -29,8 +30,8 @@ pub fn compare(
     prior_strength: &Bound<'_, PyAny>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, String)> {
-    data.plain()?;
-    let (chain, rows) = (robot.chain.clone(), data.data.clone());
+    let (chain, rows, info) = (robot.chain.clone(), data.data.clone(), data.info.clone());
+    let said = (robot.beside.rules, (*robot.beside.surroundings).clone());
     let model = Model::of(py, model, &chain)?;
     let raised = model.raised.clone();
     let made = solvers.iter().map(|text| solver(text)).collect::<PyResult<Vec<_>>>()?;
@@ -42,10 +43,16 @@ pub fn compare(
     let effects = model.effects;
     supervised(py, progress, vec![raised], move |working| {
         crate::model::prepare(&effects, &chain, &rows)?;
-        let placed = place(&chain, &rows).map_err(input)?.chain;
+        let plain = PivotedQr::default();
+        let campaign = campaign(said, (&chain, &effects, &rows), &info, (&plain, &options))?;
+        let (chain, effects, rows) = match &campaign {
+            Some(campaign) => (campaign.chain(), campaign.effects().to_vec(), campaign.data()),
+            None => (&*chain, effects, &*rows),
+        };
+        let placed = place(chain, rows).map_err(input)?.chain;
         let model = ErrorModel::new(placed, effects).map_err(input)?;
-        let folds = Folds::new(&rows, &split).map_err(input)?;
-        let list = compared(&model, &rows, &solvers, &options, &folds, &|name| {
+        let folds = Folds::new(rows, &split).map_err(input)?;
+        let list = compared(&model, rows, &solvers, &options, &folds, &|name| {
             let _ = working.step(name);
         });
         let summary = ComparisonSummary::new(model.chain().name(), front::split_words(&split), &list);

@@ -37,17 +37,17 @@ impl Data {
         self.info.file.display().to_string()
     }
 
-    /// Refuses what the verbs of Python do not do yet.
+    /// Refuses several installations, and rows at landmarks, for a verb that takes measured poses of one.
     pub fn plain(&self) -> PyResult<()> {
-        let what = match (self.info.sessions.len() < 2, self.info.landmarks.is_empty()) {
+        let words = match (self.info.sessions.len() < 2, self.info.landmarks.is_empty()) {
             (true, true) => return Ok(()),
-            (false, _) => "sessions",
-            (true, false) => "landmarks",
+            (false, _) => {
+                format!("it holds {} sessions ({})", self.info.sessions.len(), self.info.sessions.join(", "))
+            }
+            (true, false) => "it has rows at landmarks".into(),
         };
-        Err(input(format!(
-            "{}: measurements with {what} are not available in Python yet; use the program",
-            self.name()
-        )))
+        let words = format!("{}: {words}; this takes measured poses of one installation", self.name());
+        Err(input(words))
     }
 
     /// Suspected mistakes, with the name of the file.
@@ -102,7 +102,6 @@ pub fn read_data(
     let options = reading(robot, measured, orientation, columns, ignore)?;
     let chain = robot.chain.clone();
     let read = py.detach(|| read_measurements(Path::new(&path), &chain, &options)).map_err(of_io)?;
-    one_installation(&read.1)?;
     Ok(Data::new(chain, positions(read, positions_only)))
 }
 
@@ -123,18 +122,7 @@ pub fn take_data(
     let options = reading(robot, measured, orientation, columns, ignore)?;
     let (chain, table) = (robot.chain.clone(), table.table.clone());
     let read = py.detach(|| measurements_in_memory(table, &chain, &options)).map_err(of_io)?;
-    one_installation(&read.1)?;
     Ok(Data::new(chain, positions(read, positions_only)))
-}
-
-/// Refuses what the program alone can read.
-fn one_installation(info: &CsvInfo) -> PyResult<()> {
-    if info.sessions.len() > 1 || !info.landmarks.is_empty() {
-        return Err(input(
-            "several sessions, and rows at landmarks, are read by the program only: `truepose identify` and `truepose discover` write fits that `truepose.load` reads; of several sessions, give the rows of one",
-        ));
-    }
-    Ok(())
 }
 
 fn positions<I, W>((mut data, info, said): (Dataset, I, W), alone: bool) -> (Dataset, I, W) {
@@ -208,6 +196,21 @@ impl Data {
             target.map(|target| self.chain.targets()[target.0].name.clone())
         };
         self.data.target.iter().map(name).collect()
+    }
+
+    /// Name of the session of each row; None of a table of one installation.
+    #[getter]
+    fn session(&self) -> Vec<Option<String>> {
+        let several = self.info.sessions.len() > 1;
+        let name = |row| self.info.sessions.get(self.data.session(row)).filter(|_| several).cloned();
+        (0..self.data.len()).map(name).collect()
+    }
+
+    /// Name of the landmark of each row; None where a pose was measured.
+    #[getter]
+    fn landmark(&self) -> Vec<Option<String>> {
+        let name = |row| self.data.landmark(row).and_then(|k| self.info.landmarks.get(k).cloned());
+        (0..self.data.len()).map(name).collect()
     }
 
     /// Mass carried, kg; NaN where a wrench was measured.

@@ -4,6 +4,7 @@ use crate::data::Data;
 use crate::error::input;
 use crate::fit::{Fit, Source};
 use crate::hypothesis::PythonHypothesis;
+use crate::identify::campaign;
 use crate::model::{Model, of_python};
 use crate::options::{solver, split};
 use crate::page;
@@ -13,9 +14,9 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use truepose_cli::front;
+use truepose_cli::front::{self, Fitting};
 use truepose_discover::{Diagnosis, DiscoverOptions, Library, Progress, diagnose, nested as nested_folds};
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, FittedModel};
 use truepose_identify::{FitOptions, as_found};
 use truepose_report::{DiscoverySettings, DiscoverySummary, NestedSummary, discovery_report};
 
@@ -26,6 +27,9 @@ pub struct Discovery {
     data: Arc<Dataset>,
     labels: Vec<i64>,
     summary: DiscoverySummary,
+    /// The enlarged fit as it is used: it knows its sessions, and landmarks are no part of it.
+    used: Arc<FittedModel>,
+    remarks: Vec<String>,
     objects: Vec<Py<PyAny>>,
     raised: Raised,
 }
@@ -41,10 +45,15 @@ impl Discovery {
         self.summary.to_string()
     }
 
+    /// What a user should know of sessions and landmarks.
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
     /// The enlarged fit.
     fn fit(&self, py: Python<'_>) -> PyResult<Fit> {
         Ok(Fit {
-            fitted: Arc::new(self.found.fit.fitted.clone()),
+            fitted: self.used.clone(),
             source: Source::Discovered(Box::new((self.found.fit.clone(), self.found.data.clone()))),
             objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
             raised: self.raised.clone(),
@@ -73,7 +82,7 @@ impl Discovery {
     /// Writes the report into a folder.
     fn write_report(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
         let mut summary = self.summary.clone();
-        summary.parameters = Some(front::parameters(&self.found.fit.fitted));
+        summary.parameters = Some(front::parameters(&self.used));
         py.detach(|| {
             page::write(&folder, "discovery.json", &summary, |run| {
                 discovery_report(&summary, &self.found, &self.data, &self.labels, run).map_err(input)
@@ -112,7 +121,6 @@ pub fn discover(
     nested: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Discovery> {
-    data.plain()?;
     let chain = robot.chain.clone();
     let model = Model::of(py, model, &chain)?;
     let (solver, solver_text) = solver(solver_text)?;
@@ -149,9 +157,17 @@ pub fn discover(
     let words_of_solver = solver_text.clone();
     let Model { effects, objects, .. } = model;
     let run = {
-        let (rows, details, map) = (rows.clone(), details.clone(), map.clone());
+        let (rows, details, info) = (rows.clone(), details.clone(), data.info.clone());
+        let said = (robot.beside.rules, (*robot.beside.surroundings).clone());
         move |working: &crate::run::Working| {
             crate::model::prepare(&effects, &chain, &rows)?;
+            let fit = FitOptions::default();
+            let fitting: Fitting<'_> = (&*solver, &fit);
+            let campaign = campaign(said, (&chain, &effects, &rows), &info, fitting)?;
+            let (chain, effects, rows) = match &campaign {
+                Some(campaign) => (campaign.chain(), campaign.effects(), campaign.data()),
+                None => (&*chain, &effects[..], &*rows),
+            };
             let observer = |step: Progress| match step {
                 Progress::Interim(diagnosis) => {
                     *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(diagnosis);
@@ -159,48 +175,57 @@ pub fn discover(
                 }
                 step => working.step(&front::progress_words(&step)),
             };
-            let mut found =
-                diagnose(&chain, &effects, &rows, &*solver, &options, &observer).map_err(input)?;
+            let found = diagnose(chain, effects, rows, &*solver, &options, &observer).map_err(input)?;
             let mut summary = DiscoverySummary::new(&found, settings);
+            let (mut used, remarks) = match &campaign {
+                Some(campaign) => {
+                    campaign.discovered(&mut summary, &found, (&*solver, &options.fit)).map_err(input)?;
+                    (campaign.used(&found.fit.fitted).map_err(input)?, campaign.remarks().to_vec())
+                }
+                None => (found.fit.fitted.clone(), Vec::new()),
+            };
             if let Some(split) = &nested_split {
                 let observer = |fold: usize, step: Progress| {
                     working.step(&format!("fold {}: {}", fold + 1, front::progress_words(&step)))
                 };
-                let judged = nested_folds(&chain, &effects, &rows, split, &*solver, &options, &observer)
+                let judged = nested_folds(chain, effects, rows, split, &*solver, &options, &observer)
                     .map_err(input)?;
                 summary.nested = Some(NestedSummary::new(&judged, front::split_words(split)));
             }
             if let Ok(found) = as_found(&found.placement, &found.data, &FitOptions::default()) {
                 summary.as_found = Some(found.into());
             }
-            front::record_details(&mut found.fit.fitted, &details);
-            front::record_columns(&mut found.fit.fitted, &map);
-            front::discovered(&mut found.fit.fitted, &solver_text, rows.len(), seed, true);
-            Ok((found, summary))
+            front::record_details(&mut used, &details);
+            front::record_columns(&mut used, &info.map);
+            front::discovered(&mut used, &solver_text, rows.len(), seed, true);
+            let rows = campaign.as_ref().map(|campaign| Arc::new(campaign.data().clone()));
+            Ok((found, summary, used, rows, remarks))
         }
     };
-    let finished = |found: Diagnosis, summary: DiscoverySummary, mut objects: Vec<Py<PyAny>>| {
-        for effect in of_python(found.fit.fitted.model().effects()) {
-            objects.push(effect.object().clone_ref(py));
-        }
-        let (data, labels, raised) = (rows.clone(), labels.clone(), raised.clone());
-        Discovery { found, data, labels, summary, objects, raised }
+    let finished = |found: Diagnosis, summary, used: FittedModel, data: Arc<Dataset>, remarks| {
+        let mut objects: Vec<Py<PyAny>> = objects.iter().map(|object| object.clone_ref(py)).collect();
+        objects.extend(of_python(used.model().effects()).map(|effect| effect.object().clone_ref(py)));
+        let (labels, raised, used) = (labels.clone(), raised.clone(), Arc::new(used));
+        Discovery { found, data, labels, summary, used, remarks, objects, raised }
     };
     match supervised(py, progress, vec![raised.clone()], run) {
-        Ok((found, summary)) => Ok(finished(found, summary, objects)),
+        Ok((found, summary, used, data, remarks)) => {
+            Ok(finished(found, summary, used, data.unwrap_or(rows), remarks))
+        }
         Err(error) if error.is_instance_of::<PyKeyboardInterrupt>(py) => {
             let kept = so_far.lock().unwrap_or_else(PoisonError::into_inner).take();
             let interrupted = py.import("truepose")?.getattr("Interrupted")?;
             let found = match kept {
-                Some(mut found) => {
+                Some(found) => {
                     let why = Some("interrupted".to_owned());
                     let summary =
                         DiscoverySummary { incomplete: why, ..DiscoverySummary::new(&found, settings) };
-                    front::record_details(&mut found.fit.fitted, &details);
-                    front::record_columns(&mut found.fit.fitted, &map);
-                    front::discovered(&mut found.fit.fitted, &words_of_solver, rows.len(), seed, false);
-                    found.fit.fitted.provenance.insert("incomplete".into(), "interrupted".into());
-                    Some(finished(*found, summary, objects))
+                    let mut used = found.fit.fitted.clone();
+                    front::record_details(&mut used, &details);
+                    front::record_columns(&mut used, &map);
+                    front::discovered(&mut used, &words_of_solver, rows.len(), seed, false);
+                    used.provenance.insert("incomplete".into(), "interrupted".into());
+                    Some(finished(*found, summary, used, rows, Vec::new()))
                 }
                 None => None,
             };

@@ -50,12 +50,33 @@ impl Fit {
         }
     }
 
-    /// Refuses what is not available yet.
-    fn plain(&self) -> PyResult<()> {
-        match self.fitted.sessions.is_empty() {
-            true => Ok(()),
-            false => Err(input("fits of several sessions are not available in Python yet; use the program")),
+    /// The fit in its only installation; refuses one of several.
+    pub fn one(&self) -> PyResult<Arc<FittedModel>> {
+        match self.fitted.sessions.len() {
+            0 => Ok(self.fitted.clone()),
+            1 => front::in_first_session(&self.fitted).map(Arc::new).map_err(input),
+            _ => {
+                let names: Vec<&str> = self.fitted.sessions.iter().map(|s| s.name.as_str()).collect();
+                let names = names.join(", ");
+                Err(input(format!(
+                    "the fit has several sessions ({names}): choose one with in_session(name)"
+                )))
+            }
         }
+    }
+
+    /// The fit in its first installation, where any will do.
+    pub fn first(&self) -> PyResult<Arc<FittedModel>> {
+        match self.fitted.sessions.is_empty() {
+            true => Ok(self.fitted.clone()),
+            false => front::in_first_session(&self.fitted).map(Arc::new).map_err(input),
+        }
+    }
+
+    /// Another fit with the effects of this one.
+    pub fn with(&self, py: Python<'_>, fitted: FittedModel, source: Source) -> Self {
+        let objects = self.objects.iter().map(|object| object.clone_ref(py)).collect();
+        Fit { fitted: Arc::new(fitted), source, objects, raised: self.raised.clone() }
     }
 
     /// What Python code raised meanwhile, else the result.
@@ -104,6 +125,18 @@ impl Fit {
         self.objects.iter().map(|object| object.clone_ref(py)).collect()
     }
 
+    /// Names of the installations that it knows; none where it is one.
+    #[getter]
+    fn sessions(&self) -> Vec<String> {
+        self.fitted.sessions.iter().map(|session| session.name.clone()).collect()
+    }
+
+    /// The fit in one of them.
+    fn in_session(&self, py: Python<'_>, name: &str) -> PyResult<Self> {
+        let made = front::in_session(&self.fitted, name).map_err(input)?;
+        Ok(self.with(py, made, Source::Loaded))
+    }
+
     fn robot(&self) -> Robot {
         Robot::of(self.fitted.chain(), &self.fitted)
     }
@@ -134,7 +167,13 @@ impl Fit {
     /// degrees of freedom are not known).
     fn coefficients(&self) -> Vec<(&'static str, String, String, f64, f64, f64)> {
         let model = self.fitted.model();
-        let half = self.whole().map(Fitted::half_widths);
+        // Of a fit with landmarks the file has the robot alone.
+        let half = self.whole().map(|fit| {
+            let (half, all) = (fit.half_widths(), fit.fitted.model());
+            let own =
+                |k: &usize| ["landmarks", "observed"].contains(&all.effects()[all.effect_of(*k)].kind());
+            (0..half.len()).filter(|k| !own(k)).map(|k| half[k]).collect::<Vec<f64>>()
+        });
         let covariance = self.fitted.covariance();
         let one = |(k, (column, &value)): (usize, (&truepose_errormodel::Column, &f64))| {
             let family = model.effects()[model.effect_of(k)].kind();
@@ -153,11 +192,11 @@ impl Fit {
     /// Of each group of errors that the data determines: words, unit, value, half width of its 95 % interval; none of a loaded fit.
     fn groups(&self) -> Option<Vec<(String, String, f64, f64)>> {
         let fit = self.whole()?;
-        let model = self.fitted.model();
+        let (model, coefficients) = (fit.fitted.model(), fit.fitted.coefficients());
         let half = fit.half_widths();
         let one = |group: &truepose_identify::reduction::Group| {
             let unit = model.columns()[group.column].unit.clone();
-            (group_words(model, group), unit, self.fitted.coefficients()[group.column], half[group.column])
+            (group_words(model, group), unit, coefficients[group.column], half[group.column])
         };
         Some(fit.reduction.groups.iter().map(one).collect())
     }
@@ -198,8 +237,7 @@ impl Fit {
 
     /// Residuals of other rows.
     fn residuals_of<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<Both<'py>> {
-        self.plain()?;
-        let (fitted, rows) = (self.fitted.clone(), data.data.clone());
+        let (fitted, rows) = (self.one()?, data.data.clone());
         let effects = self.fitted.model().effects();
         let residuals = self.checked(py.detach(|| {
             prepare(effects, fitted.chain(), &rows)?;
@@ -210,12 +248,14 @@ impl Fit {
 
     /// Predicts rows: columns of the file of predictions, without what it repeats of the input; and warnings.
     fn predict<'py>(&self, py: Python<'py>, data: &Data) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
-        self.plain()?;
+        if data.info.sessions.is_empty() {
+            self.one()?;
+        }
         let (fitted, input_rows) = (self.fitted.clone(), data.data.clone());
         let effects = self.fitted.model().effects();
         let predicted = self.checked(py.detach(|| {
             prepare(effects, fitted.chain(), &input_rows)?;
-            front::predict(&fitted, &input_rows).map_err(input)
+            front::predict(&fitted, &input_rows, &data.info).map_err(input)
         }))?;
         let all = PyDict::new(py);
         let list = &predicted.rows;
@@ -232,8 +272,7 @@ impl Fit {
 
     /// Commands for desired poses; and warnings.
     fn compensate<'py>(&self, py: Python<'py>, poses: &Table) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
-        self.plain()?;
-        let fitted = (*self.fitted).clone().of_robot();
+        let fitted = (*self.one()?).clone().of_robot();
         let chain = fitted.chain();
         let (mut poses, _, said) =
             poses_in_memory(poses.table.clone(), chain, &front::recorded_columns(&fitted)).map_err(of_io)?;
@@ -276,7 +315,8 @@ impl Fit {
         hayati: bool,
         entries: usize,
     ) -> PyResult<(String, Vec<String>)> {
-        let chain = self.fitted.chain();
+        let fitted = self.first()?;
+        let chain = fitted.chain();
         let target = target
             .map(|name| {
                 chain.target_named(name).ok_or_else(|| input(format!("the robot has no target `{name}`")))
@@ -284,7 +324,7 @@ impl Fit {
             .transpose()?;
         let urdf = urdf.as_deref();
         let to = front::ExportTo { format, target, urdf, hayati, entries, style };
-        let export = || front::export(&self.fitted, to).map_err(input);
+        let export = || front::export(&fitted, to).map_err(input);
         let written = self.checked(py.detach(export))?;
         Ok((written.text, written.statement))
     }

@@ -11,9 +11,25 @@ use crate::run::supervised;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::sync::Arc;
-use truepose_cli::front;
+use truepose_cli::front::{self, Campaign, Fitting};
+use truepose_errormodel::{AnyEffect, Dataset, SessionRules, Surroundings};
 use truepose_identify::{FitOptions, IdentificationOptions, Step, identify as identified};
+use truepose_io::CsvInfo;
+use truepose_kinematics::Chain;
 use truepose_report::IdentificationSummary;
+
+/// Rows of several installations, or at landmarks, made ready; none where they are measured poses of one.
+pub fn campaign(
+    said: (SessionRules, Surroundings),
+    (chain, effects, rows): (&Chain, &[Box<dyn AnyEffect>], &Dataset),
+    info: &CsvInfo,
+    fitting: Fitting<'_>,
+) -> PyResult<Option<Campaign>> {
+    if info.sessions.len() < 2 && info.landmarks.is_empty() {
+        return Ok(None);
+    }
+    Campaign::of(said, chain.clone(), effects.to_vec(), rows.clone(), info, fitting).map(Some).map_err(input)
+}
 
 #[pyfunction]
 #[pyo3(signature = (robot, data, model, solver_text, folds, split_kind, repeat, seed, holdout, prior_strength, linear, reduce_once, rounds, fold_labels, progress))]
@@ -35,8 +51,7 @@ pub fn identify(
     rounds: Option<usize>,
     fold_labels: Option<PyReadonlyArray1<'_, i64>>,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Fit> {
-    data.plain()?;
+) -> PyResult<(Fit, Vec<String>)> {
     let chain = robot.chain.clone();
     let model = Model::of(py, model, &chain)?;
     let (solver, solver_text) = solver(solver_text)?;
@@ -59,21 +74,38 @@ pub fn identify(
     let suspected = data.suspected();
     let raised = model.raised.clone();
     let Model { effects, objects, .. } = model;
-    let made = supervised(py, progress, vec![raised.clone()], move |working| {
+    let said = (robot.beside.rules, (*robot.beside.surroundings).clone());
+    let (made, used, remarks) = supervised(py, progress, vec![raised.clone()], move |working| {
         crate::model::prepare(&effects, &chain, &rows)?;
+        let fitting: Fitting<'_> = (&*solver, &options.fit);
+        let campaign = campaign(said, (&chain, &effects, &rows), &info, fitting)?;
+        let (chain, effects, data) = match &campaign {
+            Some(campaign) => (campaign.chain(), campaign.effects(), campaign.data()),
+            None => (&*chain, &effects[..], &*rows),
+        };
+        campaign.iter().try_for_each(|campaign| campaign.without_test_set(options.holdout)).map_err(input)?;
         let observer = |step: Step| working.step(words(step));
-        let mut found = identified(&chain, &effects, &rows, &*solver, &options, &observer).map_err(input)?;
+        let found = identified(chain, effects, data, &*solver, &options, &observer).map_err(input)?;
         let held_out_by = options.split.as_ref().map(front::split_words);
         let mut summary =
-            IdentificationSummary::new(&found, &rows, &info.visit_labels, &solver_text, held_out_by);
+            IdentificationSummary::new(&found, data, &info.visit_labels, &solver_text, held_out_by);
         summary.warnings.splice(0..0, suspected);
-        front::record_details(&mut found.fit.fitted, &details);
-        front::record_columns(&mut found.fit.fitted, &info.map);
-        front::identified(&mut found.fit.fitted, &solver_text, rows.len(), seed, holdout.is_some());
-        Ok(Identified { found, data: rows, labels: info.visit_labels.clone(), summary })
+        let (mut used, remarks) = match &campaign {
+            Some(campaign) => {
+                summary = campaign.identified(summary, &found).map_err(input)?;
+                (campaign.used(&found.fit.fitted).map_err(input)?, campaign.remarks().to_vec())
+            }
+            None => (found.fit.fitted.clone(), Vec::new()),
+        };
+        front::record_details(&mut used, &details);
+        front::record_columns(&mut used, &info.map);
+        front::identified(&mut used, &solver_text, data.len(), seed, holdout.is_some());
+        let labels = info.visit_labels.clone();
+        let data = campaign.map_or(rows, |campaign| Arc::new(campaign.data().clone()));
+        Ok((Identified { found, data, labels, summary }, used, remarks))
     })?;
-    let fitted = Arc::new(made.found.fit.fitted.clone());
-    Ok(Fit { fitted, source: Source::Identified(Box::new(made)), objects, raised })
+    let source = Source::Identified(Box::new(made));
+    Ok((Fit { fitted: Arc::new(used), source, objects, raised }, remarks))
 }
 
 fn words(step: Step) -> &'static str {

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod acceptance;
 mod accumulate;
 mod arrays;
 mod arrow;
@@ -21,6 +22,7 @@ mod page;
 mod plan;
 mod postures;
 mod program;
+mod rewrite;
 mod robot;
 mod run;
 mod simulate;
@@ -36,6 +38,8 @@ use pyo3::prelude::*;
 mod _core {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::acceptance::{Acceptance, iso9283};
     #[pymodule_export]
     use crate::accumulate::Accumulator;
     #[pymodule_export]
@@ -63,6 +67,8 @@ mod _core {
     #[pymodule_export]
     use crate::program::run;
     #[pymodule_export]
+    use crate::rewrite::rewrite;
+    #[pymodule_export]
     use crate::robot::Robot;
     #[pymodule_export]
     use crate::simulate::simulate;
@@ -71,7 +77,7 @@ mod _core {
     #[pymodule_export]
     use crate::table::{Table, read_table};
     #[pymodule_export]
-    use crate::upkeep::{monitor, transfer};
+    use crate::upkeep::{fleet, identify_sister, monitor, monitoring, transfer};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -7,9 +7,9 @@ use crate::fit::Fit;
 use crate::run::supervised;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use truepose_identify::{PlanOptions, Why, plan as planned};
+use truepose_identify::{PlanOptions, Why, plan as chosen};
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Load, Payload};
+use truepose_kinematics::{Chain, Load, Payload};
 use truepose_report::PlanSummary;
 
 /// Joint values, loads and directions of the planned pose measurements; the summary as JSON and as text.
@@ -33,36 +33,60 @@ pub fn plan<'py>(
     let com = Vector3::from(com);
     let loads = loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect();
     let options = PlanOptions { count, loads, pool: pool.max(count), seed };
-    let (fitted, rival) = (fit.fitted.clone(), rival.map(|rival| rival.fitted.clone()));
+    let (fitted, rival) = (fit.first()?, rival.map(|rival| rival.first()).transpose()?);
     let goals = at.map(|data| data.data.clone());
     let made = supervised(py, None, vec![fit.raised.clone()], move |_| {
         let goals = match &goals {
             Some(data) => Some(data.derived_for(fitted.model()).map_err(input)?.into_owned()),
             None => None,
         };
-        planned(&fitted, rival.as_deref(), goals.as_ref(), &options).map_err(input)
+        chosen(&fitted, rival.as_deref(), goals.as_ref(), &options).map_err(input)
     })?;
-    let chain = fit.fitted.chain();
-    let (mut q, mut approach) =
-        (vec![Vec::new(); chain.movable().len()], vec![Vec::new(); chain.movable().len()]);
-    for visit in &made.visits {
-        let mut values = visit.conditions.joints.clone();
+    let why = |why| if why == Why::New { "new" } else { "repeat" };
+    let visits: Vec<Planned<'_>> = made
+        .visits
+        .iter()
+        .map(|visit| Planned {
+            joints: &visit.conditions.joints,
+            load: visit.conditions.load,
+            approach: &visit.conditions.approach,
+            why: why(visit.why),
+            worth: visit.worth,
+        })
+        .collect();
+    let all = planned(py, fit.fitted.chain(), &visits)?;
+    let summary = PlanSummary::new(&made);
+    Ok((all, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
+}
+
+/// A pose measurement of a plan.
+pub struct Planned<'a> {
+    pub joints: &'a [f64],
+    pub load: Load,
+    pub approach: &'a [f64],
+    pub why: &'static str,
+    pub worth: f64,
+}
+
+/// Pose measurements as arrays.
+pub fn planned<'py>(py: Python<'py>, chain: &Chain, visits: &[Planned<'_>]) -> PyResult<Bound<'py, PyDict>> {
+    let dof = chain.movable().len();
+    let (mut q, mut approach) = (vec![Vec::new(); dof], vec![Vec::new(); dof]);
+    for visit in visits {
+        let mut values = visit.joints.to_vec();
         chain.joints_to_controller(&mut values);
         q.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
-        approach.iter_mut().zip(&visit.conditions.approach).for_each(|(column, &side)| column.push(side));
+        approach.iter_mut().zip(visit.approach).for_each(|(column, &side)| column.push(side));
     }
     let all = PyDict::new(py);
-    let rows = made.visits.len();
-    all.set_item("q", beside(py, rows, &q))?;
-    all.set_item("approach", beside(py, rows, &approach))?;
+    all.set_item("q", beside(py, visits.len(), &q))?;
+    all.set_item("approach", beside(py, visits.len(), &approach))?;
     let mass = |load: Load| match load {
         Load::Payload(payload) => payload.mass,
         _ => 0.0,
     };
-    all.set_item("payload", vector(py, made.visits.iter().map(|v| mass(v.conditions.load)).collect()))?;
-    let why = |why| if why == Why::New { "new" } else { "repeat" };
-    all.set_item("why", made.visits.iter().map(|v| why(v.why)).collect::<Vec<_>>())?;
-    all.set_item("worth", vector(py, made.visits.iter().map(|v| v.worth).collect()))?;
-    let summary = PlanSummary::new(&made);
-    Ok((all, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
+    all.set_item("payload", vector(py, visits.iter().map(|visit| mass(visit.load)).collect()))?;
+    all.set_item("why", visits.iter().map(|visit| visit.why).collect::<Vec<_>>())?;
+    all.set_item("worth", vector(py, visits.iter().map(|visit| visit.worth).collect()))?;
+    Ok(all)
 }

@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 use truepose_cli::front;
-use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel};
+use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
 use truepose_io::{
-    ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_details, read_robot, robot_columns,
-    robot_from_text, robot_toml,
+    ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_details, read_robot, read_text,
+    robot_beside, robot_from_text, robot_toml,
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, Conditions, JointKind, Posture, PostureBuffer, joint_jacobian};
@@ -22,7 +22,29 @@ pub struct Robot {
     pub details: RobotDetails,
     pub columns: ColumnMap,
     pub warnings: Vec<String>,
+    pub beside: Beside,
 }
+
+/// What a description says of sessions and of landmarks, and its text where it says something: name of the file, text.
+#[derive(Clone, Default)]
+pub struct Beside {
+    pub rules: SessionRules,
+    pub surroundings: Arc<Surroundings>,
+    text: Option<(String, String)>,
+}
+
+impl Beside {
+    /// Of the text of a description, and its columns.
+    fn of(name: &str, text: &str) -> PyResult<(Self, ColumnMap)> {
+        let (columns, rules, around) = robot_beside(name, text).map_err(of_io)?;
+        let says = rules != SessionRules::default() || !around.landmarks.is_empty();
+        let text = says.then(|| (name.to_owned(), text.to_owned()));
+        Ok((Beside { rules, surroundings: Arc::new(around), text }, columns))
+    }
+}
+
+/// Where the bytes of a robot have the text of its description.
+const DESCRIPTION: &str = "description";
 
 impl Robot {
     /// Of a chain, with what a fit has recorded of its description.
@@ -33,6 +55,7 @@ impl Robot {
             details: RobotDetails { units, frames, certificate: None },
             columns: front::recorded_columns(fitted),
             warnings: Vec::new(),
+            beside: Beside::default(),
         }
     }
 
@@ -43,6 +66,7 @@ impl Robot {
             details: RobotDetails::default(),
             columns: ColumnMap::default(),
             warnings: Vec::new(),
+            beside: Beside::default(),
         }
     }
 
@@ -78,11 +102,18 @@ impl Robot {
     #[staticmethod]
     fn from_file(path: PathBuf, base: Option<String>, tip: Option<String>) -> PyResult<Self> {
         let (chain, said) = read_robot(&path, &RobotOptions { base, tip }).map_err(of_io)?;
+        let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+        // What is no regular file can be read once.
+        let (beside, columns) = match toml && path.is_file() {
+            true => Beside::of(&path.display().to_string(), &read_text(&path).map_err(of_io)?)?,
+            false => (Beside::default(), ColumnMap::default()),
+        };
         Ok(Robot {
             chain: Arc::new(chain),
             details: read_details(&path).map_err(of_io)?,
-            columns: robot_columns(&path).map_err(of_io)?,
+            columns,
             warnings: warnings(&said),
+            beside,
         })
     }
 
@@ -90,7 +121,26 @@ impl Robot {
     #[staticmethod]
     fn from_text(name: &str, text: &str) -> PyResult<Self> {
         let (chain, said) = robot_from_text(name, text, &RobotOptions::default()).map_err(of_io)?;
-        Ok(Robot { warnings: warnings(&said), ..Robot::bare(&chain) })
+        let (beside, columns) = Beside::of(name, text)?;
+        Ok(Robot { warnings: warnings(&said), columns, beside, ..Robot::bare(&chain) })
+    }
+
+    /// Robots of the library: name, maker and model.
+    #[staticmethod]
+    fn library() -> Vec<(&'static str, &'static str)> {
+        front::robots().map(|(name, title, _)| (name, title)).collect()
+    }
+
+    /// One of them.
+    #[staticmethod]
+    fn named(name: &str) -> PyResult<Self> {
+        let found = front::robots().find(|(known, ..)| known.eq_ignore_ascii_case(name));
+        let Some((known, _, text)) = found else {
+            let near = front::robots_near(name).join(", ");
+            let hint = if near.is_empty() { near } else { format!("; did you mean {near}?") };
+            return Err(input(format!("the library has no robot `{name}`{hint}")));
+        };
+        Robot::from_text(&format!("{known}.toml"), text)
     }
 
     /// Every digit of it, for [`Robot::from_bytes`].
@@ -99,13 +149,21 @@ impl Robot {
         let mut fitted = FittedModel::new(model, Vec::new(), DMatrix::zeros(0, 0)).map_err(input)?;
         front::record_details(&mut fitted, &self.details);
         front::record_columns(&mut fitted, &self.columns);
+        if let Some((name, text)) = &self.beside.text {
+            fitted.provenance.insert(DESCRIPTION.into(), serde_json::json!([name, text]));
+        }
         fit_json("robot", &fitted).map_err(of_io)
     }
 
     #[staticmethod]
     fn from_bytes(text: &str) -> PyResult<Self> {
         let fitted = parse_fit(text, &EffectRegistry::empty()).map_err(of_io)?;
-        Ok(Robot::of(fitted.chain(), &fitted))
+        let word = |k: usize| fitted.provenance.get(DESCRIPTION)?.get(k)?.as_str();
+        let beside = match (word(0), word(1)) {
+            (Some(name), Some(text)) => Beside::of(name, text)?.0,
+            _ => Beside::default(),
+        };
+        Ok(Robot { beside, ..Robot::of(fitted.chain(), &fitted) })
     }
 
     #[getter]

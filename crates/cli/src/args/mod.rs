@@ -14,7 +14,8 @@ pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predi
 pub use grouped::Grouped;
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
-pub use program::GivenPlace;
+pub(crate) use program::parse_given;
+pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Fleet, Monitor, Transfer};
 pub use values::{Place, Prior};
 

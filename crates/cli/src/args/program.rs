@@ -6,7 +6,7 @@ use truepose_controllers::Dialect;
 use truepose_kinematics::Pose;
 
 /// A robot program, and what it leaves open.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 pub struct RobotProgram {
     /// Robot program whose points are replaced by compensated ones, instead of poses: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots
     /// .script, Yaskawa .jbi, Stäubli .dtx
@@ -80,7 +80,7 @@ pub struct GivenPlace {
 }
 
 /// `base`, `900mm,0mm,50mm,0,0,90`, `UF1=900mm,0mm,50mm,0,0,90`.
-pub(super) fn parse_given(text: &str) -> Result<GivenPlace, String> {
+pub(crate) fn parse_given(text: &str) -> Result<GivenPlace, String> {
     match text.split_once('=') {
         Some((name, place)) if !name.trim().is_empty() => {
             Ok(GivenPlace { name: Some(name.trim().into()), place: parse_place(place)? })

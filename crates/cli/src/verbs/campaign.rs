@@ -4,16 +4,24 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::any::Any;
 use std::path::Path;
+use truepose_discover::Diagnosis;
 use truepose_errormodel::observation::{Camera, KINDS, Sphere, unknown};
-use truepose_errormodel::{AnyEffect, Dataset, FittedModel, Installed, Landmark, Surroundings};
-use truepose_identify::{Fit, FitOptions, LandmarkFold, Residuals, Touched, leverages, touched, unify};
+use truepose_errormodel::{AnyEffect, Dataset, FittedModel, Installed, Landmark, SessionRules, Surroundings};
+use truepose_identify::{
+    Fit, FitOptions, Identification, LandmarkFold, Residuals, Touched, landmark_cross_validation,
+    landmark_groups, leverages, touched, unify,
+};
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
 use truepose_kinematics::Chain;
-use truepose_report::{KindsSummary, LandmarksSummary, SessionSummary, session_summaries};
+use truepose_report::{
+    DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary,
+    session_summaries,
+};
 use truepose_solvers::Solver;
 
 /// Rows, robot and effects of a fit.
-pub(super) struct Campaign {
+#[derive(Debug)]
+pub(crate) struct Campaign {
     pub chain: Chain,
     pub effects: Vec<Box<dyn AnyEffect>>,
     pub data: Dataset,
@@ -23,12 +31,34 @@ pub(super) struct Campaign {
     placed: Vec<Option<f64>>,
     /// Landmarks that were touched.
     touched: Option<Touched>,
+    /// What a user should know of it.
+    pub remarks: Vec<String>,
 }
 
 impl Campaign {
-    /// Of what was read; `robot` is the file that may say what sessions share, and what is known of landmarks.
-    pub fn of(
+    /// Of what was read; `robot` is the file that may say what sessions share, and what is known of landmarks. Remarks are printed.
+    pub fn read(
         (robot, file): (&Path, &Path),
+        chain: Chain,
+        effects: Vec<Box<dyn AnyEffect>>,
+        data: Dataset,
+        info: &CsvInfo,
+        fit: (&dyn Solver, &FitOptions),
+    ) -> Result<Self, Failure> {
+        let surroundings = match info.landmarks.is_empty() {
+            true => Surroundings::default(),
+            false => robot_surroundings(robot)?,
+        };
+        let rules = if info.sessions.len() < 2 { SessionRules::default() } else { robot_sessions(robot)? };
+        let made = Campaign::of((rules, surroundings), file, chain, effects, data, info, fit)?;
+        terminal::warn(made.remarks.as_slice());
+        Ok(made)
+    }
+
+    /// Of what was read, with what sessions share, and what is known of landmarks; `file` names the data in messages.
+    pub fn of(
+        (rules, surroundings): (SessionRules, Surroundings),
+        file: &Path,
         chain: Chain,
         effects: Vec<Box<dyn AnyEffect>>,
         data: Dataset,
@@ -43,27 +73,67 @@ impl Campaign {
                 return Err(Failure::Input(format!("{}: {words}", file.display())));
             }
             let mut data = data;
-            let surroundings = declared(robot, file, &mut data, info)?;
+            let surroundings = declared(surroundings, file, &mut data, info)?;
             let found = touched(&chain, &effects, &data, &surroundings, fit).map_err(about)?;
-            terminal::warn(found.remarks.as_slice());
             let (chain, effects, data) = (found.chain.clone(), found.effects.clone(), found.data.clone());
-            return Ok(Campaign {
-                touched: Some(found),
-                ..Campaign { chain, effects, data, installed: Vec::new(), placed: Vec::new(), touched: None }
-            });
+            let (installed, placed, remarks) = (Vec::new(), Vec::new(), found.remarks.clone());
+            return Ok(Campaign { chain, effects, data, installed, placed, touched: Some(found), remarks });
         }
         if info.sessions.len() < 2 {
-            let (installed, placed) = (Vec::new(), Vec::new());
-            return Ok(Campaign { chain, effects, data, installed, placed, touched: None });
+            let (installed, placed, remarks) = (Vec::new(), Vec::new(), Vec::new());
+            return Ok(Campaign { chain, effects, data, installed, placed, touched: None, remarks });
         }
-        let rules = robot_sessions(robot)?;
         let found = unify(&chain, &data, &info.sessions, rules).map_err(about)?;
-        terminal::warn(found.remarks.as_slice());
         let mut effects = effects;
         effects.extend(found.effects);
         let placed = found.placed.iter().map(|session| session.rms).collect();
-        let (chain, data, installed) = (found.chain, found.data, found.installed);
-        Ok(Campaign { chain, effects, data, installed, placed, touched: None })
+        let (chain, data, installed, remarks) = (found.chain, found.data, found.installed, found.remarks);
+        Ok(Campaign { chain, effects, data, installed, placed, touched: None, remarks })
+    }
+
+    /// Refuses a test set of an identification whose landmarks are left out as a whole.
+    pub fn without_test_set(&self, holdout: Option<f64>) -> Result<(), Failure> {
+        if holdout.is_some() && landmark_groups(&self.effects).is_some() {
+            let words = "--holdout: rows that share a landmark are left out together, one landmark after the other, so that no test set is drawn from them; leave out --holdout";
+            return Err(Failure::Input(words.into()));
+        }
+        Ok(())
+    }
+
+    /// What an identification says of sessions, landmarks and kinds of observation.
+    pub fn identified(
+        &self,
+        mut summary: IdentificationSummary,
+        found: &Identification,
+    ) -> Result<IdentificationSummary, Failure> {
+        let held_out = found.declared.held_out.as_ref().filter(|_| found.test_set.is_none());
+        let held_out = held_out.map(|cv| &cv.residuals);
+        summary.sessions = self.sessions(&found.fit.fitted, held_out)?;
+        let landmarks = self.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
+        summary = summary.with_landmarks(landmarks);
+        let before = Some(&found.frames_only.train);
+        let whole = landmark_groups(&self.effects).is_some();
+        Ok(summary.with_kinds(self.kinds(&found.fit, before, held_out)?, whole))
+    }
+
+    /// What a discovery says of the same.
+    pub fn discovered(
+        &self,
+        summary: &mut DiscoverySummary,
+        found: &Diagnosis,
+        of_fit: (&dyn Solver, &FitOptions),
+    ) -> Result<(), Failure> {
+        summary.sessions = self.sessions(&found.fit.fitted, None)?;
+        let mut left_out = None;
+        if let Some(groups) = landmark_groups(&self.effects) {
+            let judged = landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?;
+            let (held_out, folds) =
+                judged.map_or((None, Vec::new()), |(of, folds)| (Some(of.residuals), folds));
+            summary.landmarks = self.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
+            left_out = held_out;
+        }
+        summary.kinds = self.kinds(&found.fit, None, left_out.as_ref())?;
+        Ok(())
     }
 
     /// A fit as it is used: it knows its sessions, and landmarks are no part of it.
@@ -79,7 +149,7 @@ impl Campaign {
     }
 
     /// Each session on its own: none where it is one. The fit is in the frame of the first.
-    pub fn sessions(
+    fn sessions(
         &self,
         fitted: &FittedModel,
         held_out: Option<&Residuals>,
@@ -93,7 +163,7 @@ impl Campaign {
     }
 
     /// Spread at each landmark and known distances: none without landmarks that were touched.
-    pub fn landmarks(
+    fn landmarks(
         &self,
         fitted: &FittedModel,
         held_out: Option<&Residuals>,
@@ -108,7 +178,7 @@ impl Campaign {
     }
 
     /// What each kind of observation leaves; none where no row measured a single number. `before` are residuals with the installation alone.
-    pub fn kinds(
+    fn kinds(
         &self,
         fit: &Fit,
         before: Option<&Residuals>,
@@ -125,8 +195,12 @@ impl Campaign {
 }
 
 /// What the robot file says of the landmarks of a table; where it names none, all of them are unknown. The rows count as it does.
-fn declared(robot: &Path, file: &Path, data: &mut Dataset, info: &CsvInfo) -> Result<Surroundings, Failure> {
-    let mut known = robot_surroundings(robot)?;
+fn declared(
+    mut known: Surroundings,
+    file: &Path,
+    data: &mut Dataset,
+    info: &CsvInfo,
+) -> Result<Surroundings, Failure> {
     let undeclared = known.landmarks.is_empty();
     if undeclared {
         let point = |name: &String| Landmark { name: name.clone(), ..Landmark::default() };

@@ -36,7 +36,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let plain = (&solver as &dyn Solver, &options);
             let installation = || -> Vec<Box<dyn AnyEffect>> { vec![Box::new(tool(&chain))] };
             let campaign =
-                Campaign::of((&args.robot.robot, path), chain.clone(), installation(), data, &info, plain)?;
+                Campaign::read((&args.robot.robot, path), chain.clone(), installation(), data, &info, plain)?;
             let (placed, data) = (&campaign.chain, &campaign.data);
             let suspicions = suspicions(placed, data);
             let words: Vec<String> = suspicions

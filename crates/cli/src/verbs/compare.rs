@@ -35,7 +35,7 @@ pub fn run(args: &Compare, watch: &Watch) -> Result<(), Failure> {
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
     let plain = truepose_solvers::PivotedQr::default();
     let options = FitOptions { prior: args.prior, ..FitOptions::default() };
-    let campaign = Campaign::of(files_read, chain, effects, data, &info, (&plain, &options))?;
+    let campaign = Campaign::read(files_read, chain, effects, data, &info, (&plain, &options))?;
     let Campaign { chain, effects, data, .. } = &campaign;
     terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
     let placed = place(chain, data)?.chain;

@@ -17,7 +17,7 @@ use truepose_discover::{
     CompetingFit, Diagnosis, DiscoverError, DiscoverOptions, Progress, diagnose, nested,
 };
 use truepose_errormodel::{Dataset, FittedModel, ModelError};
-use truepose_identify::{FitOptions, IdentifyError, as_found, landmark_cross_validation, landmark_groups};
+use truepose_identify::{FitOptions, IdentifyError, as_found};
 use truepose_io::{
     WholeFiles, check_writable, fit_json, make_folder, read_measurements, write_fit, write_whole,
 };
@@ -47,7 +47,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
     let solver = args.solver.build();
     let fit = FitOptions::default();
-    let campaign = Campaign::of(files_read, chain, declared, data, &info, (&*solver, &fit))?;
+    let campaign = Campaign::read(files_read, chain, declared, data, &info, (&*solver, &fit))?;
     let Campaign { chain, effects: declared, data, .. } = &campaign;
     terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
     terminal::warn(repeated(data, &args.measured.data).as_slice());
@@ -85,16 +85,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     .map_err(|error| refused(args, error))?;
     drop(bar);
     let mut summary = DiscoverySummary::new(&found, settings);
-    summary.sessions = campaign.sessions(&found.fit.fitted, None)?;
-    let mut left_out = None;
-    if let Some(groups) = landmark_groups(declared) {
-        let of_fit = (&*solver, &options.fit);
-        let judged = landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?;
-        let (held_out, folds) = judged.map_or((None, Vec::new()), |(of, folds)| (Some(of.residuals), folds));
-        summary.landmarks = campaign.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
-        left_out = held_out;
-    }
-    summary.kinds = campaign.kinds(&found.fit, None, left_out.as_ref())?;
+    campaign.discovered(&mut summary, &found, (&*solver, &options.fit))?;
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));

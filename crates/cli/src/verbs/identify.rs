@@ -12,7 +12,7 @@ use crate::recorded::record_columns;
 use crate::terminal;
 use crate::watch::Watch;
 use truepose_errormodel::{Dataset, Visits, configurations};
-use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify, landmark_groups};
+use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{WholeFiles, check_writable, fit_json, read_measurements};
 use truepose_report::{IdentificationSummary, identification_report};
 
@@ -51,13 +51,9 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     };
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
     let solver = args.solver.build();
-    let campaign = Campaign::of(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
+    let campaign = Campaign::read(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
     let Campaign { chain, effects, data, .. } = &campaign;
-    let whole = landmark_groups(effects).is_some();
-    if whole && args.holdout.is_some() {
-        let words = "--holdout: rows that share a landmark are left out together, one landmark after the other, so that no test set is drawn from them; leave out --holdout";
-        return Err(Failure::Input(words.into()));
-    }
+    campaign.without_test_set(args.holdout)?;
     // Shown with the result, or with the error where there is none.
     let suspected = suspected(chain, data, &args.measured.data);
     let progress = Progress::steps(Step::ALL.len(), watch);
@@ -80,13 +76,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if let Some(limit) = args.spec {
         summary = summary.with_specification(limit, &found, data);
     }
-    let held_out = found.declared.held_out.as_ref().filter(|_| found.test_set.is_none());
-    let held_out = held_out.map(|cv| &cv.residuals);
-    summary.sessions = campaign.sessions(&found.fit.fitted, held_out)?;
-    let landmarks = campaign.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
-    summary = summary.with_landmarks(landmarks);
-    let before = Some(&found.frames_only.train);
-    summary = summary.with_kinds(campaign.kinds(&found.fit, before, held_out)?, whole);
+    summary = campaign.identified(summary, &found)?;
     // Pages are of the whole fit; its file is of the robot alone.
     let mut used = campaign.used(&found.fit.fitted)?;
     parameters::record_details(&mut used, &args.measured.robot.robot)?;

@@ -1,7 +1,7 @@
 //! The verbs: each reads its files, calls the libraries, prints and writes.
 
 pub(crate) mod beyond;
-mod campaign;
+pub(crate) mod campaign;
 mod check;
 mod compare;
 pub(crate) mod compensate;
@@ -26,12 +26,12 @@ mod plan;
 mod plan_iso9283;
 mod plan_monitor;
 pub(crate) mod predict;
-mod program;
+pub(crate) mod program;
 mod repeated;
 mod reporting;
-mod sessions;
+pub(crate) mod sessions;
 mod simulate;
-mod sister;
+pub(crate) mod sister;
 mod stream;
 mod transfer;
 mod verify;

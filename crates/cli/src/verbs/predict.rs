@@ -16,7 +16,7 @@ use truepose_compensate::radius_95;
 use truepose_errormodel::{Coverage, Dataset, FittedModel, SESSION};
 use truepose_identify::{Residuals, Spread, Tally};
 use truepose_io::{
-    MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, Repeated, WholeFiles,
+    CsvInfo, MeasurementsOptions, MeasurementsReader, Prediction, PredictionsWriter, Repeated, WholeFiles,
     check_writable, read_fit, read_measurements, write_predictions,
 };
 use truepose_kinematics::nalgebra::Matrix3;
@@ -53,23 +53,8 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
         .map_err(|words| Failure::Input(format!("{}: {words}", args.data.display())))?;
     terminal::warn(&warnings);
     let sessions = data.sessions().map(<[f64]>::to_vec);
-    let parts = parts(&fitted, &mut data, &info, args.session.as_deref(), &args.data)?;
-    let (mut predicted, mut beyond) = (Vec::new(), beyond::Tally::default());
-    let mut residuals = Residuals::default();
-    for part in &parts {
-        let here = data.select(&part.rows);
-        let inputs = here.derived_for(part.fitted.model()).map_err(about(&args.data))?;
-        let coverage = Coverage::new(&part.fitted, &inputs.schema).map_err(about(&args.data))?;
-        let (some, of_part) = predict(&part.fitted, &coverage, &inputs);
-        beyond.join(&of_part);
-        predicted.extend(some);
-        let of_part = Residuals::of(&part.fitted, &here)?;
-        residuals.position.extend(of_part.position);
-        residuals.orientation.extend(of_part.orientation);
-    }
-    in_order(&parts, &mut predicted);
-    in_order(&parts, &mut residuals.position);
-    in_order(&parts, &mut residuals.orientation);
+    let Inside { predicted, beyond, residuals } =
+        in_sessions(&fitted, &mut data, &info, args.session.as_deref(), &args.data)?;
     let (position, orientation) = (residuals.positions(), residuals.orientations());
     if let Some(folder) = &folder {
         let view = PredictionView {
@@ -93,6 +78,44 @@ pub fn run(args: &Predict, watch: &Watch) -> Result<(), Failure> {
     data.set_sessions(sessions);
     write_predictions(&args.out, fitted.chain(), &data, &info, &predicted)?;
     Outcome { rows: data.len(), position, orientation, beyond }.print(args, &fitted, &data)
+}
+
+/// Predictions of all rows, each in the session of its row.
+#[derive(Debug, Default)]
+pub(crate) struct Inside {
+    /// In the order of the rows.
+    pub predicted: Vec<Prediction>,
+    /// Inputs beyond the data of the fit.
+    pub beyond: beyond::Tally,
+    /// Of rows that were measured.
+    pub residuals: Residuals,
+}
+
+/// Predicts every row in its session; `session` is one for all of them. The rows lose their sessions.
+pub(crate) fn in_sessions(
+    fitted: &FittedModel,
+    data: &mut Dataset,
+    info: &CsvInfo,
+    session: Option<&str>,
+    file: &Path,
+) -> Result<Inside, Failure> {
+    let parts = parts(fitted, data, info, session, file)?;
+    let Inside { mut predicted, mut beyond, mut residuals } = Inside::default();
+    for part in &parts {
+        let here = data.select(&part.rows);
+        let inputs = here.derived_for(part.fitted.model()).map_err(about(file))?;
+        let coverage = Coverage::new(&part.fitted, &inputs.schema).map_err(about(file))?;
+        let (some, of_part) = predict(&part.fitted, &coverage, &inputs);
+        beyond.join(&of_part);
+        predicted.extend(some);
+        let of_part = Residuals::of(&part.fitted, &here)?;
+        residuals.position.extend(of_part.position);
+        residuals.orientation.extend(of_part.orientation);
+    }
+    in_order(&parts, &mut predicted);
+    in_order(&parts, &mut residuals.position);
+    in_order(&parts, &mut residuals.orientation);
+    Ok(Inside { predicted, beyond, residuals })
 }
 
 /// Brings values that stand session by session into the order of the rows.

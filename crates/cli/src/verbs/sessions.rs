@@ -6,14 +6,14 @@ use truepose_errormodel::{Dataset, FittedModel};
 use truepose_io::CsvInfo;
 
 /// A part of a table that one installation measured, and the fit there.
-pub(super) struct Part {
+pub(crate) struct Part {
     pub fitted: FittedModel,
     /// Rows of the table, ascending.
     pub rows: Vec<usize>,
 }
 
 /// The rows of a table by the sessions of a fit. `session` is what the user chose for all rows.
-pub(super) fn parts(
+pub(crate) fn parts(
     fitted: &FittedModel,
     data: &mut Dataset,
     info: &CsvInfo,
@@ -55,7 +55,7 @@ pub(super) fn parts(
 }
 
 /// A fit in the session of this name; in the only one, or the first, where none is named and `any` will do.
-pub(super) fn chosen(fitted: FittedModel, session: Option<&str>, any: bool) -> Result<FittedModel, Failure> {
+pub(crate) fn chosen(fitted: FittedModel, session: Option<&str>, any: bool) -> Result<FittedModel, Failure> {
     let number = match session {
         Some(name) => number(&fitted, name).map_err(Failure::Input)?,
         None if any || fitted.sessions.len() < 2 => 0,

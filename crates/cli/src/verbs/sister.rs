@@ -9,9 +9,11 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::path::Path;
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel};
-use truepose_identify::{FitOptions, Folds, fit, place};
+use truepose_identify::{FitOptions, Folds, Split, fit, place};
 use truepose_io::{check_writable, read_fit, read_measurements, write_fit};
+use truepose_kinematics::Chain;
 use truepose_report::SisterSummary;
+use truepose_solvers::Solver;
 use truepose_upkeep::sister;
 
 /// Runs the verb.
@@ -46,21 +48,8 @@ pub fn run(args: &Identify, file: &Path) -> Result<(), Failure> {
             args.measured.data.display()
         )));
     };
-    let folds = Folds::new(&data, &split)?;
-    let solver = args.solver.build();
-    let plain = |rows: &Dataset| -> Option<FittedModel> {
-        let placed = place(&chain, rows).ok()?.chain;
-        let model = ErrorModel::new(placed, prior.model().effects().to_vec()).ok()?;
-        Some(fit(&model, rows, &*solver, &FitOptions::default()).ok()?.fitted)
-    };
-    let found = sister(&prior, &chain, &data, &folds, &plain)
-        .map_err(|error| Failure::Input(format!("{}: {error}", args.measured.data.display())))?;
-    let mut fitted = match (found.helps(), plain(&data)) {
-        (false, Some(alone)) => alone,
-        _ => found.made.fitted.clone(),
-    };
-    fitted.provenance.insert("prior_is_a_fleet".into(), found.helps().into());
-    let summary = SisterSummary::new(&found, &data);
+    let (fitted, summary) = identified(&prior, &chain, &data, &split, &*args.solver.build())
+        .map_err(|words| Failure::Input(format!("{}: {words}", args.measured.data.display())))?;
     if let Some(out) = &args.out {
         write_fit(out, &fitted)?;
     }
@@ -73,4 +62,28 @@ pub fn run(args: &Identify, file: &Path) -> Result<(), Failure> {
         terminal::log(&format!("wrote {}", out.display()));
     }
     super::identified::require(args, summary.used_mm() * 1e-3)
+}
+
+/// The robot with its sisters as prior, or alone where they do not help.
+pub(crate) fn identified(
+    prior: &FittedModel,
+    chain: &Chain,
+    data: &Dataset,
+    split: &Split,
+    solver: &dyn Solver,
+) -> Result<(FittedModel, SisterSummary), String> {
+    let folds = Folds::new(data, split).map_err(|error| error.to_string())?;
+    let plain = |rows: &Dataset| -> Option<FittedModel> {
+        let placed = place(chain, rows).ok()?.chain;
+        let model = ErrorModel::new(placed, prior.model().effects().to_vec()).ok()?;
+        Some(fit(&model, rows, solver, &FitOptions::default()).ok()?.fitted)
+    };
+    let found = sister(prior, chain, data, &folds, &plain).map_err(|error| error.to_string())?;
+    let mut fitted = match (found.helps(), plain(data)) {
+        (false, Some(alone)) => alone,
+        _ => found.made.fitted.clone(),
+    };
+    fitted.provenance.insert("prior_is_a_fleet".into(), found.helps().into());
+    let summary = SisterSummary::new(&found, data);
+    Ok((fitted, summary))
 }

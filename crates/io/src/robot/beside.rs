@@ -30,3 +30,12 @@ pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
     let (length, angle) = units_of(&root)?;
     surroundings::read(&root, length, angle)
 }
+
+/// All of it of the text of a description, whose file stands in messages.
+pub(super) fn of_text(text: &Text) -> Result<(ColumnMap, SessionRules, Surroundings), IoError> {
+    let document = Document::parse(text)?;
+    let root = document.root("the robot");
+    let (length, angle) = units_of(&root)?;
+    let around = surroundings::read(&root, length, angle)?;
+    Ok((columns::read(&root)?, sessions::read(&root)?, around))
+}

@@ -105,6 +105,18 @@ pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
     if toml { beside::column_map(path) } else { Ok(ColumnMap::default()) }
 }
 
+/// What the text of a TOML description says beside the robot: columns of tables, sessions, and landmarks with their distances. `name` stands in
+/// messages where the name of a file would.
+///
+/// # Errors
+/// When the text is no TOML, or one of these does not make sense.
+pub fn robot_beside(
+    name: impl Into<PathBuf>,
+    text: impl Into<String>,
+) -> Result<(ColumnMap, SessionRules, Surroundings), IoError> {
+    beside::of_text(&Text { file: name.into(), text: text.into() })
+}
+
 /// What each session of a campaign has of its own, as `[sessions]` of a robot description says; the base where it says nothing.
 ///
 /// # Errors

@@ -9,6 +9,7 @@ All arrays are in SI units (m, rad, kg, N, N·m, s); tables have the headers of 
 """
 
 from truepose import _core
+from truepose._acceptance import Acceptance, iso9283
 from truepose._arrays import Arrays, ArrowStream
 from truepose._builtin import (
     Backlash,
@@ -35,6 +36,7 @@ from truepose._effect import Column, Declared, Effect, Hypothesis, Postures, Set
 from truepose._errors import Interrupted
 from truepose._fit import Commands, Fit, HeldOut, Predictions, Residuals, load
 from truepose._recording import Recording, read_mcap
+from truepose._rewriting import Rewritten, rewrite
 from truepose._robot import Joint, Robot, Target
 from truepose._table import Table
 from truepose._verbs import (
@@ -45,9 +47,11 @@ from truepose._verbs import (
     check,
     compare,
     discover,
+    fleet,
     identify,
     monitor,
     plan,
+    plan_monitoring,
     simulate,
     transfer,
 )
@@ -55,6 +59,7 @@ from truepose._verbs import (
 __version__ = _core.VERSION
 
 __all__ = [
+    "Acceptance",
     "Arrays",
     "ArrowStream",
     "Backlash",
@@ -91,6 +96,7 @@ __all__ = [
     "Predictions",
     "Recording",
     "Residuals",
+    "Rewritten",
     "Rival",
     "Robot",
     "Setting",
@@ -105,13 +111,17 @@ __all__ = [
     "check",
     "compare",
     "discover",
+    "fleet",
     "identify",
+    "iso9283",
     "load",
     "measurements",
     "monitor",
     "plan",
+    "plan_monitoring",
     "read",
     "read_mcap",
+    "rewrite",
     "simulate",
     "transfer",
 ]

@@ -80,6 +80,16 @@ class Measurements:
         return self._core.target
 
     @property
+    def session(self) -> list[str | None]:
+        """Name of the session (installation of robot and instrument); None in a table of one."""
+        return self._core.session
+
+    @property
+    def landmark(self) -> list[str | None]:
+        """Name of the landmark that was touched or measured with; None where a pose was measured."""
+        return self._core.landmark
+
+    @property
     def visit(self) -> NDArray[np.int64]:
         """Number of the pose measurement of each row, from 0."""
         return self._core.visit

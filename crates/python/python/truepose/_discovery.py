@@ -110,6 +110,11 @@ class Discovery:
         return str(self._summary["verdict"])
 
     @property
+    def warnings(self) -> list[str]:
+        """What a user should know of sessions and landmarks."""
+        return self._core.remarks()
+
+    @property
     def incomplete(self) -> bool:
         """Whether the search was interrupted: there may be more effects."""
         return self._summary.get("incomplete") is not None

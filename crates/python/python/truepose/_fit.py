@@ -181,6 +181,21 @@ class Fit:
         return Robot(self._core.robot())
 
     @property
+    def sessions(self) -> list[str]:
+        """Names of the installations that the fit knows; empty where it is one."""
+        return self._core.sessions
+
+    def in_session(self, name: str) -> Fit:
+        """The fit in one of its installations, for `compensate`, `rewrite`, exports, `plan` and `monitor`. `predict` reads a column `session`."""
+        return Fit(self._core.in_session(name))
+
+    @property
+    def landmarks(self) -> Mapping[str, Floats]:
+        """Where landmarks were found that the robot touched: name → position in the measurement frame, m."""
+        found: dict[str, Any] = self.provenance.get("landmarks_m", {})
+        return {name: np.array(at, dtype=np.float64) for name, at in found.items()}
+
+    @property
     def summary(self) -> dict[str, Any]:
         """What the program prints with ``--json``; empty for a fit that was loaded."""
         text = self._core.summary()

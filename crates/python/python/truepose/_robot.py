@@ -36,7 +36,7 @@ class Target:
 class Robot:
     """A serial robot as its maker describes it: joints from base to tool, base, tool, targets and gravity.
 
-    Made by `from_toml`, `from_urdf` and `from_dh`. Immutable; pickles.
+    Made by `from_toml`, `from_urdf`, `from_dh` and `named`. Immutable; pickles.
     """
 
     __slots__ = ("_core",)
@@ -52,7 +52,7 @@ class Robot:
 
     @classmethod
     def from_toml(cls, path: Path) -> Robot:
-        """Reads a robot description (TOML); see docs/files.md, section 1."""
+        """Reads a robot description (TOML) with what it says of sessions, landmarks and cameras; see docs/files.md, section 1."""
         return cls(_core.Robot.from_file(os.fspath(path), None, None))
 
     @classmethod
@@ -64,6 +64,16 @@ class Robot:
     def from_text(cls, text: str) -> Robot:
         """Reads the text of a robot description (TOML)."""
         return cls(_core.Robot.from_text("robot", text))
+
+    @classmethod
+    def named(cls, name: str) -> Robot:
+        """A robot of the library, with its maker's published dimensions: ``"ur10e"``, ``"panda"`` … (`library` lists them)."""
+        return cls(_core.Robot.named(name))
+
+    @staticmethod
+    def library() -> dict[str, str]:
+        """Robots of the library: name → maker and model."""
+        return dict(_core.Robot.library())
 
     @classmethod
     def from_dh(

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from truepose import _core
 from truepose._arrays import Arrays, Floats, Path
 from truepose._core import InputError
-from truepose._data import Data, Measurements, taken
+from truepose._data import Data, Measurements, taken, warn
 from truepose._discovery import Discovery
 from truepose._effect import Hypothesis, Model, items
 from truepose._fit import Fit
@@ -39,7 +39,7 @@ def identify(
     seed: int = 0,
     holdout: float | None = None,
     positions_only: bool = False,
-    prior: str | float = "evidence",
+    prior: str | float | Fit = "evidence",
     linear: bool = False,
     reduce_once: bool = False,
     rounds: int | None = None,
@@ -62,7 +62,8 @@ def identify(
     seed: of every random choice
     holdout: fraction of the configurations in a test set that is drawn before anything is fitted
     positions_only: orientations are not used
-    prior: scale of the prior standard deviations: ``evidence`` (from the data), ``none``, or a factor
+    prior: scale of the prior standard deviations: ``evidence`` (from the data), ``none``, or a factor; or what `fleet` made of the fits of other
+        robots of this type, whose model is then taken
     linear: a single linear step; reduce_once: identifiable errors are determined once, at the nominal robot; rounds: largest number of iterations
     progress: True for a line, or a function that is called with the words of each step
 
@@ -71,15 +72,23 @@ def identify(
     InputError: what is wrong with the input, with row and column
     """
     rows = taken(robot, data, arrays, positions_only=positions_only)
+    if isinstance(prior, Fit):
+        given = {"model": model is not None, "groups": groups is not None, "holdout": holdout is not None, "repeat": repeat != 1}
+        for name in (name for name, there in given.items() if there):
+            raise InputError(f"{name}: cannot be used with a fleet as prior; the model is that of the fleet")
+        return Fit(
+            _core.identify_sister(robot._core, rows._core, prior._core, solver, _count("folds", folds), split, _count("seed", seed))
+        )
     labels = None
     if groups is not None:
         _, labels = np.unique(np.asarray(groups), return_inverse=True)
         labels = np.ascontiguousarray(labels, dtype=np.int64).reshape(-1)
     with Line(progress) as show:
-        core = _core.identify(
+        core, said = _core.identify(
             robot._core, rows._core, items(model), solver, _count("folds", folds), split, _count("repeat", repeat), _count("seed", seed),
             holdout, prior, linear, reduce_once, None if rounds is None else _count("rounds", rounds), labels, show,
         )  # fmt: skip
+    warn(said)
     return Fit(core)
 
 
@@ -115,6 +124,7 @@ def discover(
             robot._core, rows._core, items(model), solver, holdout, _count("seed", seed), alpha, _count("rotations", rotations),
             _count("most", most), list(hypotheses), list(without), rivals, _count("nested", nested), show,
         )  # fmt: skip
+    warn(core.remarks())
     return Discovery(core)
 
 
@@ -208,6 +218,22 @@ def plan(
     return Plan(
         found["q"], found["payload"], found["approach"], found["why"], found["worth"], json.loads(summary), text, fit.robot
     )
+
+
+def plan_monitoring(fit: Fit, *, count: int = 12, alpha: float = 0.01) -> Plan:
+    """Chooses those poses of a fit that show changes of the robot best, for looks with `monitor`. The plan's `summary` lists the smallest changes that
+    the first look finds in 9 cases of 10 (``detectable``), and those that none of the poses shows (``invisible``)."""
+    found, summary = _core.monitoring(fit._core, _count("count", count), alpha)
+    words = f"{len(found['q'])} poses for looks with truepose.monitor"
+    return Plan(found["q"], found["payload"], found["approach"], found["why"], found["worth"], json.loads(summary), words, fit.robot)
+
+
+def fleet(fits: Iterable[Fit]) -> Fit:
+    """What robots of one type have in common, from fits that were made with one model: a prior for the next robot, ``identify(…, prior=…)``.
+
+    Its coefficients are the means, its covariance the scatter from robot to robot; `summary` lists both.
+    """
+    return Fit(_core.fleet([fit._core for fit in fits]))
 
 
 def simulate(plant: Path, *, seed: int | None = None, campaign_seed: int | None = None) -> tuple[Robot, Measurements]:

@@ -6,7 +6,7 @@ use super::joint_units::{in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;
-use crate::args::Compensate;
+use crate::args::{Compensate, GivenPlace, RobotProgram};
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
@@ -26,13 +26,37 @@ pub fn table_of(out: &Path) -> PathBuf {
     name.into()
 }
 
-/// Runs it.
-pub fn run(args: &Compensate, file: &Path) -> Result<(), Failure> {
-    check_writable(&args.out)?;
-    let table = table_of(&args.out);
-    check_writable(&table)?;
-    let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
-    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();
+/// What a program is rewritten with.
+#[derive(Debug)]
+pub(crate) struct Asked<'a> {
+    /// The options that only programs have.
+    pub own: &'a RobotProgram,
+    /// Frames of the program.
+    pub frame: &'a [GivenPlace],
+    /// Tools of the program.
+    pub tcp: &'a [GivenPlace],
+    /// File with `[[frames]]` in place of those that the fit has recorded.
+    pub frames: Option<&'a Path>,
+}
+
+/// A program with compensated points.
+#[derive(Debug)]
+pub(crate) struct Rewritten {
+    /// The program.
+    pub text: Vec<u8>,
+    /// One for each of its points.
+    pub rows: Vec<CorrectionRow>,
+    /// The same for pages and JSON.
+    pub view: ProgramView,
+    /// Lines and words of what cannot be compensated.
+    pub refused: Vec<(usize, String)>,
+    /// What is to be known of it.
+    pub notes: Vec<String>,
+}
+
+/// Rewrites the program of a file. `fitted` is that of the robot alone, in one session.
+pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
+    let own = asked.own;
     let about = |file: &Path, error: truepose_controllers::ControllerError| {
         let joint = match error {
             truepose_controllers::ControllerError::Syntax { .. } => ":",
@@ -40,19 +64,17 @@ pub fn run(args: &Compensate, file: &Path) -> Result<(), Failure> {
         };
         Failure::Input(format!("{}{joint}{error}", file.display()))
     };
-    let dialect = match args.robot_program.language {
+    let dialect = match own.language {
         Some(dialect) => dialect,
         None => Dialect::of_file(file).map_err(|error| about(file, error))?,
     };
     let text = read_bytes(file)?;
-    let others: Vec<Vec<u8>> = args.robot_program.with.iter().map(read_bytes).collect::<Result<_, _>>()?;
+    let others: Vec<Vec<u8>> = own.with.iter().map(read_bytes).collect::<Result<_, _>>()?;
     let slices: Vec<&[u8]> = others.iter().map(Vec::as_slice).collect();
     let program = Program::read(&text, &slices, dialect).map_err(|error| about(file, error))?;
-    let options = places::options(args, &fitted, &program)?;
-    let corrections = correct(&program, &fitted, &options).map_err(|error| about(file, error))?;
-
+    let options = places::options(asked, fitted, &program)?;
+    let corrections = correct(&program, fitted, &options).map_err(|error| about(file, error))?;
     let refused = refusals(&program, &corrections);
-    let own = &args.robot_program;
     if !refused.is_empty() && !own.mark && !own.dry_run {
         return Err(rejected(file, &program, &refused));
     }
@@ -62,10 +84,24 @@ pub fn run(args: &Compensate, file: &Path) -> Result<(), Failure> {
         let new: Vec<_> = corrections.iter().map(|correction| correction.replacement.clone()).collect();
         program.rewritten(&new).map_err(|error| about(file, error))?
     };
+    let view = view(file, fitted, &program, &corrections, own.dry_run);
+    let (rows, notes) = (rows(&program, &corrections), notes(&program));
+    Ok(Rewritten { text: written, rows, view, refused, notes })
+}
+
+/// Runs it.
+pub fn run(args: &Compensate, file: &Path) -> Result<(), Failure> {
+    check_writable(&args.out)?;
+    let table = table_of(&args.out);
+    check_writable(&table)?;
+    let folder = Folder::with_head(args.report.as_ref(), "compensation.json", args.certificate.as_ref())?;
+    let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), false)?.of_robot();
+    let own = &args.robot_program;
+    let asked = Asked { own, frame: &args.frame, tcp: &args.tcp, frames: args.frames.as_deref() };
+    let Rewritten { text, rows, view, refused, notes } = rewrite(&fitted, file, &asked)?;
     let mut files = WholeFiles::default();
-    files.add(&args.out, &written)?;
-    files.push(corrections_file(&table, fitted.chain(), &rows(&program, &corrections))?)?;
-    let view = view(file, &fitted, &program, &corrections, own.dry_run);
+    files.add(&args.out, &text)?;
+    files.push(corrections_file(&table, fitted.chain(), &rows)?)?;
     if let Some(folder) = &folder {
         let inputs = [Some(&args.fit), own.program.as_ref(), args.frames.as_ref(), args.certificate.as_ref()];
         let inputs: Vec<&Path> =
@@ -76,7 +112,7 @@ pub fn run(args: &Compensate, file: &Path) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         terminal::log(&format!("wrote {}", folder.page().display()));
     }
-    for line in notes(&program) {
+    for line in notes {
         terminal::log(&format!("note: {}:{line}", file.display()));
     }
     if args.json {

@@ -1,6 +1,7 @@
 //! Frames, tools and conditions of a program, from the options.
 
-use crate::args::{Compensate, GivenPlace, Place};
+use super::Asked;
+use crate::args::{GivenPlace, Place};
 use crate::failure::Failure;
 use crate::verbs::parameters::recorded_frames;
 use truepose_compensate::installation;
@@ -21,14 +22,14 @@ struct Places<'a> {
 
 /// What the options state.
 pub(super) fn options(
-    args: &Compensate,
+    asked: &Asked<'_>,
     fitted: &FittedModel,
     program: &Program,
 ) -> Result<CorrectOptions, Failure> {
-    let own = &args.robot_program;
+    let own = asked.own;
     let places = Places {
         program,
-        frames: match &args.frames {
+        frames: match asked.frames {
             Some(file) => read_details(file)?.frames,
             None => recorded_frames(fitted),
         },
@@ -44,11 +45,11 @@ pub(super) fn options(
         ignore_external: own.ignore_external,
         ..CorrectOptions::default()
     };
-    for given in &args.frame {
+    for given in asked.frame {
         let pose = places.frame(&given.place)?;
         put("--frame", given, pose, &mut options.frames, &mut options.frame)?;
     }
-    for given in &args.tcp {
+    for given in asked.tcp {
         let pose = places.tool(&given.place)?;
         put("--tool-frame", given, pose, &mut options.tools, &mut options.tool)?;
     }

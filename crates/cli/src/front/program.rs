@@ -1,0 +1,110 @@
+//! Robot programs with compensated points.
+
+use crate::args::{GivenPlace, Place, RobotProgram, parse_given};
+use crate::failure::Failure;
+use crate::verbs::program::{Asked, rewrite as rewritten};
+use std::path::{Path, PathBuf};
+use truepose_controllers::Dialect;
+use truepose_errormodel::FittedModel;
+use truepose_io::CorrectionRow;
+use truepose_kinematics::Pose;
+use truepose_report::ProgramView;
+
+/// A frame or a tool of a program.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Given {
+    /// As on the command line: `base`, `UF1=900mm,0mm,50mm,0,0,90`.
+    Words(String),
+    /// Its name in the program, if any, and where it is, m.
+    At(Option<String>, Pose),
+}
+
+/// Options of a program's rewriting; in m and rad.
+#[derive(Debug, Clone)]
+pub struct Rewriting {
+    /// Further files of the program.
+    pub with: Vec<PathBuf>,
+    /// Its language: krl, rapid, fanuc, urscript, inform or val3; none: by the ending of its name.
+    pub language: Option<String>,
+    /// Frames of its points.
+    pub frames: Vec<Given>,
+    /// Its tools.
+    pub tools: Vec<Given>,
+    /// Largest correction of a point, m.
+    pub limit: f64,
+    /// Leaves points unchanged that cannot be compensated.
+    pub mark: bool,
+    /// Leaves all points unchanged.
+    pub dry_run: bool,
+    /// The controller's base in that of the description.
+    pub controller_base: Option<Pose>,
+    /// The controller's flange in the last joint's frame of the description.
+    pub controller_flange: Option<Pose>,
+    /// Joint values before the program, degrees or mm; empty: none.
+    pub start: Vec<f64>,
+    /// Mass carried, kg, with its centre of gravity in the frame of the measurements' tool, m.
+    pub payload: Option<(f64, [f64; 3])>,
+    /// Channels that the model reads.
+    pub channels: Vec<(String, f64)>,
+    /// External axes move nothing.
+    pub ignore_external: bool,
+    /// Axes of FANUC's three turn numbers.
+    pub turn_axes: Vec<usize>,
+    /// Pulses per degree (per mm) of each axis, for INFORM.
+    pub pulses: Vec<f64>,
+}
+
+/// A program with compensated points.
+#[derive(Debug)]
+pub struct Rewritten {
+    /// Its text, in the encoding of the original.
+    pub text: Vec<u8>,
+    /// One row for each of its points.
+    pub rows: Vec<CorrectionRow>,
+    /// The same for pages and JSON.
+    pub view: ProgramView,
+    /// What is to be known of it.
+    pub notes: Vec<String>,
+}
+
+/// Rewrites the program of a file. `fitted` is in one session.
+///
+/// # Errors
+/// When the program cannot be read, a frame is not known, or points cannot be compensated and neither `mark` nor `dry_run` is set.
+pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result<Rewritten, String> {
+    let language = options.language.as_deref().map(|word| {
+        Dialect::ALL.into_iter().find(|dialect| dialect.word() == word).ok_or_else(|| {
+            let known: Vec<&str> = Dialect::ALL.iter().map(|dialect| dialect.word()).collect();
+            format!("unknown language `{word}` (known: {})", known.join(", "))
+        })
+    });
+    let own = RobotProgram {
+        program: Some(file.into()),
+        with: options.with.clone(),
+        language: language.transpose()?,
+        limit: options.limit,
+        mark: options.mark,
+        dry_run: options.dry_run,
+        controller_base: options.controller_base,
+        controller_flange: options.controller_flange,
+        start: options.start.clone(),
+        payload: options.payload.map(|(mass, _)| mass),
+        com: options.payload.map(|(_, com)| com),
+        channel: options.channels.clone(),
+        ignore_external: options.ignore_external,
+        turn_axes: options.turn_axes.clone(),
+        pulses: options.pulses.clone(),
+    };
+    let (frame, tcp) = (places(&options.frames)?, places(&options.tools)?);
+    let asked = Asked { own: &own, frame: &frame, tcp: &tcp, frames: None };
+    let made = rewritten(&fitted.clone().of_robot(), file, &asked).map_err(Failure::message)?;
+    Ok(Rewritten { text: made.text, rows: made.rows, view: made.view, notes: made.notes })
+}
+
+fn places(given: &[Given]) -> Result<Vec<GivenPlace>, String> {
+    let one = |given: &Given| match given {
+        Given::Words(text) => parse_given(text),
+        Given::At(name, pose) => Ok(GivenPlace { name: name.clone(), place: Place::At(*pose) }),
+    };
+    given.iter().map(one).collect()
+}

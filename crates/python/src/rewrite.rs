@@ -1,0 +1,101 @@
+//! A robot program with compensated points.
+
+use crate::arrays::{rows, vector};
+use crate::error::input;
+use crate::fit::Fit;
+use crate::run::supervised;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
+use truepose_cli::front::{Given, Rewriting, Rewritten, rewrite as rewritten};
+use truepose_io::CorrectionRow;
+use truepose_kinematics::Pose;
+
+/// A frame or a tool: words as on the command line, or its name and x y z roll pitch yaw, m and rad.
+#[derive(FromPyObject)]
+pub enum Placed {
+    #[pyo3(transparent)]
+    Words(String),
+    #[pyo3(transparent)]
+    At((Option<String>, [f64; 6])),
+}
+
+fn pose(of: &[f64; 6]) -> Pose {
+    let [x, y, z, roll, pitch, yaw] = *of;
+    Pose::from_xyz_rpy([x, y, z], [roll, pitch, yaw])
+}
+
+fn given(placed: Vec<Placed>) -> Vec<Given> {
+    let one = |placed| match placed {
+        Placed::Words(text) => Given::Words(text),
+        Placed::At((name, at)) => Given::At(name, pose(&at)),
+    };
+    placed.into_iter().map(one).collect()
+}
+
+/// The program's text, its corrections as columns, the summary as JSON, and notes.
+#[pyfunction]
+#[pyo3(signature = (fit, file, with_, language, frames, tools, limit, mark, dry_run, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
+#[allow(clippy::too_many_arguments, clippy::type_complexity)]
+pub fn rewrite<'py>(
+    py: Python<'py>,
+    fit: &Fit,
+    file: PathBuf,
+    with_: Vec<PathBuf>,
+    language: Option<String>,
+    frames: Vec<Placed>,
+    tools: Vec<Placed>,
+    limit: f64,
+    mark: bool,
+    dry_run: bool,
+    controller_base: Option<[f64; 6]>,
+    controller_flange: Option<[f64; 6]>,
+    start: Vec<f64>,
+    payload: Option<(f64, [f64; 3])>,
+    channels: Vec<(String, f64)>,
+    ignore_external: bool,
+    turn_axes: Vec<usize>,
+    pulses: Vec<f64>,
+) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyDict>, String, Vec<String>)> {
+    if !(limit.is_finite() && limit > 0.0) {
+        return Err(input(format!("limit: {limit} is no length above 0, in m")));
+    }
+    let fitted = fit.one()?;
+    let options = Rewriting {
+        with: with_,
+        language,
+        frames: given(frames),
+        tools: given(tools),
+        limit,
+        mark,
+        dry_run,
+        controller_base: controller_base.as_ref().map(pose),
+        controller_flange: controller_flange.as_ref().map(pose),
+        start,
+        payload,
+        channels,
+        ignore_external,
+        turn_axes,
+        pulses,
+    };
+    let made: Rewritten = supervised(py, None, vec![fit.raised.clone()], move |_| {
+        rewritten(&fitted, &file, &options).map_err(input)
+    })?;
+    let all = PyDict::new(py);
+    let list = &made.rows;
+    let texts =
+        |of: fn(&CorrectionRow) -> &String| list.iter().map(|row| of(row).clone()).collect::<Vec<_>>();
+    all.set_item("point", texts(|row| &row.name))?;
+    all.set_item("line", list.iter().map(|row| row.line).collect::<Vec<_>>())?;
+    all.set_item("kind", texts(|row| &row.kind))?;
+    all.set_item("frame", texts(|row| &row.frame))?;
+    all.set_item("tool", texts(|row| &row.tool))?;
+    all.set_item("outcome", texts(|row| &row.outcome))?;
+    all.set_item("reason", texts(|row| &row.reason))?;
+    all.set_item("position", rows(py, list.iter().map(|row| row.desired)))?;
+    all.set_item("displacement", rows(py, list.iter().map(|row| row.displacement)))?;
+    all.set_item("rotation", vector(py, list.iter().map(|row| row.rotation).collect()))?;
+    all.set_item("within_95", vector(py, list.iter().map(|row| row.within_95).collect()))?;
+    let summary = serde_json::to_string(&made.view).map_err(input)?;
+    Ok((PyBytes::new(py, &made.text), all, summary, made.notes))
+}
