@@ -44,9 +44,9 @@ pub use poses::{
 };
 pub use predictions::{Prediction, PredictionsWriter, Repeated, write_predictions};
 pub use robot::{
-    Certificate, FrameParent, NamedFrame, RobotDetails, RobotOptions, UrdfCorrection, corrected_urdf,
-    read_details, read_kinematics, read_robot, robot_beside, robot_columns, robot_files, robot_from_text,
-    robot_sessions, robot_surroundings, robot_toml, robot_urdf,
+    Certificate, FrameParent, NamedFrame, RobotBeside, RobotDetails, RobotOptions, UrdfCorrection,
+    corrected_urdf, read_details, read_kinematics, read_robot, robot_beside, robot_columns, robot_files,
+    robot_from_text, robot_sessions, robot_surroundings, robot_toml, robot_urdf,
 };
 pub use same_file::same_file;
 pub use test_plan::{TestPoseRow, write_test_plan};

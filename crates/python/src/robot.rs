@@ -9,8 +9,8 @@ use std::sync::Arc;
 use truepose_cli::front;
 use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
 use truepose_io::{
-    ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_details, read_robot, read_text,
-    robot_beside, robot_from_text, robot_toml,
+    ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_robot, read_text, robot_beside,
+    robot_from_text, robot_toml,
 };
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, Conditions, JointKind, Posture, PostureBuffer, joint_jacobian};
@@ -34,12 +34,13 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Of the text of a description, and its columns.
-    fn of(name: &str, text: &str) -> PyResult<(Self, ColumnMap)> {
-        let (columns, rules, around) = robot_beside(name, text).map_err(of_io)?;
+    /// Of the text of a description, and its columns and details.
+    fn of(name: &str, text: &str) -> PyResult<(Self, ColumnMap, RobotDetails)> {
+        let read = robot_beside(name, text).map_err(of_io)?;
+        let (rules, around) = (read.sessions, Arc::new(read.surroundings));
         let says = rules != SessionRules::default() || !around.landmarks.is_empty();
         let text = says.then(|| (name.to_owned(), text.to_owned()));
-        Ok((Beside { rules, surroundings: Arc::new(around), text }, columns))
+        Ok((Beside { rules, surroundings: around, text }, read.columns, read.details))
     }
 }
 
@@ -104,25 +105,19 @@ impl Robot {
         let (chain, said) = read_robot(&path, &RobotOptions { base, tip }).map_err(of_io)?;
         let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         // What is no regular file can be read once.
-        let (beside, columns) = match toml && path.is_file() {
+        let (beside, columns, details) = match toml && path.is_file() {
             true => Beside::of(&path.display().to_string(), &read_text(&path).map_err(of_io)?)?,
-            false => (Beside::default(), ColumnMap::default()),
+            false => (Beside::default(), ColumnMap::default(), RobotDetails::default()),
         };
-        Ok(Robot {
-            chain: Arc::new(chain),
-            details: read_details(&path).map_err(of_io)?,
-            columns,
-            warnings: warnings(&said),
-            beside,
-        })
+        Ok(Robot { chain: Arc::new(chain), details, columns, warnings: warnings(&said), beside })
     }
 
     /// Of the text of a TOML description.
     #[staticmethod]
     fn from_text(name: &str, text: &str) -> PyResult<Self> {
         let (chain, said) = robot_from_text(name, text, &RobotOptions::default()).map_err(of_io)?;
-        let (beside, columns) = Beside::of(name, text)?;
-        Ok(Robot { warnings: warnings(&said), columns, beside, ..Robot::bare(&chain) })
+        let (beside, columns, details) = Beside::of(name, text)?;
+        Ok(Robot { chain: Arc::new(chain), warnings: warnings(&said), columns, beside, details })
     }
 
     /// Robots of the library: name, maker and model.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from datetime import timedelta
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -177,8 +178,8 @@ def test_bad_requests_of_a_fit(fit: tp.Fit) -> None:
             call()
 
 
-def test_sessions_are_refused(two: tp.Robot) -> None:
-    with pytest.raises(tp.InputError, match="several sessions"):
+def test_sessions_of_too_few_rows_are_refused(two: tp.Robot) -> None:
+    with pytest.raises(tp.InputError, match="session"):
         tp.identify(two, {**GOOD, "session": ["a", "a", "b", "b"]})
 
 
@@ -200,9 +201,38 @@ def test_a_reader_of_a_stream_that_breaks_is_an_error(two: tp.Robot) -> None:
         tp.identify(two, nested)
 
 
-def test_sessions_and_landmarks_are_left_to_the_program(robot: tp.Robot, frame: pd.DataFrame) -> None:
-    two = frame.assign(session=["north"] * (len(frame) // 2) + ["south"] * (len(frame) - len(frame) // 2))
-    with pytest.raises(tp.InputError, match="sessions"):
-        tp.identify(robot, two)
+def test_one_session_is_none(robot: tp.Robot, frame: pd.DataFrame) -> None:
     one = tp.identify(robot, frame.assign(session="north"), folds=0)
     np.testing.assert_array_equal(one.covariance, tp.identify(robot, frame, folds=0).covariance)
+    assert one.sessions == [] and one.landmarks == {}
+
+
+def test_what_is_wrong_with_the_further_verbs_is_told(fit: tp.Fit, robot: tp.Robot, frame: pd.DataFrame, tmp_path: Path) -> None:
+    with pytest.raises(tp.InputError, match="did you mean ur10"):
+        tp.Robot.named("ur10x")
+    with pytest.raises(tp.InputError, match="no fleet"):
+        tp.fleet([fit])
+    with pytest.raises(tp.InputError, match="model: cannot be used with a fleet"):
+        tp.identify(robot, frame, prior=fit, model=[tp.Geometric()])
+    with pytest.raises(tp.InputError, match="session"):
+        fit.in_session("north")
+    with pytest.raises(tp.InputError, match="align"):
+        tp.iso9283(fit, frame, align="roughly")
+    with pytest.raises(tp.InputError, match="no figure with a limit"):
+        tp.iso9283(fit, frame, spec={"XX": 1e-3})
+    with pytest.raises(tp.InputError, match="instrument"):
+        tp.iso9283(fit, frame, instrument=float("nan"))
+    program = tmp_path / "job.src"
+    program.write_text("DEF job()\nPTP {A1 0\nEND\n")
+    with pytest.raises(tp.InputError, match=r"job\.src:2"):
+        tp.rewrite(fit, program)
+    with pytest.raises(tp.InputError, match="no such file"):
+        tp.rewrite(fit, tmp_path / "none.src")
+    with pytest.raises(tp.InputError, match="unknown language"):
+        tp.rewrite(fit, program, language="cobol")
+    with pytest.raises(tp.InputError, match="frames has the shape"):
+        tp.rewrite(fit, program, frames=[1.0, 2.0])
+    with pytest.raises(tp.InputError, match="start"):
+        tp.rewrite(fit, program, start=[0.0])
+    with pytest.raises(tp.InputError, match="limit"):
+        tp.rewrite(fit, program, limit=0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 import subprocess
 import sys
@@ -39,6 +40,17 @@ def test_own_effect(tmp_path: Path) -> None:
 def test_cluster(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     assert "the bytes of one machine: True" in run("cluster.py", tmp_path)
+
+
+def test_notebooks_are_stored_without_outputs_and_are_listed() -> None:
+    folder = FOLDER.parent / "08_notebooks"
+    readme = (folder / "README.md").read_text()
+    notebooks = sorted(folder.glob("*.ipynb"))
+    assert len(notebooks) >= 5
+    for notebook in notebooks:
+        assert f"({notebook.name})" in readme
+        for cell in json.loads(notebook.read_text())["cells"]:
+            assert not cell.get("outputs") and cell.get("execution_count") is None, notebook.name
 
 
 def test_the_corrected_urdf_is_the_same_robot_elsewhere() -> None:

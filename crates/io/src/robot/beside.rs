@@ -1,7 +1,7 @@
 //! What a robot file says beside the robot, for who reads tables: names of columns, sessions, landmarks.
 
 use super::toml_form::units_of;
-use super::{columns, sessions, surroundings};
+use super::{RobotDetails, columns, details, sessions, surroundings};
 use crate::text::Text;
 use crate::toml_tree::Document;
 use crate::{ColumnMap, IoError};
@@ -31,11 +31,28 @@ pub(super) fn surroundings_of(path: &Path) -> Result<Surroundings, IoError> {
     surroundings::read(&root, length, angle)
 }
 
+/// What a description says beside the robot.
+#[derive(Debug, Clone)]
+pub struct RobotBeside {
+    /// Which columns of tables of measurements are which.
+    pub columns: ColumnMap,
+    /// Units, frames and the head of certificates.
+    pub details: RobotDetails,
+    /// What each session of a campaign has of its own.
+    pub sessions: SessionRules,
+    /// Landmarks and distances between them.
+    pub surroundings: Surroundings,
+}
+
 /// All of it of the text of a description, whose file stands in messages.
-pub(super) fn of_text(text: &Text) -> Result<(ColumnMap, SessionRules, Surroundings), IoError> {
+pub(super) fn of_text(text: &Text) -> Result<RobotBeside, IoError> {
     let document = Document::parse(text)?;
     let root = document.root("the robot");
     let (length, angle) = units_of(&root)?;
-    let around = surroundings::read(&root, length, angle)?;
-    Ok((columns::read(&root)?, sessions::read(&root)?, around))
+    Ok(RobotBeside {
+        columns: columns::read(&root)?,
+        details: details::of(&root)?,
+        sessions: sessions::read(&root)?,
+        surroundings: surroundings::read(&root, length, angle)?,
+    })
 }

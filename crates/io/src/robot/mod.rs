@@ -19,6 +19,7 @@ mod write;
 mod xml_places;
 mod yaml_tree;
 
+pub use beside::RobotBeside;
 pub use details::{Certificate, FrameParent, NamedFrame, RobotDetails, read_details};
 pub use kinematics_yaml::read_kinematics;
 pub use urdf_corrected::{UrdfCorrection, corrected_urdf};
@@ -105,15 +106,11 @@ pub fn robot_columns(path: impl AsRef<Path>) -> Result<ColumnMap, IoError> {
     if toml { beside::column_map(path) } else { Ok(ColumnMap::default()) }
 }
 
-/// What the text of a TOML description says beside the robot: columns of tables, sessions, and landmarks with their distances. `name` stands in
-/// messages where the name of a file would.
+/// What the text of a TOML description says beside the robot. `name` stands in messages where the name of a file would.
 ///
 /// # Errors
 /// When the text is no TOML, or one of these does not make sense.
-pub fn robot_beside(
-    name: impl Into<PathBuf>,
-    text: impl Into<String>,
-) -> Result<(ColumnMap, SessionRules, Surroundings), IoError> {
+pub fn robot_beside(name: impl Into<PathBuf>, text: impl Into<String>) -> Result<RobotBeside, IoError> {
     beside::of_text(&Text { file: name.into(), text: text.into() })
 }
 

@@ -22,6 +22,8 @@ class Calibrator:
     ``X`` are joint values n × dof (rad or m) and ``y`` positions n × 3 (m); or ``X`` is a table with the headers of files, or `Measurements`, and
     ``y`` is None. `score` is minus the RMS of the 3-D position error, m: larger is better. After `fit`, the fit is `fit_`.
 
+    Examples
+    --------
     >>> scores = cross_val_score(tp.Calibrator(robot), q, position, groups=poses, cv=GroupKFold(5))
     """
 

@@ -94,6 +94,8 @@ class Effect(ABC):
     in `needs` (channels by name, ``time``, ``approach_<joint>``) and, with `loads`, on the loads of the joints; on nothing else, since answers are
     kept. Its parameters are its attributes: they are written into fits and given back to the class when one is loaded.
 
+    Examples
+    --------
     >>> class EncoderGain(tp.Effect):
     ...     family = "acme/encoder_gain"
     ...     def __init__(self, joint):
@@ -158,6 +160,8 @@ class Variant:
 class Hypothesis(ABC):
     """Where a search suspects an effect of your own. Passed to `truepose.discover` as ``hypotheses=[…]``.
 
+    Examples
+    --------
     >>> class EncoderGains(tp.Hypothesis):
     ...     family = "acme/encoder_gain"
     ...     def variants(self, setting):

@@ -17,6 +17,8 @@ class Interrupted(KeyboardInterrupt):
 
     It is a `KeyboardInterrupt`, so that a notebook stops as usual; catch it to go on with what there is:
 
+    Examples
+    --------
     >>> try:
     ...     result = tp.discover(robot, data)  # doctest: +SKIP
     ... except tp.Interrupted as interrupted:

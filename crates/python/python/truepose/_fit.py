@@ -461,4 +461,4 @@ def stage_table(stages: Sequence[Mapping[str, Any]]) -> str:
 def image(svg: str) -> str:
     """A figure that keeps its styles to itself."""
     data = base64.b64encode(svg.encode()).decode()
-    return f'<img alt="figure" style="max-width: 100%" src="data:image/svg+xml;base64,{data}">'
+    return f'<img alt="figure" style="width: 100%; max-width: 46em" src="data:image/svg+xml;base64,{data}">'

@@ -96,6 +96,8 @@ class Robot:
         ``{"known": False}`` where they are to be found from the data; `targets` are points of the tool (None: unknown). `length` and `angle` are
         the units of all these numbers: m, mm, in; rad, deg.
 
+        Examples
+        --------
         >>> scara = tp.Robot.from_dh([{"a": 0.4}, {"a": 0.3, "limits": (-2.5, 2.5)}, {"type": "prismatic"}, {}])
         """
         lines = [f"name = {_text(name)}"]

@@ -50,26 +50,47 @@ def identify(
 
     Parameters
     ----------
-    robot: the nominal robot
-    data: a frame (pandas, polars, pyarrow, DuckDB …) or a mapping with the headers of files, a file, or `Measurements`; or arrays as keywords, in
-        SI units: ``q=…, position=…`` (see `Arrays`)
-    model: effects (``[tp.Geometric(), tp.JointCompliance(["j2"])]``) or a model file; default: constant errors of every frame and target
-    solver: a strategy with its options in brackets: ``qr``, ``svd(rcond=1e-10)``, ``ridge(gcv)``, ``huber(qr, k=1.345)`` …
-    folds: of the cross-validation; 0 for none
-    split: ``random``, ``time`` (contiguous blocks), ``joint`` (slabs along the joint that moves most) or ``leave-one-out``
-    groups: one label for each row: folds of your own, in place of `folds` and `split`
-    repeat: so many random splits
-    seed: of every random choice
-    holdout: fraction of the configurations in a test set that is drawn before anything is fitted
-    positions_only: orientations are not used
-    prior: scale of the prior standard deviations: ``evidence`` (from the data), ``none``, or a factor; or what `fleet` made of the fits of other
-        robots of this type, whose model is then taken
-    linear: a single linear step; reduce_once: identifiable errors are determined once, at the nominal robot; rounds: largest number of iterations
-    progress: True for a line, or a function that is called with the words of each step
+    robot
+        The nominal robot.
+    data
+        A frame (pandas, polars, pyarrow, DuckDB …) or a mapping with the headers of files, a file, or `Measurements`; or arrays as keywords, in SI
+        units: ``q=…, position=…`` (see `Arrays`).
+    model
+        Effects (``[tp.Geometric(), tp.JointCompliance(["j2"])]``) or a model file; default: constant errors of every frame and target.
+    solver
+        A strategy with its options in brackets: ``qr``, ``svd(rcond=1e-10)``, ``ridge(gcv)``, ``huber(qr, k=1.345)`` …
+    folds
+        Of the cross-validation; 0 for none.
+    split
+        ``random``, ``time`` (contiguous blocks), ``joint`` (slabs along the joint that moves most) or ``leave-one-out``.
+    groups
+        One label for each row: folds of your own, in place of `folds` and `split`.
+    repeat
+        So many random splits.
+    seed
+        Of every random choice.
+    holdout
+        Fraction of the configurations in a test set that is drawn before anything is fitted.
+    positions_only
+        Orientations are not used.
+    prior
+        Scale of the prior standard deviations: ``evidence`` (from the data), ``none``, or a factor; or what `fleet` made of the fits of other robots
+        of this type, whose model is then taken.
+    linear
+        A single linear step.
+    reduce_once
+        Identifiable errors are determined once, at the nominal robot.
+    rounds
+        Largest number of iterations.
+    progress
+        True for a line, or a function that is called with the words of each step.
+    **arrays
+        Measurements as arrays, in place of `data`.
 
     Raises
     ------
-    InputError: what is wrong with the input, with row and column
+    InputError
+        What is wrong with the input, with row and column.
     """
     rows = taken(robot, data, arrays, positions_only=positions_only)
     if isinstance(prior, Fit):
