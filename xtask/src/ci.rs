@@ -68,8 +68,10 @@ pub fn run(root: &Path) -> Result<()> {
     for step in &STEPS {
         one(step, root)?;
     }
-    println!("── .ci/python");
-    finished(Command::new(root.join(".ci/python")).current_dir(root))?;
+    for script in [".ci/python", ".ci/docs"] {
+        println!("── {script}");
+        finished(Command::new(root.join(script)).current_dir(root))?;
+    }
     let [install, fetch, check, advisories] = &DENY;
     if !works(&["deny", "--version"], root) {
         if one(install, root).is_err() {
