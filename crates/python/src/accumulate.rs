@@ -146,10 +146,11 @@ impl Accumulator {
         })
     }
 
-    /// Takes in a block: its number, from 0, and its rows, whole visits.
-    fn update(&self, py: Python<'_>, block: u64, data: &Data) -> PyResult<()> {
+    /// Takes in a block: its number, from 0, and its rows, whole visits; on so many threads, 0 for all.
+    #[pyo3(signature = (block, data, threads=0))]
+    fn update(&self, py: Python<'_>, block: u64, data: &Data, threads: usize) -> PyResult<()> {
         let (pass, rows) = (self.pass.clone(), data.data.clone());
-        py.detach(|| {
+        let work = move || {
             let taken = |count: bool| {
                 if count { Err(input(format!("block {block} has been taken in already"))) } else { Ok(()) }
             };
@@ -173,6 +174,11 @@ impl Accumulator {
                 }
             }
             self.raised.take().map_or(Ok(()), Err)
+        };
+        py.detach(|| match threads {
+            0 => work(),
+            // The calling thread, which may have to wait for the interpreter's lock, is none of them.
+            _ => rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(input)?.install(work),
         })
     }
 

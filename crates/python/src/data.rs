@@ -32,6 +32,12 @@ impl Data {
         Data { data: Arc::new(data), info: Arc::new(info), chain, warnings: warnings(&said) }
     }
 
+    /// The same rows.
+    fn shared(&self) -> Self {
+        let (data, info, chain) = (self.data.clone(), self.info.clone(), self.chain.clone());
+        Data { data, info, chain, warnings: self.warnings.clone() }
+    }
+
     /// The name of the file, or `data`.
     pub fn name(&self) -> String {
         self.info.file.display().to_string()
@@ -232,6 +238,17 @@ impl Data {
             all.set_item(&channel.name, vector(py, values.clone()))?;
         }
         Ok(all)
+    }
+
+    /// Whole pose measurements of a block as a block of their own: nothing is known of other rows.
+    fn block(&self, rows: Vec<usize>) -> PyResult<Data> {
+        if rows.len() == self.data.len() {
+            return Ok(Data { warnings: Vec::new(), ..self.shared() });
+        }
+        let made = self.select(rows)?;
+        let Data { data, info, chain, warnings } = made;
+        let data = Dataset { record: None, ..Arc::unwrap_or_clone(data) };
+        Ok(Data { data: Arc::new(data), info, chain, warnings })
     }
 
     /// The rows with these numbers (from 0), in this order of ascending rows; pose measurements and directions of approach stay as they were.

@@ -99,12 +99,9 @@ def _task(
     positions_only: bool,
 ) -> Accumulator:
     at = dict(zip(used, parts))
-    total = Accumulator.of_pass(pass_bytes, classes)
-    # One block after the other is read: that is all that a task has in memory.
-    for one, overlapping in zip(ranges, wanted):
-        cuts = [cut(at[part], low, high) for part, low, high in overlapping]
-        total.merge(work(pass_bytes, classes, robot, [one], [cuts], positions_only))
-    return total
+    # One block after the other is read: that is all that a task has in memory. A task has one thread, as Dask counts them.
+    cuts = ([cut(at[part], low, high) for part, low, high in overlapping] for overlapping in wanted)
+    return work(pass_bytes, classes, robot, ranges, cuts, positions_only, threads=1)
 
 
 def discover_each(

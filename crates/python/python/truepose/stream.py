@@ -16,12 +16,14 @@ solvers, channels that lag, and directions of approach that no column states.
 
 from __future__ import annotations
 
+import functools
 import importlib
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from truepose import _core
 from truepose._arrays import ArrowStream, column, table
@@ -228,16 +230,33 @@ def _parquet() -> Any:
 
 
 def _parquet_rows(path: str, start: int, stop: int) -> dict[str, Any]:
-    file: Any = _parquet().ParquetFile(path)
-    metadata, begin, wanted, first = file.metadata, 0, [], None
-    for group in range(metadata.num_row_groups):
-        end = begin + metadata.row_group(group).num_rows
-        if begin < stop and end > start:
-            wanted.append(group)
-            first = begin if first is None else first
-        begin = end
-    rows: Any = file.read_row_groups(wanted, use_threads=False).slice(start - (first or 0), stop - start)
-    return {str(name): _plain(str(name), rows[name]) for name in rows.column_names}
+    about = os.stat(path)
+    version = (about.st_mtime_ns, about.st_size)
+    ends = _row_groups(path, *version)
+    pieces: list[dict[str, Any]] = []
+    for group, (begin, end) in enumerate(zip(ends[:-1], ends[1:])):
+        low, high = max(start, begin), min(stop, end)
+        if low < high:
+            rows = _row_group(path, *version, group).slice(low - begin, high - low)
+            pieces.append({str(name): _plain(str(name), rows[name]) for name in rows.column_names})
+    if pieces:
+        return joined(pieces)
+    names: Sequence[Any] = _parquet().ParquetFile(path).schema_arrow.names
+    return {str(name): np.empty(0) for name in names}
+
+
+@functools.lru_cache(maxsize=64)
+def _row_groups(path: str, changed: int, size: int) -> list[int]:
+    """First row of each group of a file, and its number of rows."""
+    metadata = _parquet().ParquetFile(path).metadata
+    counts = [metadata.row_group(group).num_rows for group in range(metadata.num_row_groups)]
+    return [int(end) for end in np.cumsum([0, *counts])]
+
+
+@functools.lru_cache(maxsize=2)
+def _row_group(path: str, changed: int, size: int, group: int) -> Any:
+    """A group, decoded once for the blocks in it, which come one after the other; two, since a block may begin in one and end in the next."""
+    return _parquet().ParquetFile(path).read_row_group(group, use_threads=False)
 
 
 def joined(cuts: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -262,17 +281,25 @@ def joined(cuts: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 def beginning(robot: Robot, columns: dict[str, Any], first: int, start: int, stop: int) -> dict[str, Any]:
     """Of rows that begin at row `first` of the whole: those of the pose measurements that begin in start … stop."""
+    _, taken = _begun(robot, columns, first, start, stop, False)
+    return {header: values[taken] if isinstance(values, np.ndarray) else [v for v, t in zip(values, taken) if t] for header, values in columns.items()}
+
+
+def _begun(
+    robot: Robot, columns: dict[str, Any], first: int, start: int, stop: int, positions_only: bool
+) -> tuple[_core.Data, NDArray[np.bool_]]:
+    """The rows as they are read, and which of them belong to pose measurements that begin in start … stop."""
     try:
-        rows = _core.take_block(robot._core, table(columns), False)
+        rows = _core.take_block(robot._core, table(columns), positions_only)
     except InputError as error:
         raise _moved(error, first) from None
     visit = rows.visit
     begins = first + np.flatnonzero(np.diff(visit, prepend=-1))
     begun = begins[visit]
-    taken = (begun >= start) & (begun < stop)
+    taken: NDArray[np.bool_] = (begun >= start) & (begun < stop)
     if taken.any() and taken[-1] and begun[-1] + REACH <= first + len(visit) - 1:
         raise InputError(f"a pose measurement at row {begun[-1] + 1} has more than {REACH} rows: blocks cannot be cut there")
-    return {header: values[taken] if isinstance(values, np.ndarray) else [v for v, t in zip(values, taken) if t] for header, values in columns.items()}
+    return rows, taken
 
 
 def _moved(error: InputError, first: int) -> InputError:
@@ -286,13 +313,13 @@ def _moved(error: InputError, first: int) -> InputError:
 
 
 def work(pass_bytes: bytes, classes: tuple[type[Effect], ...], robot: Robot, ranges: Sequence[tuple[int, int, int, int]],
-         cuts: Sequence[Sequence[dict[str, Any]]], positions_only: bool) -> Accumulator:  # fmt: skip
-    """The accumulator of some blocks: (number, first row that is there, start, stop) and the rows of each."""
+         cuts: Iterable[Sequence[dict[str, Any]]], positions_only: bool, threads: int = 0) -> Accumulator:  # fmt: skip
+    """The accumulator of some blocks: (number, first row that is there, start, stop) and the rows of each, one after the other. `threads`: 0 for all."""
     total = Accumulator.of_pass(pass_bytes, classes)
     for (number, first, start, stop), parts in zip(ranges, cuts):
-        rows = beginning(robot, joined(parts), first, start, stop)
-        if len(next(iter(rows.values()), ())) > 0:
-            total.update(number, robot, rows, positions_only=positions_only)
+        rows, taken = _begun(robot, joined(parts), first, start, stop, positions_only)
+        if taken.any():
+            total._core.update(number, rows.block(np.flatnonzero(taken).tolist()), threads)
     return total
 
 
@@ -319,11 +346,8 @@ def identify(
 
     def total(plan: Plan) -> Accumulator:
         result = plan.accumulator()
-        for k in range(rows.blocks):
-            first, _ = rows.around(k * block, (k + 1) * block)
-            one = (k, first, k * block, (k + 1) * block)
-            result.merge(work(plan.pass_bytes, plan.classes, robot, [one], [list(cuts(k))], positions_only))
-        return result
+        ranges = [(k, rows.around(k * block, (k + 1) * block)[0], k * block, (k + 1) * block) for k in range(rows.blocks)]
+        return result.merge(work(plan.pass_bytes, plan.classes, robot, ranges, (list(cuts(k)) for k in range(rows.blocks)), positions_only))
 
     plan = Plan(
         robot,
