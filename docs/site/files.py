@@ -31,7 +31,9 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """A link to a folder is its page, where it has one, else its name; so is one to an item of rustdoc."""
+    """A link to a folder is its page, where it has one, else its name; so is one to an item of rustdoc. Pages of docs/site stand at the root."""
+    if not (ROOT / page.file.src_uri).is_file():
+        markdown = markdown.replace("](../../", "](")
 
     def named(match: re.Match[str]) -> str:
         words, link, anchor = match.groups()
