@@ -87,15 +87,11 @@ impl Arm {
     /// From the base to a tool of a robot with these generalized errors, six a frame, constant except at those that `moves` marks. Joints that
     /// do not carry the tool have an axis of zero.
     pub fn to_tool(chain: &Chain, tool: ToolId, errors: &[f64], moves: &[bool]) -> Self {
-        Arm::between(chain, tool, errors, moves, &[])
+        Arm::with_marks(chain, tool, errors, moves, &[])
     }
 
     /// The same with marks, each behind the errors of its frame.
-    pub fn with_marks(chain: &Chain, errors: &[f64], moves: &[bool], marks: &[Marked]) -> Self {
-        Arm::between(chain, ToolId::FIRST, errors, moves, marks)
-    }
-
-    fn between(chain: &Chain, tool: ToolId, errors: &[f64], moves: &[bool], marks: &[Marked]) -> Self {
+    pub fn with_marks(chain: &Chain, tool: ToolId, errors: &[f64], moves: &[bool], marks: &[Marked]) -> Self {
         let mut made = Factors { factors: Vec::new(), pending: chain.base().pose };
         let mut slides = [false; MOST];
         let mut joints = 0;

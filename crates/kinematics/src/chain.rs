@@ -4,8 +4,8 @@ use crate::couplings::Couplings;
 use crate::prepared::PreparedJoint;
 use crate::sines::sin_cos;
 use crate::{
-    ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placement, Pose, Target, TargetId, Tool,
-    ToolId,
+    ChainError, FrameId, Joint, JointId, JointKind, JointMotion, Placed, Placement, Pose, Target, TargetId,
+    Tool, ToolId,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -33,21 +33,6 @@ pub struct Gravity {
 impl Default for Gravity {
     fn default() -> Self {
         Gravity { vector: Vector3::new(0.0, 0.0, -9.81), frame: GravityFrame::Measurement }
-    }
-}
-
-/// A nominal pose, and whether it can be relied on.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Placed {
-    /// The nominal pose.
-    pub pose: Pose,
-    /// False when it is a hint at most, to be found from the data.
-    pub known: bool,
-}
-
-impl Default for Placed {
-    fn default() -> Self {
-        Placed { pose: Pose::IDENTITY, known: true }
     }
 }
 

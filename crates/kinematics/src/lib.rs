@@ -19,9 +19,10 @@ mod prepared;
 pub mod samples;
 pub mod sines;
 mod target;
+mod tool;
 mod tree;
 
-pub use chain::{Chain, Gravity, GravityFrame, Placed};
+pub use chain::{Chain, Gravity, GravityFrame};
 pub use conditions::{Conditions, Slot};
 pub use couplings::Coupling;
 pub use error::ChainError;
@@ -35,7 +36,7 @@ pub use pose::{Pose, rotation_log, rotation_vector, skew};
 pub use posture::{Posture, PostureBuffer, weigh};
 pub use sines::sin_cos;
 pub use target::Target;
-pub use tree::Tool;
+pub use tool::{Placed, Tool};
 
 pub use nalgebra;
 pub use pulp;

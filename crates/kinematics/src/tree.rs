@@ -4,35 +4,7 @@
 //! between the base and a tool is a chain like any other: frames that do not carry the tool have no part in where it is, but their weights
 //! load the joints that carry both.
 
-use crate::{Chain, ChainError, FrameId, Joint, JointId, Placed, ToolId};
-
-/// What is mounted on a frame, with measured points of its own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tool {
-    /// Its name in the `tool` column of the data.
-    pub name: String,
-    /// The frame that carries it: behind a joint, or the base.
-    pub frame: FrameId,
-    /// That frame → tool frame.
-    pub placed: Placed,
-    /// Its word in files and reports.
-    pub(crate) word: String,
-}
-
-impl Tool {
-    /// The only tool of a robot, behind its last joint.
-    pub(crate) fn at_the_end_of(joints: &[Joint]) -> Self {
-        let word = || "tool".to_owned();
-        Tool { name: word(), frame: FrameId(joints.len()), placed: Placed::default(), word: word() }
-    }
-
-    /// A tool on the frame behind a joint (none: on the base).
-    pub fn on(name: impl Into<String>, joint: Option<JointId>, placed: Placed) -> Self {
-        let name = name.into();
-        let word = format!("tool {name}");
-        Tool { name, frame: joint.map_or(FrameId::BASE, |joint| FrameId(joint.0)), placed, word }
-    }
-}
+use crate::{Chain, ChainError, FrameId, JointId, Placed, Tool, ToolId};
 
 impl Chain {
     /// With these joints in front of each joint (none: the base), in the order of [`Chain::joints`]. The tools stay where they are.
@@ -193,7 +165,9 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Conditions, JointKind, Placement, Pose, PostureBuffer, Target, joint_jacobian, samples};
+    use crate::{
+        Conditions, Joint, JointKind, Placement, Pose, PostureBuffer, Target, joint_jacobian, samples,
+    };
     use nalgebra::Vector3;
 
     #[test]

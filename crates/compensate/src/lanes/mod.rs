@@ -164,10 +164,11 @@ impl Kernel {
             GravityFrame::Measurement => given,
             GravityFrame::Base => chain.base().pose.rotation * (base.rotation * chain.gravity().vector),
         };
+        let only = truepose_kinematics::ToolId::FIRST;
         Some(Kernel {
             arch: Arch::new(),
-            nominal: Arm::with_marks(chain, &[], &[], &marks),
-            bent: Arm::with_marks(chain, &constant, &moves, &marks),
+            nominal: Arm::with_marks(chain, only, &[], &[], &marks),
+            bent: Arm::with_marks(chain, only, &constant, &moves, &marks),
             moving: (0..frames).filter(|&site| moves[site]).collect(),
             constant,
             springs: yielding.into_iter().map(|(_, spring)| spring).collect(),

@@ -1,9 +1,9 @@
 //! What the columns of a table mean.
 
+use super::header_words::{name_and_unit, unit_of};
 use super::scalars;
 use crate::frame_names::joint_called;
 use crate::nearest::{meant, nearest};
-use crate::table::unprefixed;
 use crate::{Quantity, Unit};
 use truepose_kinematics::{Chain, JointKind};
 
@@ -350,50 +350,6 @@ fn looks_like_a_joint(name: &str, unit: Option<&str>, chain: &Chain) -> Result<(
         ));
     }
     Ok(())
-}
-
-fn name_and_unit(header: &str) -> Result<(&str, Option<&str>), String> {
-    let (name, unit) = match header.split_once('[') {
-        None => (header.trim(), None),
-        Some((name, rest)) => match rest.trim_end().strip_suffix(']') {
-            Some(unit) if !unit.contains(['[', ']']) => (name.trim(), Some(unit.trim())),
-            _ => return Err("a header is `name` or `name[unit]`; close the bracket at its end".into()),
-        },
-    };
-    let name = unprefixed(name);
-    if name.is_empty() {
-        return Err("has no name; name the column in the header, or remove it".into());
-    }
-    if name.contains(']') {
-        return Err("a header is `name` or `name[unit]`; open the bracket".into());
-    }
-    if unit == Some("") {
-        return Err(format!("the unit is empty; write `{name}[1]` for a plain number"));
-    }
-    Ok((name, unit))
-}
-
-fn unit_of(word: &str, name: &str, quantity: Quantity) -> Result<Unit, String> {
-    let units = quantity.units().filter(|unit| *unit != "%").collect::<Vec<_>>();
-    let listed = units.join(", ");
-    match Unit::named(word) {
-        Some(unit) if unit.quantity == quantity && word != "%" => Ok(*unit),
-        Some(unit) => Err(format!(
-            "[{word}] is the unit of {}, but `{name}` is {}; its unit can be: {listed}",
-            unit.quantity.word(),
-            quantity.word()
-        )),
-        None => {
-            let lower = word.to_lowercase();
-            let near = units.iter().find(|unit| unit.to_lowercase() == lower).copied();
-            let hint = near.or_else(|| nearest(word, units.iter().copied()));
-            let hint = hint.map_or(String::new(), |unit| format!("; did you mean [{unit}]?"));
-            Err(format!(
-                "unknown unit [{word}]{hint} (`{name}` is {}; its unit can be: {listed})",
-                quantity.word()
-            ))
-        }
-    }
 }
 
 pub(crate) fn joint_quantity(chain: &Chain, k: usize) -> Quantity {

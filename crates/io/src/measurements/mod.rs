@@ -12,6 +12,7 @@ mod copies;
 mod coupled;
 mod dialect;
 pub(crate) mod header;
+mod header_words;
 mod info;
 mod lines;
 mod lost;

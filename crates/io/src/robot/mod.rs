@@ -9,6 +9,7 @@ mod kinematics_yaml;
 pub(crate) mod names;
 mod sessions;
 mod surroundings;
+mod targets;
 mod toml_form;
 mod tree;
 mod urdf;

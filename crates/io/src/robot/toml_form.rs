@@ -1,8 +1,8 @@
 //! The TOML form of a robot description.
 
-use super::names::{cell_problem, joint_name_problem};
-use super::{MOST_JOINTS, MOST_TARGETS, RobotOptions, urdf};
-use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings, tree};
+use super::names::joint_name_problem;
+use super::{MOST_JOINTS, RobotOptions, urdf};
+use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings, targets, tree};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
@@ -10,7 +10,7 @@ use crate::{IoError, Unit, Warning};
 use std::path::{Path, PathBuf};
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
 use truepose_kinematics::{
-    Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose, Target,
+    Chain, ChainError, Gravity, GravityFrame, Joint, JointKind, Link, Placed, Placement, Pose,
 };
 
 /// Units of every length and angle of one file.
@@ -116,7 +116,7 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     let base = kept(at("base", "[base]"), &mut errors).flatten();
     let tool = kept(at("tool", "[tool]"), &mut errors).flatten();
     let targets = match root.get("targets") {
-        Some(targets) => self::targets(&targets, units, &tree::names(&root)?, &mut errors)?,
+        Some(targets) => targets::read(&targets, units.length, &tree::names(&root)?, &mut errors)?,
         None => Vec::new(),
     };
     let gravity = kept(gravity(&root), &mut errors).unwrap_or_default();
@@ -351,44 +351,6 @@ fn placed(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
 fn placed_at(table: &Table<'_>, units: Units) -> Result<Placed, IoError> {
     let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
     Ok(Placed { pose: pose(table, units)?, known })
-}
-
-fn targets(
-    value: &Value<'_>,
-    units: Units,
-    tools: &[String],
-    errors: &mut Vec<IoError>,
-) -> Result<Vec<Target>, IoError> {
-    let mut targets: Vec<Target> = Vec::new();
-    let tables = value.tables("targets")?;
-    if let Some(table) = tables.get(MOST_TARGETS) {
-        return Err(table.error(format!("a robot has at most {MOST_TARGETS} targets")));
-    }
-    for table in &tables {
-        targets.extend(kept(target(table, units, &targets, tools), errors));
-    }
-    Ok(targets)
-}
-
-fn target(table: &Table<'_>, units: Units, others: &[Target], tools: &[String]) -> Result<Target, IoError> {
-    table.only(&["name", "xyz", "known", "tool"])?;
-    let name = table.require("name")?;
-    if let Some(problem) = cell_problem(name.string()?) {
-        return Err(name.error(problem));
-    }
-    let word = name.string()?;
-    if others.iter().any(|other| other.name == word) {
-        return Err(name.error(format!("two targets have the name `{word}`; names must be different")));
-    }
-    let known = table.get("known").map_or(Ok(true), |value| value.boolean())?;
-    let position = match table.get("xyz") {
-        Some(value) => Vector3::from(units.lengths(value.numbers::<3>()?)),
-        None if !known => Vector3::zeros(),
-        None => {
-            return Err(table.error(format!("{} lacks `xyz`; add it, or `known = false`", table.name())));
-        }
-    };
-    Ok(Target { name: word.into(), position, known, tool: tree::tool_of(table, tools)? })
 }
 
 fn gravity(root: &Table<'_>) -> Result<Gravity, IoError> {
