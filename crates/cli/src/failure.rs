@@ -59,7 +59,7 @@ fn short(message: &str) -> String {
 /// Characters of a message, at most, and those that are kept of the end of a longer one.
 const LONGEST: usize = 2000;
 /// Lines of a message, at most.
-const LINES: usize = 40;
+const LINES: usize = 80;
 const END: usize = 300;
 
 /// Replaces names of types by plain English.

@@ -107,7 +107,7 @@ impl Unit {
             "inch" | "inches" => "in",
             "°" | "º" | "Deg" | "DEG" | "degree" | "degrees" | "Degrees" => "deg",
             "Rad" | "RAD" | "radian" | "radians" | "Radians" => "rad",
-            "sec" | "second" | "seconds" => "s",
+            "sec" | "second" | "seconds" | "Seconds" => "s",
             "°C" => "degC",
             "Nm" | "N·m" | "N.m" => "N*m",
             other => other,

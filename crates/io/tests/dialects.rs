@@ -124,12 +124,8 @@ fn names_of_a_controller() {
         "A1 (°),A2 (°),A3 (mm),A4 (°),X (mm),Y (mm),Z (mm)",
     );
     let error = read(text.as_bytes()).unwrap_err();
-    assert!(
-        error.starts_with(
-            "d.csv:1: joints `r1`, `r2`, `slide`, `r4` have no columns; perhaps they are meant by: "
-        ),
-        "{error}"
-    );
+    let begins = "d.csv:1: joints `r1`, `r2`, `slide`, `r4` have no columns (columns here: A1 (°), ";
+    assert!(error.starts_with(begins) && error.contains("\nperhaps they are meant by: --map"), "{error}");
     is_right(&read_with(text.as_bytes(), proposed(&error)).unwrap().0);
 }
 
@@ -228,8 +224,8 @@ fn every_error_in_one_run() {
     );
     let rows: String = (0..100).map(|_| "1,2,3,4,5,6,seven\n").collect();
     let error = read(format!("{header}\n{rows}").as_bytes()).unwrap_err();
-    assert_eq!(error.lines().count(), 4);
-    assert!(error.ends_with("and 97 more"), "{error}");
+    assert_eq!(error.lines().count(), 1);
+    assert!(error.ends_with("`seven` is not a number; the same in 99 other rows"), "{error}");
     // Of the header as well.
     let text = PLAIN.replace("r1[deg]", "r1[furlong]").replace("x[mm]", "x[deg]");
     assert_eq!(read(text.as_bytes()).unwrap_err().lines().count(), 2);

@@ -1,8 +1,8 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
-use super::Grouped;
 use super::program::{GivenPlace, RobotProgram, parse_given};
 use super::values::{input, parse_length, parse_position, parse_three, parse_whole};
+use super::{Grouped, NamedColumns};
 use std::path::PathBuf;
 
 /// `truepose plan`
@@ -124,6 +124,8 @@ pub struct Compensate {
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
     #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["joints", "program"])]
     pub poses: Option<PathBuf>,
+    #[command(flatten)]
+    pub named: NamedColumns,
     /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there
     #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "tcp"])]
     pub joints: Option<PathBuf>,

@@ -16,6 +16,13 @@ pub struct Grouped {
     /// [default: 1e-5rad,10um]
     #[arg(long, value_name = "ANGLE,LENGTH", allow_hyphen_values = true, value_parser = parse_tolerance)]
     pub dwell_tolerance: Option<DwellTolerance>,
+    #[command(flatten)]
+    pub named: NamedColumns,
+}
+
+/// Which column of a table is which.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct NamedColumns {
     /// A column of the data that holds a joint or another quantity under a name of its own, e.g. "A1=Joint 1[deg]"; repeat the option for
     /// each (or list them in [columns] of the robot file)
     #[arg(long, value_name = "NAME=COLUMN", value_parser = parse_map)]
@@ -32,19 +39,31 @@ pub struct Grouped {
     pub orientation: Option<OrientationConvention>,
 }
 
+impl NamedColumns {
+    /// What the options say.
+    pub fn map(&self) -> ColumnMap {
+        ColumnMap {
+            names: self.map.clone(),
+            ignore: self.ignore.clone(),
+            exclude: self.exclude.clone(),
+            orientation: self.orientation,
+            ..ColumnMap::default()
+        }
+        .with(&ColumnMap::default())
+    }
+
+    /// The same for another file of the robot of a fit, with the columns that its data had.
+    pub fn map_for(&self, fitted: &FittedModel) -> ColumnMap {
+        recorded_columns(fitted).with(&self.map())
+    }
+}
+
 impl Grouped {
     /// Options for measurements, which need a measured position or orientation.
     pub fn measured(&self) -> MeasurementsOptions {
         MeasurementsOptions {
             dwell: self.dwell_tolerance.unwrap_or_default(),
-            columns: ColumnMap {
-                names: self.map.clone(),
-                ignore: self.ignore.clone(),
-                exclude: self.exclude.clone(),
-                orientation: self.orientation,
-                ..ColumnMap::default()
-            }
-            .with(&ColumnMap::default()),
+            columns: self.named.map(),
             ..MeasurementsOptions::default()
         }
     }
@@ -57,8 +76,7 @@ impl Grouped {
 
     /// The same, with the columns that the data of a fit had.
     pub fn measured_for(&self, fitted: &FittedModel) -> MeasurementsOptions {
-        let own = self.measured();
-        MeasurementsOptions { columns: recorded_columns(fitted).with(&own.columns), ..own }
+        MeasurementsOptions { columns: self.named.map_for(fitted), ..self.measured() }
     }
 
     /// Options for rows without measured values, with the columns that the data of a fit had.

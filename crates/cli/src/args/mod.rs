@@ -11,7 +11,7 @@ mod values;
 
 pub use acceptance::{FramesFrom, Iso9283};
 pub use fitted::{Compensate, Export, ExportFormat, Map, Plan, PlannedTest, Predict, YamlStyle};
-pub use grouped::Grouped;
+pub use grouped::{Grouped, NamedColumns};
 pub use measured::{Compare, Discover, Identify, Measured, SplitKind};
 pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Verify};
 pub(crate) use program::parse_given;

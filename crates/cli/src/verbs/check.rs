@@ -61,7 +61,8 @@ pub fn run(args: &Check) -> Result<(), Failure> {
     if args.json {
         let mut all = json(&chain, model.as_ref(), data.as_ref());
         all["nominal"] = nominal.json(&chain);
-        return print_json(&all);
+        print_json(&all)?;
+        return judged(data.as_ref());
     }
     terminal::print(&robot_text(&chain));
     if let Some(model) = &model {
@@ -71,6 +72,20 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         terminal::print(&data_text(info));
     }
     terminal::print(&nominal.text());
+    judged(data.as_ref())
+}
+
+/// Whether a fit would take the data; where it would, what columns without a meaning are perhaps.
+fn judged(data: Option<&CsvInfo>) -> Result<(), Failure> {
+    let Some(info) = data else { return Ok(()) };
+    let (file, proposal) = (info.file.display(), &info.proposal);
+    if info.unmeasured {
+        let words = "no measured position, orientation or kind of observation: identify will refuse";
+        return Err(Failure::Input(format!("{file}: {words}{proposal}")));
+    }
+    if !proposal.is_empty() {
+        terminal::warn(&[format!("{file}: columns are not read that may be meant{proposal}")]);
+    }
     Ok(())
 }
 

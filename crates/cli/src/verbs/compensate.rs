@@ -9,7 +9,6 @@ use crate::args::Compensate;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::recorded::recorded_columns;
 use crate::terminal;
 use crate::watch::Watch;
 use rayon::prelude::*;
@@ -163,7 +162,7 @@ fn file(args: &Compensate) -> &Path {
 fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Poses, Failure> {
     let chain = fitted.chain();
     if let Some(joints) = &args.joints {
-        let columns = recorded_columns(fitted);
+        let columns = args.named.map_for(fitted);
         let options =
             MeasurementsOptions { measured_required: false, columns, ..MeasurementsOptions::default() };
         let (rows, info, warnings) = read_measurements(joints, chain, &options)?;
@@ -171,12 +170,20 @@ fn read(args: &Compensate, fitted: &FittedModel, placed: &Placed) -> Result<Pose
         return Ok(placed.programme(chain, rows, &info));
     }
     let file = file(args);
-    let (mut poses, _, warnings) = read_poses(file, chain, &recorded_columns(fitted))?;
+    let (mut poses, _, warnings) = read_poses(file, chain, &args.named.map_for(fitted))?;
     terminal::warn(&warnings);
     if !placed.of_the_flange() {
         known(args, fitted, &poses)?;
     }
     placed.place(&mut poses, &file.display().to_string())?;
+    let free = poses.rows.orientation.iter().filter(|orientation| orientation.is_none()).count();
+    if free > 0 {
+        terminal::warn(&[format!(
+            "{}: orientation left free in {}: the position alone is held, and the wrist turns as it may",
+            file.display(),
+            count(free, "pose")
+        )]);
+    }
     Ok(poses)
 }
 

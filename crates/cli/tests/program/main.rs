@@ -14,6 +14,7 @@ mod determinism;
 mod dwell;
 mod example;
 mod export;
+mod exports;
 mod fleet;
 mod folder;
 mod handover;

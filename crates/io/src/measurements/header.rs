@@ -1,12 +1,13 @@
 //! The header of a table: which columns there are, and whether they make sense together.
 
 use super::cells::cells;
-use super::columns::{Column, FIXED, Role, joint_names, joint_quantity};
+use super::columns::{Column, FIXED, Role};
 use super::names::Names;
 use super::orientation::OrientationConvention;
+use super::proposal::{Proposal, capitals, impossible};
 use super::sampled::Sample;
 use super::scalars::SCALARS;
-use crate::nearest::{listed, meant};
+use crate::nearest::listed;
 use crate::{IoError, Warning};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -76,6 +77,10 @@ pub(crate) struct Header {
     pub line: u64,
     pub columns: Vec<Column>,
     pub slots: Slots,
+    /// What columns without a meaning are perhaps.
+    pub proposal: Proposal,
+    /// Why a fit refuses the table, where no column holds anything measured.
+    pub unmeasured: Option<String>,
 }
 
 impl Header {
@@ -108,7 +113,19 @@ impl Header {
         for message in resolver.unmatched(&headers, needs.measured) {
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
-        let mut header = Header { file: file.into(), line, columns: Vec::new(), slots: Slots::default() };
+        let mut own = resolver.map.clone();
+        if let Some(columns) = capitals(&headers, sample, resolver) {
+            let [x, y, z] = columns.map(|k| headers[k]);
+            own.names
+                .extend([("x", x), ("y", y), ("z", z)].map(|(name, header)| (name.into(), header.into())));
+            let message =
+                format!("`{x}`, `{y}`, `{z}` are read as x, y, z: no other columns can be meant by these");
+            warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
+        }
+        let resolver = &Names { chain: resolver.chain, map: &own };
+        let proposal = Proposal::of(&headers, sample, resolver);
+        let (columns, slots) = (Vec::new(), Slots::default());
+        let mut header = Header { file: file.into(), line, columns, slots, proposal, unmeasured: None };
         let mut seen: HashMap<String, usize> = HashMap::new();
         let mut channels = 0;
         let mut errors = Vec::new();
@@ -129,7 +146,11 @@ impl Header {
                     continue;
                 }
             };
-            if let Some(message) = warning {
+            // What is proposed is said once.
+            let told = |message: &String| {
+                !(matches!(column.role, Role::Channel(_)) && message.contains("did you mean"))
+            };
+            if let Some(message) = warning.filter(|message| !header.proposal.has(name) || told(message)) {
                 let column = Some((column.header.clone(), k + 1));
                 warnings.push(Warning { file: file.into(), line: Some(line), column, message });
             }
@@ -139,13 +160,19 @@ impl Header {
                 let message = format!("column {first} is called `{}`, too; remove one of them", column.name);
                 errors.push(at(message));
             }
+            errors.extend(impossible(&column, sample, k).map(at));
             channels += usize::from(matches!(column.role, Role::Channel(_)));
             header.columns.push(column);
         }
         if !errors.is_empty() {
+            errors.extend(header.proposed());
             return Err(IoError::several(errors, 0));
         }
         header.slots = header.slots(resolver, needs)?;
+        if (needs.measured || needs.position) && !header.proposal.is_empty() {
+            let message = format!("columns are not read that may be meant{}", header.proposal.text());
+            warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
+        }
         if header.slots.payload.is_some() && header.slots.centre.is_none() {
             header.warn(
                 warnings,
@@ -206,7 +233,7 @@ impl Header {
         }
     }
 
-    fn find(&self, role: Role) -> Option<usize> {
+    pub(super) fn find(&self, role: Role) -> Option<usize> {
         self.columns.iter().position(|column| column.role == role)
     }
 
@@ -214,7 +241,7 @@ impl Header {
         IoError::line(&self.file, self.line, message)
     }
 
-    fn slots(&self, names: &Names<'_>, needs: Needs) -> Result<Slots, IoError> {
+    fn slots(&mut self, names: &Names<'_>, needs: Needs) -> Result<Slots, IoError> {
         let chain = names.chain;
         let joints = self.joints(chain, needs)?;
         let slots = Slots {
@@ -266,14 +293,13 @@ impl Header {
             let message = "needs a column `kind` beside it, which says how the landmark was observed (`same_point`, `distance`, `plane` …)";
             return Err(self.cell_error(self.line, k, message));
         }
-        if (needs.position && slots.position.is_none()) || (needs.measured && !seen) {
-            let what = if needs.position { "a position" } else { "anything measured" };
-            let columns = self.listed();
-            let map = self.suggested(["x", "y", "z"].map(|name| (name, None)));
-            let message = format!(
-                "no columns hold {what}; add `x[mm]`, `y[mm]`, `z[mm]`{map} (columns here: {columns})"
-            );
-            return Err(self.error(message));
+        let wanted = if needs.position { slots.position.is_some() } else { seen };
+        if !wanted {
+            let message = self.nothing_measured(needs);
+            if needs.measured || needs.position {
+                return Err(self.error(message));
+            }
+            self.unmeasured = Some(message);
         }
         Ok(slots)
     }
@@ -320,42 +346,10 @@ impl Header {
                 "the first line holds numbers; put a line above it that names the columns, such as `theta[deg],x[mm]`",
             ));
         }
-        Err(self.error(self.missing_joints(chain, &found, needs)))
+        Err(self.error(self.missing_joints(chain, &found)))
     }
 
-    /// What to do about joints without a column: all of them at once.
-    fn missing_joints(&self, chain: &Chain, found: &[Option<usize>], needs: Needs) -> String {
-        let missing: Vec<(usize, &str)> =
-            joint_names(chain).enumerate().filter(|(k, _)| found[*k].is_none()).collect();
-        let columns = self.listed();
-        let mut wanted: Vec<(&str, Option<usize>)> =
-            missing.iter().map(|&(k, name)| (name, Some(k))).collect();
-        if needs.measured && self.find(Role::Position(0)).is_none() {
-            wanted.extend(["x", "y", "z"].map(|name| (name, None)));
-        }
-        let map = self.suggested(wanted);
-        if let [(k, name)] = missing[..] {
-            let units: Vec<String> =
-                joint_quantity(chain, k).units().take(2).map(|unit| format!("`{name}[{unit}]`")).collect();
-            let others = self
-                .columns
-                .iter()
-                .filter(|column| matches!(column.role, Role::Channel(_)))
-                .map(|column| column.name.as_str());
-            let hint = meant(name, others).replace("did you mean", "is it called");
-            let units = units.join(" or ");
-            // A mapping says the same, and more.
-            let hint = if map.is_empty() { hint } else { String::new() };
-            return format!("joint `{name}` has no column{hint}; add {units}{map} (columns here: {columns})");
-        }
-        let names: Vec<String> = missing.iter().map(|(_, name)| format!("`{name}`")).collect();
-        format!(
-            "joints {} have no columns{map} (columns here: {columns})",
-            listed(names.iter().map(String::as_str))
-        )
-    }
-
-    fn listed(&self) -> String {
+    pub(super) fn listed(&self) -> String {
         listed(self.columns.iter().map(|column| column.header.as_str()))
     }
 }

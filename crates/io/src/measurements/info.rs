@@ -28,6 +28,10 @@ pub struct CsvInfo {
     pub sessions: Vec<String>,
     /// Names of the landmarks, in order of first appearance (column `landmark`); empty without such a column.
     pub landmarks: Vec<String>,
+    /// Whether no column holds anything measured: a fit refuses the table.
+    pub unmeasured: bool,
+    /// What columns without a meaning are perhaps, as options and as `[columns]` of a robot file; empty where there is nothing to propose.
+    pub proposal: String,
 }
 
 /// How rows were grouped into pose measurements (visits), and visits into configurations.

@@ -125,6 +125,11 @@ impl Lines {
         Lines::over(&self.file, Bytes::Memory(Cursor::new(text)))
     }
 
+    /// The text begins with a line that the file has not: the next line is number 0.
+    pub fn begin_before(&mut self) {
+        self.line = u64::MAX;
+    }
+
     pub fn file(&self) -> &Path {
         &self.file
     }
@@ -163,7 +168,7 @@ impl Lines {
             let (length, step) = memchr(b'\n', rest).map_or((rest.len(), rest.len()), |at| (at, at + 1));
             let from = self.start;
             self.start += step;
-            self.line += 1;
+            self.line = self.line.wrapping_add(1);
             if length > LONGEST_LINE {
                 return Err(self.too_long(self.line));
             }
@@ -188,7 +193,7 @@ impl Lines {
         while !self.ended {
             if self.filled == self.buffer.len() {
                 if self.filled > LONGEST_LINE {
-                    return Err(self.too_long(self.line + 1));
+                    return Err(self.too_long(self.line.wrapping_add(1)));
                 }
                 self.buffer.resize(2 * self.filled, 0);
             }
@@ -224,7 +229,8 @@ impl Lines {
             Err(error) => {
                 let at = self.start + error.valid_up_to();
                 let before = &self.buffer[self.start..at];
-                let line = self.line + 1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
+                let line =
+                    self.line.wrapping_add(1) + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
                 let in_line = before.len() - memrchr(b'\n', before).map_or(0, |k| k + 1) + 1;
                 let message = format!(
                     "byte {in_line} of the line is 0x{:02X}, which is not UTF-8; save the file as UTF-8",

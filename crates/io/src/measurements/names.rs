@@ -36,7 +36,7 @@ impl Names<'_> {
             return Named::Ignored;
         }
         if let Some((ours, theirs)) = mapped {
-            let unit = unit.or(split_unit(theirs).1);
+            let unit = unit.or(split_unit(theirs).1).or(unit_in_words(header));
             return Named::Header(match unit {
                 Some(unit) => Cow::Owned(format!("{ours}[{unit}]")),
                 None => Cow::Owned(ours.clone()),
@@ -163,6 +163,16 @@ pub(super) fn split_unit(header: &str) -> (&str, Option<&str>) {
     }
 }
 
+/// The unit that stands among other words in brackets: `Rx (Fixed XYZ deg)`; none where there are several.
+pub(super) fn unit_in_words(header: &str) -> Option<&'static str> {
+    let inside = header.trim().strip_suffix([')', ']'])?.rsplit_once(['(', '['])?.1;
+    // Letters alone (m, s, h, N) are rather something else, and so is `in`.
+    let long = |word: &&str| (word.chars().count() > 1 && *word != "in") || *word == "°";
+    let unit = |word: &str| Unit::named(word).filter(|unit| unit.quantity != Quantity::Ratio);
+    let mut units = inside.split([' ', ',', ';', '/']).filter(long).filter_map(unit);
+    units.next().filter(|_| units.next().is_none()).map(|unit| unit.word)
+}
+
 /// Whether a cell of a row below the header is a unit.
 pub(super) fn is_unit_word(cell: &str) -> bool {
     let word = cell.trim_matches(['[', ']', '(', ')']).trim();
@@ -190,6 +200,15 @@ mod tests {
         ] {
             assert_eq!(split_unit(header), expected);
         }
+    }
+
+    #[test]
+    fn units_among_words() {
+        assert_eq!(unit_in_words("Rx (Fixed XYZ deg)"), Some("deg"));
+        assert_eq!(unit_in_words("X (world, mm)"), Some("mm"));
+        assert_eq!(unit_in_words("X (from mm to um)"), None);
+        assert_eq!(unit_in_words("temp (outside in s)"), None);
+        assert_eq!(unit_in_words("temp"), None);
     }
 
     #[test]

@@ -234,6 +234,8 @@ impl MeasurementsReader {
             visit_labels,
             sessions: self.rows.sessions.clone(),
             landmarks: self.rows.landmarks.clone(),
+            unmeasured: self.rows.header.unmeasured.is_some(),
+            proposal: self.rows.header.proposal.text(),
             ids: self.ids.clone(),
         }
     }
@@ -309,7 +311,7 @@ impl MeasurementsReader {
                 }
             }
         }
-        problems.into_error()
+        problems.into_error(self.rows.header.proposed())
     }
 
     fn number_visit(&mut self, consecutive: bool) -> Result<usize, IoError> {

@@ -3,7 +3,7 @@
 use super::cells::{cells, number};
 use super::clock;
 use super::columns::{Cells, Column, Role};
-use super::names::{Named, Names, split_unit};
+use super::names::{Named, Names, split_unit, unit_in_words};
 
 /// Rows that are looked at.
 const ROWS: usize = 200;
@@ -39,6 +39,10 @@ impl Sample {
         if header.is_empty() && !self.0.is_empty() && self.filled(k).next().is_none() {
             return Ok((Column::unread(header, Cells::Blank), None));
         }
+        if header.is_empty() && !self.0.is_empty() {
+            let message = "has no name, and is not read".to_owned();
+            return Ok((Column::unread(header, Cells::Note), Some(message)));
+        }
         let ours = match names.resolve(header) {
             Named::Ignored => return Ok((Column::unread(header, Cells::Note), None)),
             Named::Header(ours) => ours,
@@ -49,6 +53,12 @@ impl Sample {
             let message = "holds text, and is not read".to_owned();
             return Ok((Column::unread(header, Cells::Note), Some(message)));
         }
+        if split_unit(header).1.is_none()
+            && column.unit_given
+            && unit_in_words(header).is_some_and(|unit| unit == column.unit)
+        {
+            warning = Some(format!("is read in [{}], as its header says", column.unit));
+        }
         if column.role == Role::Time
             && self.filled(k).all(|cell| matches!(clock::seconds(cell), Ok(Some(_)) | Err(_)))
         {
@@ -58,6 +68,11 @@ impl Sample {
             }
         }
         Ok((column, warning))
+    }
+
+    /// The cells of a column, one of each row.
+    pub fn cells(&self, k: usize) -> impl Iterator<Item = &str> {
+        self.0.iter().map(move |row| row.get(k).map_or("", String::as_str))
     }
 
     /// What is in the cells of a column.

@@ -46,6 +46,9 @@ impl Source {
             let rewritten = dialect.rewrite(path, &bytes, names)?;
             remarks.extend(rewritten.remarks);
             lines = lines.replaced(rewritten.text);
+            if rewritten.header_added {
+                lines.begin_before();
+            }
         }
         let (head, whole) = lines.head();
         let sample = Sample::of(head, whole);

@@ -109,6 +109,11 @@ pub(super) fn look_at_columns(read: &ReadSoFar<'_>, chain: &Chain, warnings: &mu
         let message = format!("time goes backwards here{}; it counts as the order all the same", more(count));
         warnings.push(at(line, header.slots.time, message));
     }
+    for (k, seen) in read.rows.seen.iter().enumerate() {
+        if header.columns[k].cells == Cells::Blank && seen.filled > 0 {
+            header.warn(warnings, Some(k), "has no name, and is not read");
+        }
+    }
     if let (Some(slots), Some((line, message))) = (header.slots.position, read.rows.lost.words()) {
         warnings.push(at(line, Some(slots[0]), message));
     }
@@ -146,6 +151,9 @@ pub(super) fn look_at_columns(read: &ReadSoFar<'_>, chain: &Chain, warnings: &mu
     // A channel may have any unit; one in the unit of a joint's value is rather a joint under another name. Commanded poses are known by theirs.
     let commanded = |k: usize| header.columns[k].name.starts_with("command_");
     for &k in header.slots.channels.iter().filter(|&&k| !commanded(k)) {
+        if header.proposal.has(&header.columns[k].header) {
+            continue;
+        }
         let unit = Unit::named(&header.columns[k].unit);
         if unit.is_some_and(|unit| matches!(unit.quantity, Quantity::Angle | Quantity::Length)) {
             let joints: Vec<&str> = chain.movable().iter().map(|&j| chain.joint(j).name.as_str()).collect();

@@ -47,13 +47,7 @@ impl RowReader {
                     self.problems.push(self.header.cell_error(line, k, message));
                 }
             },
-            Cells::Blank if !content.is_empty() => {
-                let message = format!(
-                    "`{}` stands in a column without a name; name the column in the header, or remove it",
-                    shown(&content)
-                );
-                self.problems.push(self.header.cell_error(line, k, message));
-            }
+            Cells::Blank => self.seen[k].filled += usize::from(!content.is_empty()),
             Cells::Use => self.use_row(line, k, &content)?,
             Cells::Id => self.take_id(k, &content),
             Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool => {

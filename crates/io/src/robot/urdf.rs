@@ -286,7 +286,7 @@ mod tests {
         let text = arm(FINGER);
         assert_eq!(
             read(&text, None, None).unwrap_err(),
-            "a.urdf:1:1: the robot has 2 leaves: tool0, finger; choose one of them as the tip link"
+            "a.urdf:1:1: the robot has 2 leaves: tool0, finger; choose one of them as the tip link, as in --tip tool0"
         );
         let (chain, warnings) = read(&text, Some("l1"), Some("tool0")).unwrap();
         assert_eq!(chain.joints().len(), 3);

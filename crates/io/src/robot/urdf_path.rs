@@ -98,9 +98,10 @@ fn only_leaf<'a>(
         [] => Err(NoPath::new(format!("no joint leads away from the base link `{base}`"))),
         _ => {
             let count = leaves.len();
-            let leaves = listed(leaves);
+            let first = leaves.first().map_or("NAME", |leaf| *leaf);
+            let leaves = listed(leaves.iter().copied());
             Err(NoPath::new(format!(
-                "the robot has {count} leaves: {leaves}; choose one of them as the tip link"
+                "the robot has {count} leaves: {leaves}; choose one of them as the tip link, as in --tip {first}"
             )))
         }
     }

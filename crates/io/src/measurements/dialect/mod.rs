@@ -5,9 +5,13 @@
 //!                                          └──► some: the whole file is written anew in memory, line for line
 //! ```
 //!
+//! A row of titles above the header completes names that it lacks or has twice; structures of KRL become columns.
 //! Only what has one reading is written anew; a number such as `1.234` beside decimal commas is left to an error. Lines keep their numbers.
 
+mod composed;
 mod encoding;
+mod in_cells;
+mod krl;
 mod numbers;
 mod rewrite;
 mod sniff;
@@ -29,14 +33,22 @@ pub(super) struct Dialect {
     header: usize,
     /// Line of a row of units below the header, from 0.
     units: Option<usize>,
+    /// Lines above the header that complete its names, from 0, the nearest first.
+    above: Vec<usize>,
     /// Whether cells may hold decimal commas.
     commas: bool,
+    /// The unit that stands in every cell of a column.
+    in_cells: Vec<Option<String>>,
+    /// The rows are structures of a controller's language.
+    structures: bool,
 }
 
 /// A table written anew, and what was remarkable about the file.
 pub(super) struct Rewritten {
     pub text: Vec<u8>,
     pub remarks: Vec<String>,
+    /// The header is no line of the file: the text has one line more.
+    pub header_added: bool,
 }
 
 impl Dialect {
@@ -51,7 +63,8 @@ impl Dialect {
     /// # Errors
     /// Where a number has two readings.
     pub fn rewrite(&self, file: &Path, bytes: &[u8], names: &Names<'_>) -> Result<Rewritten, IoError> {
-        rewrite::rewrite(self, file, &self.encoding.decode(bytes), names)
+        let text = self.encoding.decode(bytes);
+        if self.structures { krl::rewrite(file, &text) } else { rewrite::rewrite(self, file, &text, names) }
     }
 }
 

@@ -1,12 +1,14 @@
 //! A table in another dialect, written anew line for line.
 
 use super::super::cells::shown;
-use super::super::names::Names;
+use super::super::names::{Names, split_unit};
+use super::composed::composed;
 use super::encoding::Encoding;
+use super::in_cells::parted;
 use super::numbers::{Marks, marks, with_point};
 use super::sniff::split;
 use super::{Dialect, Rewritten, skipped};
-use crate::IoError;
+use crate::{IoError, Unit};
 use std::path::Path;
 
 /// Errors about numbers that are listed.
@@ -20,6 +22,11 @@ pub(super) fn rewrite(
 ) -> Result<Rewritten, IoError> {
     let lines: Vec<&str> = text.lines().collect();
     let mut header = split(lines.get(dialect.header).copied().unwrap_or(""), dialect.separator);
+    if !dialect.above.is_empty() {
+        let above: Vec<Vec<String>> =
+            dialect.above.iter().map(|&at| split(lines[at], dialect.separator)).collect();
+        header = composed(&header, &above);
+    }
     if let Some(units) = dialect.units {
         for (name, unit) in header.iter_mut().zip(split(lines[units], dialect.separator)) {
             let none = matches!(unit.trim(), "" | "-" | "–");
@@ -28,6 +35,23 @@ pub(super) fn rewrite(
             }
         }
     }
+    let mut stripped = Vec::new();
+    for (name, unit) in header.iter_mut().zip(&dialect.in_cells) {
+        let Some(unit) = unit else { continue };
+        let own = split_unit(name).1.and_then(Unit::named);
+        if own.is_none_or(|own| Some(own) == Unit::named(unit)) {
+            stripped.push(format!("{} ({unit})", shown(name)));
+            if own.is_none() && !name.is_empty() {
+                *name = format!("{name}[{unit}]");
+            }
+        }
+    }
+    let bare = |k: usize, cell: &str| -> Option<String> {
+        let unit = dialect.in_cells.get(k)?.as_ref()?;
+        let own = header.get(k).and_then(|name| split_unit(name).1).and_then(Unit::named);
+        let (number, found) = parted(cell)?;
+        (own == Unit::named(unit) && found == unit).then(|| number.to_owned())
+    };
     let decimals = decimals(dialect, &lines, &header, names);
     let mut out = String::with_capacity(text.len() + text.len() / 8);
     let mut errors = Vec::new();
@@ -45,6 +69,9 @@ pub(super) fn rewrite(
                 continue;
             }
             for (k, cell) in row.iter_mut().enumerate() {
+                if let Some(number) = bare(k, cell) {
+                    *cell = number;
+                }
                 if !dialect.commas || header.get(k).is_some_and(|name| names.is_text(name)) {
                     continue;
                 }
@@ -70,7 +97,8 @@ pub(super) fn rewrite(
         errors.truncate(LISTED);
         return Err(IoError::several(errors, usize::from(more)));
     }
-    Ok(Rewritten { text: out.into_bytes(), remarks: remarks(dialect, decimals) })
+    let remarks = remarks(dialect, decimals, &stripped);
+    Ok(Rewritten { text: out.into_bytes(), remarks, header_added: false })
 }
 
 /// What the numbers of a file show about its marks.
@@ -88,7 +116,7 @@ fn decimals(dialect: &Dialect, lines: &[&str], header: &[String], names: &Names<
     for line in lines.iter().skip(dialect.header + 1).filter(|line| !skipped(line)) {
         for (cell, name) in split(line, dialect.separator).iter().zip(header) {
             if !names.is_text(name) {
-                match marks(cell) {
+                match marks(parted(cell).map_or(cell, |(number, _)| number)) {
                     Marks::Comma => seen.commas = true,
                     Marks::Point => seen.points = true,
                     _ => {}
@@ -140,7 +168,7 @@ fn put(out: &mut String, cells: &[String]) {
     }
 }
 
-fn remarks(dialect: &Dialect, decimals: Decimals) -> Vec<String> {
+fn remarks(dialect: &Dialect, decimals: Decimals, stripped: &[String]) -> Vec<String> {
     let mut read = Vec::new();
     match dialect.encoding {
         Encoding::Utf8 => {}
@@ -160,6 +188,13 @@ fn remarks(dialect: &Dialect, decimals: Decimals) -> Vec<String> {
     }
     if dialect.header > 0 {
         read.push(format!("the header in line {}", dialect.header + 1));
+    }
+    if !dialect.above.is_empty() {
+        let lines: Vec<String> = dialect.above.iter().rev().map(|at| (at + 1).to_string()).collect();
+        read.push(format!("names completed from line {}", lines.join(", ")));
+    }
+    if !stripped.is_empty() {
+        read.push(format!("the units that stand in the cells of {}", stripped.join(", ")));
     }
     if read.is_empty() { Vec::new() } else { vec![format!("read with {}", read.join(", "))] }
 }

@@ -2,12 +2,16 @@
 
 use super::super::cells::cells;
 use super::super::names::{Names, is_unit_word};
+use super::composed::incomplete;
 use super::encoding::Encoding;
 use super::numbers::{Marks, marks};
-use super::{Dialect, skipped};
+use super::{Dialect, in_cells, krl, skipped};
 
 /// Lines in which a header is looked for: below a title, an operator, a date, an instrument's settings.
 const SEARCHED: usize = 60;
+
+/// Rows whose cells are looked at for units.
+const CELLS: usize = 500;
 
 /// A header has at least so many names that the robot's table knows, where there is a title above it.
 const KNOWN: usize = 2;
@@ -19,6 +23,19 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
         lines.pop();
     }
     let first = *lines.first()?;
+    if lines.iter().take(SEARCHED).any(|(_, line)| krl::has(line)) {
+        let (header, units, above, in_cells) = (0, None, Vec::new(), Vec::new());
+        return Some(Dialect {
+            encoding,
+            separator: ' ',
+            header,
+            units,
+            above,
+            commas: false,
+            in_cells,
+            structures: true,
+        });
+    }
     let top = &lines[..lines.len().min(SEARCHED)];
     let mut best: Option<(usize, usize, char)> = None;
     for separator in [',', ';', '\t', '|'] {
@@ -36,11 +53,41 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
     };
     let below = lines.iter().find(|(at, _)| *at > header);
     let units = below.filter(|(_, line)| is_row_of_units(&split(line, separator))).map(|(at, _)| *at);
+    let rows: Vec<Vec<String>> = lines
+        .iter()
+        .filter(|(at, _)| *at > header && Some(*at) != units)
+        .take(CELLS)
+        .map(|(_, line)| split(line, separator))
+        .collect();
+    let named = split(lines.iter().find(|(at, _)| *at == header)?.1, separator);
+    let above = if incomplete(&named) { titles(&lines, header, separator, named.len()) } else { Vec::new() };
+    let mut in_cells = in_cells::units(&rows, named.len());
+    in_cells
+        .iter_mut()
+        .zip(&named)
+        .filter(|(_, name)| names.is_text(name))
+        .for_each(|(unit, _)| *unit = None);
     let quoted = |line: &str| line.contains('"') && split(line, ',').iter().any(|c| marks(c) == Marks::Comma);
     let commas = separator != ',' || lines.iter().any(|(_, line)| quoted(line));
-    let plain =
-        encoding == Encoding::Utf8 && separator == ',' && header == first.0 && units.is_none() && !commas;
-    (!plain).then_some(Dialect { encoding, separator, header, units, commas })
+    let plain = encoding == Encoding::Utf8
+        && separator == ','
+        && header == first.0
+        && units.is_none()
+        && !commas
+        && in_cells.iter().all(Option::is_none);
+    let structures = false;
+    (!plain).then_some(Dialect { encoding, separator, header, units, above, commas, in_cells, structures })
+}
+
+/// Rows of titles directly above a header, the nearest first: without numbers, and hardly longer than the header.
+fn titles(lines: &[(usize, &str)], header: usize, separator: char, count: usize) -> Vec<usize> {
+    let above = lines.iter().rev().filter(|(at, _)| *at < header);
+    let is_title = |cells: &[String]| {
+        let filled = cells.iter().filter(|cell| !cell.is_empty()).count();
+        let numbers = cells.iter().any(|cell| cell.parse::<f64>().is_ok());
+        filled > 1 && !numbers && cells.len() <= count && 2 * cells.len() >= count
+    };
+    above.take_while(|(_, line)| is_title(&split(line, separator))).map(|(at, _)| *at).collect()
 }
 
 /// The separator that cuts most lines alike, and the first line that it cuts so; none where the comma does.
@@ -51,11 +98,25 @@ fn regular(lines: &[(usize, &str)]) -> Option<(usize, char)> {
         let alike = counts.iter().filter(|&&count| count == usual).count();
         if usual > 2 && 2 * alike > lines.len() {
             let at = counts.iter().position(|&count| count == usual)?;
-            // A title with as many separators by chance has numbers nowhere; neither has a header.
-            return Some((lines[at].0, separator));
+            // Of several rows of names the last one stands above the numbers.
+            let numbers = |&k: &usize| counts[k] == usual && is_row_of_numbers(&split(lines[k].1, separator));
+            let row = (at..lines.len()).find(numbers).unwrap_or(at);
+            let named = |&k: &usize| counts[k] == usual && !is_row_of_units(&split(lines[k].1, separator));
+            let header = (at..row).rev().find(named).unwrap_or(at);
+            return Some((lines[header].0, separator));
         }
     }
     None
+}
+
+/// Whether most filled cells are numbers, with a unit or without.
+fn is_row_of_numbers(cells: &[String]) -> bool {
+    let is_number = |cell: &&String| {
+        let bare = in_cells::parted(cell).map_or(cell.as_str(), |(number, _)| number);
+        bare.parse::<f64>().is_ok() || !matches!(marks(bare), Marks::Plain)
+    };
+    let filled = || cells.iter().filter(|cell| !cell.is_empty());
+    filled().count() > 0 && 2 * filled().filter(is_number).count() > filled().count()
 }
 
 fn is_row_of_units(cells: &[String]) -> bool {

@@ -58,8 +58,9 @@ fn columns_that_belong_together() {
 fn a_missing_joint_is_reported() {
     assert_eq!(
         parse("r1[rad],r2[deg],slyde[mm],r4[rad],x[m],y[m],z[m]").unwrap_err(),
-        "d.csv:1: joint `slide` has no column; add `slide[m]` or `slide[mm]`; perhaps they are meant by: --map \"slide=slyde[mm]\" (columns here: \
-         r1[rad], r2[deg], slyde[mm], r4[rad], x[m], y[m], z[m])"
+        "d.csv:1: joint `slide` has no column; add `slide[m]` or `slide[mm]` (columns here: r1[rad], r2[deg], slyde[mm], \
+         r4[rad], x[m], y[m], z[m])\nperhaps they are meant by: --map \"slide=slyde[mm]\"\nor in the robot's TOML:\n\
+         [columns]\nslide = \"slyde[mm]\""
     );
 }
 

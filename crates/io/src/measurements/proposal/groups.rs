@@ -1,0 +1,171 @@
+//! Columns whose headers differ in one word: a coordinate or a number.
+
+use super::joints::unit_length;
+use super::seen::Seen;
+
+/// Words of columns that hold no measured place.
+const NO_PLACE: [&str; 29] = [
+    "std",
+    "sd",
+    "stdev",
+    "sigma",
+    "dev",
+    "deviation",
+    "abw",
+    "err",
+    "error",
+    "res",
+    "residual",
+    "rms",
+    "u",
+    "unc",
+    "vel",
+    "velocity",
+    "speed",
+    "acc",
+    "force",
+    "torque",
+    "effort",
+    "current",
+    "temp",
+    "rot",
+    "rotation",
+    "orientation",
+    "ori",
+    "euler",
+    "quat",
+];
+
+/// Words of standard deviations.
+pub(super) const SPREAD: [&str; 6] = ["std", "sd", "stdev", "sigma", "unc", "uncertainty"];
+
+/// Words of what was wanted, and not measured.
+const WANTED: [&str; 12] = [
+    "nom",
+    "nominal",
+    "soll",
+    "cmd",
+    "command",
+    "commanded",
+    "target",
+    "ref",
+    "des",
+    "desired",
+    "theo",
+    "prog",
+];
+
+/// Words of what was measured.
+pub(super) const MEASURED: [&str; 10] =
+    ["mess", "meas", "measured", "ist", "act", "actual", "gemessen", "mes", "mocap", "tracker"];
+
+/// Columns of one name with all coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Group {
+    /// Where x, y, z (and w) stand.
+    pub columns: Vec<usize>,
+    /// The words that they have in common.
+    pub common: Vec<String>,
+    /// The letter that stands directly before the coordinate, as in `px` or `qw`.
+    pub letter: Option<char>,
+}
+
+impl Group {
+    pub fn has(&self, words: &[&str]) -> bool {
+        self.common.iter().any(|word| words.contains(&word.as_str()))
+    }
+
+    pub fn is_spread(&self) -> bool {
+        self.has(&SPREAD) || self.letter == Some('s')
+    }
+
+    pub fn is_turn(&self) -> bool {
+        let turned =
+            ["rot", "rotation", "orientation", "ori", "euler", "quat", "quaternion", "rotvec", "angle"];
+        self.has(&turned) || matches!(self.letter, Some('q' | 'r'))
+    }
+
+    /// Whether it may hold positions, measured or wanted.
+    pub fn is_place(&self) -> bool {
+        !self.has(&NO_PLACE)
+            && !self.is_turn()
+            && !self.is_spread()
+            && matches!(self.letter, None | Some('p'))
+    }
+
+    pub fn is_wanted(&self) -> bool {
+        self.has(&WANTED)
+    }
+}
+
+/// A word as a coordinate: `x`, `px`, `qx`, `rx`, `sx`.
+fn coordinate(word: &str) -> Option<(Option<char>, char)> {
+    let mut chars = word.chars();
+    match (chars.next(), chars.next(), chars.next()) {
+        (Some(c @ ('x' | 'y' | 'z' | 'w')), None, _) => Some((None, c)),
+        (Some(letter @ ('p' | 'q' | 'r' | 's')), Some(c @ ('x' | 'y' | 'z' | 'w')), None) => {
+            Some((Some(letter), c))
+        }
+        _ => None,
+    }
+}
+
+/// Groups of free columns, x y z each, with w at their end where there is one.
+pub(super) fn coordinates(seen: &[Seen<'_>]) -> Vec<Group> {
+    let mut found: Vec<(Vec<String>, Option<char>, Vec<(char, usize)>)> = Vec::new();
+    for (k, column) in seen.iter().enumerate().filter(|(_, column)| column.free && column.may_be_numbers()) {
+        // The last word that is a coordinate: `/tool/x/position/x` is none of ours.
+        let Some((at, (letter, axis))) =
+            column.words.iter().enumerate().rev().find_map(|(at, word)| Some((at, coordinate(word)?)))
+        else {
+            continue;
+        };
+        let mut common = column.words.clone();
+        common.remove(at);
+        match found.iter_mut().find(|(words, other, _)| *words == common && *other == letter) {
+            Some((_, _, axes)) => axes.push((axis, k)),
+            None => found.push((common, letter, vec![(axis, k)])),
+        }
+    }
+    let whole = |(common, letter, axes): (Vec<String>, Option<char>, Vec<(char, usize)>)| {
+        let one = |axis: char| {
+            let mut these = axes.iter().filter(|(other, _)| *other == axis);
+            these.next().filter(|_| these.next().is_none()).map(|(_, k)| *k)
+        };
+        let mut columns = vec![one('x')?, one('y')?, one('z')?];
+        // A `w` of angles is the first of FANUC's W P R.
+        let quadruple = |w: &usize| {
+            let all = [columns[0], columns[1], columns[2], *w];
+            seen[*w].unit == seen[columns[0]].unit && (seen[*w].cells.is_empty() || unit_length(seen, &all))
+        };
+        columns.extend(one('w').filter(quadruple));
+        Some(Group { columns, common, letter })
+    };
+    found.into_iter().filter_map(whole).collect()
+}
+
+/// Columns that differ in a number: in the order of the numbers, whole from 0 or from 1, and so many. All of them have to pass `usable`.
+pub(super) fn runs(seen: &[Seen<'_>], count: usize, usable: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+    let mut found: Vec<(Vec<String>, Vec<(usize, usize)>)> = Vec::new();
+    for (k, column) in seen.iter().enumerate() {
+        for (at, number) in
+            column.words.iter().enumerate().filter_map(|(at, word)| Some((at, word.parse().ok()?)))
+        {
+            let mut common = column.words.clone();
+            common[at] = "#".into();
+            match found.iter_mut().find(|(words, _)| *words == common) {
+                Some((_, members)) => members.push((number, k)),
+                None => found.push((common, vec![(number, k)])),
+            }
+        }
+    }
+    let whole = |(_, mut members): (Vec<String>, Vec<(usize, usize)>)| {
+        members.sort_unstable();
+        let first = members.first()?.0;
+        let consecutive = members.iter().enumerate().all(|(k, (number, _))| *number == first + k);
+        let fits =
+            members.len() == count && first <= 1 && consecutive && members.iter().all(|(_, k)| usable(*k));
+        fits.then(|| members.into_iter().map(|(_, k)| k).collect())
+    };
+    found.into_iter().filter_map(whole).collect()
+}

@@ -1,0 +1,127 @@
+//! Which columns hold the time, the name of a row, a target; and columns that cannot be read as numbers.
+
+use super::super::clock;
+use super::super::columns::Role;
+use super::super::names::Names;
+use super::Proposal;
+use super::seen::Seen;
+use crate::Quantity;
+use std::collections::HashSet;
+use truepose_kinematics::Chain;
+
+/// A number of seconds from 1970 is not larger for some centuries; milliseconds are.
+const LATEST: f64 = 1e10;
+
+/// Proposes `time`, `id` and `target`, and leaves out what is neither number nor text.
+pub(super) fn propose(seen: &mut [Seen<'_>], names: &Names<'_>, all: &mut Proposal) {
+    let has = |seen: &[Seen<'_>], role: Role| seen.iter().any(|column| column.role == Some(role));
+    if !has(seen, Role::Time) {
+        time(seen, all);
+    }
+    if !has(seen, Role::Target) {
+        target(seen, names.chain, all);
+    }
+    if !has(seen, Role::Id) {
+        let words = ["name", "id", "pose", "punkt", "point", "pr", "nr", "no", "label", "frame", "target"];
+        let names = seen.iter().position(|column| column.free && column.has(&words) && distinct(column));
+        if let Some(k) = names {
+            all.pair(&mut seen[k], "id", None);
+        }
+    }
+    for column in seen.iter_mut().filter(|column| column.free && !column.cells.is_empty()) {
+        let texts = column.cells.iter().filter(|cell| is_text(cell)).count();
+        let numbers = column.cells.iter().filter(|cell| cell.parse::<f64>().is_ok()).count();
+        let empty = column.cells.iter().filter(|cell| cell.is_empty()).count();
+        if numbers > 0 && (texts > 0 || empty > 0) {
+            column.free = false;
+            all.ignore.push(column.header.to_owned());
+        }
+    }
+}
+
+fn is_text(cell: &str) -> bool {
+    !cell.is_empty() && cell.parse::<f64>().is_err()
+}
+
+/// Whether the cells are texts or whole numbers, all of them different.
+fn distinct(column: &Seen<'_>) -> bool {
+    let named = |cell: &&str| is_text(cell) && !dated(cell);
+    let cells = || column.cells.iter().filter(|cell| !cell.is_empty());
+    let different: HashSet<&&str> = cells().collect();
+    let texts = cells().count() > 1 && cells().all(named);
+    let counted = cells().count() > 1 && cells().all(|cell| cell.parse::<i64>().is_ok());
+    // Repeats of a pose bear its name again.
+    (texts || (counted && column.unit.is_none())) && 2 * different.len() > cells().count()
+}
+
+fn dated(cell: &str) -> bool {
+    !matches!(clock::seconds(cell), Ok(None))
+}
+
+fn time(seen: &mut [Seen<'_>], all: &mut Proposal) {
+    let words = ["time", "timestamp", "zeit", "uhrzeit", "zeitstempel", "datetime", "heure"];
+    let dates = ["date", "datum"];
+    let cells = |column: &Seen<'_>| column.cells.iter().filter(|cell| !cell.is_empty()).count();
+    let clocks = |column: &Seen<'_>| {
+        cells(column) > 0 && column.cells.iter().filter(|cell| !cell.is_empty()).all(|cell| dated(cell))
+    };
+    let seconds = |column: &Seen<'_>| {
+        let unit = column.measure();
+        match unit {
+            Some(unit) => unit.quantity == Quantity::Time,
+            None => column.unit.is_none() && column.range().is_some_and(|(_, high)| high < LATEST),
+        }
+    };
+    let fits = |column: &Seen<'_>| column.free && column.has(&words) && (clocks(column) || seconds(column));
+    let mut these = seen.iter().enumerate().filter(|(_, column)| fits(column));
+    let (Some((k, _)), None) = (these.next(), these.next()) else { return };
+    drop(these);
+    // A clock time beside a date: one day, or it goes backwards at midnight.
+    let bare = seen[k]
+        .cells
+        .iter()
+        .any(|cell| cell.contains(':') && !cell.contains(['-', '/', 'T']) && cell.len() < 13);
+    let date = seen.iter().find(|column| column.free && column.has(&dates) && clocks(column));
+    let days: Option<HashSet<&&str>> = date.map(|column| column.cells.iter().collect());
+    if let (true, Some(date), Some(days)) = (bare, date, days) {
+        if days.len() > 1 {
+            all.notes.push(format!(
+                "`{}` and `{}` are date and clock time of several days: join them in one column `time`",
+                date.header, seen[k].header
+            ));
+            return;
+        }
+    }
+    let unit = (!clocks(&seen[k])).then_some("s");
+    all.pair(&mut seen[k], "time", unit);
+}
+
+/// A text of few different values: names of the robot's targets, or called so.
+fn target(seen: &mut [Seen<'_>], chain: &Chain, all: &mut Proposal) {
+    let words = ["target", "smr", "point", "reflector", "reflektor", "ziel", "messpunkt", "prism"];
+    let known = |cell: &str| chain.targets().iter().any(|target| target.name == cell);
+    let fits = |column: &Seen<'_>| {
+        let cells: Vec<&&str> = column.cells.iter().filter(|cell| !cell.is_empty()).collect();
+        let different: HashSet<&&&str> = cells.iter().collect();
+        let few = (2..=12).contains(&different.len()) && 2 * different.len() <= cells.len();
+        let texts = cells.iter().all(|cell| is_text(cell) && !dated(cell));
+        column.free
+            && !cells.is_empty()
+            && texts
+            && (cells.iter().all(|cell| known(cell)) || (few && column.has(&words)))
+    };
+    let mut these = (0..seen.len()).filter(|&k| fits(&seen[k]));
+    let (Some(k), None) = (these.next(), these.next()) else { return };
+    let mut values: Vec<&str> = seen[k].cells.clone();
+    values.sort_unstable();
+    values.dedup();
+    let new: Vec<&str> = values.into_iter().filter(|cell| !cell.is_empty() && !known(cell)).collect();
+    if !new.is_empty() {
+        all.notes.push(format!(
+            "the targets of `{}` have to stand in [[targets]] of the robot's TOML: {}",
+            seen[k].header,
+            new.join(", ")
+        ));
+    }
+    all.pair(&mut seen[k], "target", None);
+}
