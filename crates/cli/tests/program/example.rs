@@ -159,7 +159,7 @@ fn commands_of_the_documents_run() {
     }
     documents.sort();
     // What these show, in other languages than the shell's, is run by their own tests.
-    let foreign = ["04_downstream", "05_own_program", "07_python"];
+    let foreign = ["04_downstream", "05_own_program", "07_python", "08_notebooks"];
     let own = |path: &Path| foreign.iter().any(|name| path.ends_with(name));
     let run_here = |path: &&PathBuf| path.exists() && !own(path.parent().unwrap());
     for document in documents.iter().filter(run_here) {

@@ -1,6 +1,5 @@
 //! Columns whose headers differ in one word: a coordinate or a number.
 
-use super::joints::unit_length;
 use super::seen::Seen;
 
 /// Words of columns that hold no measured place.
@@ -168,4 +167,14 @@ pub(super) fn runs(seen: &[Seen<'_>], count: usize, usable: impl Fn(usize) -> bo
         fits.then(|| members.into_iter().map(|(_, k)| k).collect())
     };
     found.into_iter().filter_map(whole).collect()
+}
+
+/// Whether numbers of four columns are quaternions.
+pub(super) fn unit_length(seen: &[Seen<'_>], columns: &[usize]) -> bool {
+    let numbers: Option<Vec<Vec<f64>>> = columns.iter().map(|&k| seen[k].numbers()).collect();
+    let Some(numbers) = numbers.filter(|numbers| numbers.len() == 4) else { return false };
+    let rows = numbers.iter().map(Vec::len).min().unwrap_or(0);
+    let length = |row: usize| numbers.iter().map(|column| column[row]).fold(0.0, f64::hypot);
+    let mut lengths = (0..rows).map(length).filter(|length| length.is_finite()).peekable();
+    lengths.peek().is_some() && lengths.all(|length| (length - 1.0).abs() < 2e-3)
 }

@@ -1,7 +1,7 @@
 //! Which columns hold the joints.
 
 use super::super::columns::{Role, joint_names, joint_quantity};
-use super::groups::{MEASURED, runs};
+use super::groups::{MEASURED, runs, unit_length};
 use super::seen::{Seen, words};
 use super::{Proposal, units};
 use crate::nearest::nearest;
@@ -152,16 +152,6 @@ fn by_number(seen: &[Seen<'_>], known: &[bool], found: &mut [Option<usize>], all
             all.notes.push(format!("several runs of columns may be the joints: {}", firsts.join(", ")));
         }
     }
-}
-
-/// Whether numbers of four columns are quaternions.
-pub(super) fn unit_length(seen: &[Seen<'_>], columns: &[usize]) -> bool {
-    let numbers: Option<Vec<Vec<f64>>> = columns.iter().map(|&k| seen[k].numbers()).collect();
-    let Some(numbers) = numbers.filter(|numbers| numbers.len() == 4) else { return false };
-    let rows = numbers.iter().map(Vec::len).min().unwrap_or(0);
-    let length = |row: usize| numbers.iter().map(|column| column[row]).fold(0.0, f64::hypot);
-    let mut lengths = (0..rows).map(length).filter(|length| length.is_finite()).peekable();
-    lengths.peek().is_some() && lengths.all(|length| (length - 1.0).abs() < 2e-3)
 }
 
 /// A mistyped name beside others that are right.
