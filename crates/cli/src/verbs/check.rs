@@ -79,11 +79,13 @@ pub fn run(args: &Check) -> Result<(), Failure> {
 fn judged(data: Option<&CsvInfo>) -> Result<(), Failure> {
     let Some(info) = data else { return Ok(()) };
     let (file, proposal) = (info.file.display(), &info.proposal);
-    if info.unmeasured {
-        let words = "no measured position, orientation or kind of observation: identify will refuse";
+    let words = "no measured position, orientation or kind of observation: identify will refuse";
+    // A plan or a programme has none either; where columns may be meant, the file is one of measurements.
+    if info.unmeasured && proposal.is_empty() {
+        terminal::warn(&[format!("{file}: {words}")]);
+    } else if info.unmeasured {
         return Err(Failure::Input(format!("{file}: {words}{proposal}")));
-    }
-    if !proposal.is_empty() {
+    } else if !proposal.is_empty() {
         terminal::warn(&[format!("{file}: columns are not read that may be meant{proposal}")]);
     }
     Ok(())

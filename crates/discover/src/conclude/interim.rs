@@ -117,7 +117,8 @@ impl InterimReport {
             NoiseFloor::of(&current.fit.fitted, (&current.data, None), left, trusted, context.policy())?;
         let last = (p_value, detectable_gain);
         let interrupted = Termination::Interrupted;
-        let (verdict, unexplained) = verdict(&noise_floor, interrupted, variances, last, context.policy());
+        let (verdict, unexplained) =
+            verdict(&noise_floor, interrupted, variances, last, false, context.policy());
         Ok(Diagnosis {
             rows: partition.data.len(),
             visits: Visits::of(partition.data).len(),

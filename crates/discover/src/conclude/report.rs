@@ -162,7 +162,8 @@ pub(crate) fn conclude(
     let noise_floor =
         NoiseFloor::of(&fit.fitted, (&data, weights.as_deref()), left, trusted, context.policy())?;
     let last = (last.p_value, last.detectable_gain);
-    let (verdict, unexplained) = self::verdict(&noise_floor, stopped, variances, last, context.policy());
+    let (verdict, unexplained) =
+        self::verdict(&noise_floor, stopped, variances, last, joints.is_some(), context.policy());
     // Findings were testable, in the directions that the model does not absorb.
     let found_there = |u: &Untestable| {
         accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place)

@@ -72,12 +72,14 @@ pub(crate) struct Variances {
     pub after: Option<ResidualVariance>,
 }
 
-/// Verdict and unexplained part; `p_value` and `detectable_gain` are those of the last screen.
+/// Verdict and unexplained part; `p_value` and `detectable_gain` are those of the last screen. Where the joints' own scatter was estimated,
+/// the model is called adequate with as many repeats as a limit needs only: what an effect leaves can pass for scatter, and fewer do not show it.
 pub(crate) fn verdict(
     floor: &NoiseFloor,
     stopped: Termination,
     variances: Variances,
     (p_value, detectable_gain): (f64, f64),
+    joints_scatter: bool,
     policy: &Policy,
 ) -> (Verdict, Unexplained) {
     let left = variances.after;
@@ -87,7 +89,10 @@ pub(crate) fn verdict(
         Verdict::Undecided
     } else if stopped != Termination::NothingLeft || lacks {
         Verdict::Unexplained
-    } else if floor.is_estimate() && left.is_some_and(|left| small(&left, floor, policy)) {
+    } else if floor.is_estimate()
+        && left.is_some_and(|left| small(&left, floor, policy))
+        && !(joints_scatter && floor.missing_repeats > 0)
+    {
         Verdict::Adequate
     } else {
         Verdict::Undecided

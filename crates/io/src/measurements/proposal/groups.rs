@@ -109,9 +109,15 @@ fn coordinate(word: &str) -> Option<(Option<char>, char)> {
     }
 }
 
+/// Words that columns share, what they are letters of, and the columns by axis.
+type Axes = (Vec<String>, Option<char>, Vec<(char, usize)>);
+
+/// Words that columns share, and the columns by number.
+type Numbered = (Vec<String>, Vec<(usize, usize)>);
+
 /// Groups of free columns, x y z each, with w at their end where there is one.
 pub(super) fn coordinates(seen: &[Seen<'_>]) -> Vec<Group> {
-    let mut found: Vec<(Vec<String>, Option<char>, Vec<(char, usize)>)> = Vec::new();
+    let mut found: Vec<Axes> = Vec::new();
     for (k, column) in seen.iter().enumerate().filter(|(_, column)| column.free && column.may_be_numbers()) {
         // The last word that is a coordinate: `/tool/x/position/x` is none of ours.
         let Some((at, (letter, axis))) =
@@ -126,7 +132,7 @@ pub(super) fn coordinates(seen: &[Seen<'_>]) -> Vec<Group> {
             None => found.push((common, letter, vec![(axis, k)])),
         }
     }
-    let whole = |(common, letter, axes): (Vec<String>, Option<char>, Vec<(char, usize)>)| {
+    let whole = |(common, letter, axes): Axes| {
         let one = |axis: char| {
             let mut these = axes.iter().filter(|(other, _)| *other == axis);
             these.next().filter(|_| these.next().is_none()).map(|(_, k)| *k)
@@ -145,7 +151,7 @@ pub(super) fn coordinates(seen: &[Seen<'_>]) -> Vec<Group> {
 
 /// Columns that differ in a number: in the order of the numbers, whole from 0 or from 1, and so many. All of them have to pass `usable`.
 pub(super) fn runs(seen: &[Seen<'_>], count: usize, usable: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
-    let mut found: Vec<(Vec<String>, Vec<(usize, usize)>)> = Vec::new();
+    let mut found: Vec<Numbered> = Vec::new();
     for (k, column) in seen.iter().enumerate() {
         for (at, number) in
             column.words.iter().enumerate().filter_map(|(at, word)| Some((at, word.parse().ok()?)))

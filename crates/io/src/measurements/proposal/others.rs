@@ -83,14 +83,14 @@ fn time(seen: &mut [Seen<'_>], all: &mut Proposal) {
         .any(|cell| cell.contains(':') && !cell.contains(['-', '/', 'T']) && cell.len() < 13);
     let date = seen.iter().find(|column| column.free && column.has(&dates) && clocks(column));
     let days: Option<HashSet<&&str>> = date.map(|column| column.cells.iter().collect());
-    if let (true, Some(date), Some(days)) = (bare, date, days) {
-        if days.len() > 1 {
-            all.notes.push(format!(
-                "`{}` and `{}` are date and clock time of several days: join them in one column `time`",
-                date.header, seen[k].header
-            ));
-            return;
-        }
+    if let (true, Some(date), Some(days)) = (bare, date, days)
+        && days.len() > 1
+    {
+        all.notes.push(format!(
+            "`{}` and `{}` are date and clock time of several days: join them in one column `time`",
+            date.header, seen[k].header
+        ));
+        return;
     }
     let unit = (!clocks(&seen[k])).then_some("s");
     all.pair(&mut seen[k], "time", unit);

@@ -167,8 +167,7 @@ fn angles(seen: &[Seen<'_>]) -> Vec<Reading> {
         return readings(seen, &columns, words, conventions);
     }
     let mut groups = coordinates(seen);
-    groups
-        .retain(|group| group.is_turn() && group.columns.len() == 3 && group.columns.iter().all(|k| free(k)));
+    groups.retain(|group| group.is_turn() && group.columns.len() == 3 && group.columns.iter().all(&free));
     match &groups[..] {
         [group] => readings(seen, &group.columns, ["rx", "ry", "rz"], ANGLES[4].1),
         _ => Vec::new(),
