@@ -91,7 +91,7 @@ pub enum Verb {
     /// Predict the position of the real robot from a fit
     Predict(Predict),
     /// Compute the joint commands that bring the real robot to desired poses
-    Compensate(Compensate),
+    Compensate(Box<Compensate>),
     /// Write the fitted geometry as a URDF, a table of axes, a kinematics file, or tables of component errors
     Export(Export),
     /// Map the robot's accuracy over its workspace, before and after compensation
