@@ -34,6 +34,26 @@ pub enum ChainError {
         /// The joint.
         name: String,
     },
+    /// A tool behind a joint that the robot does not have.
+    #[error("tool `{tool}` is on joint {joint}, and the robot has {joints}")]
+    NoSuchJoint {
+        /// The tool.
+        tool: String,
+        /// Number of the joint.
+        joint: usize,
+        /// Joints of the robot.
+        joints: usize,
+    },
+    /// A list that has not one entry for each joint or tool.
+    #[error("{have} {what} are given where {need} are needed")]
+    Count {
+        /// What the list is of.
+        what: &'static str,
+        /// Its length.
+        have: usize,
+        /// The length it should have.
+        need: usize,
+    },
     /// A target of a tool that the robot does not have.
     #[error("target `{target}` belongs to a tool that the robot does not have")]
     NoSuchTool {

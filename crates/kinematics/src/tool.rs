@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A nominal pose, and whether it can be relied on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Placed {
-    /// The nominal pose.
+    /// The nominal pose, m.
     pub pose: Pose,
     /// False when it is a hint at most, to be found from the data.
     pub known: bool,
@@ -25,7 +25,7 @@ pub struct Tool {
     pub name: String,
     /// The frame that carries it: behind a joint, or the base.
     pub frame: FrameId,
-    /// That frame → tool frame.
+    /// That frame → tool frame, m.
     pub placed: Placed,
     /// Its word in files and reports.
     pub(crate) word: String,

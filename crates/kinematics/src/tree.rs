@@ -10,11 +10,11 @@ impl Chain {
     /// With these joints in front of each joint (none: the base), in the order of [`Chain::joints`]. The tools stay where they are.
     ///
     /// # Errors
-    /// When the list is not one a joint, or a joint stands in front of the one it hangs on.
+    /// [`ChainError::Count`] when the list is not one a joint, [`ChainError::ParentBehind`] when one hangs on a joint that is not before it.
     pub fn with_parents(mut self, parents: &[Option<JointId>]) -> Result<Self, ChainError> {
+        Self::counted("joints in front of a joint", parents.len(), self.joints().len())?;
         for (index, joint) in self.joints().iter().enumerate() {
-            let before = parents.get(index).is_some_and(|parent| parent.is_none_or(|p| p.0 <= index));
-            if !before {
+            if parents[index].is_some_and(|parent| parent.0 == 0 || parent.0 > index) {
                 return Err(ChainError::ParentBehind { name: joint.name.clone() });
             }
         }
@@ -29,7 +29,7 @@ impl Chain {
     /// When there is none, a name is empty or stands twice, a frame is not a joint's or the base, or a pose is not finite.
     pub fn with_tools(mut self, mut tools: Vec<Tool>) -> Result<Self, ChainError> {
         if tools.is_empty() {
-            return Err(ChainError::EmptyName { what: "tool", number: 1 });
+            return Err(ChainError::Count { what: "tools", have: 0, need: 1 });
         }
         for (index, tool) in tools.iter().enumerate() {
             if tool.name.is_empty() {
@@ -39,7 +39,8 @@ impl Chain {
                 return Err(ChainError::DuplicateName { what: "tools", name: tool.name.clone() });
             }
             if tool.frame.0 > self.joints().len() {
-                return Err(ChainError::NotFinite { what: "the joint", name: tool.name.clone() });
+                let (joint, joints) = (tool.frame.0, self.joints().len());
+                return Err(ChainError::NoSuchJoint { tool: tool.name.clone(), joint, joints });
             }
             if !tool.placed.pose.is_finite() {
                 return Err(ChainError::NotFinite { what: "the pose", name: tool.name.clone() });
@@ -59,9 +60,7 @@ impl Chain {
     /// # Errors
     /// When the joints are others.
     pub fn branched_as(mut self, other: &Chain) -> Result<Self, ChainError> {
-        if self.joints().len() != other.joints().len() {
-            return Err(ChainError::ParentBehind { name: self.name().into() });
-        }
+        Self::counted("joints", self.joints().len(), other.joints().len())?;
         self.parents.clone_from(&other.parents);
         self.with_tools(other.tools.clone())
     }
@@ -71,9 +70,7 @@ impl Chain {
     /// # Errors
     /// When a pose is not finite, or there are not as many as tools.
     pub fn with_placed_tools(self, placed: &[Placed]) -> Result<Self, ChainError> {
-        if placed.len() != self.tools.len() {
-            return Err(ChainError::EmptyName { what: "tool", number: placed.len() + 1 });
-        }
+        Self::counted("poses of tools", placed.len(), self.tools.len())?;
         let tools = self.tools.iter().zip(placed).map(|(tool, &placed)| Tool { placed, ..tool.clone() });
         let tools = tools.collect();
         self.with_tools(tools)
@@ -142,6 +139,10 @@ impl Chain {
         frame.0.checked_sub(self.parents.len() + 1).map(ToolId)
     }
 
+    fn counted(what: &'static str, have: usize, need: usize) -> Result<(), ChainError> {
+        if have == need { Ok(()) } else { Err(ChainError::Count { what, have, need }) }
+    }
+
     fn find_paths(&mut self) {
         let serial = (0..self.parents.len()).map(FrameId).eq(self.parents.iter().copied())
             && self.tools.len() == 1
@@ -165,9 +166,7 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        Conditions, Joint, JointKind, Placement, Pose, PostureBuffer, Target, joint_jacobian, samples,
-    };
+    use crate::{Conditions, Joint, JointKind, Placement, PostureBuffer, Target, joint_jacobian, samples};
     use nalgebra::Vector3;
 
     #[test]
@@ -214,6 +213,12 @@ mod tests {
         };
         let chain = Chain::new("r", vec![joint("a"), joint("b")]).unwrap();
         assert!(chain.is_serial());
+        let short = chain.clone().with_parents(&[None]).unwrap_err();
+        assert_eq!(short.to_string(), "1 joints in front of a joint are given where 2 are needed");
+        assert!(chain.clone().with_parents(&[None, None, None]).is_err());
+        let far = Tool::on("far", Some(JointId(9)), Placed::default());
+        let far = chain.clone().with_tools(vec![far]).unwrap_err();
+        assert_eq!(far.to_string(), "tool `far` is on joint 9, and the robot has 2");
         let wrong = chain.clone().with_parents(&[Some(JointId(2)), None]).unwrap_err();
         assert_eq!(
             wrong.to_string(),
@@ -230,6 +235,5 @@ mod tests {
         let at = |tool| Target { name: "T".into(), position: Vector3::zeros(), known: true, tool };
         assert!(chain.clone().with_targets(vec![at(ToolId(2))]).is_err());
         assert!(chain.with_targets(vec![at(ToolId(1))]).is_ok());
-        let _ = Pose::IDENTITY;
     }
 }
