@@ -45,6 +45,7 @@ pub use hypotheses::covariate::Covariate;
 pub use hypotheses::driver::Driver;
 pub use hypotheses::family::Family;
 pub use hypotheses::hypothesis::Hypothesis;
+pub use hypotheses::levels::Levels;
 pub use hypotheses::library::Library;
 pub use hypotheses::limits::Limit;
 pub use hypotheses::nonlinear::{Nonlinear, Refinement, concrete};

@@ -11,6 +11,7 @@ mod fit;
 mod fit_model;
 mod folds;
 mod freedom;
+mod gross_repeats;
 mod identification;
 mod landmarks;
 mod linearise;

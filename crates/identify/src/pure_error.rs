@@ -21,10 +21,14 @@
 //! residuals of a model are used, not positions: what the model predicts to differ between repeats (time, temperature, backlash, joint values
 //! that are not quite the same) is subtracted (Christensen 1989).
 //!
+//! A pose measurement that lies far from the median of its group is a gross error, and is left out ([`crate::gross_repeats`]): three bad rows among fifty
+//! repeats would otherwise make the limit many times too large, and any model adequate.
+//!
 //! What repeats contain depends on how they were made: rows of one dwell contain the noise of a row alone; dwells at the same configuration
 //! contain the repeatability of the robot as well. Only the latter are used here; [`within_dwell`] has the former, a lower bound.
 
 use crate::Residuals;
+use crate::gross_repeats::without_gross;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
 use truepose_errormodel::{Dataset, Visits, configurations};
@@ -82,6 +86,7 @@ impl PureError {
     /// the last digit.
     pub fn of(residuals: &Residuals, data: &Dataset, groups: &[Vec<usize>]) -> Option<Self> {
         let visits = Visits::of(data);
+        let groups = without_gross(residuals, data, &visits, groups);
         let (mut contrasts, mut used, mut one_sided) = (Vec::new(), 0, true);
         for group in groups.iter().filter(|group| group.len() > 1) {
             let before = contrasts.len();
@@ -152,7 +157,7 @@ pub fn within_dwell(residuals: &Residuals, data: &Dataset) -> Option<(f64, usize
 }
 
 /// Whether a row measured a whole position: what was measured along one direction is no repeat of what was measured along another.
-fn repeatable(residuals: &Residuals, data: &Dataset, row: usize) -> bool {
+pub(crate) fn repeatable(residuals: &Residuals, data: &Dataset, row: usize) -> bool {
     residuals.distance(row).is_some() && data.ray(row).is_none()
 }
 
@@ -358,6 +363,24 @@ mod tests {
             assert!((mean - 1.0).abs() < 0.06, "{layout:?}: {mean}");
             // 95 % less two and a half standard deviations of 200 trials; more where poses might have differed.
             assert!(inside >= 182, "{layout:?}: {inside} of {trials}");
+        }
+    }
+
+    #[test]
+    fn gross_errors_among_repeats_do_not_make_the_limit_larger() {
+        let noise: [f64; 2] = [2e-5, 3e-5];
+        for layout in [(5, 4, 1, 1), (12, 2, 3, 1)] {
+            let (data, residuals) = measured(layout, noise, 3);
+            let of = |residuals: &Residuals| PureError::of(residuals, &data, &exact_repeats(&data)).unwrap();
+            let clean = of(&residuals);
+            let mut bad = residuals.clone();
+            for row in [1, 7] {
+                bad.position[row] += Vector3::new(3e-3, 0.0, -2e-3);
+            }
+            let found = of(&bad);
+            assert!((found.rms / clean.rms - 1.0).abs() < 0.35, "{} {}", found.rms, clean.rms);
+            assert!(found.freedom < clean.freedom);
+            assert_eq!(of(&residuals), clean);
         }
     }
 

@@ -13,7 +13,7 @@ use crate::conclude::floor::NoiseFloor;
 use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::report::{at_run_time, errors, parameters};
 use crate::conclude::stated::StatedScale;
-use crate::conclude::verdict::{Variances, verdict};
+use crate::conclude::verdict::{Doubts, Variances, verdict};
 use crate::contest::names::name_probabilities;
 use crate::data::payload;
 use crate::error::DiscoverError;
@@ -118,7 +118,7 @@ impl InterimReport {
         let last = (p_value, detectable_gain);
         let interrupted = Termination::Interrupted;
         let (verdict, unexplained) =
-            verdict(&noise_floor, interrupted, variances, last, false, context.policy());
+            verdict(&noise_floor, interrupted, variances, last, Doubts::default(), context.policy());
         Ok(Diagnosis {
             rows: partition.data.len(),
             visits: Visits::of(partition.data).len(),

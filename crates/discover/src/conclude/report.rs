@@ -13,7 +13,7 @@ use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::reach::fallback;
 use crate::conclude::trace::trace;
 use crate::conclude::trial::Trial;
-use crate::conclude::verdict::{Variances, verdict};
+use crate::conclude::verdict::{Doubts, Variances, verdict};
 use crate::contest::names::{NameProbabilities, name_probabilities};
 use crate::data::{derived, payload};
 use crate::error::DiscoverError;
@@ -162,8 +162,14 @@ pub(crate) fn conclude(
     let noise_floor =
         NoiseFloor::of(&fit.fitted, (&data, weights.as_deref()), left, trusted, context.policy())?;
     let last = (last.p_value, last.detectable_gain);
+    let dependence =
+        dependence(&Linearisation::new(&current.fit, &current.data, context.options)?, context.options.seed);
+    let doubts = Doubts {
+        joints_scatter: joints.is_some(),
+        wander: dependence.as_ref().and_then(|dependence| dependence.wander),
+    };
     let (verdict, unexplained) =
-        self::verdict(&noise_floor, stopped, variances, last, joints.is_some(), context.policy());
+        self::verdict(&noise_floor, stopped, variances, last, doubts, context.policy());
     // Findings were testable, in the directions that the model does not absorb.
     let found_there = |u: &Untestable| {
         accepted.iter().any(|a| a.candidate.family == u.family && a.candidate.place == u.place)
@@ -172,8 +178,6 @@ pub(crate) fn conclude(
     let ratio = noise_floor.rms.map_or(1.0, |rms| rms / assumed);
     let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
     let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
-    let dependence =
-        dependence(&Linearisation::new(&current.fit, &current.data, context.options)?, context.options.seed);
     let clusters = clusters(&held, dependence.as_ref());
     let intervals =
         HeldOutIntervals::of(&before, &after, &clusters, context.budget().bootstrap, context.options.seed);

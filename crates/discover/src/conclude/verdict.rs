@@ -72,14 +72,24 @@ pub(crate) struct Variances {
     pub after: Option<ResidualVariance>,
 }
 
+/// What an effect without a word can pass for.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Doubts {
+    /// Whether a scatter of the joints was estimated.
+    pub joints_scatter: bool,
+    /// Standard deviation in space of a significant wander over the order of the poses, m.
+    pub wander: Option<f64>,
+}
+
 /// Verdict and unexplained part; `p_value` and `detectable_gain` are those of the last screen. Where the joints' own scatter was estimated,
 /// the model is called adequate with as many repeats as a limit needs only: what an effect leaves can pass for scatter, and fewer do not show it.
+/// Nor is it where the larger part of what repeats scatter by is a wander over the order of the poses ([`wanders`]).
 pub(crate) fn verdict(
     floor: &NoiseFloor,
     stopped: Termination,
     variances: Variances,
     (p_value, detectable_gain): (f64, f64),
-    joints_scatter: bool,
+    doubts: Doubts,
     policy: &Policy,
 ) -> (Verdict, Unexplained) {
     let left = variances.after;
@@ -91,7 +101,8 @@ pub(crate) fn verdict(
         Verdict::Unexplained
     } else if floor.is_estimate()
         && left.is_some_and(|left| small(&left, floor, policy))
-        && !(joints_scatter && floor.missing_repeats > 0)
+        && !(doubts.joints_scatter && floor.missing_repeats > 0)
+        && !wanders(doubts.wander, floor)
     {
         Verdict::Adequate
     } else {
@@ -112,6 +123,12 @@ pub(crate) fn verdict(
         detectable_gain,
     };
     (decided, unexplained)
+}
+
+/// Whether a wander has more than half of the variance of the repeatability limit. Repeats that lie far apart in the order of the poses then
+/// scatter by what a drift or a jump of the instrument does, and agree with any residual that it leaves.
+fn wanders(wander: Option<f64>, floor: &NoiseFloor) -> bool {
+    wander.zip(floor.rms).is_some_and(|(wander, rms)| wander * wander > 0.5 * rms * rms)
 }
 
 /// Whether the unexplained part is below [`Policy::adequate_margin`] times the noise, with 97.5 % confidence.
@@ -136,4 +153,24 @@ fn beyond(left: &ResidualVariance, floor: &NoiseFloor) -> Option<Estimate> {
     let value = s - f;
     let ci95 = [value - (s - own[0]).hypot(of_floor[1] - f), value + (own[1] - s).hypot(f - of_floor[0])];
     Some(Estimate { value, ci95 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeats_that_scatter_by_a_wander_decide_nothing() {
+        let policy = Policy::default();
+        let floor = NoiseFloor {
+            rms: Some(1e-3),
+            source: FloorSource::Stated,
+            ci95: Some([0.9e-3, 1.1e-3]),
+            ..NoiseFloor::unknown(&policy)
+        };
+        assert!(!wanders(None, &floor));
+        assert!(!wanders(Some(0.6e-3), &floor));
+        assert!(wanders(Some(0.8e-3), &floor));
+        assert!(!wanders(Some(0.8e-3), &NoiseFloor::unknown(&policy)));
+    }
 }

@@ -13,6 +13,7 @@ pub(crate) mod family;
 pub(crate) mod guideway;
 pub(crate) mod hypothesis;
 pub(crate) mod instrument;
+pub(crate) mod levels;
 pub(crate) mod library;
 pub(crate) mod limits;
 pub(crate) mod linkage;

@@ -40,7 +40,7 @@ impl Hypothesis for OwnGain {
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
         let one = |(joint, _)| Variant::new(Place::joint(setting.chain, joint), Transmission::gain(joint));
-        turning(setting).map(one).collect()
+        turning(setting).filter(|(joint, _)| setting.levels(*joint).determine(1)).map(one).collect()
     }
 
     fn meaning(&self, place: &Place) -> String {
@@ -74,7 +74,9 @@ impl Hypothesis for OwnCurve {
         for (joint, range) in turning(setting) {
             let place = Place::joint(setting.chain, joint);
             let curve = |pieces| Variant::new(place.clone(), Transmission::curve(joint, range, pieces));
-            all.extend([1, 2, 4, 8].map(curve));
+            let levels = setting.levels(joint);
+            let determined = [1, 2, 4, 8].into_iter().filter(|pieces| levels.determine_curve(*pieces));
+            all.extend(determined.map(curve));
         }
         all
     }
@@ -123,14 +125,24 @@ mod tests {
     fn turning_joints_that_moved_have_candidates() {
         let chain = samples::scara();
         let slides = |joint: JointId| chain.joint(joint).kind == truepose_kinematics::JointKind::Prismatic;
-        let mut joints: Vec<Vec<f64>> = vec![vec![0.0, 0.2, 0.5]; chain.movable().len()];
-        joints[0] = vec![0.3; 3];
+        let values = |count: u32| -> Vec<f64> { (0..20).map(|k| 0.1 * f64::from(k % count)).collect() };
+        let mut joints = vec![values(20); chain.movable().len()];
+        joints[0] = values(1);
         let data = Dataset { joints, ..Dataset::default() };
         let setting = Setting::new(&chain, &data);
         let moved = chain.movable().iter().skip(1).filter(|&&joint| !slides(joint)).count();
         assert_eq!((OwnGain.variants(&setting).len(), OwnCurve.variants(&setting).len()), (moved, 4 * moved));
         for variant in OwnCurve.variants(&setting) {
             assert!(variant.change.effects().iter().all(|effect| effect.validate(&chain).is_ok()));
+        }
+        // A joint of a grid: of four values nothing is told but that they differ, of eight a curve of one piece.
+        for (count, gains, curves) in [(4, 0, 0), (8, moved, moved)] {
+            let data = Dataset { joints: vec![values(count); chain.movable().len()], ..Dataset::default() };
+            let setting = Setting::new(&chain, &data);
+            let of = |hypothesis: &dyn Hypothesis| hypothesis.variants(&setting).len();
+            let all = chain.movable().iter().filter(|&&joint| !slides(joint)).count();
+            let wanted = |count: usize| if count > 0 { all } else { 0 };
+            assert_eq!((of(&OwnGain), of(&OwnCurve)), (wanted(gains), wanted(curves)));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What hypotheses need to know about the robot and the data.
 
+use crate::hypotheses::levels::Levels;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer};
 
@@ -33,6 +34,11 @@ impl<'a> Setting<'a> {
         let mut moves: Vec<f64> = moves.filter(|&step| step > still).collect();
         moves.sort_by(f64::total_cmp);
         moves
+    }
+
+    /// At how many distinct values a joint stood, and what they can tell of a function of it.
+    pub fn levels(&self, joint: JointId) -> Levels {
+        Levels::of(self.chain, self.data, joint)
     }
 
     /// The range of a channel, in its unit; none when it never changed.

@@ -31,10 +31,11 @@ impl Hypothesis for Drive {
             let Some([lower, upper]) = setting.range(joint) else { continue };
             let place = Place::joint(chain, joint);
             let turns = !setting.slides(joint);
+            let levels = setting.levels(joint);
             if turns {
-                for harmonics in
-                    [vec![1], vec![2], vec![1, 2], vec![1, 2, 3], vec![1, 2, 3, 4], vec![3], vec![4]]
-                {
+                let series =
+                    [vec![1], vec![2], vec![1, 2], vec![1, 2, 3], vec![1, 2, 3, 4], vec![3], vec![4]];
+                for harmonics in series.into_iter().filter(|series| levels.determine_harmonics(series)) {
                     let effect =
                         Transmission { period: Some(TAU), ..Transmission::turning(joint, harmonics) };
                     all.push(Variant::new(place.clone(), effect));
@@ -44,7 +45,9 @@ impl Hypothesis for Drive {
             let travel = upper - lower;
             let unit = if turns { TAU } else { 2.0 * travel };
             let periods = (1..=8).map(|cycles| unit / (0.5 + 0.4 * f64::from(cycles)));
-            for period in periods.filter(|&p| p <= longest(turns, travel)) {
+            for period in
+                periods.filter(|&p| (levels.shortest_period()..=longest(turns, travel)).contains(&p))
+            {
                 all.push(Variant::new(place.clone(), Transmission::of(joint, period)));
             }
         }

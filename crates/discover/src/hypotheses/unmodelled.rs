@@ -120,7 +120,9 @@ fn quantities(setting: &Setting<'_>) -> Vec<Quantity> {
         }
     };
     for &joint in chain.movable() {
-        if let Some(range) = setting.range(joint) {
+        if let Some(range) = setting.range(joint)
+            && setting.levels(joint).determine_curve(WANDER[0])
+        {
             put(Input::Joint(joint), range, true, false);
         }
     }

@@ -191,7 +191,8 @@ impl Hypothesis for Counterbalance {
     }
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
-        let turns = |joint: &&JointId| !setting.slides(**joint) && setting.range(**joint).is_some();
+        // Two coefficients, the angle at which the spring is shortest, and the ratio of its levers.
+        let turns = |joint: &&JointId| !setting.slides(**joint) && setting.levels(**joint).determine(4);
         let at = |&joint: &JointId| {
             (0..8).map(move |k| {
                 let effect = JointCompliance::counterbalance(joint, f64::from(k) * FRAC_PI_4, RATIO);

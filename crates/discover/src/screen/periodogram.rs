@@ -3,6 +3,7 @@
 //! The joint's motion is the same for all periods: it is projected once, and a period costs a product over the visits. Frequencies are as
 //! dense as the visited range can tell apart, four to a cycle over it.
 
+use crate::hypotheses::levels::Levels;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
 use crate::significance::rotation::{Largest, Rotations};
@@ -46,7 +47,8 @@ pub(crate) fn grid(linearisation: &Linearisation<'_>, joint: JointId) -> Vec<f64
     let step = policy.frequency_step * unit / range;
     let first = f64::max(first, unit / range);
     let count = (((last - first) / step).floor().max(-1.0) + 1.0) as usize;
-    (0..count).map(|k| unit / (first + k as f64 * step)).collect()
+    let shortest = Levels::of(linearisation.chain(), linearisation.data, joint).shortest_period();
+    (0..count).map(|k| unit / (first + k as f64 * step)).filter(|period| *period >= shortest).collect()
 }
 
 /// The scores of these periods of one joint.

@@ -16,12 +16,14 @@
 //! How much of an effect the model absorbs does not matter by itself: what is left of a large effect can still stand out of the noise.
 
 use crate::hypotheses::family::Family;
+use crate::hypotheses::levels::Levels;
 use crate::hypotheses::place::Place;
 use crate::policy::Policy;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use nalgebra::SymmetricEigen;
 use serde::Serialize;
+use truepose_kinematics::JointId;
 
 /// A cause that the data cannot test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -113,9 +115,32 @@ pub(crate) fn untestable(
             None => list.push(own),
         }
     }
+    for own in of_few_values(linearisation) {
+        list.retain(|u| u.family != own.family || u.place != own.place);
+        list.push(own);
+    }
     // What is declared already is no question; what does nothing at all here is one that other data could answer.
     list.retain(|u| u.detectable.is_none() || u.share > policy.untestable_declared);
     list
+}
+
+/// Errors of joints that stood at too few values to tell a function of theirs.
+fn of_few_values(linearisation: &Linearisation<'_>) -> Vec<Untestable> {
+    let chain = linearisation.chain();
+    let few = |joint: &&JointId| {
+        let levels = Levels::of(chain, linearisation.data, **joint);
+        levels.count > 1 && !levels.are_enough()
+    };
+    let drive = |&joint: &JointId| Untestable {
+        family: Family::Transmission,
+        place: Place::joint(chain, joint),
+        share: 1.0,
+        information: 0.0,
+        detectable: None,
+        more_poses: None,
+        tested: false,
+    };
+    chain.movable().iter().filter(few).map(drive).collect()
 }
 
 #[cfg(test)]

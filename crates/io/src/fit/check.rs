@@ -3,7 +3,7 @@
 use crate::measurements::columns::Role;
 use crate::measurements::header::MOST_COLUMNS;
 use crate::robot::names::{cell_problem, joint_name_problem};
-use truepose_errormodel::{ErrorModel, LoadCorrection};
+use truepose_errormodel::{CARRIED, ErrorModel, LoadCorrection};
 use truepose_kinematics::Chain;
 use truepose_kinematics::nalgebra::DMatrix;
 
@@ -139,6 +139,9 @@ pub(super) fn loads(loads: &[LoadCorrection]) -> Result<(), String> {
     Ok(())
 }
 
+/// Key of the channels of a sample's rows.
+pub(super) const SAMPLED: &str = "sample_of.channels";
+
 /// Channels as a table of measurements can have them.
 pub(super) fn channels<'c>(
     key: &str,
@@ -156,9 +159,26 @@ pub(super) fn channels<'c>(
             Ok(Role::Channel(_)) if name.is_empty() => "it has no name",
             Ok(Role::Channel(_)) if !seen.insert(name) => "the name stands twice",
             Ok(Role::Channel(_)) => continue,
+            // Rows of a sample keep the mass that they carry beside the payload that it comes from.
+            _ if name == CARRIED && key == SAMPLED && seen.insert(name) => continue,
             _ => "a channel cannot bear the name of a joint, or of another column of measurements",
         };
         return Err(format!("`{key}[{k}].name`: `{}`: {problem}", name.escape_debug()));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_sample_has_the_mass_that_it_carries_among_its_channels() {
+        let chain = truepose_kinematics::samples::ur10();
+        let of = |key: &str, names: &[&str]| channels(key, names.iter().copied(), &chain);
+        assert_eq!(of(SAMPLED, &["temperature", CARRIED]), Ok(()));
+        assert!(of(SAMPLED, &[CARRIED, CARRIED]).is_err());
+        let refused = of("channels", &[CARRIED]).unwrap_err();
+        assert!(refused.starts_with("`channels[0].name`: `payload`: a channel cannot bear"), "{refused}");
+    }
 }

@@ -129,7 +129,7 @@ impl FitV1 {
             .map_err(damaged)?;
         if let Some(of) = &self.sample_of {
             let names = of.channels.iter().map(|channel| channel.name.as_str());
-            check::channels("sample_of.channels", names, &chain).map_err(damaged)?;
+            check::channels(check::SAMPLED, names, &chain).map_err(damaged)?;
         }
         check::domain(self.domain.ranges(), &chain, self.channels.len()).map_err(damaged)?;
         check::loads(&self.loads).map_err(damaged)?;

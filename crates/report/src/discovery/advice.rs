@@ -1,7 +1,7 @@
 //! What to measure so that an effect which the data cannot test becomes testable.
 
 use crate::count;
-use truepose_discover::{Diagnosis, Family, Untestable};
+use truepose_discover::{Diagnosis, Family, Setting, Untestable};
 use truepose_errormodel::Visits;
 use truepose_kinematics::{JointKind, Load};
 
@@ -18,6 +18,9 @@ pub(super) fn advice(of: &Untestable, found: &Diagnosis) -> String {
         let total = (times * poses as f64).ceil() as usize;
         return format!("About {} of the same kind would do.", count(total.max(poses + 1), "pose"));
     }
+    if let Some(values) = values(of, found) {
+        return values;
+    }
     if let Some(wider) = wider(of, found) {
         return wider;
     }
@@ -29,6 +32,22 @@ pub(super) fn advice(of: &Untestable, found: &Diagnosis) -> String {
         return format!("Measure with {loads}.");
     }
     "It needs poses in which it acts otherwise than the effects of the model.".into()
+}
+
+/// The joint of the place stood at too few values for a function of its own.
+fn values(of: &Untestable, found: &Diagnosis) -> Option<String> {
+    let chain = found.fit.fitted.chain();
+    let name = of.place.joint.as_deref().filter(|_| of.family == Family::Transmission)?;
+    let joint = *chain.movable().iter().find(|joint| chain.joint(**joint).name == name)?;
+    let levels = Setting::new(chain, &found.data).levels(joint);
+    (!levels.are_enough()).then(|| {
+        format!(
+            "{name} stood at {} only: between them a periodic error or a curve may be anything. Measure at {} or more, unequally \
+             spaced.",
+            count(levels.count, "value"),
+            levels.wanted()
+        )
+    })
 }
 
 /// The joint of the place moved over little of its range.

@@ -32,6 +32,23 @@ impl DependenceSummary {
         }
     }
 
+    /// The wander, where it has more than half of the variance of this limit, mm.
+    pub(super) fn beyond_half(&self, limit_mm: Option<f64>) -> Option<String> {
+        let (wander, limit) = (self.wander_mm?, limit_mm?);
+        (wander * wander > 0.5 * limit * limit).then(|| significant(wander, 2))
+    }
+
+    /// What a reader can do.
+    pub(super) fn advice(&self) -> &'static str {
+        match self.time_constant_poses {
+            Some(_) => {
+                " Effects over time are searched only with a column `time[s]`; the number of the row will do where rows are in \
+                 the order of measurement."
+            }
+            None => "",
+        }
+    }
+
     /// What is significant, in words.
     pub fn sentence(&self) -> Option<String> {
         let wander = significant(self.wander_mm?, 2);

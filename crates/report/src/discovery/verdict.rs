@@ -1,6 +1,6 @@
 //! The first sentence of a discovery: whether the model is adequate, with the figures that decide it.
 
-use super::{DiscoverySummary, NoiseFloorSummary, StatedScaleSummary};
+use super::{DependenceSummary, DiscoverySummary, NoiseFloorSummary, StatedScaleSummary};
 use crate::statistics::interval_text;
 use crate::{count, significant};
 use truepose_discover::{FloorSource, Termination, Verdict};
@@ -82,6 +82,14 @@ impl DiscoverySummary {
     fn undecided(&self, left: &str) -> String {
         let floor = &self.noise_floor;
         let measure = format!("measure {} a second time", count(floor.missing_repeats.max(1), "pose"));
+        if let Some(wander) = self.dependence.as_ref().and_then(|found| found.beyond_half(floor.rms_mm)) {
+            return format!(
+                "Undecided: the residual ({left}) is no larger than the repeatability limit ({}), but poses depend on those before \
+                 them, and most of the limit is a wander ({wander} mm). A drift or a jump looks the same.{}",
+                floor.figure(),
+                self.dependence.as_ref().map_or("", DependenceSummary::advice)
+            );
+        }
         match floor.source {
             FloorSource::Repeats | FloorSource::NearRepeats => format!(
                 "Undecided: {} ({}) are too few to decide whether the residual ({left}) is noise: {measure}.",

@@ -1,0 +1,79 @@
+//! Repeated pose measurements that are gross errors: far from the median of their group.
+
+use crate::Residuals;
+use crate::pure_error::repeatable;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use truepose_errormodel::{Dataset, Visits};
+
+/// Robust standard deviations from the median of its group beyond which a pose measurement is a gross error. Of normal noise whose variance
+/// differs between poses by a factor of three, one in some 10⁷ is.
+const GROSS: f64 = 8.0;
+
+/// Largest share of the repeated pose measurements that are gross errors; of more, the scatter itself has two sizes.
+const MOST_GROSS: f64 = 0.2;
+
+/// The groups without the pose measurements that are gross errors. Deviations are from the median of a group, axis by axis, the mean over
+/// targets; the standard deviation is that of their median over all groups. Of two pose measurements alone neither is the wrong one: both go.
+pub(crate) fn without_gross(
+    residuals: &Residuals,
+    data: &Dataset,
+    visits: &Visits,
+    groups: &[Vec<usize>],
+) -> Vec<Vec<usize>> {
+    let mut deviations: Vec<Vec<f64>> = Vec::new();
+    for group in groups {
+        let mut values: BTreeMap<Option<usize>, Vec<(usize, Vector3<f64>)>> = BTreeMap::new();
+        for (at, &visit) in group.iter().enumerate() {
+            for &row in visits.rows[visit].iter().filter(|&&row| repeatable(residuals, data, row)) {
+                let target = data.target[row].map(|t| t.0);
+                values.entry(target).or_default().push((at, residuals.position[row]));
+            }
+        }
+        let (mut squares, mut counts) = (vec![0.0; group.len()], vec![0.0; group.len()]);
+        for of_target in values.values().filter(|of_target| of_target.len() > 1) {
+            let middle =
+                Vector3::from_fn(|axis, _| median(of_target.iter().map(|(_, value)| value[axis]).collect()));
+            for (at, value) in of_target {
+                squares[*at] += (value - middle).norm_squared();
+                counts[*at] += 1.0;
+            }
+        }
+        deviations.push(
+            squares.iter().zip(&counts).map(|(square, count)| square / f64::max(*count, 1.0)).collect(),
+        );
+    }
+    let all: Vec<f64> = deviations.iter().flatten().copied().filter(|square| *square > 0.0).collect();
+    let repeated: usize = groups.iter().map(Vec::len).sum();
+    if all.is_empty() {
+        return groups.to_vec();
+    }
+    let limit = GROSS * GROSS * median(all);
+    let gross = deviations.iter().flatten().filter(|square| **square > limit).count();
+    if gross == 0 || gross as f64 > MOST_GROSS * repeated as f64 {
+        return groups.to_vec();
+    }
+    let clean = |(group, own): (&Vec<usize>, &Vec<f64>)| {
+        group.iter().zip(own).filter(|(_, square)| **square <= limit).map(|(&visit, _)| visit).collect()
+    };
+    groups.iter().zip(&deviations).map(clean).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let (count, middle) = (values.len(), values.len() / 2);
+    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let lower = below.iter().copied().max_by(f64::total_cmp);
+    lower.filter(|_| count.is_multiple_of(2)).map_or(upper, |lower| 0.5 * (lower + upper))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_median_is_between_two_values_or_one_of_them() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
+        assert_eq!(median(vec![7.0]), 7.0);
+    }
+}
