@@ -13,7 +13,7 @@ use crate::conclude::partition::RowSplit;
 use crate::conclude::report::{at_run_time, errors, parameters};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::model::prepared::{with_loads, without};
+use crate::model::prepared::{with_found, without};
 use crate::options::DiscoverOptions;
 use nalgebra::Vector3;
 use rand::SeedableRng;
@@ -67,7 +67,7 @@ impl Partitioned<'_> {
         let held = self.data.select(&self.rows.1);
         let mut pair = [
             Residuals::of(&model.declared.fit.fitted, &held)?,
-            Residuals::of(&model.current.fit.fitted, &with_loads(&held, &model.current.found))?,
+            Residuals::of(&model.current.fit.fitted, &with_found(&held, &model.current.found))?,
         ];
         let gross = gross(&pair[1]);
         for residuals in &mut pair {
@@ -95,7 +95,7 @@ impl Part {
             finding.poses.iter_mut().for_each(back);
         }
         let causes: Vec<Candidate> = found.findings.iter().map(|finding| finding.candidate.clone()).collect();
-        let every = with_loads(all.data, &causes);
+        let every = with_found(all.data, &causes);
         let far = gross(&Residuals::of(&found.fit.fitted, &every)?);
         let chain = found.fit.fitted.chain().clone();
         let blocks = Blocks::new(&chain, &without(&every, &far), options)?;

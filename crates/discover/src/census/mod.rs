@@ -40,7 +40,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::admissible::objection;
 use crate::model::current::{Context, ModelFit};
-use crate::model::prepared::{with_loads, without};
+use crate::model::prepared::{with_found, without};
 use crate::observer::Begin;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
@@ -74,7 +74,7 @@ impl<'a> Census<'a> {
         searched: &Outcome,
     ) -> Result<Self, DiscoverError> {
         let ModelFit { found, fit, .. } = &*searched.model.current;
-        let train = with_loads(train, found);
+        let train = with_found(train, found);
         let far = gross(&Residuals::of(&fit.fitted, &train)?);
         let blocks = Blocks::new(sample.chain, &without(&train, &far), sample.options)?
             .under(searched.joints.map(|joints| joints.noise()));
@@ -86,7 +86,7 @@ impl<'a> Census<'a> {
         let (options, blocks) = (self.sample.options, &self.blocks);
         let mut outcome = outcome;
         let most = outcome.model.findings.len() + self.sample.budget().census;
-        let sample = with_loads(self.sample.data, &outcome.model.current.found);
+        let sample = with_found(self.sample.data, &outcome.model.current.found);
         let mut barred: Vec<Candidate> = Vec::new();
         let mut known: Option<NullDistribution> = None;
         let mut all = AllRows::of(&outcome.model.current.fit, blocks, options)?;

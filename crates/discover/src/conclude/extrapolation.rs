@@ -15,7 +15,7 @@ use crate::conclude::reach::{UnseenPart, UnseenRow, usual, variances};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
-use crate::model::prepared::{with_loads, without};
+use crate::model::prepared::{with_found, without};
 use std::collections::{BTreeMap, BTreeSet};
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals, Spread, fit_again};
@@ -121,7 +121,7 @@ fn judged(
     let all: Vec<usize> = (0..part.len()).collect();
     for (fit, found) in fits.into_iter().zip([&[], found]) {
         let options = FitOptions { noise: NoiseSource::Fixed(fit.noise), ..context.fit.clone() };
-        let (rest, part) = (with_loads(&rest, found), with_loads(&part, found));
+        let (rest, part) = (with_found(&rest, found), with_found(&part, found));
         let again = fit_again(fit, &rest, context.solver, &options)?;
         residuals.push(Residuals::of(&again.fitted, &part)?);
         if !found.is_empty() {

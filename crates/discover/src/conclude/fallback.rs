@@ -20,7 +20,7 @@ use crate::conclude::diagnosis::{Check, Diagnosis, Withdrawn};
 use crate::conclude::partition::{HeldOut, Partition, by_folds};
 use crate::error::DiscoverError;
 use crate::model::current::Context;
-use crate::model::prepared::with_loads;
+use crate::model::prepared::with_found;
 use crate::model::refits::{Comparison, compared};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::outliers::outliers;
@@ -107,7 +107,7 @@ pub(crate) fn withdrawn(
                 let of = |fit: &Fit, held: &Dataset| Residuals::of(&fit.fitted, held);
                 let found = &model.current.found;
                 let pair =
-                    [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_loads(&held, found))?];
+                    [of(&model.declared.fit, &held)?, of(&model.current.fit, &with_found(&held, found))?];
                 blank(pair, &gross(context, model, partition)?)
             }
         };
@@ -129,7 +129,7 @@ pub(crate) fn unsearched(
     let rows: Vec<usize> = (0..train.len()).filter(|&row| sampled[row]).collect();
     let found = &model.current.found;
     let first = Residuals::of(&model.declared.fit.fitted, train)?;
-    let current = Residuals::of(&model.current.fit.fitted, &with_loads(train, found))?;
+    let current = Residuals::of(&model.current.fit.fitted, &with_found(train, found))?;
     Ok(blank([first, current], &rows))
 }
 
@@ -187,7 +187,7 @@ fn gross(
     model: &Model,
     partition: &Partition<'_>,
 ) -> Result<Vec<usize>, DiscoverError> {
-    let all = with_loads(partition.data, &model.current.found);
+    let all = with_found(partition.data, &model.current.found);
     let judged = Linearisation::new(&model.current.fit, &all, context.options)?;
     let residual = &judged.y - &judged.base * judged.coefficients();
     let suspects = outliers(&judged, residual.as_slice(), model.current.fit.noise).suspects;

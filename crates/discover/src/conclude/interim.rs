@@ -19,7 +19,7 @@ use crate::data::payload;
 use crate::error::DiscoverError;
 use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
-use crate::model::prepared::with_loads;
+use crate::model::prepared::with_found;
 use crate::termination::Termination;
 use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::{Fit, ResidualVariance, repeats};
@@ -62,8 +62,8 @@ impl InterimReport {
         let LastScreen { p_value, detectable_gain } = outcome.last;
         let mut after = errors(
             &current.fit,
-            &with_loads(context.data, &current.found),
-            &with_loads(&self.held, &current.found),
+            &with_found(context.data, &current.found),
+            &with_found(&self.held, &current.found),
         )?;
         let mut held_out = partition.held_out;
         if held_out == HeldOut::NestedFolds {

@@ -23,7 +23,7 @@ use crate::hypotheses::outlier::Outlying;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
-use crate::model::prepared::{with_loads, without};
+use crate::model::prepared::{with_found, without};
 use crate::problem::dependence::dependence;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
@@ -57,7 +57,7 @@ pub(crate) fn conclude(
         false => context.fitted(&[], &context.prepared(&[], &current.outliers.suspects))?,
     };
     let mut before = errors(&declared, context.data, &held)?;
-    let mut after = errors(&current.fit, &with_loads(context.data, &found), &with_loads(&held, &found))?;
+    let mut after = errors(&current.fit, &with_found(context.data, &found), &with_found(&held, &found))?;
     if partition.held_out == HeldOut::NestedFolds {
         let [declared, enlarged] = match nested {
             Some(pair) => pair,
@@ -70,7 +70,7 @@ pub(crate) fn conclude(
         after.holdout = with_missing(enlarged, &after.holdout, suspects);
     }
 
-    let all = with_loads(partition.data, &found);
+    let all = with_found(partition.data, &found);
     let judged = Linearisation::new(&current.fit, &all, context.options)?;
     let trial = Trial::new(context, &current, &found, &judged, &partition)?;
     // Errors with the first findings only, on the same training rows.

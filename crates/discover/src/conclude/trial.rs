@@ -6,7 +6,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::model::current::{Context, ModelFit};
-use crate::model::prepared::with_loads;
+use crate::model::prepared::with_found;
 use crate::problem::linear::Linear;
 use crate::problem::linearisation::Linearisation;
 use truepose_identify::{Fit, FitOptions, NoiseSource, Residuals};
@@ -75,7 +75,7 @@ impl<'a> Trial<'a> {
         found[which] = candidate.clone();
         let noise = NoiseSource::Fixed(self.current.fit.noise);
         let options = FitOptions { noise, ..self.context.fit.clone() };
-        let mut data = with_loads(self.partition.data, &found);
+        let mut data = with_found(self.partition.data, &found);
         for &row in out {
             data.position[row] = [f64::NAN; 3];
             data.orientation[row] = None;
@@ -121,7 +121,7 @@ impl<'a> Trial<'a> {
         };
         let mut found = self.found.to_vec();
         found.splice(without, with.cloned());
-        let all = with_loads(self.partition.data, &found);
+        let all = with_found(self.partition.data, &found);
         let prepared = self.context.prepared(&found, &self.current.outliers.suspects);
         let mut sums = [Sum::default(); 2];
         for TrialSplit { fitted, judged, .. } in &self.splits {

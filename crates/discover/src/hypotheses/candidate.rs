@@ -14,6 +14,15 @@ use std::sync::Arc;
 use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
 use truepose_kinematics::{Chain, JointId};
 
+/// The side of approach of a joint before its first move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FirstSide {
+    /// The joint, by its place among the movable ones.
+    pub column: usize,
+    /// −1 or +1.
+    pub side: f64,
+}
+
 /// A variant of a hypothesis, as it stands in a search or in a model.
 #[derive(Debug, Clone)]
 pub struct Candidate {
@@ -25,6 +34,8 @@ pub struct Candidate {
     pub change: Change,
     /// Standard deviation of the prior on its coefficients, in expected sizes; none before it was fitted.
     pub width: Option<f64>,
+    /// The side of its joint before the first move; none where it needs none, or the data does not tell.
+    pub(crate) first_side: Option<FirstSide>,
     hypothesis: Arc<dyn Hypothesis>,
 }
 
@@ -32,7 +43,7 @@ impl Candidate {
     /// A variant of a hypothesis.
     pub fn new(hypothesis: Arc<dyn Hypothesis>, variant: Variant) -> Self {
         let Variant { place, change } = variant;
-        Candidate { family: hypothesis.family(), place, change, width: None, hypothesis }
+        Candidate { family: hypothesis.family(), place, change, width: None, first_side: None, hypothesis }
     }
 
     /// The hypothesis that it is a variant of.
@@ -53,6 +64,12 @@ impl Candidate {
     /// Its effects; none of a corrected load or of excluded rows.
     pub fn effects(&self) -> &[Box<dyn AnyEffect>] {
         self.change.effects()
+    }
+
+    /// The direction (−1, +1) from which its joint is taken to have come before its first move; none where none is needed, or the data
+    /// do not tell.
+    pub fn first_side(&self) -> Option<f64> {
+        self.first_side.map(|first| first.side)
     }
 
     /// In a few words: `backlash a1`.

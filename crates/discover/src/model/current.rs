@@ -5,7 +5,8 @@ use crate::budget::Budget;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
-use crate::model::prepared::{with_loads, without};
+use crate::model::first_side;
+use crate::model::prepared::{with_found, without};
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::likelihood::Likelihood;
@@ -36,7 +37,7 @@ pub(crate) struct Context<'a> {
 pub(crate) struct ModelFit {
     pub found: Vec<Candidate>,
     pub outliers: Outliers,
-    /// The data with corrected payloads and without outliers.
+    /// The data with corrected payloads and first sides, without outliers.
     pub data: Dataset,
     pub fit: Fit,
 }
@@ -82,7 +83,8 @@ impl Context<'_> {
                 Some(last) => fit_again(last, &data, self.solver, &self.fit)?,
             };
             let linearisation = Linearisation::new(&fit, &data, self.options)?;
-            let moved = corrected(&linearisation, &mut found)?;
+            let loads = corrected(&linearisation, &mut found)?;
+            let moved = first_side::settled(&fit, self.data, &mut found)? || loads;
             // All rows are tested, the excluded ones too.
             let whole = self.prepared(&found, &[]);
             let judged = Linearisation::new(&fit, &whole, self.options)?;
@@ -136,9 +138,9 @@ impl Context<'_> {
         Ok(fit(&model, data, self.solver, options)?)
     }
 
-    /// The data with the corrected payloads of these findings and without these rows.
+    /// The data with the corrected payloads and first sides of these findings, and without these rows.
     pub fn prepared(&self, found: &[Candidate], out: &[usize]) -> Dataset {
-        without(&with_loads(self.data, found), out)
+        without(&with_found(self.data, found), out)
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod admissible;
 pub(crate) mod current;
+pub(crate) mod first_side;
 pub(crate) mod installation;
 pub(crate) mod nonlinear;
 pub(crate) mod prepared;

@@ -24,7 +24,14 @@ pub(super) fn rejection(doubt: Doubt) -> &'static str {
 pub(super) fn meaning(finding: &Finding) -> String {
     match finding.candidate.change {
         Change::CorrectLoad { .. } => payload(finding),
-        _ => finding.candidate.meaning(),
+        _ => match finding.candidate.first_side() {
+            Some(side) => format!(
+                "{} Before its first move it is taken to have come from {}: the data tell.",
+                finding.candidate.meaning(),
+                if side > 0.0 { "below" } else { "above" }
+            ),
+            None => finding.candidate.meaning(),
+        },
     }
 }
 
