@@ -4,10 +4,12 @@ use crate::accept::accepted::Accepted;
 use crate::accept::evidence::{Doubt, Refused, collect};
 use crate::contest::competition::{Contest, contest};
 use crate::contest::competitor::{Competitor, outcompeted, with_estimates};
+use crate::contest::names::{doubted, name_probabilities};
 use crate::contest::payload::order_payloads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Context, ModelFit};
+use crate::policy::Policy;
 use crate::problem::dependence::BesideWander;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
@@ -32,6 +34,8 @@ pub(crate) fn winner(
         if competitors.is_empty() {
             return Ok(None);
         }
+        // One that passed, while a name that is more probable beside the surrogates of its channel is still to be tested.
+        let mut passed: Option<(&Competitor, Accepted)> = None;
         for (k, best) in competitors.iter().enumerate().take(context.budget().tested) {
             let p = own_p_value(linearisation, null, best, options.alpha);
             let evidence = collect((linearisation, &wander), (screen, &present), best, p, options)?;
@@ -42,18 +46,44 @@ pub(crate) fn winner(
                 evidence.doubt((&options.policy, options.alpha), floor, best.candidate.follows_time())
             };
             let Some(doubt) = doubt else {
-                return Ok(Some(Accepted {
+                let among_surrogates = evidence.p_surrogates;
+                let mut others = outcompeted(&competitors[k + 1..], best, &options.policy);
+                if let Some((first, earlier)) = &passed {
+                    let doubtful = outcompeted([*first], best, &options.policy).into_iter();
+                    let p = earlier.evidence.p_surrogates;
+                    others.extend(doubtful.map(|(c, behind)| (c, doubted(behind, p, &options.policy))));
+                    others.sort_by(|a, b| a.1.total_cmp(&b.1));
+                }
+                let accepted = Accepted {
                     candidate: with_estimates(best),
                     evidence,
-                    competitors: outcompeted(&competitors[k + 1..], best, &options.policy),
+                    competitors: others,
                     shortlist: screen.shortlist(linearisation),
-                }));
+                };
+                if passed.is_some() || !likelier(&accepted, among_surrogates, &options.policy) {
+                    return Ok(Some(accepted));
+                }
+                passed = Some((best, accepted));
+                continue;
             };
+            if passed.is_some() {
+                continue;
+            }
             Refused { candidate: best.candidate.clone(), evidence, doubt }.note_in(refused);
             barred.push(best.candidate.clone());
         }
+        if let Some((_, passed)) = passed {
+            return Ok(Some(passed));
+        }
     }
     Ok(None)
+}
+
+/// Whether the name of a finding is less probable than that of a competing hypothesis, once its channel was held against its surrogates.
+fn likelier(accepted: &Accepted, among_surrogates: Option<f64>, policy: &Policy) -> bool {
+    let names = name_probabilities((&accepted.candidate, among_surrogates), &accepted.competitors, policy);
+    let named = accepted.competitors.iter().zip(&names.each).filter(|((c, _), _)| c.family.is_named());
+    among_surrogates.is_some() && named.map(|(_, p)| *p).fold(0.0, f64::max) > names.own
 }
 
 /// Family-wise p of a competitor. Where it is above α under the noise of the present model, which has the effect in its residual, the noise

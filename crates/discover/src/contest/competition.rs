@@ -2,7 +2,7 @@
 //! estimated.
 //!
 //! The smallest score ([`crate::contest::competitor`]) wins; of the competitors whose scores are not
-//! distinguishable from it, the simplest one.
+//! distinguishable from it, the one whose name is the most probable ([`crate::contest::names`]).
 
 use crate::contest::competitor::{Competitor, competitor, plausible};
 use crate::contest::look_ahead;
@@ -182,15 +182,22 @@ fn simplest(mut shapes: Vec<Competitor>, policy: &Policy) -> Option<Competitor> 
     tied.min_by(|a, b| a.unknowns().cmp(&b.unknowns()).then(a.score.total_cmp(&b.score)))
 }
 
-/// Best first; of those that are not distinguishable from the best one, the simplest.
+/// Best first; of those that are not distinguishable from the best one, the one with the most probable name, and of those with the same
+/// probability the simplest.
 fn rank(competitors: &mut [Competitor], policy: &Policy) {
     competitors.sort_by(|a, b| a.score.total_cmp(&b.score));
     let best = least(competitors);
     let tied = competitors.iter().take_while(|r| r.score < best + policy.tie).count();
-    competitors[..tied].sort_by(|a, b| {
+    let tied = &mut competitors[..tied];
+    tied.sort_by(|a, b| {
         let family = a.candidate.hypothesis().rank().cmp(&b.candidate.hypothesis().rank());
         family.then(a.unknowns().cmp(&b.unknowns())).then(a.score.total_cmp(&b.score))
     });
+    let likeliest = tied.iter().map(|r| r.name_score(policy)).fold(f64::INFINITY, f64::min);
+    if let Some(first) = tied.iter().position(|r| r.name_score(policy) <= likeliest + policy.same_explanation)
+    {
+        tied[..=first].rotate_right(1);
+    }
 }
 
 /// Largest distance from the best score at which other sets of components of a competitor are tried.

@@ -53,6 +53,13 @@ impl Competitor {
         self.freedom + self.candidate.nonlinear().count()
     }
 
+    /// −2 ln of the probability of its name, but for what all competitors share: the score from the data alone, and the prior against causes
+    /// that the library has no name for.
+    pub fn name_score(&self, policy: &Policy) -> f64 {
+        let unnamed = if self.candidate.family.is_named() { 0.0 } else { policy.unnamed_name };
+        self.score - self.prior_penalty + unnamed
+    }
+
     /// Difference of score from another competitor without the part that does not depend on the data;
     /// positive: less likely.
     fn deficit(&self, other: &Competitor) -> f64 {

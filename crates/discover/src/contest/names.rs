@@ -43,13 +43,24 @@ pub(crate) fn name_probabilities(
     let total: f64 = own + each.iter().sum::<f64>();
     let of_unnamed = competitors.iter().zip(&each).filter(|((c, _), _)| !c.family.is_named());
     let unnamed = of_unnamed.map(|(_, w)| w).sum::<f64>() + if finding.family.is_named() { 0.0 } else { own };
-    let doubtful = among_surrogates.map_or(0.0, |p| (2.0 * (p - policy.surrogates_level)).clamp(0.0, 1.0));
-    let doubt = if finding.family.is_named() { doubtful * own / total } else { 0.0 };
+    let doubt =
+        if finding.family.is_named() { doubtful(among_surrogates, policy) * own / total } else { 0.0 };
     NameProbabilities {
         own: own / total - doubt,
         each: each.into_iter().map(|w| w / total).collect(),
         unnamed: unnamed / total + doubt,
     }
+}
+
+/// Share of a name's probability that its channel does not deserve.
+fn doubtful(among_surrogates: Option<f64>, policy: &Policy) -> f64 {
+    among_surrogates.map_or(0.0, |p| (2.0 * (p - policy.surrogates_level)).clamp(0.0, 1.0))
+}
+
+/// Δ of a competing hypothesis whose channel was held against its surrogates: its probability is smaller by the same share, but for a tenth:
+/// a channel that only rises has no surrogates that do worse, whether it is the cause or not.
+pub(crate) fn doubted(behind: f64, among_surrogates: Option<f64>, policy: &Policy) -> f64 {
+    behind - 2.0 * policy.name_temperature * (1.0 - doubtful(among_surrogates, policy)).max(0.1).ln()
 }
 
 #[cfg(test)]
@@ -84,5 +95,10 @@ mod tests {
         // Where half of the surrogates do as well, the name is nearly as doubtful as without a channel.
         let doubtful = name_probabilities((&at("a"), Some(0.5)), &[], &policy);
         assert!((doubtful.own + doubtful.unnamed - 1.0).abs() < 1e-12 && doubtful.own < 0.2, "{doubtful:?}");
+        // As a competing hypothesis it has as small a share: 0.1 against 1.
+        for (p, share) in [(0.3, 0.5), (0.9, 0.1)] {
+            let beside = of(&[doubted(0.0, Some(p), &policy)]);
+            assert!((beside.each[0] / beside.own - share).abs() < 1e-9, "{beside:?}");
+        }
     }
 }

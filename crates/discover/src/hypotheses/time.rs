@@ -11,7 +11,7 @@ use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
 use truepose_errormodel::effects::{Drift, Shift, Spot};
 use truepose_errormodel::{AnyEffect, Dataset, Visits};
-use truepose_kinematics::{Chain, FrameId};
+use truepose_kinematics::{Axis, Chain, FrameId};
 
 /// A jump needs this many visits on either side.
 const EDGE: usize = 4;
@@ -27,6 +27,21 @@ fn spots(chain: &Chain) -> impl Iterator<Item = Spot> {
     frames.into_iter().chain(chain.movable().iter().map(|&joint| Spot::Joint(joint)))
 }
 
+/// The link behind each joint, as what grows with time where nobody measured its temperature: the frame behind the joint, displaced along
+/// the link.
+fn lengths(chain: &Chain) -> impl Iterator<Item = (Place, Spot, Vec<Axis>)> {
+    /// A component of the link's direction that is smaller is none.
+    const ALONG: f64 = 0.2;
+    chain.movable().iter().filter_map(|&joint| {
+        let (root, tip) = chain.link(joint);
+        let (span, length) = (tip - root, chain.link_length(joint));
+        let along =
+            Axis::TRANSLATIONS.into_iter().filter(|axis| span[axis.direction()].abs() > ALONG * length);
+        let spot = Spot::Frame(chain.frame_after(joint));
+        (length > 1e-6).then(|| (Place::joint(chain, joint), spot, along.collect()))
+    })
+}
+
 /// A place moves smoothly with time.
 #[derive(Debug)]
 pub(crate) struct Slow;
@@ -38,13 +53,15 @@ impl Hypothesis for Slow {
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
         let Some(range) = setting.time_range() else { return Vec::new() };
+        let places = spots(setting.chain).map(|spot| (Place::spot(setting.chain, spot), spot, None));
+        let growing = lengths(setting.chain).map(|(place, spot, along)| (place, spot, Some(along)));
         let mut all = Vec::new();
-        for spot in spots(setting.chain) {
-            let place = Place::spot(setting.chain, spot);
-            all.extend([1, 2, 4, 8].map(|n| Variant::new(place.clone(), Drift::smooth(spot, range, n))));
-            for share in [0.05, 0.1, 0.2, 0.4, 0.8] {
-                let effect = Drift::settling(spot, range, share * (range[1] - range[0]));
-                all.push(Variant::new(place.clone(), effect));
+        for (place, spot, components) in places.chain(growing) {
+            let smooth = [1, 2, 4, 8].map(|pieces| Drift::smooth(spot, range, pieces));
+            let settling = [0.05, 0.1, 0.2, 0.4, 0.8]
+                .map(|share| Drift::settling(spot, range, share * (range[1] - range[0])));
+            for drift in smooth.into_iter().chain(settling) {
+                all.push(Variant::new(place.clone(), Drift { components: components.clone(), ..drift }));
             }
         }
         all
