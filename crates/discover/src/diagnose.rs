@@ -48,7 +48,7 @@ pub fn diagnose<A: Answer>(
 ) -> Result<Diagnosis, DiscoverError> {
     options.validate()?;
     // Lagged channels need the whole record: they are derived before the test set is drawn.
-    let data = &derived::with_derived(data, &options.policy);
+    let data = &derived::with_derived(data, declared, &options.policy);
     let left = ((1.0 - options.policy.test_set) * Visits::of(data).len() as f64) as usize;
     let few = left < options.policy.few_poses && !is_sampled(data.len(), options.budget.sample_rows);
     let rows = match options.holdout {

@@ -49,7 +49,7 @@ pub fn nested<A: Answer>(
     observer: &(dyn Fn(usize, Progress) -> A + Sync),
 ) -> Result<Nested, DiscoverError> {
     options.validate()?;
-    let data = &derived::with_derived(data, &options.policy);
+    let data = &derived::with_derived(data, declared, &options.policy);
     let folds = Folds::new(data, split)?;
     // In parallel: each run is a function of its fold alone.
     let runs: Vec<Diagnosis> = (0..folds.count)

@@ -31,6 +31,9 @@ constants! {
         surrogates_level: f64 = 0.05;
         /// Log prior odds against a structure without a name (−2 ln): a named cause is believed before it. Convention, 3e5 to 1.
         unnamed_penalty: f64 = 25.0;
+        /// Log prior odds against what reads the order of poses where the data has no time (−2 ln): what a channel explains as well is worth more,
+        /// since later poses have the channel and no place in the order. Convention, 400 to 1: twice [`tie`](Self::tie).
+        order_penalty: f64 = 12.0;
         /// Score by which another set of components has to be better. Convention.
         component_margin: f64 = 1.0;
         /// Score by which a named cause may be behind and still try other sets of components. Convention.

@@ -22,7 +22,7 @@ impl Dataset {
                     continue;
                 }
                 let lags = self.late(name).is_some() || history_of(name).is_some();
-                if lags && !self.schema.time {
+                if lags && !self.has_clock() {
                     return Err(ModelError::MissingSignal {
                         kind: effect.kind().into(),
                         signal: format!("{} to make `{name}`", Signal::Time.describe(model.chain())),

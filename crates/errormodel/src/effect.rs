@@ -133,6 +133,12 @@ pub trait Effect: Debug + Clone + Send + Sync + Serialize + DeserializeOwned + '
         None
     }
 
+    /// What is left of it where nothing tells the time: the same error at the same place, unchanging. `None` where it needs no time, or has
+    /// no such form.
+    fn without_time(&self) -> Option<Box<dyn AnyEffect>> {
+        None
+    }
+
     /// Checks the parameters against the robot, once, when a model is made.
     ///
     /// # Errors
@@ -170,6 +176,8 @@ pub trait AnyEffect: Any + Debug + Send + Sync {
     fn load_dependent(&self) -> bool;
     /// [`Effect::compliances`].
     fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>>;
+    /// [`Effect::without_time`].
+    fn without_time(&self) -> Option<Box<dyn AnyEffect>>;
     /// [`Effect::validate`].
     ///
     /// # Errors
@@ -206,6 +214,9 @@ impl<E: Effect> AnyEffect for E {
     }
     fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
         Effect::compliances(self, chain)
+    }
+    fn without_time(&self) -> Option<Box<dyn AnyEffect>> {
+        Effect::without_time(self)
     }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         Effect::validate(self, chain)

@@ -88,6 +88,9 @@ impl AnyEffect for Term {
     fn compliances(&self, chain: &Chain) -> Option<Vec<JointId>> {
         self.effect.compliances(chain)
     }
+    fn without_time(&self) -> Option<Box<dyn AnyEffect>> {
+        self.effect.without_time()
+    }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         self.effect.validate(chain)
     }

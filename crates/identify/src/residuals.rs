@@ -40,6 +40,9 @@ impl Residuals {
     /// When the data lacks a signal that the model needs, or does not fit the robot.
     pub fn of(fitted: &FittedModel, data: &Dataset) -> Result<Self, IdentifyError> {
         data.validate(fitted.chain())?;
+        // The whole record of a fit in whose data the order stands for the time.
+        let ordered = (fitted.domain.by_order && !data.schema.time).then(|| data.clone().ordered());
+        let data = ordered.as_ref().unwrap_or(data);
         let data = &*data.derived_for(fitted.model())?;
         let mut predictor = fitted.bind(&data.schema)?;
         let mut conditions = Conditions::default();

@@ -64,7 +64,7 @@ impl Discovery {
     fn rivals(&self, py: Python<'_>) -> Vec<(usize, String, Fit)> {
         let one = |rival: &truepose_discover::CompetingFit| {
             let fit = Fit {
-                fitted: Arc::new(rival.fit.fitted.clone()),
+                fitted: Arc::new(usable(&rival.fit.fitted)),
                 source: Source::Discovered(Box::new((rival.fit.clone(), self.found.data.clone()))),
                 objects: self.objects.iter().map(|object| object.clone_ref(py)).collect(),
                 raised: self.raised.clone(),
@@ -182,7 +182,7 @@ pub fn discover(
                     campaign.discovered(&mut summary, &found, (&*solver, &options.fit)).map_err(input)?;
                     (campaign.used(&found.fit.fitted).map_err(input)?, campaign.remarks().to_vec())
                 }
-                None => (found.fit.fitted.clone(), Vec::new()),
+                None => (usable(&found.fit.fitted), Vec::new()),
             };
             if let Some(split) = &nested_split {
                 let observer = |fold: usize, step: Progress| {
@@ -220,7 +220,7 @@ pub fn discover(
                     let why = Some("interrupted".to_owned());
                     let summary =
                         DiscoverySummary { incomplete: why, ..DiscoverySummary::new(&found, settings) };
-                    let mut used = found.fit.fitted.clone();
+                    let mut used = usable(&found.fit.fitted);
                     front::record_details(&mut used, &details);
                     front::record_columns(&mut used, &map);
                     front::discovered(&mut used, &words_of_solver, rows.len(), seed, false);
@@ -233,4 +233,9 @@ pub fn discover(
         }
         Err(error) => Err(error),
     }
+}
+
+/// A fit for poses of which nothing tells where in the order of the record they stand; as it is where that cannot be said of it.
+fn usable(fitted: &FittedModel) -> FittedModel {
+    fitted.without_order().unwrap_or_else(|_| fitted.clone())
 }

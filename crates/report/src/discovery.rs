@@ -185,7 +185,7 @@ impl DiscoverySummary {
                 .iter()
                 .map(|part| ExtrapolationSummary::new(found, part))
                 .collect(),
-            effects: found.findings.iter().map(FindingSummary::new).collect(),
+            effects: found.findings.iter().map(|one| FindingSummary::new(one, found.data.by_order)).collect(),
             refused: found.refused.iter().map(RefusedSummary::new).collect(),
             not_testable: found.untestable.iter().map(|u| UntestableSummary::new(u, found)).collect(),
             lack_of_fit: LackOfFitSummary::new(found),

@@ -136,9 +136,9 @@ impl Campaign {
         Ok(())
     }
 
-    /// A fit as it is used: it knows its sessions, and landmarks are no part of it.
+    /// A fit as it is used: it knows its sessions; landmarks and the order of the record are no part of it.
     pub fn used(&self, fitted: &FittedModel) -> Result<FittedModel, Failure> {
-        let mut used = fitted.without_landmarks()?;
+        let mut used = fitted.without_order()?.without_landmarks()?;
         used.sessions.clone_from(&self.installed);
         if let (Some(found), Some(moved)) = (&self.touched, fitted.landmarks_displaced()) {
             let at = found.positions.iter().zip(moved).map(|(at, by)| <[f64; 3]>::from(at + by));

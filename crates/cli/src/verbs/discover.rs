@@ -89,7 +89,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));
-        let (fitted, origin) = (found.fit.fitted.clone(), origin.clone());
+        let (fitted, origin) = (found.fit.fitted.without_order()?, origin.clone());
         watch.keep(move |why| without_validation(whole, fitted, &origin, why));
         let Some(split) = split(usize::from(folds), args.split, args.seed, different(data))? else {
             return Err(Failure::Input(
@@ -204,7 +204,7 @@ fn add_rivals(
             name.pop();
         }
         let file = folder.join(format!("{}-{name}.json", rival.finding + 1));
-        files.add(&file, fit_json(&file, &rival.fit.fitted)?.as_bytes())?;
+        files.add(&file, fit_json(&file, &rival.fit.fitted.without_order()?)?.as_bytes())?;
         said.push(format!("wrote {}: {words} in place of finding {}", file.display(), rival.finding + 1));
     }
     Ok(said)
@@ -272,9 +272,10 @@ fn incomplete(
         DiscoverySummary { incomplete: Some(why.into()), ..DiscoverySummary::new(&found, settings) };
     let mut written = Vec::new();
     if let Some(out) = out {
-        origin.write(&mut found.fit.fitted, false);
-        found.fit.fitted.provenance.insert("incomplete".into(), why.into());
-        if write_fit(&out, &found.fit.fitted).is_ok() {
+        let fitted = &mut found.fit.fitted;
+        origin.write(fitted, false);
+        fitted.provenance.insert("incomplete".into(), why.into());
+        if fitted.without_order().is_ok_and(|fitted| write_fit(&out, &fitted).is_ok()) {
             written.push(out);
         }
     }

@@ -6,7 +6,7 @@
 //!
 //! Anything that wanders slowly goes with any channel that wanders slowly. A surrogate has the channel's distribution and autocorrelation
 //! (Theiler et al. 1992), but nothing to do with the errors. All are judged beside a curve over time at
-//! the same place, where the library has one.
+//! the same place, where the library has one and the data a clock.
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -43,7 +43,9 @@ pub(crate) fn among_surrogates(
             && other.place.joint == candidate.place.joint
             && other.place.covariate2.is_none()
     });
-    let beside = match over_time.max_by_key(|other| other.effects().len()) {
+    // The order of poses is worth less than a channel that explains as much: the channel need not do better than it.
+    let over_time = over_time.max_by_key(|other| other.effects().len()).filter(|_| data.has_clock());
+    let beside = match over_time {
         Some(curve) => screen.projection.with(&linearisation.columns_of(curve)?),
         None => None,
     };

@@ -9,7 +9,6 @@ use crate::contest::payload::order_payloads;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::{Context, ModelFit};
-use crate::policy::Policy;
 use crate::problem::dependence::BesideWander;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Projection;
@@ -60,7 +59,7 @@ pub(crate) fn winner(
                     competitors: others,
                     shortlist: screen.shortlist(linearisation),
                 };
-                if passed.is_some() || !likelier(&accepted, among_surrogates, &options.policy) {
+                if passed.is_some() || !likelier(&accepted, among_surrogates, linearisation) {
                     return Ok(Some(accepted));
                 }
                 passed = Some((best, accepted));
@@ -80,9 +79,12 @@ pub(crate) fn winner(
 }
 
 /// Whether the name of a finding is less probable than that of a competing hypothesis, once its channel was held against its surrogates.
-fn likelier(accepted: &Accepted, among_surrogates: Option<f64>, policy: &Policy) -> bool {
+/// What reads the order of the poses is none: later poses have the channel.
+fn likelier(accepted: &Accepted, among_surrogates: Option<f64>, linearisation: &Linearisation<'_>) -> bool {
+    let (data, policy) = (linearisation.data, linearisation.policy);
     let names = name_probabilities((&accepted.candidate, among_surrogates), &accepted.competitors, policy);
-    let named = accepted.competitors.iter().zip(&names.each).filter(|((c, _), _)| c.family.is_named());
+    let of_use = |c: &Candidate| c.family.is_named() && !c.is_of_order(data);
+    let named = accepted.competitors.iter().zip(&names.each).filter(|((c, _), _)| of_use(c));
     among_surrogates.is_some() && named.map(|(_, p)| *p).fold(0.0, f64::max) > names.own
 }
 

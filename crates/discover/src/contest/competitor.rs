@@ -1,7 +1,7 @@
 //! A candidate in a contest, and its score.
 //!
 //! ```text
-//! score = −2 ln L + C + π,     π = 2 n_θ ln(tests of the family) + n_s ln m [+ 25 for an unnamed structure]
+//! score = −2 ln L + C + π,     π = 2 n_θ ln(tests of the family) + n_s ln m [+ 25 for an unnamed structure] [+ 12 for the order of poses]
 //! ```
 //!
 //! | symbol | here | |
@@ -141,7 +141,10 @@ pub(crate) fn log_prior_odds(
     screen: &Screen,
     candidate: &Candidate,
 ) -> f64 {
+    let order =
+        if candidate.is_of_order(linearisation.data) { linearisation.policy.order_penalty } else { 0.0 };
     prior_penalty(linearisation, screen, candidate)
+        + order
         + penalty_per_coefficient(linearisation.len()) * candidate.scales() as f64
 }
 

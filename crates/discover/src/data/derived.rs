@@ -1,18 +1,21 @@
-//! Derived channels: first-order lags of temperatures on a grid of time constants, and the carried mass.
+//! Derived columns: the order of poses where there is no time, first-order lags of temperatures on a grid of time constants, and the carried
+//! mass.
 
 use crate::policy::Policy;
-use truepose_errormodel::{Dataset, is_derived};
+use truepose_errormodel::{AnyEffect, Dataset, Signal, is_derived};
 
-/// The data with the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
+/// The data with the order of its rows as the time where it has none, so that what drifts or jumps shows; not where a declared effect needs a
+/// time: then it is missing. With the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
 /// constants in equal ratios, from twice the mean interval between poses to [`LONGEST`] of the length of the
 /// record.
-pub(crate) fn with_derived(data: &Dataset, policy: &Policy) -> Dataset {
-    let mut more = data.clone();
+pub(crate) fn with_derived(data: &Dataset, declared: &[Box<dyn AnyEffect>], policy: &Policy) -> Dataset {
+    let needs_time = declared.iter().any(|effect| effect.needs().contains(&Signal::Time));
+    let mut more = if needs_time { data.clone() } else { data.clone().ordered() };
     more.add_carried();
     let from = data.time.iter().copied().fold(f64::INFINITY, f64::min);
     let until = data.time.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let length = until - from;
-    if !data.schema.time || !length.is_finite() || length <= 0.0 {
+    if !data.has_clock() || !length.is_finite() || length <= 0.0 {
         return more;
     }
     let visits = data.visit.iter().max().map_or(1, |last| last + 1);

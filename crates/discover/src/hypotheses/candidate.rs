@@ -11,7 +11,7 @@ use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
 use std::sync::Arc;
-use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter};
+use truepose_errormodel::{AnyEffect, Dataset, NonlinearParameter, Signal};
 use truepose_kinematics::{Chain, JointId};
 
 /// The side of approach of a joint before its first move.
@@ -90,6 +90,11 @@ impl Candidate {
     /// Whether it is driven by the time.
     pub fn follows_time(&self) -> bool {
         self.drivers().contains(&Driver::Time)
+    }
+
+    /// Whether it reads the place of a pose in the order of this data, of which later poses have none.
+    pub(crate) fn is_of_order(&self, data: &Dataset) -> bool {
+        data.by_order && self.effects().iter().any(|effect| effect.needs().contains(&Signal::Time))
     }
 
     /// Whether its coefficients are penalised by the marginal likelihood.

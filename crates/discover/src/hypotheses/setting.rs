@@ -56,9 +56,15 @@ impl<'a> Setting<'a> {
         span(&columns[channel])
     }
 
-    /// The range of the time, s; none without time, or when all rows have the same.
-    pub fn time_range(&self) -> Option<[f64; 2]> {
+    /// The range of the time, s, or of the numbers of the pose measurements where their order stands for it ([`Dataset::ordered`]): of what
+    /// changes as the robot is measured. None without either, or when all rows have the same.
+    pub fn record_range(&self) -> Option<[f64; 2]> {
         span(&self.data.time).filter(|_| self.data.schema.time)
+    }
+
+    /// The range of the time that a clock showed, s: of what depends on its rate. None without one, or when all rows have the same.
+    pub fn time_range(&self) -> Option<[f64; 2]> {
+        self.record_range().filter(|_| self.data.has_clock())
     }
 
     /// The range of the load about or along a joint, of some two hundred rows, N·m or N; none when nothing loads it.

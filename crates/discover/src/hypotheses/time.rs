@@ -52,7 +52,7 @@ impl Hypothesis for Slow {
     }
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
-        let Some(range) = setting.time_range() else { return Vec::new() };
+        let Some(range) = setting.record_range() else { return Vec::new() };
         let places = spots(setting.chain).map(|spot| (Place::spot(setting.chain, spot), spot, None));
         let growing = lengths(setting.chain).map(|(place, spot, along)| (place, spot, Some(along)));
         let mut all = Vec::new();
@@ -152,7 +152,7 @@ impl Hypothesis for Jump {
     }
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
-        if setting.time_range().is_none() {
+        if setting.record_range().is_none() {
             return Vec::new();
         }
         let instants = instants(setting.data);
@@ -218,7 +218,7 @@ impl Hypothesis for Jump {
     // It was put right later, or it happened before and was put right here; or a part of it settles.
     fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
         let Some(jump) = concrete::<Shift>(effect) else { return Vec::new() };
-        let Some([_, last]) = setting.time_range() else { return Vec::new() };
+        let Some([_, last]) = setting.record_range() else { return Vec::new() };
         if jump.until.is_some() || jump.settling.is_some() {
             return Vec::new();
         }

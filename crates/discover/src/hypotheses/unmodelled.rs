@@ -141,7 +141,7 @@ fn quantities(setting: &Setting<'_>) -> Vec<Quantity> {
 
 /// The time: what follows it may do so smoothly or at once.
 fn time(setting: &Setting<'_>) -> Option<Quantity> {
-    let range = setting.time_range()?;
+    let range = setting.record_range()?;
     Some(Quantity { covariate: Covariate::Time, input: Input::Time, range, fine: true, side: false })
 }
 

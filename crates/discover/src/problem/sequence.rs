@@ -67,7 +67,7 @@ impl Sequence {
         let data = linearisation.data;
         let spread =
             data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
-        let timed = data.schema.time && spread[1] > spread[0];
+        let timed = data.has_clock() && spread[1] > spread[0];
         let mut axes: [Vec<Mean>; 3] = Default::default();
         for (members, weights, variance) in whitener.means() {
             let first = linearisation.observations[members[0]];

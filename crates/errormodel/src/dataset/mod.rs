@@ -10,6 +10,7 @@ mod landmark;
 mod late;
 mod matching;
 mod measurement;
+mod order;
 mod part;
 mod presliding;
 mod ray;

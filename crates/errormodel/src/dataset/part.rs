@@ -24,6 +24,7 @@ impl Dataset {
             visit: renumbered(&pick(&self.visit, rows)),
             load: pick(&self.load, rows),
             time: pick(&self.time, rows),
+            by_order: self.by_order,
             approach: columns(&self.approach),
             channels: columns(&self.channels),
             dwell: self.dwell.clone(),

@@ -32,8 +32,10 @@ pub struct Dataset {
     pub visit: Vec<usize>,
     /// The load of each row.
     pub load: Vec<Load>,
-    /// When, s; zero where the data has no time.
+    /// When, s; zero where the data has no time; with `by_order` the number of the pose measurement, 1…
     pub time: Vec<f64>,
+    /// Whether the data has no time, and the order of its rows stands for it ([`Dataset::ordered`]).
+    pub by_order: bool,
     /// One column for each movable joint: the direction in which it last moved, −1, 0 or +1.
     pub approach: Vec<Vec<f64>>,
     /// One column for each channel of the schema.

@@ -12,7 +12,7 @@ use super::checks::refused;
 use super::expansion::Basis;
 use super::spot::Spot;
 use super::travel::{ascending, free, positive};
-use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
+use crate::{AnyEffect, Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
 
@@ -121,6 +121,10 @@ impl Effect for Drift {
 
     fn needs(&self) -> Vec<Signal> {
         vec![Signal::Time]
+    }
+
+    fn without_time(&self) -> Option<Box<dyn AnyEffect>> {
+        Some(self.spot.constant(self.components.as_deref()).boxed())
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

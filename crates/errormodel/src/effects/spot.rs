@@ -1,6 +1,7 @@
 //! Where an error that changes with time or temperature sits: in a file `joint = "a3"`, or `frame = "tool"`.
 
 use super::checks::{frame_exists, joint_moves, refused};
+use super::expansion::{Expansion, Place};
 use super::geometric::EXPECTED_ANGLE;
 use crate::{Emission, ModelError};
 use serde::{Deserialize, Serialize};
@@ -113,6 +114,17 @@ impl Spot {
                 }
             }
         }
+    }
+
+    /// A constant error of the same components.
+    pub(super) fn constant(self, components: Option<&[Axis]>) -> Expansion {
+        let at = match self {
+            Spot::Joint(joint) => Place::Motion { joint },
+            Spot::Frame(frame) => {
+                Place::Frame { frame, components: components.unwrap_or(&Axis::ALL).to_vec() }
+            }
+        };
+        Expansion { at, factors: Vec::new() }
     }
 
     pub(super) fn check(

@@ -38,8 +38,10 @@ pub struct Domain {
     pub joints: Vec<Interval>,
     /// Mass carried, kg; absent when no payload was declared.
     pub payload: Option<Interval>,
-    /// s; absent without a time column.
+    /// s; absent without a time column. With `by_order` numbers of pose measurements.
     pub time: Option<Interval>,
+    /// Whether the order of the rows stands for the time ([`Dataset::ordered`]); never so of a fit from a file.
+    pub by_order: bool,
     /// One a channel.
     pub channels: Vec<Interval>,
     /// The targets of which a position was measured, ascending; none is the tool's origin. Empty: not recorded.
@@ -62,6 +64,7 @@ impl Domain {
             joints: ranges(&data.joints),
             payload: Interval::of(masses),
             time: if data.schema.time { Interval::of(data.time.iter().copied()) } else { None },
+            by_order: data.by_order,
             channels: ranges(&data.channels),
             targets: sorted(
                 (0..data.len())

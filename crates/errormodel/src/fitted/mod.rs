@@ -11,6 +11,7 @@ mod other_rows;
 mod sample;
 mod sessions;
 mod spread;
+mod without_order;
 
 pub use coverage::{Beyond, Coverage, Judged, TargetKnown};
 pub use domain::{Domain, Interval};

@@ -74,6 +74,17 @@ impl Sample {
         self
     }
 
+    /// Without the order of its rows, where that stands for their time.
+    #[must_use]
+    pub fn without_order(mut self) -> Self {
+        if self.rows.by_order {
+            let rows = Arc::make_mut(&mut self.rows);
+            (rows.schema.time, rows.by_order) = (false, false);
+            rows.time.fill(0.0);
+        }
+        self
+    }
+
     /// The model, ready for these rows; none where the sample is empty or lacks a signal that the model reads.
     pub fn bound<'m>(&self, model: &'m ErrorModel) -> Option<BoundModel<'m>> {
         if self.rows.is_empty() { None } else { model.bind(&self.rows.schema).ok() }
@@ -159,6 +170,7 @@ fn joined(a: &Dataset, b: &Dataset) -> Dataset {
         visit: (0..a.len() + b.len()).collect(),
         load: both(&a.load, &b.load),
         time: both(&a.time, &b.time),
+        by_order: a.by_order || b.by_order,
         approach: columns(&a.approach, &b.approach),
         channels: columns(&a.channels, &b.channels),
         line: Vec::new(),

@@ -125,6 +125,7 @@ mod tests {
             joints: vec![Interval { lower: -1.0, upper: 2.0 }; fit.chain().movable().len()],
             payload: Some(Interval { lower: 0.0, upper: 70.0 }),
             time: None,
+            by_order: false,
             channels: vec![],
             targets: vec![None],
             sample: Sample::of(&rows(fit.chain(), numbers)),

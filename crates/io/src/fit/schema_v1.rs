@@ -190,6 +190,7 @@ impl FitV1 {
             joints: self.domain.joints.into_iter().map(interval).collect(),
             payload: self.domain.payload.map(interval),
             time: self.domain.time.map(interval),
+            by_order: false,
             channels: self.domain.channels.into_iter().map(interval).collect(),
             targets: self.domain.targets.into_iter().map(|target| target.map(TargetId)).collect(),
             sample,

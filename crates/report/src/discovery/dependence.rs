@@ -42,8 +42,8 @@ impl DependenceSummary {
     pub(super) fn advice(&self) -> &'static str {
         match self.time_constant_poses {
             Some(_) => {
-                " Effects over time are searched only with a column `time[s]`; the number of the row will do where rows are in \
-                 the order of measurement."
+                " The data has no time: drifts and jumps were searched in the order of the rows, which has to be that of measurement. \
+                 With a column `time[s]` what follows a clock is searched, too."
             }
             None => "",
         }

@@ -86,7 +86,8 @@ pub struct AlternativeSummary {
 }
 
 impl FindingSummary {
-    pub(super) fn new(finding: &Finding) -> Self {
+    /// `by_order`: the data has no time, and the numbers of pose measurements stand for it.
+    pub(super) fn new(finding: &Finding, by_order: bool) -> Self {
         let candidate = &finding.candidate;
         let mm = |(before, after): (f64, f64)| BeforeAfter { before: before * 1e3, after: after * 1e3 };
         let parameter = |effect: &dyn truepose_errormodel::AnyEffect, key: &str| {
@@ -141,9 +142,14 @@ impl FindingSummary {
             // Excluded rows are not selected by a search: with them and without.
             cross_validated_rms_mm: finding.evidence.as_ref().map_or(mm(finding.train), cross_validated),
             stability: finding.evidence.as_ref().map_or(1.0, |evidence| evidence.stability),
-            parameters: finding.shape.iter().chain(&finding.parameters).cloned().collect(),
+            parameters: finding
+                .shape
+                .iter()
+                .chain(&finding.parameters)
+                .map(|one| counted(one.clone(), by_order))
+                .collect(),
             alternatives: finding.alternatives.iter().map(AlternativeSummary::from).collect(),
-            meaning: super::meaning::meaning(finding),
+            meaning: super::meaning::meaning(finding, by_order),
         }
     }
 
@@ -194,6 +200,14 @@ impl From<&Alternative> for AlternativeSummary {
             behind: a.behind,
             equivalent: a.equivalent,
         }
+    }
+}
+
+/// The parameter in pose measurements, where their order stands for the time.
+fn counted(parameter: Parameter, by_order: bool) -> Parameter {
+    match by_order && parameter.unit == "s" {
+        true => Parameter { unit: "pose measurements".into(), ..parameter },
+        false => parameter,
     }
 }
 

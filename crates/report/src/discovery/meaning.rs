@@ -2,6 +2,7 @@
 
 use crate::parameter_text;
 use truepose_discover::{Change, Doubt, Finding};
+use truepose_errormodel::Signal;
 
 /// Why a candidate was not added.
 pub(super) fn rejection(doubt: Doubt) -> &'static str {
@@ -20,19 +21,23 @@ pub(super) fn rejection(doubt: Doubt) -> &'static str {
     }
 }
 
-/// What a finding is, and what to inspect.
-pub(super) fn meaning(finding: &Finding) -> String {
-    match finding.candidate.change {
+/// What a finding is, and what to inspect. `by_order`: the data has no time, and the order of its rows stands for it.
+pub(super) fn meaning(finding: &Finding, by_order: bool) -> String {
+    let candidate = &finding.candidate;
+    let mut said = match candidate.change {
         Change::CorrectLoad { .. } => payload(finding),
-        _ => match finding.candidate.first_side() {
-            Some(side) => format!(
-                "{} Before its first move it is taken to have come from {}: the data tell.",
-                finding.candidate.meaning(),
-                if side > 0.0 { "below" } else { "above" }
-            ),
-            None => finding.candidate.meaning(),
-        },
+        _ => candidate.meaning(),
+    };
+    if let Some(side) = candidate.first_side() {
+        let from = if side > 0.0 { "below" } else { "above" };
+        said += &format!(" Before its first move it is taken to have come from {from}: the data tell.");
     }
+    let moves = candidate.effects().iter().any(|effect| effect.needs().contains(&Signal::Time));
+    if by_order && moves {
+        said += " The data has no time: this is in the order of its rows, and the fit that is written holds the mean over the record. For the \
+                 robot as it was at the end, give the rows a `time[s]` (their numbers will do), here and wherever the fit is used.";
+    }
+    said
 }
 
 /// A wrong payload, with the estimate of its mass where it is known.

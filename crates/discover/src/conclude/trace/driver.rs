@@ -20,7 +20,7 @@ pub(super) enum Abscissa {
 
 /// The first of these drivers that the data has; without one the time, or else the pose measurement.
 pub(super) fn abscissa(chain: &Chain, data: &Dataset, drivers: &[Driver], own: &ErrorSource) -> Abscissa {
-    let when = if data.schema.time { Abscissa::Time } else { Abscissa::Pose };
+    let when = if data.has_clock() { Abscissa::Time } else { Abscissa::Pose };
     let known = |driver: &Driver| {
         Some(match driver {
             Driver::Joint(name) => Abscissa::Joint(chain.coordinate(chain.joint_named(name)?)?),
@@ -30,7 +30,8 @@ pub(super) fn abscissa(chain: &Chain, data: &Dataset, drivers: &[Driver], own: &
                 _ => return None,
             },
             Driver::Channel(name) => Abscissa::Channel(data.schema.channel(name)?),
-            Driver::Time if data.schema.time => Abscissa::Time,
+            Driver::Time if data.has_clock() => Abscissa::Time,
+            Driver::Time if data.by_order => Abscissa::Pose,
             Driver::Pose => Abscissa::Pose,
             Driver::Time | Driver::Approach(_) => return None,
         })

@@ -38,7 +38,7 @@ pub(super) fn load_trace(
             continue;
         }
         let (after, fitted) = (moved.dot(&difference) / square, mass - level);
-        let driver = if data.schema.time { data.time[row] } else { data.visit[row] as f64 + 1.0 };
+        let driver = if data.has_clock() { data.time[row] } else { data.visit[row] as f64 + 1.0 };
         let lever = square.sqrt();
         points.push(TracePoint {
             row,
@@ -51,7 +51,7 @@ pub(super) fn load_trace(
             class: 0,
         });
     }
-    let (driver, unit) = if data.schema.time { (Driver::Time, "s") } else { (Driver::Pose, "") };
+    let (driver, unit) = if data.has_clock() { (Driver::Time, "s") } else { (Driver::Pose, "") };
     Ok((!points.is_empty()).then(|| Trace {
         what: format!("mass beyond the declared {level} kg"),
         unit: "kg",

@@ -261,6 +261,12 @@ impl Effect for Expansion {
         self.factors.iter().filter_map(|factor| factor.of.signal()).collect()
     }
 
+    fn without_time(&self) -> Option<Box<dyn crate::AnyEffect>> {
+        let of_time = self.factors.iter().all(|factor| matches!(factor.of, Input::Time));
+        let constant = || Expansion { at: self.at.clone(), factors: Vec::new() };
+        (of_time && !self.factors.is_empty()).then(|| Box::new(constant()) as Box<dyn crate::AnyEffect>)
+    }
+
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         match &self.at {
             Place::Frame { frame, .. } => frame_exists(Self::FAMILY, *frame, chain)?,
