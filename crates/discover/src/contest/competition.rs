@@ -64,7 +64,10 @@ pub(crate) fn contest(
         .collect::<Result<_, _>>()?;
     rank(&mut competitors, linearisation.policy);
     let first = look_ahead::first(linearisation, screen, &visits, &competitors, &causes)?;
-    competitors[..=first].rotate_right(usize::from(first > 0));
+    // None at all where no candidate is plausible.
+    if let Some(before) = competitors.get_mut(..=first) {
+        before.rotate_right(usize::from(first > 0));
+    }
     Ok(Contest { present, competitors })
 }
 
