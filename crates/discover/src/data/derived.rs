@@ -2,15 +2,17 @@
 //! mass.
 
 use crate::policy::Policy;
-use truepose_errormodel::{AnyEffect, Dataset, Signal, is_derived};
+use truepose_errormodel::{AnyEffect, Dataset, Signal, Visits, is_derived};
 
 /// The data with the order of its rows as the time where it has none, so that what drifts or jumps shows; not where a declared effect needs a
-/// time: then it is missing. With the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
+/// time: then it is missing, and not of a small campaign. With the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
 /// constants in equal ratios, from twice the mean interval between poses to [`LONGEST`] of the length of the
 /// record.
 pub(crate) fn with_derived(data: &Dataset, declared: &[Box<dyn AnyEffect>], policy: &Policy) -> Dataset {
     let needs_time = declared.iter().any(|effect| effect.needs().contains(&Signal::Time));
-    let mut more = if needs_time { data.clone() } else { data.clone().ordered() };
+    // A small campaign has too few poses to tell an order from everything else.
+    let small = Visits::of(data).len() < policy.small_campaign;
+    let mut more = if needs_time || small { data.clone() } else { data.clone().ordered() };
     more.add_carried();
     let from = data.time.iter().copied().fold(f64::INFINITY, f64::min);
     let until = data.time.iter().copied().fold(f64::NEG_INFINITY, f64::max);
