@@ -352,6 +352,9 @@ impl AnyEffect for PythonEffect {
         None
     }
 
+    fn without_time(&self) -> Option<Box<dyn AnyEffect>> {
+        None
+    }
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {
         match self.bind(chain) {
             Ok(_) => Ok(()),
