@@ -4,7 +4,7 @@ mod campaign;
 mod program;
 
 pub use campaign::{Campaign, Fitting};
-pub use program::{Given, Rewriting, Rewritten, rewrite};
+pub use program::{Given, Rewriting, Rewritten, RewrittenFile, rewrite};
 
 use crate::args::ExportFormat;
 use crate::failure::Failure;

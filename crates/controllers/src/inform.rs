@@ -160,7 +160,7 @@ fn instruction(line: &Line<'_>, points: &mut [Point], order: &mut Vec<Step>, not
                 point.fixed.get_or_insert_with(|| words.clone());
             });
         } else {
-            notes.push(Note { line: line.number, name: text.into(), words, refuses: true });
+            notes.push(Note::refusing(line.number, text.into(), words));
             order.push(Step::Elsewhere);
         }
         return;
@@ -168,8 +168,7 @@ fn instruction(line: &Line<'_>, points: &mut [Point], order: &mut Vec<Step>, not
     let Some(first) = named.first() else {
         if moves {
             order.push(Step::Elsewhere);
-            let words = "the position is not in the job: it stays as it is".into();
-            notes.push(Note { line: line.number, name: text.into(), words, refuses: false });
+            notes.push(Note::missing(line.number, text.into(), words.next().unwrap_or(verb).into()));
         }
         return;
     };
@@ -177,8 +176,7 @@ fn instruction(line: &Line<'_>, points: &mut [Point], order: &mut Vec<Step>, not
         let at = points.iter().position(|point| key(&point.name) == Some(*first));
         order.push(at.map_or(Step::Elsewhere, Step::Point));
         if at.is_none() {
-            let words = "the position is not in the job: it stays as it is".into();
-            notes.push(Note { line: line.number, name: text.into(), words, refuses: false });
+            notes.push(Note::missing(line.number, text.into(), format!("{}{:05}", first.0, first.1)));
         }
         return;
     }

@@ -17,7 +17,7 @@ mod tokens;
 mod urscript;
 mod val3;
 
-pub use correct::{CorrectOptions, Correction, Outcome, correct};
+pub use correct::{CorrectOptions, Correction, Outcome, correct, correct_all};
 pub use dialect::Dialect;
 pub use error::ControllerError;
 pub use orientation::Orientation;

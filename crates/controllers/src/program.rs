@@ -192,6 +192,23 @@ pub struct Note {
     pub words: String,
     /// Whether a compensated program would move otherwise than it says: a position that is computed from a point.
     pub refuses: bool,
+    /// The point to which a motion goes and which has no value in the files given.
+    pub missing: Option<String>,
+    /// The file of the line: 0 is the program, 1 the first of the further files.
+    pub file: usize,
+}
+
+impl Note {
+    /// Of a motion to a point without a value.
+    pub(crate) fn missing(line: usize, name: String, point: String) -> Note {
+        let words = format!("{point} has no value in the files given");
+        Note { line, name, words, refuses: false, missing: Some(point), file: 0 }
+    }
+
+    /// Of a position that is computed while the program runs.
+    pub(crate) fn refusing(line: usize, name: String, words: String) -> Note {
+        Note { line, name, words, refuses: true, missing: None, file: 0 }
+    }
 }
 
 /// What becomes of a point: its new numbers.
@@ -217,6 +234,17 @@ impl Program {
     /// Frames and tools whose values stand in the files.
     pub fn definitions(&self) -> &Definitions {
         &self.definitions
+    }
+
+    /// Of each point, whether a motion of the files goes to it.
+    pub fn reached(&self) -> Vec<bool> {
+        let mut reached = vec![false; self.points.len()];
+        for step in &self.order {
+            if let Step::Point(k) = *step {
+                reached[k] = true;
+            }
+        }
+        reached
     }
 
     /// What else there is to know.

@@ -5,6 +5,23 @@ use crate::{ControllerError, Dialect, Program};
 use crate::{fanuc, inform, krl, rapid, urscript, val3};
 
 impl Program {
+    /// Reads the files of one program, each with all others: the points of each, and what they use.
+    ///
+    /// # Errors
+    /// As [`Program::read`], with the place of the file.
+    pub fn read_all(texts: &[&[u8]], dialect: Dialect) -> Result<Vec<Program>, (usize, ControllerError)> {
+        // Each alone first, so that an error has the place of its own file.
+        for (k, text) in texts.iter().enumerate() {
+            Program::read(text, &[], dialect).map_err(|error| (k, error))?;
+        }
+        let one = |(k, text): (usize, &&[u8])| {
+            let others: Vec<&[u8]> =
+                texts.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, text)| *text).collect();
+            Program::read(text, &others, dialect).map_err(|error| (k, error))
+        };
+        texts.iter().enumerate().map(one).collect()
+    }
+
     /// Reads a program; `others` are further files with what it uses: declarations, frames, motions.
     ///
     /// # Errors

@@ -33,9 +33,9 @@ fn given(placed: Vec<Placed>) -> Vec<Given> {
     placed.into_iter().map(one).collect()
 }
 
-/// The program's text, its corrections as columns, the summary as JSON, and notes.
+/// The texts of the program and of the further files that have points of it, their corrections as columns, the summary as JSON, and notes.
 #[pyfunction]
-#[pyo3(signature = (fit, file, with_, language, frames, tools, limit, mark, dry_run, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
+#[pyo3(signature = (fit, file, with_, language, frames, tools, limit, mark, leave, dry_run, controller_base, controller_flange, start, payload, channels, ignore_external, turn_axes, pulses))]
 #[allow(clippy::too_many_arguments, clippy::type_complexity)]
 pub fn rewrite<'py>(
     py: Python<'py>,
@@ -47,6 +47,7 @@ pub fn rewrite<'py>(
     tools: Vec<Placed>,
     limit: f64,
     mark: bool,
+    leave: Vec<String>,
     dry_run: bool,
     controller_base: Option<[f64; 6]>,
     controller_flange: Option<[f64; 6]>,
@@ -56,7 +57,7 @@ pub fn rewrite<'py>(
     ignore_external: bool,
     turn_axes: Vec<usize>,
     pulses: Vec<f64>,
-) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyDict>, String, Vec<String>)> {
+) -> PyResult<(Vec<(PathBuf, Bound<'py, PyBytes>)>, Bound<'py, PyDict>, String, Vec<String>)> {
     if !(limit.is_finite() && limit > 0.0) {
         return Err(input(format!("limit: {limit} is no length above 0, in m")));
     }
@@ -68,6 +69,7 @@ pub fn rewrite<'py>(
         tools: given(tools),
         limit,
         mark,
+        leave,
         dry_run,
         controller_base: controller_base.as_ref().map(pose),
         controller_flange: controller_flange.as_ref().map(pose),
@@ -82,7 +84,9 @@ pub fn rewrite<'py>(
         rewritten(&fitted, &file, &options).map_err(input)
     })?;
     let all = PyDict::new(py);
-    let list = &made.rows;
+    let list: Vec<&CorrectionRow> = made.files.iter().flat_map(|part| &part.rows).collect();
+    let files = made.files.iter().flat_map(|part| part.rows.iter().map(|_| part.file.clone()));
+    all.set_item("file", files.collect::<Vec<_>>())?;
     let texts =
         |of: fn(&CorrectionRow) -> &String| list.iter().map(|row| of(row).clone()).collect::<Vec<_>>();
     all.set_item("point", texts(|row| &row.name))?;
@@ -97,5 +101,6 @@ pub fn rewrite<'py>(
     all.set_item("rotation", vector(py, list.iter().map(|row| row.rotation).collect()))?;
     all.set_item("within_95", vector(py, list.iter().map(|row| row.within_95).collect()))?;
     let summary = serde_json::to_string(&made.view).map_err(input)?;
-    Ok((PyBytes::new(py, &made.text), all, summary, made.notes))
+    let texts = made.files.iter().map(|part| (part.file.clone(), PyBytes::new(py, &part.text)));
+    Ok((texts.collect(), all, summary, made.notes))
 }

@@ -221,6 +221,12 @@ def test_programs(fit: tp.Fit, tmp_path: Path) -> None:
     np.testing.assert_array_equal(made.corrections["dx[m]"], corrections["dx[m]"])
     assert list(made.corrections["point"]) == list(corrections["point"])
     assert tp.rewrite(fit, old, others=[tmp_path / "job.src"], dry_run=True).program == old.read_bytes()
+    # The other way about: the points of the further file are compensated, too; XHOME, to which no motion goes, is not of this program.
+    turned = tp.rewrite(fit, tmp_path / "job.src", others=[old], payload=30.0)
+    assert turned.program == (tmp_path / "job.src").read_bytes()
+    assert turned.others == {str(old): made.program} and list(turned.outcomes) == ["corrected", "corrected"]
+    with pytest.raises(tp.InputError, match="XP1 has no value in the files given"):
+        tp.rewrite(fit, tmp_path / "job.src")
 
 
 def test_frames_of_programs_in_numbers_and_in_words(fit: tp.Fit, tmp_path: Path) -> None:

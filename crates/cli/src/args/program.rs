@@ -12,7 +12,8 @@ pub struct RobotProgram {
     /// .script, Yaskawa .jbi, Stäubli .dtx
     #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["poses", "joints", "cartesian"])]
     pub program: Option<PathBuf>,
-    /// Further file of the program with motions, declarations or frames; repeat the option for each
+    /// Further file of the program with motions, declarations or frames; repeat the option for each. Its points are compensated, too, and
+    /// written beside --out
     #[arg(long, value_name = "FILE", value_parser = input(), requires = "program")]
     pub with: Vec<PathBuf>,
     /// Language of the program: krl, rapid, fanuc, urscript, inform, val3 [default: by the ending of its name]
@@ -24,6 +25,9 @@ pub struct RobotProgram {
     /// Leave points unchanged that cannot be compensated, and mark them in the table, instead of rejecting the program
     #[arg(long, requires = "program")]
     pub mark: bool,
+    /// Point that stays as it is, with or without a value in the files given, e.g. HOME; repeat for each
+    #[arg(long, value_name = "NAME", requires = "program")]
+    pub leave: Vec<String>,
     /// Write the program as it is, and the table of corrections
     #[arg(long, requires = "program")]
     pub dry_run: bool,

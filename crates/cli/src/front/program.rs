@@ -34,6 +34,8 @@ pub struct Rewriting {
     pub limit: f64,
     /// Leaves points unchanged that cannot be compensated.
     pub mark: bool,
+    /// Points that stay as they are, by their names.
+    pub leave: Vec<String>,
     /// Leaves all points unchanged.
     pub dry_run: bool,
     /// The controller's base in that of the description.
@@ -54,14 +56,23 @@ pub struct Rewriting {
     pub pulses: Vec<f64>,
 }
 
-/// A program with compensated points.
+/// One file of a program with compensated points.
 #[derive(Debug)]
-pub struct Rewritten {
-    /// Its text, in the encoding of the original.
+pub struct RewrittenFile {
+    /// Where it was read.
+    pub file: PathBuf,
+    /// Its new text, in the encoding of the original.
     pub text: Vec<u8>,
     /// One row for each of its points.
     pub rows: Vec<CorrectionRow>,
-    /// The same for pages and JSON.
+}
+
+/// A program with compensated points.
+#[derive(Debug)]
+pub struct Rewritten {
+    /// The program, then the further files that have points of it.
+    pub files: Vec<RewrittenFile>,
+    /// All points for pages and JSON.
     pub view: ProgramView,
     /// What is to be known of it.
     pub notes: Vec<String>,
@@ -84,6 +95,7 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
         language: language.transpose()?,
         limit: options.limit,
         mark: options.mark,
+        leave: options.leave.clone(),
         dry_run: options.dry_run,
         controller_base: options.controller_base,
         controller_flange: options.controller_flange,
@@ -98,7 +110,9 @@ pub fn rewrite(fitted: &FittedModel, file: &Path, options: &Rewriting) -> Result
     let (frame, tcp) = (places(&options.frames)?, places(&options.tools)?);
     let asked = Asked { own: &own, frame: &frame, tcp: &tcp, frames: None };
     let made = rewritten(&fitted.clone().of_robot(), file, &asked).map_err(Failure::message)?;
-    Ok(Rewritten { text: made.text, rows: made.rows, view: made.view, notes: made.notes })
+    let files = made.files.into_iter();
+    let files = files.map(|part| RewrittenFile { file: part.file, text: part.text, rows: part.rows });
+    Ok(Rewritten { files: files.collect(), view: made.view, notes: made.notes })
 }
 
 fn places(given: &[Given]) -> Result<Vec<GivenPlace>, String> {

@@ -59,9 +59,9 @@ pub fn run(verb: &Verb, watch: &Watch) -> Result<(), Failure> {
         Verb::Discover(verb) => discover::run(verb, watch),
         Verb::Plan(verb) => plan::run(verb, watch),
         Verb::Predict(verb) => predict::run(verb, watch),
-        Verb::Compensate(verb) => match &verb.robot_program.program {
-            Some(file) => program::run(verb, file),
-            None => compensate::run(verb, watch),
+        Verb::Compensate(of) => match &of.robot_program.program {
+            Some(file) => program::run(of, file, &files::named(verb).0),
+            None => compensate::run(of, watch),
         },
         Verb::Export(verb) => export::run(verb),
         Verb::Map(verb) => map::run(verb, watch),

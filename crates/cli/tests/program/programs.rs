@@ -72,6 +72,91 @@ fn points_are_replaced_or_the_program_is_refused() {
 }
 
 #[test]
+fn points_of_further_files_are_compensated_too() {
+    let folder = fitted();
+    folder.run(&[&ARGUMENTS[..], &["--mark"]].concat()).ended(0);
+    let first = folder.read("new.dat");
+    std::fs::remove_file(folder.file("new.dat")).unwrap();
+    let as_documented =
+        ["compensate", "--fit", "fit.json", "--program", "job.src", "--with", "job.dat", "--out", "out.src"];
+    let run = folder.run(&as_documented).ended(0);
+    assert!(run.out.contains("2 points: 2 corrected"), "{}", run.out);
+    assert!(run.out.contains("out.dat of job.dat: 2 points: 2 corrected"), "{}", run.out);
+    // No motion goes to the home position: it is another program's.
+    assert!(run.log.contains("job.dat: 1 point stays unchanged, as no motion"), "{}", run.log);
+    assert_eq!(folder.read("out.dat"), first);
+    let same =
+        |a: &str, b: &str| std::fs::read(folder.file(a)).unwrap() == std::fs::read(folder.file(b)).unwrap();
+    assert!(same("out.src", "job.src"));
+    assert_eq!(folder.read("out.src.corrections.csv").lines().count(), 1);
+    assert_eq!(folder.read("out.dat.corrections.csv").lines().count(), 3);
+    let json = folder.run(&[&as_documented[..], &["--json"]].concat()).ended(0).out;
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["points"][1]["file"], "job.dat");
+
+    // A point in each of two files.
+    folder.write("two.src", "DEF two()\nPTP {A1 48,A2 -100,A3 85,A4 -20,A5 -60,A6 70}\nPTP XP1\nEND\n");
+    let words = "compensate --fit fit.json --program two.src --with job.dat --out new/two.src";
+    std::fs::create_dir(folder.file("new")).unwrap();
+    let run = folder.run(&words.split(' ').collect::<Vec<_>>()).ended(0);
+    assert!(run.out.contains("2 points: 2 corrected") && folder.file("new/job.dat").exists(), "{}", run.out);
+    assert!(!same("new/two.src", "two.src"));
+
+    // Inputs are not written over.
+    let before = folder.read("job.dat");
+    let words = "compensate --fit fit.json --program two.src --with job.dat --out new.src";
+    let run = folder.run(&words.split(' ').collect::<Vec<_>>()).ended(2);
+    assert!(
+        run.log.contains("`job.dat`, to which they would be written, is what --with reads"),
+        "{}",
+        run.log
+    );
+    assert!(run.log.contains("--out NEW/new.src") && !folder.file("new.src").exists(), "{}", run.log);
+    assert_eq!(folder.read("job.dat"), before);
+}
+
+#[test]
+fn a_point_without_a_value_is_no_success() {
+    let folder = fitted();
+    let run = |more: &str| {
+        let words = format!("compensate --fit fit.json --program job.src --out new.src{more}");
+        folder.run(&words.split(' ').collect::<Vec<_>>())
+    };
+    let log = run("").ended(2).log;
+    assert!(log.contains("job.src:4: PTP XP1: XP1 has no value in the files given; add the file"), "{log}");
+    assert!(log.contains("--leave XP1") && log.contains("2 of 2 points cannot be compensated"), "{log}");
+    assert!(!folder.file("new.src").exists());
+    // Nothing at all is compensated: no success, whatever is stated.
+    for more in [" --mark", " --leave XP1 --leave XP2"] {
+        let log = run(more).ended(2).log;
+        assert!(
+            log.contains("job.src: nothing to compensate: no point has a value in the files given"),
+            "{log}"
+        );
+    }
+    assert!(run(" --leave XP9").ended(2).log.contains("--leave: no point of the program is called `XP9`"));
+
+    std::fs::create_dir(folder.file("half")).unwrap();
+    folder.write(
+        "half/job.dat",
+        "DEFDAT job\nDECL E6AXIS XP1={A1 48,A2 -100,A3 85,A4 -20,A5 -60,A6 70}\nENDDAT\n",
+    );
+    let log = run(" --with half/job.dat").ended(2).log;
+    assert!(log.contains("XP2 has no value in the files given") && !log.contains("XP1"), "{log}");
+    let log = run(" --with half/job.dat --leave xp2").ended(0).log;
+    assert!(
+        log.contains("job.src:5: PTP XP2: XP2 has no value in the files given: it stays as it is"),
+        "{log}"
+    );
+    let marked = run(" --with half/job.dat --mark").ended(0).out;
+    assert!(marked.contains("unchanged: line 5: PTP XP2: XP2 has no value"), "{marked}");
+    // Of a point with a value, too.
+    let left = run(" --with half/job.dat --leave XP2 --leave XP1").ended(0).out;
+    assert!(left.contains("1 point: 1 refused"), "{left}");
+    assert_eq!(folder.read("half/job.dat"), folder.read("new.dat"));
+}
+
+#[test]
 fn a_dry_run_writes_the_same_bytes_and_the_table() {
     let folder = fitted();
     for (file, points) in [("job.dat", 3), ("job.src", 0)] {

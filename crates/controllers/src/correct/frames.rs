@@ -6,6 +6,39 @@ use crate::program::{Program, Reference, Value};
 use std::collections::BTreeSet;
 use truepose_kinematics::Pose;
 
+/// Names of the frames and tools of a program's points.
+fn used(program: &Program) -> [BTreeSet<String>; 2] {
+    let mut used: [BTreeSet<String>; 2] = Default::default();
+    for point in program.points() {
+        if let Value::Pose { frame, tool, .. } = &point.value {
+            for (names, reference) in used.iter_mut().zip([frame, tool]) {
+                if let Reference::Named(name) = reference {
+                    names.insert(program.definitions().last_name(name).to_owned());
+                }
+            }
+        }
+    }
+    used
+}
+
+/// # Errors
+/// When an option names what none of the programs uses.
+pub(super) fn named(programs: &[Program], options: &CorrectOptions) -> Result<(), ControllerError> {
+    let all: Vec<[BTreeSet<String>; 2]> = programs.iter().map(used).collect();
+    for (which, given) in [&options.frames, &options.tools].into_iter().enumerate() {
+        let names: BTreeSet<&str> = all.iter().flat_map(|used| &used[which]).map(String::as_str).collect();
+        if let Some((name, _)) = given.iter().find(|(name, _)| !names.iter().any(|other| same(other, name))) {
+            let kind = ["frame", "tool"][which];
+            let known: Vec<&str> = names.into_iter().collect();
+            let known = if known.is_empty() { "none".into() } else { known.join(", ") };
+            return Err(ControllerError::Option(format!(
+                "no point of the program uses the {kind} `{name}` (used by name: {known})"
+            )));
+        }
+    }
+    Ok(())
+}
+
 pub(super) struct Frames<'p> {
     program: &'p Program,
     options: &'p CorrectOptions,
@@ -17,31 +50,12 @@ pub(super) struct Frames<'p> {
 
 impl<'p> Frames<'p> {
     /// # Errors
-    /// When an option names what the program does not use.
+    /// When the controller's base in its world has no usable value.
     pub(super) fn new(program: &'p Program, options: &'p CorrectOptions) -> Result<Self, ControllerError> {
         let root = program.definitions().get("$ROBROOT").map_err(ControllerError::Option)?;
         let mut frames = Frames { program, options, root: root.unwrap_or(Pose::IDENTITY), open: [0, 0] };
-        let mut used: [BTreeSet<String>; 2] = Default::default();
-        for point in program.points() {
-            if let Value::Pose { frame, tool, .. } = &point.value {
-                for (names, reference) in used.iter_mut().zip([frame, tool]) {
-                    if let Reference::Named(name) = reference {
-                        names.insert(program.definitions().last_name(name).to_owned());
-                    }
-                }
-            }
-        }
-        for (which, (names, given)) in used.iter().zip([&options.frames, &options.tools]).enumerate() {
-            for (name, _) in given {
-                if !names.iter().any(|other| same(other, name)) {
-                    let kind = ["frame", "tool"][which];
-                    let all: Vec<&str> = names.iter().map(String::as_str).collect();
-                    let known = if all.is_empty() { "none".into() } else { all.join(", ") };
-                    return Err(ControllerError::Option(format!(
-                        "no point of the program uses the {kind} `{name}` (used by name: {known})"
-                    )));
-                }
-            }
+        for (which, (names, given)) in used(program).iter().zip([&options.frames, &options.tools]).enumerate()
+        {
             let valued = |name: &&String| {
                 given.iter().any(|(other, _)| same(name, other))
                     || program.definitions().get(name).is_ok_and(|value| value.is_some())

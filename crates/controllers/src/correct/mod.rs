@@ -49,12 +49,35 @@ pub fn correct(
     fitted: &FittedModel,
     options: &CorrectOptions,
 ) -> Result<Vec<Correction>, ControllerError> {
+    let all = correct_all(std::slice::from_ref(program), fitted, options)?;
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// Corrects all points of the files of a program ([`Program::read_all`]); a list for each file.
+///
+/// # Errors
+/// As [`correct`]; a frame or tool of the options has to be one of some file.
+pub fn correct_all(
+    programs: &[Program],
+    fitted: &FittedModel,
+    options: &CorrectOptions,
+) -> Result<Vec<Vec<Correction>>, ControllerError> {
+    frames::named(programs, options)?;
     let ideal = FittedModel::new(
         ErrorModel::new(fitted.chain().clone(), Vec::new())?,
         Vec::new(),
         DMatrix::zeros(0, 0),
     )?;
-    let mut corrector = Corrector::new(program, fitted, &ideal, options)?;
+    programs.iter().map(|program| one_file(program, fitted, &ideal, options)).collect()
+}
+
+fn one_file(
+    program: &Program,
+    fitted: &FittedModel,
+    ideal: &FittedModel,
+    options: &CorrectOptions,
+) -> Result<Vec<Correction>, ControllerError> {
+    let mut corrector = Corrector::new(program, fitted, ideal, options)?;
     let mut done: Vec<Option<Correction>> = vec![None; program.points.len()];
     let mut joints: Vec<Option<Vec<f64>>> = vec![None; program.points.len()];
     let start = corrector.start()?;

@@ -39,7 +39,8 @@ pub(crate) fn read(text: &[u8], _others: &[&[u8]]) -> Result<Program, Controller
         let all = tokens_from(&text[..until], first.start.min(until), first.number, LEXIS)?;
         points = position::points(&text[..until], &all)?;
     }
-    let motions = motions::read(&lines[mn + 1..pos]);
+    let known: Vec<i64> = points.iter().filter_map(position::number_of).collect();
+    let motions = motions::read(&lines[mn + 1..pos], &known);
     for (number, words) in &motions.displaced {
         for point in points.iter_mut().filter(|point| position::number_of(point) == Some(*number)) {
             point.fixed.get_or_insert_with(|| words.clone());

@@ -10,13 +10,15 @@ pub(super) struct Motions {
     /// Points that an instruction displaces, and why.
     pub(super) displaced: Vec<(i64, String)>,
     pub(super) notes: Vec<Note>,
+    /// Numbers of the points that have a value.
+    known: Vec<i64>,
 }
 
 /// Words behind a point that move it, or the robot relative to something.
 const DISPLACING: [&str; 5] = ["OFFSET", "TOOL_OFFSET", "VOFFSET", "INC", "COORD"];
 
-pub(super) fn read(lines: &[Line<'_>]) -> Motions {
-    let mut found = Motions::default();
+pub(super) fn read(lines: &[Line<'_>], known: &[i64]) -> Motions {
+    let mut found = Motions { known: known.to_vec(), ..Motions::default() };
     let mut statement: Vec<u8> = Vec::new();
     let mut begun = 0;
     for line in lines {
@@ -47,12 +49,9 @@ impl Motions {
         if goes {
             self.motion(rest, text, line);
         } else if text.starts_with("PR[") && references(text).iter().any(|name| name.0 == "P") {
-            self.notes.push(Note {
-                line,
-                name: shown(text),
-                words: "a position register is computed from a point: from a compensated one it comes out displaced".into(),
-                refuses: true,
-            });
+            let words =
+                "a position register is computed from a point: from a compensated one it comes out displaced";
+            self.notes.push(Note::refusing(line, shown(text), words.into()));
         }
     }
 
@@ -64,6 +63,10 @@ impl Motions {
         let places = if text.starts_with('C') { 2 } else { 1 };
         for (list, number) in all.into_iter().take(places) {
             match number.filter(|_| list == "P") {
+                Some(number) if !self.known.contains(&number) => {
+                    self.reached.push(None);
+                    self.notes.push(Note::missing(line, shown(text), format!("P[{number}]")));
+                }
                 Some(number) => {
                     self.reached.push(Some(number));
                     if let Some(word) = &displacing {
@@ -75,8 +78,8 @@ impl Motions {
                 }
                 None => {
                     self.reached.push(None);
-                    let words = "the position is not in the program: it stays as it is";
-                    self.notes.push(Note { line, name: shown(text), words: words.into(), refuses: false });
+                    let number = number.map_or("…".into(), |number| number.to_string());
+                    self.notes.push(Note::missing(line, shown(text), format!("{list}[{number}]")));
                 }
             }
         }

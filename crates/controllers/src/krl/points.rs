@@ -136,13 +136,13 @@ fn point(candidate: &Candidate, active: Active, changed: Option<&(String, usize)
 /// What there is to say of a motion that goes to no literal of the first file.
 fn note(motion: &Motion, files: &[File], place: usize) -> Option<Note> {
     let name = motion.name.as_deref().unwrap_or("");
-    let of = |words: String, refuses: bool| {
-        Some(Note { line: motion.line, name: motion.shown.clone(), words, refuses })
+    let refusing = |words: &str| {
+        Some(Note { file: place, ..Note::refusing(motion.line, motion.shown.clone(), words.into()) })
     };
-    let further = if place == 0 { String::new() } else { format!(" (further file {place})") };
     if motion.computed {
-        let words = "the position is computed while the program runs";
-        return of(format!("{words}: from a compensated point it comes out displaced{further}"), true);
+        return refusing(
+            "the position is computed while the program runs: from a compensated point it comes out displaced",
+        );
     }
     if name.starts_with('$') {
         return None;
@@ -153,7 +153,7 @@ fn note(motion: &Motion, files: &[File], place: usize) -> Option<Note> {
     }
     if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name))
     {
-        return of(format!("its value is computed in line {line}, maybe from a compensated point"), true);
+        return refusing(&format!("its value is computed in line {line}, maybe from a compensated point"));
     }
-    of(format!("{name} has no value in the files given: it stays as it is"), false)
+    Some(Note::missing(motion.line, motion.shown.clone(), name.into()))
 }

@@ -63,13 +63,13 @@ fn means(to: &str, name: &str) -> bool {
 }
 
 fn note(motion: &Motion, files: &[File], place: usize, found: bool) -> Option<Note> {
-    let of = |words: String, refuses: bool| {
-        Some(Note { line: motion.line, name: motion.shown.clone(), words, refuses })
+    let refusing = |words: &str| {
+        Some(Note { file: place, ..Note::refusing(motion.line, motion.shown.clone(), words.into()) })
     };
     if motion.computed {
-        let words = "the position is computed while the program runs";
-        let file = if place == 0 { String::new() } else { format!(" (further file {place})") };
-        return of(format!("{words}: from a compensated point it comes out displaced{file}"), true);
+        return refusing(
+            "the position is computed while the program runs: from a compensated point it comes out displaced",
+        );
     }
     let name = motion.names.first()?;
     let known = |name: &str| files.iter().skip(1).any(|f| f.candidates.iter().any(|c| means(name, &c.name)));
@@ -78,9 +78,9 @@ fn note(motion: &Motion, files: &[File], place: usize, found: bool) -> Option<No
     }
     if let Some((_, line)) = files.iter().flat_map(|file| &file.changed).find(|(other, _)| means(other, name))
     {
-        return of(format!("its value is computed in line {line}, maybe from a compensated point"), true);
+        return refusing(&format!("its value is computed in line {line}, maybe from a compensated point"));
     }
-    of(format!("{name} has no value in the files given: it stays as it is"), false)
+    Some(Note::missing(motion.line, motion.shown.clone(), name.clone()))
 }
 
 fn point(text: &[u8], candidate: &Candidate, active: Active, changed: Option<&(String, usize)>) -> Point {

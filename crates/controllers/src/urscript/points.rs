@@ -174,13 +174,11 @@ fn literals<'f>(names: &Names<'f>, target: &Target<'f>, motion: &Motion, place: 
 }
 
 fn note(names: &Names<'_>, target: &Target<'_>, motion: &Motion, place: usize) -> Option<Note> {
-    let of = |words: &str, refuses: bool| {
-        Some(Note { line: motion.line, name: motion.verb.clone(), words: words.into(), refuses })
-    };
     if let Expression::Name(name) = target.inner {
         let values = names.values(name);
         if values.is_empty() {
-            return of(&format!("{name} has no value in the files given: it stays as it is"), false);
+            let note = Note::missing(motion.line, motion.verb.clone(), name.clone());
+            return Some(Note { file: place, ..note });
         }
         if values.iter().all(|(file, ..)| *file > 0) || place > 0 {
             return None;
@@ -189,10 +187,9 @@ fn note(names: &Names<'_>, target: &Target<'_>, motion: &Motion, place: usize) -
     if place > 0 && matches!(target.inner, Expression::Pose(_) | Expression::Joints(_)) {
         return None;
     }
-    of(
-        "the position is computed while the program runs: from a compensated point it comes out displaced",
-        true,
-    )
+    let words =
+        "the position is computed while the program runs: from a compensated point it comes out displaced";
+    Some(Note { file: place, ..Note::refusing(motion.line, motion.verb.clone(), words.into()) })
 }
 
 fn point(text: &[u8], found: &Found<'_>) -> Point {

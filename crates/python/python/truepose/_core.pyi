@@ -247,6 +247,7 @@ def rewrite(
     tools: list[str | tuple[str | None, _Pose]],
     limit: float,
     mark: bool,
+    leave: list[str],
     dry_run: bool,
     controller_base: _Pose | None,
     controller_flange: _Pose | None,
@@ -256,7 +257,7 @@ def rewrite(
     ignore_external: bool,
     turn_axes: list[int],
     pulses: list[float],
-) -> tuple[bytes, dict[str, Any], str, list[str]]: ...
+) -> tuple[list[tuple[Any, bytes]], dict[str, Any], str, list[str]]: ...
 def check(robot: Robot, data: Data | None, model: _Items) -> list[tuple[str, str, str, float]]: ...
 def take_block(robot: Robot, table: Table, positions_only: bool) -> Data: ...
 

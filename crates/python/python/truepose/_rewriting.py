@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -28,7 +28,8 @@ Places: TypeAlias = "Place | Mapping[str, Place] | None"
 class Rewritten:
     """A robot program whose points are replaced by compensated ones.
 
-    `program`: its text in the encoding of the original; `corrections`: a row for each point, in m and rad; `summary`: what the program prints with
+    `program`: its text in the encoding of the original; `others`: texts of the further files that have points of it, by their paths; `corrections`: a row
+    for each point, in m and rad; `summary`: what the program prints with
     ``--json``; `notes`: what is to be known of it.
     """
 
@@ -36,6 +37,7 @@ class Rewritten:
     corrections: Table
     summary: dict[str, Any]
     notes: list[str]
+    others: dict[str, bytes] = field(default_factory=dict)
 
     @property
     def outcomes(self) -> NDArray[np.str_]:
@@ -62,6 +64,7 @@ def rewrite(
     tools: Places = None,
     limit: float = 10e-3,
     mark: bool = False,
+    leave: Sequence[str] = (),
     dry_run: bool = False,
     controller_base: Place | None = None,
     controller_flange: Place | None = None,
@@ -75,9 +78,10 @@ def rewrite(
 ) -> Rewritten:
     """A robot program with compensated points: KUKA .src .dat, ABB .mod, FANUC .ls, Universal Robots .script, Yaskawa .jbi, Stäubli .dtx.
 
-    `others`: further files of the program with motions, declarations or frames; `language`: krl, rapid, fanuc, urscript, inform, val3 (default: by the
+    `others`: further files of the program with motions, declarations or frames, whose points are compensated, too; `language`: krl, rapid, fanuc, urscript, inform, val3 (default: by the
     ending of the name); `frames`, `tools`: values of frames and tools by their names in the program, or one for points whose frame is not known;
-    `limit`: largest correction, m; `mark`: points that cannot be compensated stay as they are (otherwise: InputError); `dry_run`: all points do;
+    `limit`: largest correction, m; `mark`: points that cannot be compensated stay as they are (otherwise: InputError); `leave`: names of
+    points that do, with or without a value in the files; `dry_run`: all points do;
     `controller_base`, `controller_flange`: those of the controller in the robot description's; `start`: joint values before the program, rad or m;
     `payload`, `com`: load carried, kg, m; `channels`: values that the model reads; `ignore_external`: external axes move nothing; `turn_axes`: axes of
     FANUC's three turn numbers; `pulses`: pulses per degree (per mm) of each axis, for INFORM.
@@ -89,16 +93,18 @@ def rewrite(
         first = [float(v) * 1e3 if j.unit == "m" else float(np.degrees(v)) for v, j in zip(values, joints)]
     centre = floats("com", com, 3)
     load = None if payload is None else (float(payload), (float(centre[0]), float(centre[1]), float(centre[2])))
-    text, found, summary, notes = _core.rewrite(
+    texts, found, summary, notes = _core.rewrite(
         fit._core, os.fspath(program), [os.fspath(other) for other in others], language, _places("frames", frames), _places("tools", tools),
-        float(limit), mark, dry_run, _six("controller_base", controller_base), _six("controller_flange", controller_flange), first, load,
+        float(limit), mark, [str(name) for name in leave], dry_run, _six("controller_base", controller_base), _six("controller_flange", controller_flange), first, load,
         [(str(name), float(value)) for name, value in (channels or {}).items()], ignore_external, list(turn_axes), list(pulses),
     )  # fmt: skip
     columns: dict[str, Any] = {name: found[name] for name in ("point", "line", "kind", "frame", "tool", "outcome", "reason")}
+    columns = {"file": [os.fspath(file) for file in found["file"]], **columns} if len(texts) > 1 else columns
     columns.update({f"{axis}[m]": found["position"][:, k] for k, axis in enumerate("xyz")})
     columns.update({f"d{axis}[m]": found["displacement"][:, k] for k, axis in enumerate("xyz")})
     columns.update({"rotation[rad]": found["rotation"], "within_95[m]": found["within_95"]})
-    return Rewritten(text, Table(columns), json.loads(summary), notes)
+    (_, text), *further = texts
+    return Rewritten(text, Table(columns), json.loads(summary), notes, {os.fspath(file): other for file, other in further})
 
 
 _Pose: TypeAlias = tuple[float, float, float, float, float, float]

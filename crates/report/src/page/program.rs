@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct ProgramView {
     /// The robot's name.
     pub robot: String,
-    /// Name of the program's file.
+    /// Name of the program's file; further files that have points of it are named by these.
     pub program: String,
     /// Its language.
     pub language: String,
@@ -28,6 +28,9 @@ pub struct ProgramView {
 /// One point; null where it is not known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CorrectionView {
+    /// Name of the file that has it: the program's, or a further one.
+    #[serde(default)]
+    pub file: String,
     /// As the program calls it.
     pub name: String,
     /// Line of the program.
@@ -110,6 +113,14 @@ pub fn program_report(view: &ProgramView, run: &RunRecord) -> Report {
     page.finish()
 }
 
+/// The line of a point, with the file's name where points are in several.
+fn place(view: &ProgramView, point: &CorrectionView) -> String {
+    match view.points.iter().any(|other| other.file != point.file) {
+        true => format!("{}:{}", point.file, point.line),
+        false => point.line.to_string(),
+    }
+}
+
 /// The size of every correction, and where it is.
 fn corrections(page: &mut Page, view: &ProgramView) {
     let known: Vec<(usize, f64)> =
@@ -159,7 +170,7 @@ fn refused(page: &mut Page, view: &ProgramView) {
         .iter()
         .filter(|point| point.outcome == "refused")
         .take(100)
-        .map(|point| vec![point.name.clone(), point.line.to_string(), point.reason.clone()])
+        .map(|point| vec![point.name.clone(), place(view, point), point.reason.clone()])
         .collect();
     if !rows.is_empty() {
         page.section("Unchanged points");
@@ -177,7 +188,7 @@ fn listed(page: &mut Page, view: &ProgramView) {
     page.section("Points");
     let shown = |v: Option<f64>| v.map_or_else(String::new, |v| significant(v, 3));
     let row = |point: &CorrectionView| {
-        let mut cells = vec![point.name.clone(), point.line.to_string(), point.outcome.clone()];
+        let mut cells = vec![point.name.clone(), place(view, point), point.outcome.clone()];
         let parts = point.displacement_mm.map_or([None; 3], |d| d.map(Some));
         cells.extend(parts.map(|v| v.map_or_else(String::new, |v| format!("{v:.3}"))));
         cells.push(shown(point.correction_mm));

@@ -1,0 +1,211 @@
+//! The files of a robot program with compensated points.
+
+use super::rows::{Part, rows, view};
+use super::{LISTED, places};
+use crate::args::{GivenPlace, RobotProgram};
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
+use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all};
+use truepose_errormodel::FittedModel;
+use truepose_io::{CorrectionRow, read_bytes};
+use truepose_report::{ProgramView, count};
+
+/// What a program is rewritten with.
+#[derive(Debug)]
+pub(crate) struct Asked<'a> {
+    /// The options that only programs have.
+    pub own: &'a RobotProgram,
+    /// Frames of the program.
+    pub frame: &'a [GivenPlace],
+    /// Tools of the program.
+    pub tcp: &'a [GivenPlace],
+    /// File with `[[frames]]` in place of those that the fit has recorded.
+    pub frames: Option<&'a Path>,
+}
+
+/// One file of a program with compensated points.
+#[derive(Debug)]
+pub(crate) struct RewrittenFile {
+    /// Where it was read.
+    pub file: PathBuf,
+    /// Its new text.
+    pub text: Vec<u8>,
+    /// One for each of its points.
+    pub rows: Vec<CorrectionRow>,
+}
+
+/// A program with compensated points.
+#[derive(Debug)]
+pub(crate) struct Rewritten {
+    /// The program, then the further files that have points of it.
+    pub files: Vec<RewrittenFile>,
+    /// All points for pages and JSON.
+    pub view: ProgramView,
+    /// What cannot be compensated: file, line and words.
+    pub refused: Vec<(PathBuf, usize, String)>,
+    /// What is to be known of it.
+    pub notes: Vec<String>,
+}
+
+/// Rewrites the program of a file, and the further files that have points of it. `fitted` is that of the robot alone, in one session.
+pub(crate) fn rewrite(fitted: &FittedModel, file: &Path, asked: &Asked<'_>) -> Result<Rewritten, Failure> {
+    let own = asked.own;
+    let about = |file: &Path, error: ControllerError| {
+        let joint = match error {
+            ControllerError::Syntax { .. } => ":",
+            _ => ": ",
+        };
+        Failure::Input(format!("{}{joint}{error}", file.display()))
+    };
+    let dialect = match own.language {
+        Some(dialect) => dialect,
+        None => Dialect::of_file(file).map_err(|error| about(file, error))?,
+    };
+    let paths: Vec<&Path> = std::iter::once(file).chain(own.with.iter().map(PathBuf::as_path)).collect();
+    let texts: Vec<Vec<u8>> = paths.iter().map(read_bytes).collect::<Result<_, _>>()?;
+    let slices: Vec<&[u8]> = texts.iter().map(Vec::as_slice).collect();
+    let programs = Program::read_all(&slices, dialect).map_err(|(k, error)| about(paths[k], error))?;
+    let options = places::options(asked, fitted, &programs[0])?;
+    let mut corrections = correct_all(&programs, fitted, &options).map_err(|error| about(file, error))?;
+    // Of further files those points alone to which a motion goes: others are other programs'.
+    let taken: Vec<Vec<bool>> = programs
+        .iter()
+        .enumerate()
+        .map(|(k, program)| if k == 0 { vec![true; program.points().len()] } else { program.reached() })
+        .collect();
+    leave(&own.leave, &programs, &mut corrections)?;
+    let parts: Vec<Part<'_>> = (0..programs.len())
+        .map(|k| Part { file: paths[k], program: &programs[k], corrections: &corrections[k], own: &taken[k] })
+        .collect();
+    let refused = refusals(&parts, &own.leave);
+    if !refused.is_empty() && !own.mark && !own.dry_run {
+        return Err(rejected(&parts, &refused));
+    }
+    if !own.dry_run && !taken.iter().flatten().any(|own| *own) {
+        return Err(Failure::Input(format!(
+            "{}: nothing to compensate: no point has a value in the files given; add the file that has them (--with FILE)",
+            file.display()
+        )));
+    }
+    let mut files = Vec::new();
+    for (k, part) in parts.iter().enumerate() {
+        if k > 0 && !part.own.contains(&true) {
+            continue;
+        }
+        let text = if own.dry_run {
+            texts[k].clone()
+        } else {
+            let new = part.corrections.iter().zip(part.own);
+            let new: Vec<_> = new.map(|(new, own)| new.replacement.clone().filter(|_| *own)).collect();
+            part.program.rewritten(&new).map_err(|error| about(part.file, error))?
+        };
+        files.push(RewrittenFile { file: part.file.into(), text, rows: rows(part) });
+    }
+    let view = view(fitted, &parts, own.dry_run);
+    Ok(Rewritten { files, view, refused, notes: notes(&parts, &own.leave) })
+}
+
+fn left(names: &[String], name: &str) -> bool {
+    names.iter().any(|left| left.eq_ignore_ascii_case(name))
+}
+
+/// Leaves the points of these names as they are.
+fn leave(names: &[String], programs: &[Program], corrections: &mut [Vec<Correction>]) -> Result<(), Failure> {
+    let points = || programs.iter().flat_map(Program::points).map(|point| &point.name);
+    let missing = || programs.iter().flat_map(Program::notes).filter_map(|note| note.missing.as_ref());
+    if let Some(unknown) =
+        names.iter().find(|name| !points().chain(missing()).any(|other| other.eq_ignore_ascii_case(name)))
+    {
+        return Err(Failure::Input(format!("--leave: no point of the program is called `{unknown}`")));
+    }
+    for (program, corrections) in programs.iter().zip(corrections) {
+        for (point, correction) in program.points().iter().zip(corrections) {
+            if left(names, &point.name) {
+                correction.outcome = Outcome::Refused;
+                correction.reason = "it stays as it is (--leave)".into();
+                correction.replacement = None;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A line for each point and statement that stands against the program.
+fn refusals(parts: &[Part<'_>], leave: &[String]) -> Vec<(PathBuf, usize, String)> {
+    let mut all = Vec::new();
+    for part in parts {
+        let points = part.program.points().iter().zip(part.corrections).zip(part.own);
+        let refused = points
+            .filter(|((point, correction), own)| {
+                **own && correction.outcome == Outcome::Refused && !left(leave, &point.name)
+            })
+            .map(|((point, correction), _)| (point.line, format!("{}: {}", point.name, correction.reason)));
+        let notes = part.program.notes().iter().filter(|note| note.file == 0).filter_map(|note| {
+            let words = match &note.missing {
+                Some(point) if left(leave, point) => return None,
+                Some(point) => format!(
+                    "{}: {}; add the file that has it (--with FILE), or state that it stays as it is (--leave {point})",
+                    note.name, note.words
+                ),
+                None if note.refuses => format!("{}: {}", note.name, note.words),
+                None => return None,
+            };
+            Some((note.line, words))
+        });
+        let mut lines: Vec<(usize, String)> = refused.chain(notes).collect();
+        lines.sort();
+        lines.dedup();
+        all.extend(lines.into_iter().map(|(line, words)| (part.file.to_path_buf(), line, words)));
+    }
+    all
+}
+
+fn notes(parts: &[Part<'_>], leave: &[String]) -> Vec<String> {
+    let mut all = Vec::new();
+    for part in parts {
+        let file = part.file.display();
+        for note in part.program.notes().iter().filter(|note| note.file == 0 && !note.refuses) {
+            if note.missing.as_ref().is_none_or(|point| left(leave, point)) {
+                all.push(format!("{file}:{}: {}: {}: it stays as it is", note.line, note.name, note.words));
+            }
+        }
+        let points = part.program.points().iter().zip(part.own);
+        let unused: Vec<&str> =
+            points.filter(|(_, own)| !**own).map(|(point, _)| point.name.as_str()).collect();
+        if !unused.is_empty() {
+            let mut names = unused[..unused.len().min(5)].join(", ");
+            if unused.len() > 5 {
+                names.push_str(", …");
+            }
+            let (stay, they) = if unused.len() == 1 { ("stays", "it") } else { ("stay", "them") };
+            all.push(format!(
+                "{file}: {} {stay} unchanged, as no motion in the files given goes to {they}: {names}",
+                count(unused.len(), "point")
+            ));
+        }
+    }
+    all.truncate(LISTED);
+    all
+}
+
+fn rejected(parts: &[Part<'_>], refused: &[(PathBuf, usize, String)]) -> Failure {
+    let mut lines: Vec<String> = refused
+        .iter()
+        .take(LISTED)
+        .map(|(file, line, words)| format!("{}:{line}: {words}", file.display()))
+        .collect();
+    if refused.len() > LISTED {
+        lines.push(format!("and {} more", refused.len() - LISTED));
+    }
+    let points: usize = parts.iter().map(|part| part.own.iter().filter(|own| **own).count()).sum();
+    let statements = parts
+        .iter()
+        .flat_map(|part| part.program.notes().iter().filter(|note| note.file == 0))
+        .filter(|note| note.refuses || note.missing.is_some());
+    lines.push(format!(
+        "nothing is written: {} of {} cannot be compensated. --mark leaves them as they are; --dry-run writes the table alone",
+        refused.len(),
+        count(points + statements.count(), "point")
+    ));
+    Failure::Input(lines.join("\n"))
+}
