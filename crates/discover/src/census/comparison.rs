@@ -167,7 +167,7 @@ fn moved(linearisation: &Linearisation<'_>, candidate: &Candidate, part: f64) ->
             let until = times.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             candidate.with_value(value + part * (until - from) / 64.0)
         }
-        Refinement::Scale([lower, upper]) => {
+        Refinement::Scale([lower, upper]) | Refinement::Plateau([lower, upper]) => {
             let end = if part < 0.0 { lower } else { upper };
             candidate.with_value(value * (end.ln() * part.abs()).exp())
         }

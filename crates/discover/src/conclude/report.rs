@@ -73,9 +73,12 @@ pub(crate) fn conclude(
     let all = with_found(partition.data, &found);
     let judged = Linearisation::new(&current.fit, &all, context.options)?;
     let trial = Trial::new(context, &current, &found, &judged, &partition)?;
-    // Errors with the first findings only, on the same training rows.
+    // Errors with the first findings only, on the same training rows. In nested folds other searches may have found other effects: their
+    // error is that of the whole search, and no step of one finding.
+    let last_step =
+        if partition.held_out == HeldOut::NestedFolds { found.len() } else { found.len().max(1) - 1 };
     let between: Vec<_> =
-        (1..found.len()).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
+        (1..=last_step).into_par_iter().map(|count| trial.first(count)).collect::<Result<_, _>>()?;
     let steps: Vec<_> = [before.rms()].into_iter().chain(between).chain([after.rms()]).collect();
 
     let Final { fit, found, data, outside } = match (declared_fit.full_report, found.is_empty()) {

@@ -5,6 +5,7 @@
 //! by 1 − e^−3 = 95 % over 3 w), and [`LONGEST`] of the visited range: real drives wind up over fractions of a degree to some degrees, and what is slower
 //! than that is a curve over the way and no friction. Where no move is as short, there is no candidate.
 
+use crate::hypotheses::compliance::weights_declared;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
@@ -18,6 +19,9 @@ use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Backlash, Side};
 use truepose_kinematics::JointId;
 
+/// Centres of mass that are tried where no weights are declared ([`Backlash::center`]): from a heavy upper arm to a heavy tool. A robot
+/// with forearm and upper arm alike lies at 0.33; motors at the elbow move it down, a payload up.
+const CENTERS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
 /// One move in so many is to be short enough.
 const FEW: usize = 10;
 /// Part of the visited range.
@@ -46,6 +50,11 @@ impl Hypothesis for LostMotion {
             all.push(Variant::new(place.clone(), Backlash::of(joint, Side::Load)));
             if approach && setting.load_range(joint).is_some() {
                 all.push(Variant::new(place.clone(), Backlash::of(joint, Side::ByLoad)));
+            }
+            // Of a tree of several arms nobody knows which of them weighs most.
+            if chain.is_serial() && !weights_declared(chain) {
+                let assumed = CENTERS.map(|center| Backlash::by_weight(joint, center));
+                all.extend(assumed.map(|effect| Variant::new(place.clone(), effect)));
             }
             for flank in flanks(setting, joint) {
                 for side in [Side::Load, Side::LoadThenApproach] {
@@ -76,7 +85,7 @@ impl Hypothesis for LostMotion {
 
     fn view(&self, place: &Place, effects: &[Box<dyn AnyEffect>]) -> TraceView {
         let play = effects.first().and_then(|effect| concrete::<Backlash>(&**effect));
-        let by_load = play.is_some_and(|play| play.side != Side::Approach);
+        let by_load = play.is_some_and(|play| !matches!(play.side, Side::Approach | Side::Weight));
         let driver = if by_load { Driver::JointLoad } else { Driver::Joint };
         TraceView::of_motion(place.joint.clone().map(driver)).by_approach()
     }
@@ -93,6 +102,9 @@ impl Hypothesis for LostMotion {
         if let Some(width) = play.width {
             return Some(Nonlinear::new(width, Refinement::Scale([1.0 / RATIO, RATIO])));
         }
+        if let Some(center) = play.center {
+            return Some(Nonlinear::new(center, Refinement::Plateau([0.4, 1.8])));
+        }
         Some(Nonlinear::new(play.flank_load?, Refinement::Scale([0.4, 1.8])))
     }
 
@@ -108,6 +120,9 @@ impl Hypothesis for LostMotion {
         }
         if play.side == Side::Presliding {
             return Some(Box::new(Backlash { width: Some(value), width_range: range, ..play }));
+        }
+        if play.side == Side::Weight {
+            return Some(Box::new(Backlash { center: Some(value), center_range: range, ..play }));
         }
         Some(Box::new(Backlash { flank_load: Some(value), flank_range: range, ..play }))
     }

@@ -184,13 +184,15 @@ impl Candidate {
                 data.time.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)])
             }
             Refinement::Within(range) => range,
-            Refinement::Period(_) | Refinement::Scale(_) | Refinement::Edge(_) | Refinement::Grid => {
-                [value / REACH, value * REACH]
-            }
+            Refinement::Period(_)
+            | Refinement::Scale(_)
+            | Refinement::Plateau(_)
+            | Refinement::Edge(_)
+            | Refinement::Grid => [value / REACH, value * REACH],
         };
         let Some(first) = self.hypothesis.nonlinear(effect) else { return Vec::new() };
-        // The ends of a part of the travel have no interval.
-        if matches!(first.search, Refinement::Edge(_)) {
+        // What is flat between two rows has no interval.
+        if matches!(first.search, Refinement::Edge(_) | Refinement::Plateau(_)) {
             return Vec::new();
         }
         let Some(mut free) = self.hypothesis.with_value(effect, first.value, Some(range(first))) else {

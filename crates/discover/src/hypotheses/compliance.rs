@@ -15,7 +15,7 @@ use truepose_errormodel::effects::{
 use truepose_kinematics::{Chain, FrameId};
 
 /// Whether the weights of all links are known.
-fn weights_declared(chain: &Chain) -> bool {
+pub(crate) fn weights_declared(chain: &Chain) -> bool {
     chain.joints().iter().all(|joint| joint.link.is_some())
 }
 

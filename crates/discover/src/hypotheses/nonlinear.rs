@@ -41,6 +41,9 @@ pub enum Refinement {
     },
     /// A positive number: one maximum between these multiples of the value, over the logarithm.
     Scale([f64; 2]),
+    /// A positive number at which rows change sides: flat between two rows, so that the middle of the best stretch between these
+    /// multiples of the value is taken, and there is no interval.
+    Plateau([f64; 2]),
     /// A number of either sign: one maximum between these values.
     Within([f64; 2]),
     /// An end of a part of the travel of a joint, rad or m: all places between neighbouring values nearby are tried.

@@ -77,6 +77,7 @@ fn one(
             let [lower, upper] = multiples.map(|times| (times * value).ln());
             at(climb(lower, upper, |log| gain(log.exp())).exp())
         }
+        Refinement::Plateau(multiples) => at(middle_of_best(multiples.map(|times| times * value), gain)),
         Refinement::Within([lower, upper]) => at(climb(lower, upper, gain)),
         Refinement::Grid => None,
     }
@@ -111,6 +112,18 @@ fn stretch(
         from = begins.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(from, |best| best.1);
     }
     with([from, until])
+}
+
+/// The middle, over the logarithm, of the stretch with the best value of a function with steps.
+fn middle_of_best([lower, upper]: [f64; 2], gain: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: i32 = 32;
+    let at = |k: i32| lower * (upper / lower).powf(f64::from(k) / f64::from(STEPS));
+    let gains: Vec<f64> = (0..=STEPS).map(|k| gain(at(k))).collect();
+    let best = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let same = |k: &i32| gains[*k as usize] >= best - 1e-9 * best.abs();
+    let first = (0..=STEPS).find(same).unwrap_or(0);
+    let last = (first..=STEPS).take_while(same).last().unwrap_or(first);
+    (at(first) * at(last)).sqrt()
 }
 
 /// The best of the places near a value: the neighbours that the coarse grid left out, and a few more.

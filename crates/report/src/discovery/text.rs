@@ -4,7 +4,7 @@ use super::{DiscoverySummary, FindingSummary};
 use crate::wording::heading;
 use crate::{count, significant};
 use std::fmt;
-use truepose_discover::Family;
+use truepose_discover::{Family, HeldOut};
 
 /// Width of the longest bar of the error budget.
 const BAR: f64 = 34.0;
@@ -108,10 +108,14 @@ impl DiscoverySummary {
     fn error_budget(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut lines = vec![("declared model".to_owned(), self.before.holdout_used().rms_mm)];
         let effects: Vec<_> = self.effects.iter().filter(|e| e.family != Family::Outlier.word()).collect();
+        let nested = self.held_out == HeldOut::NestedFolds;
         for (k, effect) in effects.iter().enumerate() {
-            let last = k + 1 == effects.len();
+            let last = k + 1 == effects.len() && !nested;
             let after = if last { self.after.holdout_used().rms_mm } else { effect.holdout_rms_mm.after };
             lines.push((format!("+ {}", effect.name()), after));
+        }
+        if nested && !effects.is_empty() {
+            lines.push(("search in nested folds".to_owned(), self.after.holdout_used().rms_mm));
         }
         if let Some(limit) = self.noise_floor_mm {
             lines.push((self.noise_floor.name().to_owned(), limit));

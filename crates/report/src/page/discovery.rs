@@ -194,8 +194,13 @@ fn error_budget(page: &mut Page, summary: &DiscoverySummary) {
         "waterfall",
         &svg,
         &format!(
-            "RMS of the 3-D position error {}, in the order in which effects were added. Dashed: repeatability limit, where it is known.",
-            summary.held_out_rows()
+            "RMS of the 3-D position error {}, in the order in which effects were added.{} Dashed: repeatability limit, where it is known.",
+            summary.held_out_rows(),
+            match summary.held_out {
+                HeldOut::NestedFolds =>
+                    " Steps of single findings are of refits with the findings as they are; the last bar is that of the whole search.",
+                _ => "",
+            }
         ),
     );
 }

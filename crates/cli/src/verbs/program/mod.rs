@@ -1,5 +1,6 @@
 //! `truepose compensate --program`: a robot program with compensated points.
 
+mod asked;
 mod outputs;
 mod places;
 mod rewriting;
@@ -12,8 +13,9 @@ use crate::args::Compensate;
 use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
+pub(crate) use asked::Asked;
 use outputs::outputs;
-pub(crate) use rewriting::{Asked, Rewritten, rewrite};
+pub(crate) use rewriting::{Rewritten, rewrite};
 use std::path::{Path, PathBuf};
 use truepose_controllers::Outcome;
 use truepose_io::{WholeFiles, check_writable, corrections_file, read_fit};

@@ -1,6 +1,6 @@
 //! Frames, tools and conditions of a program, from the options.
 
-use super::Asked;
+use super::asked::Asked;
 use crate::args::{GivenPlace, Place};
 use crate::failure::Failure;
 use crate::verbs::parameters::recorded_frames;

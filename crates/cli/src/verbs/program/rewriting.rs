@@ -1,27 +1,14 @@
 //! The files of a robot program with compensated points.
 
+use super::asked::Asked;
 use super::rows::{Part, rows, view};
 use super::{LISTED, places};
-use crate::args::{GivenPlace, RobotProgram};
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use truepose_controllers::{ControllerError, Correction, Dialect, Outcome, Program, correct_all};
 use truepose_errormodel::FittedModel;
 use truepose_io::{CorrectionRow, read_bytes};
 use truepose_report::{ProgramView, count};
-
-/// What a program is rewritten with.
-#[derive(Debug)]
-pub(crate) struct Asked<'a> {
-    /// The options that only programs have.
-    pub own: &'a RobotProgram,
-    /// Frames of the program.
-    pub frame: &'a [GivenPlace],
-    /// Tools of the program.
-    pub tcp: &'a [GivenPlace],
-    /// File with `[[frames]]` in place of those that the fit has recorded.
-    pub frames: Option<&'a Path>,
-}
 
 /// One file of a program with compensated points.
 #[derive(Debug)]

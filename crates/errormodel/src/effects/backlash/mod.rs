@@ -6,6 +6,7 @@
 //!                          load_then_approach    side = s − (1 − |s|) a_j,  s = sat(τ_j / τ_f)
 //!                          by_load               side = −a_j, and w + w′ |τ_j| in place of w: friction in the gear grows with its load
 //!                          presliding            side = −z_j             friction winds the drive up along the way
+//!                          weight                side = sgn(a · (p − o) × g)   as load, where no weights are declared
 //! dz_j/dq_j = (1 − z_j sgn(dq_j)) / d
 //! ```
 //!
@@ -19,10 +20,16 @@
 //! | z_j | state of the joint's friction, −1 … 1: a derived channel ([`crate::presliding_channel`]), since effects have no memory | 1 |
 //! | d | `width`: pre-sliding distance, over which z_j turns round after a reversal; short of all moves z_j = a_j | rad or m |
 //!
+//! | a, o, p, g | unit axis of the joint, a point on it, the assumed centre of mass, gravity | 1, m, m, m/s² |
+//!
+//! Where no weights are declared, p = o + n + λ (e − n) with λ = `center`: [`weight`].
+//!
 //! With `between` all of this holds in a part of the travel only: local wear.
 //!
-//! τ_f is its shape where `flank_range` is given, d where `width_range` is. Sources: Nordin and Gutman, *Controlling mechanical systems
+//! τ_f is its shape where `flank_range` is given, d where `width_range` is, λ where `center_range` is. Sources: Nordin and Gutman, *Controlling mechanical systems
 //! with backlash – a survey* (2002), section 2; Dahl, *A solid friction model* (1968).
+
+mod weight;
 
 use super::checks::{joint_moves, refused};
 use super::robot_size::robot_size;
@@ -46,6 +53,8 @@ pub enum Side {
     ByLoad,
     /// Friction with memory: the way since the last reversals.
     Presliding,
+    /// The weight of the links behind, none of which is declared: their centre of mass is assumed.
+    Weight,
 }
 
 /// The gap of one joint.
@@ -69,6 +78,13 @@ pub struct Backlash {
     /// Between which distances `width` is to be found, rad or m; it is known when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_range: Option<[f64; 2]>,
+    /// Where the centre of mass is taken to be, of the side `weight` only, which needs it: 0 at the end of the joint's own link, 1 at the
+    /// end of the arm, more with a heavy tool beyond it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center: Option<f64>,
+    /// Between which values `center` is to be found; it is known when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub center_range: Option<[f64; 2]>,
     /// The part of the travel that is worn, rad or m; all of it when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[f64; 2]>,
@@ -84,6 +100,8 @@ impl Backlash {
             flank_range: None,
             width: None,
             width_range: None,
+            center: None,
+            center_range: None,
             between: None,
         }
     }
@@ -91,6 +109,11 @@ impl Backlash {
     /// Friction with memory in one joint, with this pre-sliding distance, rad or m.
     pub fn presliding(joint: JointId, width: f64) -> Self {
         Backlash { width: Some(width), ..Backlash::of(joint, Side::Presliding) }
+    }
+
+    /// Of one joint that lies on the flank on which the weight behind it lays it, the centre of which is at `center`.
+    pub fn by_weight(joint: JointId, center: f64) -> Self {
+        Backlash { center: Some(center), ..Backlash::of(joint, Side::Weight) }
     }
 
     fn pressed(&self, load: f64) -> f64 {
@@ -107,7 +130,7 @@ impl Effect for Backlash {
     const ABOUT: &'static str = "joint error that switches with the direction of approach or of the load, or winds up with friction (presliding)";
 
     fn load_dependent(&self) -> bool {
-        !matches!(self.side, Side::Approach | Side::Presliding)
+        !matches!(self.side, Side::Approach | Side::Presliding | Side::Weight)
     }
 
     fn columns(&self, chain: &Chain) -> Vec<Column> {
@@ -133,6 +156,9 @@ impl Effect for Backlash {
         let side = match self.side {
             Side::Approach | Side::ByLoad | Side::Presliding => -at.signal(0),
             Side::Load => self.pressed(at.joint_load(self.joint)),
+            Side::Weight => {
+                self.center.map_or(0.0, |center| self.pressed(weight::moment(at, self.joint, center)))
+            }
             Side::LoadThenApproach => {
                 let pressed = self.pressed(at.joint_load(self.joint));
                 pressed - (1.0 - pressed.abs()) * at.signal(0)
@@ -148,7 +174,7 @@ impl Effect for Backlash {
 
     fn needs(&self) -> Vec<Signal> {
         match (self.side, self.width) {
-            (Side::Load, _) => Vec::new(),
+            (Side::Load | Side::Weight, _) => Vec::new(),
             (Side::Presliding, Some(width)) => {
                 vec![Signal::Channel(presliding_channel(self.joint, width))]
             }
@@ -175,6 +201,22 @@ impl Effect for Backlash {
             }
             None => {}
         }
+        match self.center {
+            Some(center) if self.side == Side::Weight => {
+                positive(Self::FAMILY, "center", center, self.center_range)?;
+            }
+            Some(_) => return Err(refused(Self::FAMILY, "`center` belongs to the side `weight`")),
+            None if self.side == Side::Weight => {
+                return Err(refused(
+                    Self::FAMILY,
+                    "the side `weight` needs `center`, 0 (end of the joint's own link) to 1 (end of the arm)",
+                ));
+            }
+            None if self.center_range.is_some() => {
+                return Err(refused(Self::FAMILY, "`center_range` stands without `center`"));
+            }
+            None => {}
+        }
         match self.flank_load {
             Some(_) if !matches!(self.side, Side::Load | Side::LoadThenApproach) => Err(refused(
                 Self::FAMILY,
@@ -192,6 +234,9 @@ impl Effect for Backlash {
         if let Some(width) = self.width {
             return free("width", "rad or m", width, self.width_range, Search::Smooth);
         }
+        if let Some(center) = self.center {
+            return free("center", "1", center, self.center_range, Search::Smooth);
+        }
         let shape = |load| free("flank_load", "N*m or N", load, self.flank_range, Search::Smooth);
         self.flank_load.map_or_else(Vec::new, shape)
     }
@@ -200,6 +245,7 @@ impl Effect for Backlash {
         let value = values.first().copied();
         match self.side {
             Side::Presliding => Backlash { width: value.or(self.width), ..self.clone() },
+            Side::Weight => Backlash { center: value.or(self.center), ..self.clone() },
             _ => Backlash { flank_load: value.or(self.flank_load), ..self.clone() },
         }
     }
@@ -224,6 +270,8 @@ mod tests {
                 check_effect(&effect, &chain);
                 let wound = Backlash { width_range: Some([0.01, 0.2]), ..Backlash::presliding(joint, 0.05) };
                 check_effect(&wound, &chain);
+                let center_range = Some([0.1, 0.9]);
+                check_effect(&Backlash { center_range, ..Backlash::by_weight(joint, 0.3) }, &chain);
                 let worn = Backlash { between: Some([-0.2, 0.4]), ..Backlash::of(joint, Side::Approach) };
                 check_effect(&worn, &chain);
             }
