@@ -353,6 +353,16 @@ fn by_target(
         .collect()
 }
 
+impl IdentificationSummary {
+    /// Whether repeats of poses show that the model lacks an effect: the lack of fit is significant, and the error at least a tenth larger
+    /// than the repeatability.
+    pub fn lacks_an_effect(&self) -> bool {
+        let (Some(last), Some(repeats)) = (self.stages.last(), &self.repeats) else { return false };
+        let held_out = last.test_set.or(last.held_out).unwrap_or(last.train);
+        repeats.lack_of_fit.is_some_and(|l| l.p_value <= 0.05) && held_out.rms_mm >= 1.1 * repeats.rms_mm
+    }
+}
+
 /// What limits the accuracy.
 fn limit(summary: &IdentificationSummary) -> String {
     let Some(last) = summary.stages.last() else { return String::new() };

@@ -2,7 +2,7 @@
 
 use super::campaign::Campaign;
 use super::nominal::Nominal;
-use super::{print_json, robot};
+use super::{points, print_json, robot};
 use crate::args::Check;
 use crate::failure::Failure;
 use crate::terminal;
@@ -26,6 +26,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         None => None,
     };
     let mut nominal = Nominal::of(&chain, None, &[]);
+    let mut one_point = Ok(());
     let data = match &args.data {
         Some(path) => {
             let measured = args.grouped.measured_on(&args.robot.robot)?;
@@ -38,6 +39,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
             let campaign =
                 Campaign::read((&args.robot.robot, path), chain.clone(), installation(), data, &info, plain)?;
             let (placed, data) = (&campaign.chain, &campaign.data);
+            one_point = points::one_point(placed, data, &info, path);
             let suspicions = suspicions(placed, data);
             let words: Vec<String> = suspicions
                 .iter()
@@ -62,7 +64,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         let mut all = json(&chain, model.as_ref(), data.as_ref());
         all["nominal"] = nominal.json(&chain);
         print_json(&all)?;
-        return judged(data.as_ref());
+        return judged(data.as_ref()).and(one_point);
     }
     terminal::print(&robot_text(&chain));
     if let Some(model) = &model {
@@ -72,7 +74,7 @@ pub fn run(args: &Check) -> Result<(), Failure> {
         terminal::print(&data_text(info));
     }
     terminal::print(&nominal.text());
-    judged(data.as_ref())
+    judged(data.as_ref()).and(one_point)
 }
 
 /// Whether a fit would take the data; where it would, what columns without a meaning are perhaps.

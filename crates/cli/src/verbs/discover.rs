@@ -4,7 +4,7 @@ use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::conforms;
 use super::reporting::Folder;
-use super::{declared, parameters, print_json, read_files, robot, suspected};
+use super::{declared, parameters, points, print_json, read_files, robot, suspected};
 use crate::args::Discover;
 use crate::extensions::library;
 use crate::failure::Failure;
@@ -49,6 +49,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let fit = FitOptions::default();
     let campaign = Campaign::read(files_read, chain, declared, data, &info, (&*solver, &fit))?;
     let Campaign { chain, effects: declared, data, .. } = &campaign;
+    points::one_point(chain, data, &info, &args.measured.data)?;
     terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
     terminal::warn(repeated(data, &args.measured.data).as_slice());
     let options = DiscoverOptions {

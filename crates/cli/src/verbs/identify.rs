@@ -4,13 +4,14 @@ use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::{conforms, origin, refused, require};
 use super::reporting::Folder;
-use super::{declared, parameters, print_json, read_files, robot, suspected};
-use crate::args::{Identify, Prior};
+use super::{declared, parameters, points, print_json, read_files, robot, suspected};
+use crate::args::{Identify, Measured, Prior};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::record_columns;
 use crate::terminal;
 use crate::watch::Watch;
+use std::path::Path;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::{IdentificationOptions, Split, Step, hold_out, identify};
 use truepose_io::{WholeFiles, check_writable, fit_json, read_measurements};
@@ -53,6 +54,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     let solver = args.solver.build();
     let campaign = Campaign::read(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
     let Campaign { chain, effects, data, .. } = &campaign;
+    points::one_point(chain, data, &info, &args.measured.data)?;
     campaign.without_test_set(args.holdout)?;
     // Shown with the result, or with the error where there is none.
     let suspected = suspected(chain, data, &args.measured.data);
@@ -114,9 +116,28 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     for file in folder.as_ref().map(Folder::page).iter().chain(&args.out).chain(&args.parameters) {
         terminal::log(&format!("wrote {}", file.display()));
     }
+    if summary.lacks_an_effect() {
+        terminal::log(&next(args));
+    }
     conforms(summary.specification.as_ref())?;
     let Some(last) = summary.stages.last() else { return Ok(()) };
     require(args, last.test_set.or(last.held_out).unwrap_or(last.train).rms_mm * 1e-3)
+}
+
+/// The command that looks for the effect that is lacking.
+fn next(args: &Identify) -> String {
+    let Measured { robot, data, model, .. } = &args.measured;
+    let file = |option: &str, path: &Path| {
+        let path = path.display().to_string();
+        let quote = if path.contains(char::is_whitespace) { "\"" } else { "" };
+        format!(" --{option} {quote}{path}{quote}")
+    };
+    let model = model.as_ref().map_or_else(String::new, |model| file("model", model));
+    format!(
+        "next, to find it: truepose discover{}{}{model} --out discovered.json --report report (with the same options for reading)",
+        file("robot", &robot.robot),
+        file("data", data)
+    )
 }
 
 /// Folds numbered by a channel.

@@ -64,3 +64,36 @@ fn a_map_of_ones_own_wins_and_has_to_be_met() {
     let said = folder.run(&wrong).ended(2).log;
     assert!(said.contains("joint `j1` has no column"), "{said}");
 }
+
+#[test]
+fn several_points_are_not_read_as_one() {
+    let folder = Folder::with_data();
+    let robot = folder.read("robot.toml");
+    let (arm, _) = robot.split_once("[[targets]]").unwrap();
+    folder.write("no_targets.toml", arm);
+    let text = folder.read("data.csv");
+    let (header, rows) = text.split_once('\n').unwrap();
+    assert!(header.split(',').any(|name| name == "target"), "{header}");
+    folder.write("unnamed.csv", &format!("{}\n{rows}", header.replacen("target", "Point Name", 1)));
+    for verb in ["check", "identify", "discover"] {
+        let of = [verb, "--robot", "no_targets.toml", "--data", "unnamed.csv"];
+        let said = folder.run(&of).ended(2).log;
+        assert!(said.contains("they are several points") && said.contains("target=Point Name"), "{said}");
+    }
+    // Named, they are what they are.
+    let of = ["check", "--robot", "robot.toml", "--data", "unnamed.csv", "--map", "target=Point Name"];
+    folder.run(&of).ended(0);
+}
+
+#[test]
+fn a_fit_that_lacks_an_effect_names_the_next_command() {
+    let folder = Folder::empty();
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/01_identify");
+    let [robot, data] = ["robot.toml", "measurements.csv"].map(|file| format!("{example}/{file}"));
+    let said = folder.run(&["identify", "--robot", &robot, "--data", &data]).ended(0);
+    assert!(
+        said.log.contains("truepose discover --robot ") && said.log.contains("measurements.csv"),
+        "{}",
+        said.log
+    );
+}
