@@ -84,16 +84,3 @@ fn several_points_are_not_read_as_one() {
     let of = ["check", "--robot", "robot.toml", "--data", "unnamed.csv", "--map", "target=Point Name"];
     folder.run(&of).ended(0);
 }
-
-#[test]
-fn a_fit_that_lacks_an_effect_names_the_next_command() {
-    let folder = Folder::empty();
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/01_identify");
-    let [robot, data] = ["robot.toml", "measurements.csv"].map(|file| format!("{example}/{file}"));
-    let said = folder.run(&["identify", "--robot", &robot, "--data", &data]).ended(0);
-    assert!(
-        said.log.contains("truepose discover --robot ") && said.log.contains("measurements.csv"),
-        "{}",
-        said.log
-    );
-}

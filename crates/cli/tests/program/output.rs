@@ -80,7 +80,14 @@ fn identify_reports_verdict_figures_and_groups() {
             &example("model.toml"),
         ])
         .ended(0);
-    assert_eq!(run.log, "");
+    // Nothing but the next command, as it has to be typed.
+    let files = ["robot.toml", "measurements.csv", "model.toml"].map(example);
+    let next = format!(
+        "next, to find it: truepose discover --robot {} --data {} --model {} --out discovered.json --report report (with the same options \
+         for reading)\n",
+        files[0], files[1], files[2]
+    );
+    assert_eq!(run.log, next);
     // Two digits behind the point are enough to read, and do not depend on the platform.
     let mut settings = steady();
     settings.add_filter(r"(\d\.\d\d)\d+", "$1…");
