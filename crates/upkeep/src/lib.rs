@@ -15,7 +15,7 @@ pub use error::UpkeepError;
 pub use fleet::{Fleet, fleet};
 pub use installation::Installation;
 pub use monitor::{
-    Change, CheckPoses, Coefficient, Detectable, Look, MonitorOptions, check_poses, level, monitor,
+    Change, CheckPoses, Coefficient, Detectable, Look, MonitorOptions, Part, check_poses, level, monitor,
 };
 pub use sister::{Sister, sister};
 pub use transfer::{ArmFits, Band, Transfer, TransferOptions, transfer};

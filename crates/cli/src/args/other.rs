@@ -26,12 +26,15 @@ pub struct Check {
 #[derive(Debug, clap::Args)]
 pub struct Init {
     /// A robot of the library, e.g. ur10e (`--list` lists them)
-    #[arg(required_unless_present = "list")]
+    #[arg(required_unless_present_any = ["list", "dh"])]
     pub name: Option<String>,
     /// List the robots of the library
     #[arg(long)]
     pub list: bool,
-    /// Where to write the robot description [default: NAME.toml]
+    /// A robot that is not in the library: a description with N rows of Denavit-Hartenberg parameters to fill in
+    #[arg(long, value_name = "N", conflicts_with_all = ["name", "list"], value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub dh: Option<u16>,
+    /// Where to write the robot description [default: NAME.toml; of --dh: robot.toml]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Where to write a table for the measurements (CSV, with its header alone)

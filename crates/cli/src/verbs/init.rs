@@ -2,6 +2,7 @@
 
 use super::check::robot_text;
 use super::nominal::Nominal;
+use super::template;
 use crate::args::Init;
 use crate::failure::Failure;
 use crate::library::{Known, ROBOTS};
@@ -14,6 +15,9 @@ use truepose_report::table;
 
 /// Runs the verb.
 pub fn run(args: &Init) -> Result<(), Failure> {
+    if let Some(rows) = args.dh {
+        return unfilled(rows, args);
+    }
     let Some(word) = args.name.as_deref().filter(|_| !args.list) else {
         let row = |robot: &Known| vec![robot.name.to_owned(), robot.title().to_owned()];
         let rows: Vec<Vec<String>> = ROBOTS.iter().map(row).collect();
@@ -22,19 +26,7 @@ pub fn run(args: &Init) -> Result<(), Failure> {
     };
     let known = Known::named(word).ok_or_else(|| unknown(word))?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", known.name)));
-    for file in std::iter::once(&out).chain(&args.csv) {
-        if file.exists() {
-            let message = format!("{}: the file exists; remove it, or write to another one", file.display());
-            return Err(Failure::Input(message));
-        }
-        check_writable(file)?;
-    }
-    if args.csv.as_ref().is_some_and(|csv| same_file(csv, &out)) {
-        return Err(Failure::Input(format!(
-            "--csv: {} is the robot description; name another file",
-            out.display()
-        )));
-    }
+    free(&out, args)?;
     write_whole(&out, known.text.as_bytes())?;
     let (chain, _) = read_robot(&out, &RobotOptions::default())?;
     if let Some(csv) = &args.csv {
@@ -44,6 +36,46 @@ pub fn run(args: &Init) -> Result<(), Failure> {
     terminal::print(&robot_text(&chain));
     terminal::print(&Nominal::of(&chain, None, &[]).text());
     terminal::print(&next(&out, args.csv.as_deref()));
+    Ok(())
+}
+
+/// Refuses files that exist.
+fn free(out: &PathBuf, args: &Init) -> Result<(), Failure> {
+    for file in std::iter::once(out).chain(&args.csv) {
+        if file.exists() {
+            let message = format!("{}: the file exists; remove it, or write to another one", file.display());
+            return Err(Failure::Input(message));
+        }
+        check_writable(file)?;
+    }
+    if args.csv.as_ref().is_some_and(|csv| same_file(csv, out)) {
+        return Err(Failure::Input(format!(
+            "--csv: {} is the robot description; name another file",
+            out.display()
+        )));
+    }
+    Ok(())
+}
+
+/// A description whose numbers are still to be filled in.
+fn unfilled(rows: u16, args: &Init) -> Result<(), Failure> {
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from("robot.toml"));
+    free(&out, args)?;
+    write_whole(&out, template::robot(rows).as_bytes())?;
+    let (chain, _) = read_robot(&out, &RobotOptions::default())?;
+    if let Some(csv) = &args.csv {
+        write_whole(csv, measurements(&chain, "robot").as_bytes())?;
+    }
+    terminal::print(&format!(
+        "a robot of {rows} revolute joints, written to {}; its parameters are all zero\n\nnext\n fill in theta, d, a and alpha of each joint \
+         from the data sheet\n",
+        out.display()
+    ));
+    let data = args.csv.as_ref().map_or_else(String::new, |csv| format!(" --data {}", csv.display()));
+    terminal::print(&format!(
+        " truepose check --robot {}{data}   prints the pose of the flange at all zeros, to be compared with the pendant\n",
+        out.display()
+    ));
     Ok(())
 }
 

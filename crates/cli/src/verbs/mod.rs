@@ -34,6 +34,7 @@ pub(crate) mod sessions;
 mod simulate;
 pub(crate) mod sister;
 mod stream;
+mod template;
 mod transfer;
 mod verify;
 

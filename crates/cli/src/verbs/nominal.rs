@@ -11,8 +11,10 @@ use truepose_report::significant;
 const LOUD: f64 = 0.01;
 /// Below this share positions fit, and mistakes of orientations or of the tool are looked for; as in the search for them.
 const NEGLIGIBLE: f64 = 2e-3;
-/// Of orientations, rad: ten times what installed robots leave.
+/// Of orientations, rad: ten times what installed robots leave. A mistake that explains it is named.
 const TURNED: f64 = 0.02;
+/// Of orientations, rad, where no mistake explains it: what the zeros of six joints that are off by 2° each do not reach.
+const CONVENTION: f64 = 0.1;
 
 /// What is known before a fit.
 pub struct Nominal {
@@ -69,7 +71,10 @@ impl Nominal {
                     ""
                 }
             ));
-        } else if let Some(turned) = found.orientation_rms.filter(|&turned| turned > TURNED) {
+        } else if let Some(turned) = found
+            .orientation_rms
+            .filter(|&turned| turned > if self.misread.is_empty() { CONVENTION } else { TURNED })
+        {
             list.push(format!(
                 "the measured orientations do not fit the robot: {} mrad RMS are left with the best tool, while positions fit{}",
                 significant(1e3 * turned, 3),

@@ -96,3 +96,24 @@ fn poses_for_looks_are_planned_and_read_by_check() {
     folder.run(&["check", "--robot", "robot.toml", "--data", "look.csv"]).ended(0);
     assert_eq!(folder.read("look.csv").lines().filter(|line| !line.starts_with('#')).count(), 6);
 }
+
+#[test]
+fn a_tracker_that_was_set_up_anew_is_not_a_changed_robot() {
+    let folder = identified();
+    // The same robot, in a frame of the instrument that is turned by half a degree and moved by some centimetres.
+    folder.write("there.toml", &format!("{ROBOT}\n[base]\nxyz = [30, -20, 5]\nrpy = [0, 0, 0.5]\n"));
+    simulated(&folder, "fresh.csv", "robot = \"robot.toml\"", "robot = \"there.toml\"");
+    let look = ["monitor", "--fit", "fit.json", "--data", "fresh.csv"];
+    let seen = folder.run(&look).ended(3).out;
+    assert!(seen.contains("Most likely the instrument or the robot was set up anew"), "{seen}");
+    assert!(seen.contains("Repeat with --base."), "{seen}");
+    let json = folder.run(&[&look[..], &["--json"]].concat()).ended(3).out;
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["set_up_anew"]["part"], "base");
+    let again = folder.run(&[&look[..], &["--base"]].concat()).ended(0).out;
+    assert!(again.contains("No change") && !again.contains("Most likely"), "{again}");
+    // Another robot is not explained by an installation.
+    simulated(&folder, "other.csv", "seed = 3", "seed = 4");
+    let other = folder.run(&["monitor", "--fit", "fit.json", "--data", "other.csv"]).ended(3).out;
+    assert!(!other.contains("Most likely"), "{other}");
+}

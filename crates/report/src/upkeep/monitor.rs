@@ -4,7 +4,7 @@ use super::{quantity, size};
 use crate::{millimetres, significant, value_with_interval};
 use serde::Serialize;
 use std::fmt;
-use truepose_upkeep::{Change, Coefficient, Detectable, Look};
+use truepose_upkeep::{Change, Coefficient, Detectable, Look, Part};
 
 /// Changes that are shown when there is an alarm, and detectable changes that are always shown.
 const SHOWN: usize = 5;
@@ -39,6 +39,41 @@ pub struct DetectableSummary {
     pub moves_mm: f64,
 }
 
+/// The part of the installation that explains a change alone.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SetUpAnew {
+    /// `base`, `tool` or `targets`; the option of `monitor` that finds it anew has the same word.
+    pub part: &'static str,
+    /// p that is left when it is found anew.
+    pub p_value: f64,
+}
+
+impl SetUpAnew {
+    fn of(part: Part, p_value: f64) -> Self {
+        let part = match part {
+            Part::Base => "base",
+            Part::Tool => "tool",
+            Part::Targets => "targets",
+        };
+        SetUpAnew { part, p_value }
+    }
+
+    /// For a person: what may have happened, and what to do.
+    fn text(&self) -> String {
+        let p = significant(self.p_value, 2);
+        let part = self.part;
+        let (happened, moved) = match part {
+            "base" => ("the instrument or the robot was set up anew", "neither was moved"),
+            "tool" => ("another tool was mounted, or the tool anew", "the tool was not touched"),
+            _ => ("the targets were mounted anew", "no target was touched"),
+        };
+        format!(
+            "Most likely {happened}: with the {part} found anew nothing else has changed (p = {p}). Repeat with --{part}.\n\
+             If {moved}, the change is in the arm, as follows."
+        )
+    }
+}
+
 /// Everything that is shown of a look.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MonitorSummary {
@@ -64,6 +99,8 @@ pub struct MonitorSummary {
     pub expected_rms_mm: f64,
     /// What was found anew.
     pub found: Vec<String>,
+    /// The part of the installation that alone explains the change.
+    pub set_up_anew: Option<SetUpAnew>,
     /// Suspects, the best first.
     pub changes: Vec<ChangeSummary>,
     /// What change would be found, the least visible first.
@@ -101,6 +138,7 @@ impl MonitorSummary {
             rms_mm: 1e3 * seen.rms,
             expected_rms_mm: 1e3 * seen.expected,
             found: seen.placed.clone(),
+            set_up_anew: seen.set_up_anew.map(|(part, p)| SetUpAnew::of(part, p)),
             changes: seen.changes.iter().enumerate().map(change).collect(),
             detectable: seen.detectable.iter().map(detectable).collect(),
             invisible: seen.invisible.clone(),
@@ -136,6 +174,9 @@ impl fmt::Display for MonitorSummary {
         )?;
         if !self.found.is_empty() {
             writeln!(f, "Found anew from these data: {}.", self.found.join(", "))?;
+        }
+        if let Some(anew) = &self.set_up_anew {
+            writeln!(f, "\n{}", anew.text())?;
         }
         if self.changed {
             let tied = self.changes.iter().filter(|change| change.tied).count();

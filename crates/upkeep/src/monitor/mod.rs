@@ -38,6 +38,9 @@ use truepose_identify::place_fitted;
 /// Suspects whose −2 ln L is within this of the best one are listed beside it: odds below ten to one.
 const TIED: f64 = 4.6;
 
+/// A part of the installation explains a change where, with it found anew, nothing is left at this p.
+const EXPLAINED: f64 = 0.05;
+
 /// How a robot is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MonitorOptions {
@@ -127,6 +130,20 @@ pub struct Look {
     pub invisible: Vec<String>,
     /// What was found anew.
     pub placed: Vec<String>,
+    /// The part of the installation that, found anew, would leave no change at all, and the p that is left then. Looked
+    /// for where the robot has changed.
+    pub set_up_anew: Option<(Part, f64)>,
+}
+
+/// A part of the installation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Where the robot stands in the measurement frame, or the instrument in the cell.
+    Base,
+    /// What is mounted on the flange.
+    Tool,
+    /// The points on the tool.
+    Targets,
 }
 
 /// Holds new measurements against a fit.
@@ -134,6 +151,28 @@ pub struct Look {
 /// # Errors
 /// When the data lacks what the model reads, or does not determine what is found anew; when the fit has no uncertainty.
 pub fn monitor(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result<Look, UpkeepError> {
+    let mut seen = look(fitted, data, options)?;
+    if seen.changed {
+        seen.set_up_anew = set_up_anew(fitted, data, options);
+    }
+    Ok(seen)
+}
+
+/// The first part of the installation that explains a change alone. A part that these data do not determine explains nothing.
+fn set_up_anew(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Option<(Part, f64)> {
+    let known = options.installation;
+    let parts = [
+        (Part::Base, known.base, Installation { base: true, ..known }),
+        (Part::Tool, known.tool, Installation { tool: true, ..known }),
+        (Part::Targets, known.targets, Installation { targets: true, ..known }),
+    ];
+    parts.into_iter().filter(|(_, found, _)| !found).find_map(|(part, _, installation)| {
+        let again = look(fitted, data, MonitorOptions { installation, ..options }).ok()?;
+        (again.p_value > EXPLAINED).then_some((part, again.p_value))
+    })
+}
+
+fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result<Look, UpkeepError> {
     if !(options.alpha > 0.0 && options.alpha < 1.0) {
         let value = options.alpha;
         return Err(UpkeepError::Option { option: "alpha", value, expected: "between 0 and 1" });
@@ -186,5 +225,6 @@ pub fn monitor(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) ->
         detectable,
         invisible,
         placed: placement.found,
+        set_up_anew: None,
     })
 }
