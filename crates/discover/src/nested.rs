@@ -4,6 +4,7 @@
 //! biased. Here each fold is left out before anything is fitted, and is predicted by the model that the
 //! search finds on the other folds (Stone 1974; Varma and Simon 2006).
 
+use crate::conclude::cross_validated::CrossValidated;
 use crate::conclude::diagnosis::Diagnosis;
 use crate::conclude::errors::Errors;
 use crate::conclude::fallback::Checks;
@@ -76,12 +77,10 @@ pub fn nested<A: Answer>(
     let mut each: Vec<&Dependence> = runs.iter().filter_map(|run| run.dependence.as_ref()).collect();
     each.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
     let dependence = each.get(runs.len() / 2).copied();
-    let intervals = HeldOutIntervals::of(
-        &before,
-        &after,
-        &clusters(data, dependence),
-        options.budget.bootstrap,
-        options.seed,
-    );
+    // Of the fold whose final model has the most unknowns: none of them is the fit to all rows.
+    let largest = runs.iter().max_by_key(|run| run.fit.reduction.rank());
+    let judged = largest.map(|run| CrossValidated::of([&run.declared, &run.fit], folds.count));
+    let (draws, seed) = (options.budget.bootstrap, options.seed);
+    let intervals = HeldOutIntervals::of([&before, &after], &clusters(data, dependence), judged, draws, seed);
     Ok(Nested { before: before.holdout.positions(), after: after.holdout.positions(), intervals, runs })
 }

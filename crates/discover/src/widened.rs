@@ -119,7 +119,8 @@ impl Part {
         found.after.outliers = outliers;
         let clusters = clusters(&held, found.dependence.as_ref());
         let draws = options.budget.bootstrap;
-        found.intervals = HeldOutIntervals::of(&found.before, &found.after, &clusters, draws, options.seed);
+        found.intervals =
+            HeldOutIntervals::of([&found.before, &found.after], &clusters, None, draws, options.seed);
         found.holdout_rows.clone_from(&all.rows.1);
         found.rows = all.data.len();
         found.visits = Visits::of(all.data).len();

@@ -4,6 +4,7 @@
 //! ([`crate::HeldOut`]): the gain on them is not the gain by which effects were selected. They decide one thing: whether all findings are withdrawn
 //! ([`crate::conclude::fallback`]).
 
+use crate::conclude::cross_validated::CrossValidated;
 use crate::conclude::errors::Errors;
 use crate::conclude::verdict::Estimate;
 use crate::problem::dependence::Dependence;
@@ -28,21 +29,27 @@ pub struct HeldOutIntervals {
 }
 
 impl HeldOutIntervals {
-    /// Of two models, where `cluster` numbers the cluster of each held-out row; `None` of too few clusters.
+    /// Of two models, where `cluster` numbers the cluster of each held-out row; `None` of too few clusters. `folds` where the rows were
+    /// predicted by cross-validation.
     pub(crate) fn of(
-        before: &Errors,
-        after: &Errors,
+        [before, after]: [&Errors; 2],
         cluster: &[usize],
+        folds: Option<CrossValidated>,
         draws: usize,
         seed: u64,
     ) -> Option<Self> {
         let rows: Vec<usize> = (0..cluster.len()).filter(|row| !after.outliers[1].contains(row)).collect();
         let pair = [&before.holdout, &after.holdout];
-        let Intervals { rms, gain, explained } = of_pair(pair, cluster, &rows, draws, seed)?;
+        let of_rows = |rows: &[usize]| {
+            let found = of_pair(pair, cluster, rows, draws, seed)?;
+            let rms = pair.map(|residuals| residuals.positions_of(rows).rms);
+            Some(folds.map_or(found, |folds| folds.widen(found, rms)))
+        };
+        let Intervals { rms, gain, explained } = of_rows(&rows)?;
         let all: Vec<usize> = (0..cluster.len()).collect();
         let with_outliers = match rows.len() == all.len() {
             true => rms,
-            false => of_pair(pair, cluster, &all, draws, seed)?.rms,
+            false => of_rows(&all)?.rms,
         };
         let both = pair.map(|residuals| residuals.positions_of(&rows).rms);
         // Rows without a measurement have no distance in either.
@@ -116,7 +123,7 @@ mod tests {
     #[test]
     fn equal_models_have_no_gain_whatever_is_not_known() {
         let cluster: Vec<usize> = (0..20).collect();
-        let of = |a: &Errors, b: &Errors| HeldOutIntervals::of(a, b, &cluster, 99, 0).unwrap();
+        let of = |a: &Errors, b: &Errors| HeldOutIntervals::of([a, b], &cluster, None, 99, 0).unwrap();
         let (before, after) = (errors(20, &[3, 4], 1.0), errors(20, &[3, 4], 1.0));
         assert_eq!(of(&before, &after).gain, None);
         let better = of(&before, &errors(20, &[3, 4], 0.5)).gain.unwrap();

@@ -1,5 +1,6 @@
 //! The result: errors on held-out data, the final fit, the verdict.
 
+pub(crate) mod cross_validated;
 pub(crate) mod diagnosis;
 pub(crate) mod errors;
 pub(crate) mod extrapolation;

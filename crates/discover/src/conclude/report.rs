@@ -3,6 +3,7 @@
 
 use crate::accept::accepted::Accepted;
 use crate::accept::outcome::Outcome;
+use crate::conclude::cross_validated::CrossValidated;
 use crate::conclude::diagnosis::{Alternative, CompetingFit, Diagnosis, Finding, Parameter, Withdrawn};
 use crate::conclude::errors::{Errors, with_missing};
 use crate::conclude::extrapolation::extrapolations;
@@ -182,8 +183,14 @@ pub(crate) fn conclude(
     let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
     let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
     let clusters = clusters(&held, dependence.as_ref());
-    let intervals =
-        HeldOutIntervals::of(&before, &after, &clusters, context.budget().bootstrap, context.options.seed);
+    let folds = match partition.held_out {
+        HeldOut::TestSet => None,
+        HeldOut::NestedFolds => Some(context.budget().nested_folds),
+        HeldOut::Refits => Some(context.budget().refit_folds),
+    };
+    let folds = folds.map(|folds| CrossValidated::of([&declared, &fit], folds));
+    let (draws, seed) = (context.budget().bootstrap, context.options.seed);
+    let intervals = HeldOutIntervals::of([&before, &after], &clusters, folds, draws, seed);
     let unseen = match declared_fit.full_report {
         true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
         false => Vec::new(),
