@@ -10,6 +10,7 @@ use crate::accept::evidence::{Evidence, collect};
 use crate::accept::model::Model;
 use crate::contest::competition::{Contest, contest};
 use crate::contest::competitor::{Competitor, competitor, outcompeted, with_estimates};
+use crate::contest::names::{doubted, name_probabilities};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
@@ -51,9 +52,21 @@ pub(crate) fn reconsidered(
         let doubt = |evidence: &Evidence| {
             evidence.doubt((context.policy(), context.options.alpha), floor, next.follows_time())
         };
+        let before = &model.findings[at];
+        let likelier = |evidence: &Evidence| {
+            let names = name_probabilities(
+                (&next, evidence.p_surrogates),
+                &doubted_as_found(&findings[at].competitors, before, context.policy()),
+                context.policy(),
+            );
+            let of = |(other, _): &(Candidate, f64)| other.same_cause(&before.candidate);
+            let stood = findings[at].competitors.iter().position(of).map_or(0.0, |k| names.each[k]);
+            names.own > stood
+        };
         match evidence {
-            // A replacement by another family or place has to pass the tests of a new finding.
-            Some(evidence) if doubt(&evidence).is_some() => {
+            // A replacement by another family or place has to pass the tests of a new finding, and its name has to be more probable once its
+            // channel was held against surrogates.
+            Some(evidence) if doubt(&evidence).is_some() || !likelier(&evidence) => {
                 model.findings = findings;
                 at += 1;
                 continue;
@@ -71,6 +84,20 @@ pub(crate) fn reconsidered(
         at += 1;
     }
     Ok((model, moved))
+}
+
+/// The competing hypotheses, with the finding that stood until now among them as doubtful as its channel made it.
+fn doubted_as_found(
+    competitors: &[(Candidate, f64)],
+    before: &Accepted,
+    policy: &Policy,
+) -> Vec<(Candidate, f64)> {
+    let one = |(other, behind): &(Candidate, f64)| {
+        let stood = other.same_cause(&before.candidate);
+        let behind = if stood { doubted(*behind, before.evidence.p_surrogates, policy) } else { *behind };
+        (other.clone(), behind)
+    };
+    competitors.iter().map(one).collect()
 }
 
 /// A contest in place of a finding, and its result.
@@ -131,15 +158,29 @@ fn without(
     held(&Linearisation::new(&fewer.fit, &fewer.data, options)?)
 }
 
-/// Index of the winner. Another family or place needs a score that is smaller by [`TIE`]; the same one may
-/// change its nonlinear parameters. `None` when no score is below the −2 ln L of the model without the
-/// finding.
+/// Index of the winner. Another family or place needs a score that is smaller by [`Policy::tie`], or, where the scores are not
+/// distinguishable, a name that is more probable; the same one may change its nonlinear parameters. `None` when no score is below the
+/// −2 ln L of the model without the finding.
 fn winner(contest: &Contest, mine: &Candidate, policy: &Policy) -> Option<usize> {
     let competitors = &contest.competitors;
     let worth = |&k: &usize| competitors[k].score < contest.present.deviance;
     let still = competitors.iter().position(|r| r.candidate.same_cause(mine));
     let best = Some(0).filter(|_| !competitors.is_empty()).filter(worth).or(still.filter(worth))?;
-    Some(still.filter(|&k| competitors[k].score < competitors[best].score + policy.tie).unwrap_or(best))
+    let Some(still) = still.filter(|&k| competitors[k].score < competitors[best].score + policy.tie) else {
+        return Some(best);
+    };
+    Some(likeliest(competitors, still, policy).filter(worth).unwrap_or(still))
+}
+
+/// Of the competitors whose scores are not distinguishable from the best one, that with the most probable name, if it is a named cause
+/// and more probable than the one that stands.
+fn likeliest(competitors: &[Competitor], still: usize, policy: &Policy) -> Option<usize> {
+    let least = competitors.iter().map(|r| r.score).fold(f64::INFINITY, f64::min);
+    let of_name = |k: usize| competitors[k].name_score(policy);
+    let tied = (0..competitors.len())
+        .filter(|&k| competitors[k].score < least + policy.tie && competitors[k].candidate.family.is_named());
+    let likeliest = tied.min_by(|&a, &b| of_name(a).total_cmp(&of_name(b)))?;
+    (of_name(likeliest) + policy.same_explanation < of_name(still)).then_some(likeliest)
 }
 
 /// Whether both have the same family, place and parameters.
@@ -179,9 +220,20 @@ mod tests {
         assert_eq!(winner(&contest, &second, policy), Some(1));
         contest.competitors[1].score = least + policy.tie + 0.1;
         assert_eq!(winner(&contest, &second, policy), Some(0));
+        // Of named causes that are not distinguishable the one with the more probable name is taken, whichever stands.
+        contest.competitors.retain(|competitor| competitor.candidate.family.is_named());
+        contest.competitors.truncate(2);
+        for (k, behind) in [0.0, 0.9 * policy.tie].into_iter().enumerate() {
+            contest.competitors[k].score = least + behind;
+        }
+        let [a, b] = &contest.competitors[..] else { panic!("two named causes") };
+        let likelier = usize::from(b.name_score(policy) < a.name_score(policy));
+        for stands in [a, b].map(|competitor| competitor.candidate.clone()) {
+            assert_eq!(winner(&contest, &stands, policy), Some(likelier));
+        }
         // Where nothing is worth its unknowns the others explain it.
         let present = contest.present.deviance;
         contest.competitors.iter_mut().for_each(|competitor| competitor.score = present + 1.0);
-        assert_eq!(winner(&contest, &second, policy), None);
+        assert_eq!(winner(&contest, &best, policy), None);
     }
 }

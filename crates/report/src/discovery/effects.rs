@@ -158,6 +158,21 @@ impl FindingSummary {
         format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
     }
 
+    /// The name for a sentence that stands alone: one that is less probable than not says so.
+    pub(crate) fn claim(&self) -> String {
+        match self.family == "unmodelled" || self.name_probability >= 0.5 {
+            true => self.name(),
+            false => {
+                let p = if self.name_probability < 0.005 {
+                    "< 0.01".into()
+                } else {
+                    format!("{:.2}", self.name_probability)
+                };
+                format!("{} (name uncertain, probability {p})", self.name())
+            }
+        }
+    }
+
     /// The probabilities of the names: `joint_compliance j2 (0.93), link_compliance j3 (0.05), none of the library (0.01)`.
     pub(crate) fn names(&self) -> String {
         /// Smaller probabilities are left out.

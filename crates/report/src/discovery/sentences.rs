@@ -9,7 +9,7 @@ impl DiscoverySummary {
     /// The verdict: what the declared model lacks.
     pub(crate) fn answer(&self) -> String {
         let named = |effect: &&FindingSummary| effect.family != Family::Outlier.word();
-        let names: Vec<String> = self.effects.iter().filter(named).map(FindingSummary::name).collect();
+        let names: Vec<String> = self.effects.iter().filter(named).map(FindingSummary::claim).collect();
         let answer = match (names.len(), self.stopped) {
             (0, Termination::NothingLeft) => "No effect beyond the declared model was found.".to_owned(),
             (0, Termination::Withdrawn) => {
