@@ -20,6 +20,7 @@ mod correction;
 mod frames;
 mod inverse;
 mod options;
+mod outside;
 mod signals;
 mod singular;
 
@@ -31,12 +32,13 @@ use crate::{ControllerError, Dialect};
 use configuration::{degrees, turns_of};
 use frames::Frames;
 use inverse::Inverse;
+use outside::outside;
 use signals::signals;
 use singular::singular;
 use truepose_compensate::{
     Compensator, CompensatorOptions, Installation, Status, Target, correction_helps, installation, radius_95,
 };
-use truepose_errormodel::{Beyond, Channel, Coverage, ErrorModel, FittedModel};
+use truepose_errormodel::{Channel, Coverage, ErrorModel, FittedModel};
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
 use truepose_kinematics::{Chain, Conditions, JointKind, Pose, PostureBuffer, rotation_log};
 
@@ -113,6 +115,7 @@ fn opaque(point: &Point) -> Option<String> {
 
 struct Corrector<'m> {
     dialect: Dialect,
+    fitted: &'m FittedModel,
     chain: &'m Chain,
     options: &'m CorrectOptions,
     installation: Installation,
@@ -152,6 +155,7 @@ impl<'m> Corrector<'m> {
         conditions.channels = values;
         Ok(Corrector {
             dialect: program.dialect,
+            fitted,
             chain,
             options,
             installation: installation(fitted)?,
@@ -294,7 +298,7 @@ impl<'m> Corrector<'m> {
         self.conditions.joints = joints.to_vec();
         let here = self.coverage.judge(&self.conditions, None);
         let oriented = joints.len() >= 6;
-        self.beyond(&here.beyond)?;
+        outside(self.fitted, &self.channels, &self.conditions, &here.beyond)?;
         let error = here.pose.translation - desired.translation;
         if !correction_helps(&error, &here.covariance) {
             correction.outcome = Outcome::NotSignificant;
@@ -317,7 +321,7 @@ impl<'m> Corrector<'m> {
         singular(self.chain, &mut self.buffer, joints, &command.joints)?;
         self.conditions.joints = command.joints.to_vec();
         let there = self.coverage.judge(&self.conditions, None);
-        self.beyond(&there.beyond)?;
+        outside(self.fitted, &self.channels, &self.conditions, &there.beyond)?;
         correction.within_95 = Some(radius_95(&(there.covariance + self.noise)));
         let branch = placed.map_or(&Branch::Continuous, |placed| &placed.branch);
         if !self.inverse.same(joints, &command.joints, branch) {
@@ -374,22 +378,5 @@ impl<'m> Corrector<'m> {
         let turns = turns_of(&placed.branch, &degrees(self.chain, joints), self.options.turn_axes)?;
         let turns = if point.turns.len() == turns.len() { turns } else { Vec::new() };
         Ok(Replacement { numbers, turns })
-    }
-
-    fn beyond(&self, beyond: &[(Beyond, f64)]) -> Result<(), String> {
-        if beyond.is_empty() {
-            return Ok(());
-        }
-        let name = |(what, _): &(Beyond, f64)| match what {
-            Beyond::Joint(k) => self.chain.joint(self.chain.movable()[*k]).name.clone(),
-            Beyond::Payload => "payload".into(),
-            Beyond::Time => "time".into(),
-            Beyond::Channel(k) => {
-                self.channels.get(*k).map_or("a channel".into(), |channel| channel.name.clone())
-            }
-            Beyond::Leverage => "the combination of joints (leverage)".into(),
-        };
-        let names: Vec<String> = beyond.iter().map(name).collect();
-        Err(format!("it is outside of the data of the fit: {}", names.join(", ")))
     }
 }

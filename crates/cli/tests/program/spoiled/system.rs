@@ -26,6 +26,19 @@ const CASES: &[Case] = &[
         IDENTIFY,
     ),
     (
+        "a name of ten thousand words",
+        |f| f.write("spoiled.csv", &format!("{}\n10", "j1[deg]1".repeat(5000))),
+        IDENTIFY,
+    ),
+    (
+        "a thousand names of thirty numbers",
+        |f| {
+            let name = |k: usize| (0..30).map(|part| format!("{}_", part * k)).collect::<String>();
+            f.write("spoiled.csv", &(0..1000).map(|k| name(k) + ",").collect::<String>());
+        },
+        IDENTIFY,
+    ),
+    (
         "a file without an end",
         |f| std::os::unix::fs::symlink("/dev/zero", f.file("spoiled.csv")).unwrap(),
         IDENTIFY,

@@ -1,6 +1,7 @@
 //! Columns whose headers differ in one word: a coordinate or a number.
 
 use super::seen::Seen;
+use std::collections::HashMap;
 
 /// Words of columns that hold no measured place.
 const NO_PLACE: [&str; 29] = [
@@ -112,8 +113,8 @@ fn coordinate(word: &str) -> Option<(Option<char>, char)> {
 /// Words that columns share, what they are letters of, and the columns by axis.
 type Axes = (Vec<String>, Option<char>, Vec<(char, usize)>);
 
-/// Words that columns share, and the columns by number.
-type Numbered = (Vec<String>, Vec<(usize, usize)>);
+/// Columns that share all other words, by number.
+type Numbered = Vec<(usize, usize)>;
 
 /// Groups of free columns, x y z each, with w at their end where there is one.
 pub(super) fn coordinates(seen: &[Seen<'_>]) -> Vec<Group> {
@@ -152,19 +153,21 @@ pub(super) fn coordinates(seen: &[Seen<'_>]) -> Vec<Group> {
 /// Columns that differ in a number: in the order of the numbers, whole from 0 or from 1, and so many. All of them have to pass `usable`.
 pub(super) fn runs(seen: &[Seen<'_>], count: usize, usable: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
     let mut found: Vec<Numbered> = Vec::new();
+    let mut places: HashMap<Vec<String>, usize> = HashMap::new();
     for (k, column) in seen.iter().enumerate() {
         for (at, number) in
             column.words.iter().enumerate().filter_map(|(at, word)| Some((at, word.parse().ok()?)))
         {
             let mut common = column.words.clone();
             common[at] = "#".into();
-            match found.iter_mut().find(|(words, _)| *words == common) {
-                Some((_, members)) => members.push((number, k)),
-                None => found.push((common, vec![(number, k)])),
+            let place = *places.entry(common).or_insert(found.len());
+            match found.get_mut(place) {
+                Some(members) => members.push((number, k)),
+                None => found.push(vec![(number, k)]),
             }
         }
     }
-    let whole = |(_, mut members): (Vec<String>, Vec<(usize, usize)>)| {
+    let whole = |mut members: Numbered| {
         members.sort_unstable();
         let first = members.first()?.0;
         let consecutive = members.iter().enumerate().all(|(k, (number, _))| *number == first + k);

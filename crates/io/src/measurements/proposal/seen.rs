@@ -89,7 +89,10 @@ pub(super) fn see<'a>(headers: &[&'a str], sample: &'a Sample, names: &Names<'_>
     all
 }
 
-/// Letters apart from digits, and at capitals behind small letters.
+/// Words of a name that are looked at: no person writes more.
+const MOST_WORDS: usize = 32;
+
+/// Letters apart from digits, and at capitals behind small letters; the first ones of a name that never ends.
 pub(super) fn words(name: &str) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     let mut last: Option<char> = None;
@@ -100,6 +103,9 @@ pub(super) fn words(name: &str) -> Vec<String> {
                     || last.is_ascii_digit() != c.is_ascii_digit()
                     || (last.is_lowercase() && c.is_uppercase())
             });
+            if begins && all.len() == MOST_WORDS {
+                break;
+            }
             if begins {
                 all.push(String::new());
             }
@@ -110,4 +116,16 @@ pub(super) fn words(name: &str) -> Vec<String> {
         last = Some(c);
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_fall_into_words_and_end_somewhere() {
+        assert_eq!(words("MeasX"), ["meas", "x"]);
+        assert_eq!(words("Mess. X_12"), ["mess", "x", "12"]);
+        assert_eq!(words(&"1[deg]".repeat(2000)).len(), MOST_WORDS);
+    }
 }
