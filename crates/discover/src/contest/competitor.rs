@@ -50,7 +50,7 @@ pub(crate) struct Competitor {
 impl Competitor {
     /// Number of estimated parameters: degrees of freedom and nonlinear parameters.
     pub fn unknowns(&self) -> usize {
-        self.freedom + self.candidate.nonlinear().count()
+        self.freedom + self.candidate.nonlinear().count() + self.candidate.ends()
     }
 
     /// −2 ln of the probability of its name, but for what all competitors share: the score from the data alone, and the prior against causes
@@ -117,7 +117,7 @@ pub(crate) fn outcompeted<'a>(
         (unnamed && !a_curve) || r.candidate.same_cause(&winner.candidate)
     };
     let others = competitors.into_iter().filter(|r| !itself(r));
-    let mut outcompeted: Vec<_> = others.map(|r| (r.candidate.clone(), r.deficit(winner))).collect();
+    let mut outcompeted: Vec<_> = others.map(|r| (with_mass(r), r.deficit(winner))).collect();
     outcompeted.sort_by(|a, b| a.1.total_cmp(&b.1));
     outcompeted
 }
@@ -173,8 +173,14 @@ fn is_physical(has: impl Fn(Limit) -> bool, width: f64, first: (f64, f64), polic
 
 /// The candidate with the estimates of the contest: prior width, and mass of a corrected payload.
 pub(crate) fn with_estimates(competitor: &Competitor) -> Candidate {
-    let mut candidate = competitor.candidate.clone();
+    let mut candidate = with_mass(competitor);
     candidate.width = Some(competitor.prior_width);
+    candidate
+}
+
+/// The candidate with the mass of a corrected payload, kg.
+fn with_mass(competitor: &Competitor) -> Candidate {
+    let mut candidate = competitor.candidate.clone();
     if let Change::CorrectLoad { mass, .. } = &mut candidate.change {
         *mass = (*mass + competitor.likelihood.coefficients[0]).max(0.0);
     }

@@ -56,3 +56,29 @@ pub(crate) fn rows_at(data: &Dataset, (level, during): (f64, Stretch)) -> Vec<us
     let correction = LoadCorrection { declared: level, carried: level, during };
     (0..data.len()).filter(|&row| correction.apply(data.load[row], data.time[row]).is_some()).collect()
 }
+
+/// Whether a stretch has some of the rows that declare a level (kg), and not all of them.
+pub(crate) fn is_part(data: &Dataset, level: f64, during: [f64; 2]) -> bool {
+    let (part, all) = (rows_at(data, (level, Some(during))).len(), rows_at(data, (level, None)).len());
+    part > 0 && part < all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use truepose_errormodel::Schema;
+    use truepose_kinematics::{Payload, nalgebra::Vector3};
+
+    #[test]
+    fn a_stretch_is_a_part_of_the_rows_with_its_level() {
+        let mut data = Dataset { schema: Schema { time: true, ..Schema::default() }, ..Dataset::default() };
+        for (time, mass) in [(0.0, 0.0), (1.0, 80.0), (2.0, 80.0), (3.0, 0.0)] {
+            data.load.push(Load::Payload(Payload { mass, com: Vector3::zeros() }));
+            data.time.push(time);
+            data.visit.push(data.visit.len());
+        }
+        assert!(is_part(&data, 80.0, [0.0, 1.5]));
+        assert!(!is_part(&data, 80.0, [0.5, 2.5]), "all of them");
+        assert!(!is_part(&data, 80.0, [2.5, 4.0]), "none of them");
+    }
+}

@@ -155,7 +155,15 @@ impl Candidate {
 
     /// How many of them are on a coarse grid of variants, so that they are penalised as unknowns.
     pub(crate) fn scales(&self) -> usize {
-        self.nonlinear().filter(Nonlinear::is_scale).count()
+        self.nonlinear().filter(Nonlinear::is_scale).count() + self.ends()
+    }
+
+    /// The ends of a stretch of time in which a payload is wrong: both are chosen among all poses.
+    pub(crate) fn ends(&self) -> usize {
+        match self.change {
+            Change::CorrectLoad { during: Some(_), .. } => 2,
+            Change::CorrectLoad { .. } | Change::Add(_) | Change::Exclude { .. } => 0,
+        }
     }
 
     /// How many of them are periods.

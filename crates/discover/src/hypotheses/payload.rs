@@ -50,8 +50,10 @@ impl Hypothesis for WrongPayload {
             change: Change::CorrectLoad { level, mass: level, deviation: 0.0, during },
         };
         let whole = levels.iter().map(|&level| wrong(level, None));
-        let parts =
-            levels.iter().flat_map(|&level| stretches(setting).map(move |during| wrong(level, Some(during))));
+        let parts = levels.iter().flat_map(|&level| {
+            let part = move |during: &[f64; 2]| payload::is_part(setting.data, level, *during);
+            stretches(setting).filter(part).map(move |during| wrong(level, Some(during)))
+        });
         whole.chain(parts).collect()
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Variable projection: the unknowns are eliminated for each trial shape, the gain is what is left to climb.
 
+use crate::data::payload::is_part;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
@@ -31,8 +32,8 @@ fn better(
     projection: &Projection,
     candidate: &Candidate,
 ) -> Option<Candidate> {
-    if let Change::CorrectLoad { during: Some(during), .. } = candidate.change {
-        return Some(stretch(linearisation, projection, candidate, during));
+    if let Change::CorrectLoad { level, during: Some(during), .. } = candidate.change {
+        return Some(stretch(linearisation, projection, candidate, (level, during)));
     }
     let [_] = candidate.effects() else { return None };
     let [_, second] = candidate.pair();
@@ -88,7 +89,7 @@ fn stretch(
     linearisation: &Linearisation<'_>,
     projection: &Projection,
     candidate: &Candidate,
-    [mut from, mut until]: [f64; 2],
+    (level, [mut from, mut until]): (f64, [f64; 2]),
 ) -> Candidate {
     let with = |ends: [f64; 2]| {
         let mut other = candidate.clone();
@@ -105,7 +106,11 @@ fn stretch(
         instants[first.saturating_sub(reach)..(first + reach).min(instants.len())].iter().copied()
     };
     for _ in 0..2 {
-        let gain = |ends: [f64; 2]| gain(linearisation, projection, &with(ends));
+        // All of them are no stretch but another hypothesis.
+        let gain = |ends: [f64; 2]| match is_part(linearisation.data, level, ends) {
+            true => gain(linearisation, projection, &with(ends)),
+            false => f64::NEG_INFINITY,
+        };
         let ends = near(until).filter(|&t| t > from).chain([until]).map(|t| (gain([from, t]), t));
         until = ends.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(until, |best| best.1);
         let begins = near(from).filter(|&t| t < until).chain([from]).map(|t| (gain([t, until]), t));
