@@ -160,16 +160,9 @@ impl FindingSummary {
 
     /// The name for a sentence that stands alone: one that is less probable than not says so.
     pub(crate) fn claim(&self) -> String {
-        match self.family == "unmodelled" || self.name_probability >= 0.5 {
-            true => self.name(),
-            false => {
-                let p = if self.name_probability < 0.005 {
-                    "< 0.01".into()
-                } else {
-                    format!("{:.2}", self.name_probability)
-                };
-                format!("{} (name uncertain, probability {p})", self.name())
-            }
+        match self.family.as_str() {
+            "unmodelled" => self.name(),
+            _ => claimed(self.name(), self.name_probability),
         }
     }
 
@@ -218,6 +211,14 @@ impl From<&Alternative> for AlternativeSummary {
     }
 }
 
+fn claimed(name: String, probability: f64) -> String {
+    match probability {
+        p if p >= 0.5 => name,
+        p if p < 0.005 => format!("{name} (name uncertain, probability < 0.01)"),
+        p => format!("{name} (name uncertain, probability {p:.2})"),
+    }
+}
+
 /// The parameter in pose measurements, where their order stands for the time.
 fn counted(parameter: Parameter, by_order: bool) -> Parameter {
     match by_order && parameter.unit == "s" {
@@ -235,5 +236,18 @@ impl AlternativeSummary {
     /// Family and place, e.g. `backlash a1`.
     pub fn name(&self) -> String {
         format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::claimed;
+
+    #[test]
+    fn a_name_that_is_less_probable_than_not_says_so() {
+        let of = |p: f64| claimed("backlash a1".into(), p);
+        assert_eq!(of(0.5), "backlash a1");
+        assert_eq!(of(0.36), "backlash a1 (name uncertain, probability 0.36)");
+        assert_eq!(of(0.001), "backlash a1 (name uncertain, probability < 0.01)");
     }
 }
