@@ -16,10 +16,12 @@ use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
 use crate::policy::Policy;
 use crate::problem::dependence::BesideWander;
-use crate::problem::likelihood::{Likelihood, distances};
+use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::residuals::distances;
 use crate::screen::candidates::Screen;
 use crate::significance::sign_flips::sign_flips;
+use crate::statistics::paired::{median, students_t};
 use nalgebra::DMatrix;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -297,25 +299,6 @@ fn acts(linearisation: &Linearisation<'_>, competitor: &Competitor) -> Vec<bool>
         rows[o.row] |= competitor.columns.row(at).iter().any(|x| *x != 0.0);
     }
     rows
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match sorted.len() {
-        0 => 0.0,
-        n => 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
-    }
-}
-
-/// Student's t of a mean over K folds with overlapping training parts: variance s² (1/K + n_test/n_train),
-/// n_test/n_train = 1/(K − 1) (Nadeau and Bengio 2003).
-fn students_t(differences: &[f64]) -> f64 {
-    let k = differences.len() as f64;
-    let mean = differences.iter().sum::<f64>() / k.max(1.0);
-    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (k - 1.0).max(1.0);
-    let spread = (variance * (1.0 / k.max(1.0) + 1.0 / (k - 1.0).max(1.0))).sqrt();
-    if spread > 0.0 { mean / spread } else { 0.0 }
 }
 
 /// Selection frequency in half-samples, and fraction of complementary pairs whose coefficients agree.

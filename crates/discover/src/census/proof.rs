@@ -19,6 +19,7 @@ use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
 use crate::significance::rotation::NullDistribution;
 use crate::statistics::beta::surprisal;
+use crate::statistics::paired::{median, students_t};
 use nalgebra::{DMatrix, DVector};
 use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
@@ -195,21 +196,14 @@ fn gain(units: &[Unit], fold: &[usize], (freedom, scale): (usize, f64)) -> Gain 
         numbers += test.count;
         each.push((won / test.count.max(1) as f64, won / test.squares.max(f64::MIN_POSITIVE)));
     }
-    let n = each.len().max(2) as f64;
-    let mean = each.iter().map(|e| e.0).sum::<f64>() / n;
-    let variance = each.iter().map(|e| (e.0 - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    // Folds share their training parts (Nadeau and Bengio 2003).
-    let spread = (variance * (1.0 / n + 1.0 / (n - 1.0))).sqrt();
-    let mut shares: Vec<f64> = each.iter().map(|e| e.1).collect();
-    shares.sort_by(f64::total_cmp);
-    let middle = shares.get(shares.len() / 2).copied().unwrap_or(0.0);
+    let (won, shares): (Vec<f64>, Vec<f64>) = each.into_iter().unzip();
     let rms = |squares: f64| scale * (squares.max(0.0) / numbers.max(1) as f64).sqrt();
     Gain {
         before: rms(before),
         after: rms(after),
-        t: if spread > 0.0 { mean / spread } else { 0.0 },
+        t: students_t(&won),
         won: if before > 0.0 { 1.0 - (after / before).max(0.0).sqrt() } else { 0.0 },
-        middle: 1.0 - (1.0 - middle).max(0.0).sqrt(),
+        middle: 1.0 - (1.0 - median(&shares)).max(0.0).sqrt(),
     }
 }
 

@@ -35,8 +35,6 @@ pub(crate) struct Competitor {
     pub gain: f64,
     pub surprisal: f64,
     pub score: f64,
-    /// π: the part of the score that is neither likelihood nor coefficient penalty.
-    pub log_prior_odds: f64,
     /// The part of π that does not depend on the data: tests of the family, and the prior against unnamed
     /// structures.
     prior_penalty: f64,
@@ -79,10 +77,10 @@ pub(crate) fn competitor(
     let columns = linearisation.columns_of(&candidate)?;
     let likelihood = Likelihood::new(linearisation, &columns, visits)?;
     let distribution = likelihood.coefficient_distribution(0..columns.ncols());
-    let (log_prior_odds, prior_penalty) =
-        (log_prior_odds(linearisation, screen, &candidate), prior_penalty(linearisation, screen, &candidate));
-    let total =
-        likelihood.deviance + cost(&candidate, &distribution, score.freedom, linearisation) + log_prior_odds;
+    let prior_penalty = prior_penalty(linearisation, screen, &candidate);
+    let total = likelihood.deviance
+        + cost(&candidate, &distribution, score.freedom, linearisation)
+        + log_prior_odds(linearisation, screen, &candidate);
     let (freedom, gain, surprisal) = (score.freedom, score.gain, score.surprisal);
     let width = distribution.width;
     let prior_width = linearisation.policy.prior_widths * width.max(1e-3);
@@ -93,7 +91,6 @@ pub(crate) fn competitor(
         gain,
         surprisal,
         score: total,
-        log_prior_odds,
         prior_penalty,
         width,
         prior_width,

@@ -2,22 +2,15 @@
 //! either of them alone.
 //!
 //! Before the best competitor is accepted, each competitor is joined with its best partner, and the pairs are
-//! compared:
-//!
-//! ```text
-//! score(a + b) = −2 ln L(a + b) + C_a + C_b + π_a + π_b
-//! ```
-//!
-//! C is the coefficient penalty and π the log prior odds of [`crate::contest::competitor`]. When the best
-//! pair without the leading competitor has a score that is smaller by 2 [`TIE`] than the leading competitor
-//! with its partner, the member of that pair with the smaller score is moved to the front. The leading
-//! competitor is excluded as a partner.
+//! compared ([`crate::contest::pair`]). When the best pair without the leading competitor has a score that is smaller by
+//! `pair_ties` times `tie` ([`crate::policy::Policy`]) than the leading competitor with its partner, the member of that pair with the
+//! smaller score is moved to the front. The leading competitor is excluded as a partner.
 
-use crate::contest::competitor::{Competitor, cost, log_prior_odds};
+use crate::contest::competitor::Competitor;
+use crate::contest::pair::{Side, pair_score};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::policy::penalty_per_coefficient;
-use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::Accumulated;
 use crate::screen::candidates::{Cause, Screen};
@@ -75,22 +68,15 @@ pub(crate) fn first(
                 return Ok(Some((competitor.score, competitor.candidate.clone(), 0.0)));
             };
             let columns = linearisation.columns_of(partner)?;
-            let width = competitor.columns.ncols() + columns.ncols();
-            let mut both = competitor.columns.clone().resize_horizontally(width, 0.0);
-            both.columns_mut(competitor.columns.ncols(), columns.ncols()).copy_from(&columns);
-            let likelihood = Likelihood::new(linearisation, &both, visits)?;
-            let own = competitor.columns.ncols();
-            let costs =
-                cost(
-                    &competitor.candidate,
-                    &likelihood.coefficient_distribution(0..own),
-                    competitor.freedom,
-                    linearisation,
-                ) + cost(partner, &likelihood.coefficient_distribution(own..width), freedom, linearisation);
-            let score = likelihood.deviance
-                + costs
-                + competitor.log_prior_odds
-                + log_prior_odds(linearisation, screen, partner);
+            let (own, other) = (
+                Side {
+                    candidate: &competitor.candidate,
+                    columns: &competitor.columns,
+                    freedom: competitor.freedom,
+                },
+                Side { candidate: partner, columns: &columns, freedom },
+            );
+            let score = pair_score(linearisation, screen, visits, [own, other])?;
             Ok(Some((score.min(competitor.score), partner.clone(), worth)))
         })
         .collect::<Result<_, _>>()?;

@@ -4,6 +4,7 @@ pub(crate) mod competition;
 pub(crate) mod competitor;
 pub(crate) mod look_ahead;
 pub(crate) mod names;
+pub(crate) mod pair;
 pub(crate) mod payload;
 #[cfg(test)]
 mod tests;

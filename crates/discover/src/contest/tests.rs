@@ -1,12 +1,16 @@
 //! Contests on small data with one joint that is off, and with two.
 
 use crate::contest::competition::{Contest, contest};
+use crate::contest::competitor::{Competitor, competitor};
+use crate::contest::look_ahead;
+use crate::contest::pair::{Side, pair_score};
+use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::family::Family;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::synthetic::{data_of, fitted, normal};
 use crate::screen::candidates::Screen;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, Visits};
 use truepose_kinematics::Chain;
 
 /// An arm whose third joint has a transmission error of 0.4 mrad, nine cycles a radian times `finer`.
@@ -72,4 +76,64 @@ fn the_order_of_rows_and_where_the_base_stands_change_nothing() {
             assert!((again - p).abs() < 0.01, "{again} {p}");
         });
     }
+}
+
+/// An arm with transmission errors of two joints, whose third harmonics are what a candidate of another joint does not explain.
+fn two_of(data: impl FnOnce(&Linearisation<'_>, &Screen, Vec<Competitor>)) {
+    let actual = |joints: &[f64]| {
+        let mut actual = joints.to_vec();
+        actual[1] += 3e-4 * (2.0 * joints[1]).sin();
+        actual[3] += 5e-4 * (3.0 * joints[3]).cos();
+        actual
+    };
+    let (chain, rows) =
+        data_of(60, 8, &actual, &|_, _, row| std::array::from_fn(|axis| 2e-5 * normal(3 * row + axis)));
+    let fit = fitted(&chain, &rows);
+    let options = DiscoverOptions::default();
+    let linearisation = Linearisation::new(&fit, &rows, &options).unwrap();
+    let screen = Screen::new(&linearisation, &options.library, &[]);
+    let of = |words: &str| -> Competitor {
+        let causes = screen.causes(&linearisation);
+        let found = causes.iter().flat_map(|cause| &cause.variants).map(|variant| &variant.0);
+        let candidate: Candidate = found.into_iter().find(|c| c.words() == words).expect(words).clone();
+        competitor(&linearisation, &screen, &Visits::of(&rows), candidate).unwrap().expect(words)
+    };
+    data(&linearisation, &screen, ["transmission j6", "transmission j2", "transmission j4"].map(of).into());
+}
+
+#[test]
+fn a_pair_explains_what_neither_of_it_does() {
+    two_of(|linearisation, screen, competitors| {
+        let visits = Visits::of(linearisation.data);
+        let of = |a: usize, b: usize| {
+            let side = |k: usize| {
+                let Competitor { candidate, columns, freedom, .. } = &competitors[k];
+                Side { candidate, columns, freedom: *freedom }
+            };
+            pair_score(linearisation, screen, &visits, [side(a), side(b)]).unwrap()
+        };
+        // The order of a pair is none, and one that explains nothing makes it worse by its penalty.
+        assert!((of(1, 2) - of(2, 1)).abs() < 1e-6 * of(1, 2).abs());
+        assert!(of(1, 2) < competitors[1].score.min(competitors[2].score) - 50.0);
+        assert!(of(0, 2) > competitors[2].score);
+    });
+}
+
+#[test]
+fn a_leader_that_no_good_pair_needs_gives_way() {
+    two_of(|linearisation, screen, mut competitors| {
+        let visits = Visits::of(linearisation.data);
+        let causes = screen.causes(linearisation);
+        let first = |competitors: &[Competitor]| {
+            look_ahead::first(linearisation, screen, &visits, competitors, &causes).unwrap()
+        };
+        // The joint that is not off leads a list in which both others are.
+        let chosen = first(&competitors);
+        assert!(chosen > 0, "{}", competitors[chosen].candidate.words());
+        // Where one of the pair leads, it stays.
+        competitors.rotate_left(2);
+        assert_eq!(competitors[0].candidate.words(), "transmission j4");
+        assert_eq!(first(&competitors), 0);
+        assert_eq!(first(&competitors[..1]), 0);
+    });
 }

@@ -14,16 +14,18 @@
 //! 0.1 mm look alike when both are weighed with the scatter from before.
 
 use crate::error::DiscoverError;
+use crate::problem::equations::{Equations, precision, solved, squares};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::Noise;
+use crate::problem::residuals::as_residuals;
 use crate::problem::restricted::Restricted;
 use crate::statistics::coefficients::CoefficientDistribution;
-use crate::statistics::product::{cholesky, gram_matrix};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
+use crate::statistics::product::gram_matrix;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::OnceLock;
 use truepose_errormodel::Visits;
-use truepose_identify::{Folds, Freedom, NoiseModel, Residuals, estimate_noise};
+use truepose_identify::{Folds, Freedom, NoiseModel, estimate_noise};
 
 /// A model with a candidate's columns, fitted by generalized least squares.
 pub(crate) struct Likelihood {
@@ -40,15 +42,8 @@ pub(crate) struct Likelihood {
     wide: f64,
     /// Precision that the priors add.
     prior: DMatrix<f64>,
-    rows: OnceLock<Rows>,
-}
-
-/// [A | X | y], once it is asked for.
-struct Rows {
-    raw: DMatrix<f64>,
-    white: DMatrix<f64>,
-    /// Gram matrix of the whitened columns.
-    gram: DMatrix<f64>,
+    /// Raw and whitened [A | X | y], once they are needed.
+    rows: OnceLock<(DMatrix<f64>, Equations)>,
 }
 
 /// γ with its covariance.
@@ -73,13 +68,7 @@ impl Likelihood {
     ) -> Result<Self, DiscoverError> {
         let (r, k) = (linearisation.base.ncols(), extra.ncols());
         let n = r + k;
-        let mut prior = DMatrix::zeros(n, n);
-        if let Some(rows) = &linearisation.prior {
-            prior.view_mut((0, 0), (r, r)).copy_from(&gram_matrix(rows));
-        }
-        for at in r..n {
-            prior[(at, at)] = 1.0 / (linearisation.policy.wide * linearisation.policy.wide);
-        }
+        let prior = precision(linearisation, &Vec::from_iter(0..r), k, linearisation.policy.wide);
         if linearisation.noise.joints.is_some() {
             return Likelihood::beside_joints(linearisation, extra, prior);
         }
@@ -117,11 +106,9 @@ impl Likelihood {
                 noise = again;
                 continue;
             }
-            let squares = gram[(n, n)] - 2.0 * gram.view((0, n), (n, 1)).dot(&solution)
-                + (gram.view((0, 0), (n, n)) * &solution).dot(&solution);
             let penalty = (&prior * &solution).dot(&solution);
             return Ok(Likelihood {
-                deviance: log_determinant + squares.max(0.0) + penalty,
+                deviance: log_determinant + squares(&gram, &solution) + penalty,
                 noise: noise.into(),
                 coefficients: solution.rows(r, k).into_owned(),
                 covariance: factor.covariance(r),
@@ -146,11 +133,9 @@ impl Likelihood {
         let whitener = linearisation.whitener(noise);
         let gram = gram_matrix(&whitener.of(&joined(linearisation, extra)));
         let (solution, factor) = solved(&gram, &prior)?;
-        let squares = gram[(n, n)] - 2.0 * gram.view((0, n), (n, 1)).dot(&solution)
-            + (gram.view((0, 0), (n, n)) * &solution).dot(&solution);
         let penalty = (&prior * &solution).dot(&solution);
         Ok(Likelihood {
-            deviance: whitener.log_determinant() + squares.max(0.0) + penalty,
+            deviance: whitener.log_determinant() + squares(&gram, &solution) + penalty,
             noise,
             coefficients: solution.rows(r, n - r).into_owned(),
             covariance: factor.covariance(r),
@@ -166,7 +151,7 @@ impl Likelihood {
         self.covariance[(at, at)].max(0.0).sqrt()
     }
 
-    /// The law from which these of γ look drawn.
+    /// The distribution from which these of γ look drawn.
     pub fn coefficient_distribution(&self, which: Range<usize>) -> CoefficientDistribution {
         let (first, count) = (which.start, which.len());
         let coefficients = self.coefficients.rows(first, count).into_owned();
@@ -177,12 +162,11 @@ impl Likelihood {
         )
     }
 
-    fn rows(&self, linearisation: &Linearisation<'_>) -> &Rows {
+    fn rows(&self, linearisation: &Linearisation<'_>) -> &(DMatrix<f64>, Equations) {
         self.rows.get_or_init(|| {
             let raw = joined(linearisation, &self.extra);
             let white = linearisation.whitener(self.noise).of(&raw);
-            let gram = gram_matrix(&white);
-            Rows { raw, white, gram }
+            (raw, Equations::new(white))
         })
     }
 
@@ -194,7 +178,7 @@ impl Likelihood {
         folds: &Folds,
         width: f64,
     ) -> Result<Vec<f64>, DiscoverError> {
-        let Rows { raw, white, gram } = self.rows(linearisation);
+        let (raw, equations) = self.rows(linearisation);
         let n = raw.ncols() - 1;
         let mut prior = self.prior.clone();
         for at in n - self.extra.ncols()..n {
@@ -208,8 +192,7 @@ impl Likelihood {
         let wander = linearisation.wander();
         let mut residual = vec![f64::NAN; linearisation.len()];
         for members in &by_fold {
-            let part = white.select_rows(members);
-            let (solution, _) = solved(&(gram - gram_matrix(&part)), &prior)?;
+            let (solution, _) = solved(&equations.without(members), &prior)?;
             for &at in members {
                 let row = raw.row(at);
                 let all = row.iter().take(n).zip(solution.iter()).map(|(a, b)| a * b).enumerate();
@@ -227,122 +210,15 @@ impl Likelihood {
         visits: &[bool],
         unknowns: usize,
     ) -> Result<[Estimate; 2], DiscoverError> {
-        let white = &self.rows(linearisation).white;
-        let first = white.ncols() - 1 - unknowns;
+        let (raw, equations) = self.rows(linearisation);
+        let first = raw.ncols() - 1 - unknowns;
         let (own, others): (Vec<usize>, Vec<usize>) =
             (0..linearisation.len()).partition(|&at| visits[linearisation.observations[at].visit]);
-        // A column that a half does not see must have no rounding of the whole in it: both are summed.
         let of = |members: &[usize]| -> Result<Estimate, DiscoverError> {
-            let (solution, factor) = solved(&gram_matrix(&white.select_rows(members)), &self.prior)?;
+            let (solution, factor) = solved(&equations.of(members), &self.prior)?;
             Ok((solution.rows(first, unknowns).into_owned(), factor.covariance(first)))
         };
         Ok([of(&own)?, of(&others)?])
-    }
-}
-
-/// Squared 3-D distance of each row of the data.
-pub(crate) fn distances(linearisation: &Linearisation<'_>, residual: &[f64]) -> Vec<f64> {
-    let mut squares = vec![f64::NAN; linearisation.data.len()];
-    let mut seen = vec![0; linearisation.data.len()];
-    for (o, r) in linearisation.observations.iter().zip(residual) {
-        if o.component < 3 {
-            squares[o.row] = if seen[o.row] == 0 { r * r } else { squares[o.row] + r * r };
-            seen[o.row] += 1;
-        }
-    }
-    let of = |row: usize| match (linearisation.data.ray(row), seen[row]) {
-        (Some(w), 1) => squares[row] / w.norm_squared(),
-        (None, 3) => squares[row],
-        _ => f64::NAN,
-    };
-    (0..squares.len()).map(of).collect()
-}
-
-/// The measured numbers' residuals as rows.
-pub(crate) fn as_residuals(linearisation: &Linearisation<'_>, residual: &DVector<f64>) -> Residuals {
-    let mut rows = Residuals {
-        position: vec![Vector3::repeat(f64::NAN); linearisation.data.len()],
-        orientation: vec![None; linearisation.data.len()],
-    };
-    for (o, &r) in linearisation.observations.iter().zip(residual.iter()) {
-        if let Some(w) = linearisation.data.ray(o.row).filter(|_| o.component == 0) {
-            rows.position[o.row] = w * (r / w.norm_squared());
-        } else if o.component < 3 {
-            rows.position[o.row][o.component] = r;
-        } else {
-            rows.orientation[o.row].get_or_insert_with(Vector3::zeros)[o.component - 3] = r;
-        }
-    }
-    rows
-}
-
-/// Least squares from the Gram matrix of [A | y], scaled, with a prior's precision.
-pub(crate) fn solved(
-    gram: &DMatrix<f64>,
-    prior: &DMatrix<f64>,
-) -> Result<(DVector<f64>, Scaled), DiscoverError> {
-    let n = gram.ncols() - 1;
-    let scale: Vec<f64> = (0..n)
-        .map(|k| {
-            let size = gram[(k, k)] + prior[(k, k)];
-            if size > 0.0 { 1.0 / size.sqrt() } else { 1.0 }
-        })
-        .collect();
-    let mut normal = DMatrix::from_fn(n, n, |i, j| (gram[(i, j)] + prior[(i, j)]) * scale[i] * scale[j]);
-    let right = DVector::from_fn(n, |i, _| gram[(i, n)] * scale[i]);
-    // Columns that the data cannot tell apart at all stay where the prior holds them.
-    let mut ridge = 0.0;
-    for _ in 0..8 {
-        if let Some(factor) = cholesky(normal.clone()) {
-            let solution = factor.solve(&right).component_mul(&DVector::from_column_slice(&scale));
-            if solution.iter().all(|v| v.is_finite()) {
-                return Ok((solution, Scaled { factor, scale }));
-            }
-        }
-        let more = if ridge > 0.0 { 9.0 * ridge } else { 1e-13 };
-        ridge += more;
-        for k in 0..n {
-            normal[(k, k)] += more;
-        }
-    }
-    Err(truepose_identify::IdentifyError::NoAnswer {
-        solver: "generalized least squares".into(),
-        status: "the columns of the model are not finite or all alike".into(),
-    }
-    .into())
-}
-
-/// A Cholesky factor of scaled normal equations.
-pub(crate) struct Scaled {
-    factor: Cholesky<f64, Dyn>,
-    scale: Vec<f64>,
-}
-
-impl Scaled {
-    /// How many of these unknowns, whose prior is diagonal, the data determines: Σ 1 − prior · covariance.
-    fn determined(&self, which: Range<usize>, prior: &DMatrix<f64>) -> f64 {
-        let n = self.scale.len();
-        let mut unit = DMatrix::zeros(n, which.len());
-        which.clone().enumerate().for_each(|(k, at)| unit[(at, k)] = 1.0);
-        self.factor.l_dirty().solve_lower_triangular_mut(&mut unit);
-        let held = which.zip(unit.column_iter());
-        held.map(|(at, half)| 1.0 - prior[(at, at)] * half.norm_squared() * self.scale[at].powi(2)).sum()
-    }
-
-    /// The covariance of the unknowns from this one on.
-    fn covariance(&self, first: usize) -> DMatrix<f64> {
-        let n = self.scale.len();
-        // Of L⁻¹ e only what is below e is not zero.
-        let mut half = DMatrix::identity(n - first, n - first);
-        let lower = self.factor.l_dirty();
-        lower.view((first, first), (n - first, n - first)).solve_lower_triangular_mut(&mut half);
-        let mut covariance = gram_matrix(&half);
-        for i in 0..n - first {
-            for j in 0..n - first {
-                covariance[(i, j)] *= self.scale[first + i] * self.scale[first + j];
-            }
-        }
-        covariance
     }
 }
 

@@ -10,22 +10,21 @@
 
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::problem::likelihood::{distances, solved};
+use crate::problem::equations::{Equations, bordered, precision, solved};
 use crate::problem::linearisation::Linearisation;
+use crate::problem::residuals::distances;
 use crate::problem::whitening::Whitener;
 use crate::statistics::product::{cross, gram_matrix};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// The linearised model with its Gram matrix over the rows of the fit.
+/// The linearised model with its normal equations over the rows of the fit.
 pub(crate) struct Linear<'s> {
     linearisation: &'s Linearisation<'s>,
-    /// Whitened `[A | y]` of the rows of the fit.
-    white: DMatrix<f64>,
     whitener: Whitener,
+    /// The observations of the fit, and [A | y] over them.
     used: Vec<usize>,
-    gram: DMatrix<f64>,
-    prior: DMatrix<f64>,
+    equations: Equations,
 }
 
 impl<'s> Linear<'s> {
@@ -38,10 +37,7 @@ impl<'s> Linear<'s> {
         let mut all = linearisation.base.clone().resize_horizontally(r + 1, 0.0);
         all.column_mut(r).copy_from(&linearisation.y);
         whitener.apply(&mut all);
-        let white = all.select_rows(&used);
-        let gram = gram_matrix(&white);
-        let prior = linearisation.prior.as_ref().map_or_else(|| DMatrix::zeros(r, r), gram_matrix);
-        Linear { linearisation, white, whitener, used, gram, prior }
+        Linear { linearisation, whitener, equations: Equations::new(all.select_rows(&used)), used }
     }
 
     /// Squared 3-D residual of every row of the data, m², without these effects of the model and with this
@@ -51,45 +47,26 @@ impl<'s> Linear<'s> {
         without: &[Range<usize>],
         with: Option<&Candidate>,
     ) -> Result<Vec<f64>, DiscoverError> {
-        let model = self.linearisation.fit.fitted.model();
+        let linearisation = self.linearisation;
+        let model = linearisation.fit.fitted.model();
         let missing =
             |column: usize| without.iter().any(|effects| effects.contains(&model.effect_of(column)));
-        let r = self.linearisation.base.ncols();
+        let r = linearisation.base.ncols();
         let stay: Vec<usize> = (0..r)
-            .filter(|&k| self.linearisation.fit.reduction.kept.get(k).is_none_or(|&c| !missing(c)))
+            .filter(|&k| linearisation.fit.reduction.kept.get(k).is_none_or(|&c| !missing(c)))
             .collect();
         let extra = match with {
-            Some(candidate) => self.linearisation.columns_of(candidate)?,
-            None => DMatrix::zeros(self.linearisation.len(), 0),
+            Some(candidate) => linearisation.columns_of(candidate)?,
+            None => DMatrix::zeros(linearisation.len(), 0),
         };
         let (s, k) = (stay.len(), extra.ncols());
         let white = self.whitener.of(&extra).select_rows(&self.used);
-        // [A_s | X | y].
-        let mut gram = DMatrix::zeros(s + k + 1, s + k + 1);
-        let mut prior = DMatrix::zeros(s + k, s + k);
-        let place = |at: usize| if at < s { stay[at] } else { r };
-        for i in (0..s).chain([s + k]) {
-            for j in (0..s).chain([s + k]) {
-                gram[(i, j)] = self.gram[(place(i), place(j))];
-                if i < s && j < s {
-                    prior[(i, j)] = self.prior[(place(i), place(j))];
-                }
-            }
-        }
-        let along = cross(&self.white, &white);
-        for j in 0..k {
-            for i in (0..s).chain([s + k]) {
-                gram[(i, s + j)] = along[(place(i), j)];
-                gram[(s + j, i)] = along[(place(i), j)];
-            }
-            prior[(s + j, s + j)] = 1.0 / (self.linearisation.policy.wide * self.linearisation.policy.wide);
-        }
-        gram.view_mut((s, s), (k, k)).copy_from(&gram_matrix(&white));
-        let (solution, _) = solved(&gram, &prior)?;
+        let along = cross(self.equations.white(), &white);
+        let gram = bordered(self.equations.all(), &stay, &along, &gram_matrix(&white));
+        let (solution, _) = solved(&gram, &precision(linearisation, &stay, k, linearisation.policy.wide))?;
         let mut coefficients = DVector::zeros(r);
         stay.iter().zip(solution.iter()).for_each(|(&at, &value)| coefficients[at] = value);
-        let left =
-            &self.linearisation.y - &self.linearisation.base * coefficients - extra * solution.rows(s, k);
-        Ok(distances(self.linearisation, left.as_slice()))
+        let left = &linearisation.y - &linearisation.base * coefficients - extra * solution.rows(s, k);
+        Ok(distances(linearisation, left.as_slice()))
     }
 }

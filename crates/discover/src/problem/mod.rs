@@ -1,4 +1,17 @@
 //! The data linearised at a fit, and a candidate beside the model of that fit.
+//!
+//! There is one problem, `min ‖V^{-1/2} (y − A β − X γ)‖² + ‖W β‖² + ‖γ‖²/κ²`, and each question about a candidate X is a solution of its
+//! normal equations ([`equations`]):
+//!
+//! | question | observations | columns | where |
+//! | --- | --- | --- | --- |
+//! | score of every candidate, V of the model | all | A eliminated once, one step in X | [`projection`], by pose in [`tables`] |
+//! | likelihood, V of the candidate | all | A, X | [`likelihood`], by groups that are alike in [`normal`] |
+//! | prediction of unseen poses | all but a fold | A, X | [`likelihood::Likelihood::held_out`] |
+//! | estimate on a half | a half | A, X | [`likelihood::Likelihood::on_halves`] |
+//! | error without some effects, or with another in their place | rows of the fit | some of A, X | [`linear`] |
+//!
+//! [`tables`], [`normal`] and the blocks of [`crate::census`] are accelerations: each has a test against whole matrices (`dense`).
 
 pub(crate) mod autocorrelation;
 #[cfg(test)]
@@ -6,6 +19,7 @@ pub(crate) mod dense;
 pub(crate) mod dependence;
 #[cfg(test)]
 mod dependence_tests;
+pub(crate) mod equations;
 pub(crate) mod evaluated;
 pub(crate) mod joint_noise;
 #[cfg(test)]
@@ -20,6 +34,7 @@ pub(crate) mod observation;
 mod oracle;
 pub(crate) mod outliers;
 pub(crate) mod projection;
+pub(crate) mod residuals;
 pub(crate) mod restricted;
 pub(crate) mod sequence;
 #[cfg(test)]

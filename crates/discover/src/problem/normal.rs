@@ -10,6 +10,7 @@
 //! so that another noise costs a sum over *classes*: groups of the same n and stated deviation. Data that has many classes is whitened
 //! number by number.
 
+use crate::problem::equations::bordered;
 use crate::problem::observation::Observation;
 use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
@@ -96,10 +97,14 @@ impl GroupedColumns {
 }
 
 impl Products {
-    /// Entry (i, j) under these weights.
-    fn weighed(&self, (precision, kept): (f64, f64), i: usize, j: usize) -> f64 {
-        let within = self.within.as_ref().map_or(0.0, |within| within[(i, j)]);
-        precision * (within + kept * self.between[(i, j)])
+    /// Adds them under these weights.
+    fn add_to(&self, sum: &mut DMatrix<f64>, (precision, kept): (f64, f64)) {
+        let within = |i: usize, j: usize| self.within.as_ref().map_or(0.0, |within| within[(i, j)]);
+        for j in 0..sum.ncols() {
+            for i in 0..sum.nrows() {
+                sum[(i, j)] += precision * (within(i, j) + kept * self.between[(i, j)]);
+            }
+        }
     }
 }
 
@@ -166,31 +171,19 @@ impl Normal {
 
     /// The Gram matrix of `[A | X | y]` under a noise, and the logarithm of the determinant of its covariance.
     pub fn gram(&self, noise: NoiseModel, candidate: &CandidateProducts) -> (DMatrix<f64>, f64) {
-        let k = candidate.width;
-        let r = self.classes.first().map_or(0, |class| class.rows.means.ncols() - 1);
-        // Columns of [A | y] among all.
-        let place = |at: usize| if at < r { at } else { r + k };
-        let mut gram = DMatrix::zeros(r + k + 1, r + k + 1);
+        let (k, r) = (candidate.width, self.classes.first().map_or(0, |class| class.rows.means.ncols() - 1));
+        let mut model = DMatrix::zeros(r + 1, r + 1);
+        let mut along = DMatrix::zeros(r + 1, k);
+        let mut own = DMatrix::zeros(k, k);
         let mut log_determinant = 0.0;
-        for (class, (across, own)) in self.classes.iter().zip(&candidate.classes) {
+        for (class, (across, products)) in self.classes.iter().zip(&candidate.classes) {
             let (weights, log) = class.weights(noise);
             log_determinant += log;
-            for j in 0..=r {
-                for i in 0..=r {
-                    gram[(place(i), place(j))] += class.own.weighed(weights, i, j);
-                }
-            }
-            for j in 0..k {
-                for i in 0..=r {
-                    let value = across.weighed(weights, i, j);
-                    gram[(place(i), r + j)] += value;
-                    gram[(r + j, place(i))] += value;
-                }
-                for i in 0..k {
-                    gram[(r + i, r + j)] += own.weighed(weights, i, j);
-                }
-            }
+            class.own.add_to(&mut model, weights);
+            across.add_to(&mut along, weights);
+            products.add_to(&mut own, weights);
         }
+        let gram = bordered(&model, &Vec::from_iter(0..r), &along, &own);
         (gram, log_determinant)
     }
 }

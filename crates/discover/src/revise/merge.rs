@@ -1,29 +1,23 @@
 //! Merging: two findings that one candidate explains become one finding.
 //!
-//! ```text
-//! score(a + b) = −2 ln L(a + b) + C_a + C_b + π_a + π_b          against the smallest score of a single candidate
-//! ```
-//!
 //! Reconsideration of one finding at a time cannot remove them: each explains what the other leaves. So two
 //! findings with the same driver (a joint's motion, the load, time) are removed together, and single
-//! candidates are compared in their place. When the scores are not distinguishable, one finding is preferred
-//! to two. Symbols: [`crate::contest::competitor`].
+//! candidates are compared in their place. When the smallest score of a single candidate is not distinguishable from that of the
+//! pair ([`crate::contest::pair`]), one finding is preferred to two.
 
 use crate::accept::accepted::Accepted;
 use crate::accept::evidence::collect;
 use crate::accept::model::Model;
 use crate::contest::competition::contest;
-use crate::contest::competitor::{cost, log_prior_odds, outcompeted, with_estimates};
+use crate::contest::competitor::{outcompeted, with_estimates};
+use crate::contest::pair::{Side, pair_score};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::current::Context;
 use crate::problem::dependence::BesideWander;
-use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
 use crate::screen::multiplicity::Multiplicity;
-use nalgebra::DMatrix;
-use std::ops::Range;
 use truepose_errormodel::Visits;
 
 /// The model with one candidate in place of finding `which` and another one; `None` when no single candidate
@@ -50,7 +44,7 @@ pub(crate) fn merged(
     Ok(None)
 }
 
-/// The candidate that replaces two findings; `None` when the pair has the smaller score by more than [`TIE`].
+/// The candidate that replaces two findings; `None` when the pair has the smaller score by more than `tie` ([`crate::policy::Policy`]).
 fn one_for_both(
     context: &Context<'_>,
     model: &Model,
@@ -70,17 +64,13 @@ fn one_for_both(
     };
     let columns =
         [linearisation.columns_of(&both[0].candidate)?, linearisation.columns_of(&both[1].candidate)?];
-    let (first, width) = (columns[0].ncols(), columns[0].ncols() + columns[1].ncols());
-    let mut joined = DMatrix::zeros(linearisation.len(), width);
-    joined.columns_mut(0, first).copy_from(&columns[0]);
-    joined.columns_mut(first, width - first).copy_from(&columns[1]);
-    let likelihood = Likelihood::new(&linearisation, &joined, &Visits::of(linearisation.data))?;
-    let pays = |k: usize, columns: Range<usize>| {
-        let Accepted { candidate, evidence, .. } = both[k];
-        cost(candidate, &likelihood.coefficient_distribution(columns), evidence.unknowns, &linearisation)
-            + log_prior_odds(&linearisation, &screen, candidate)
+    let side = |k: usize| Side {
+        candidate: &both[k].candidate,
+        columns: &columns[k],
+        freedom: both[k].evidence.unknowns,
     };
-    let score = likelihood.deviance + pays(0, 0..first) + pays(1, first..width);
+    let visits = Visits::of(linearisation.data);
+    let score = pair_score(&linearisation, &screen, &visits, [side(0), side(1)])?;
     if best.score > score + options.policy.tie {
         return Ok(None);
     }

@@ -5,4 +5,5 @@ pub(crate) mod bootstrap;
 pub(crate) mod chi_square;
 pub(crate) mod coefficients;
 pub(crate) mod gross;
+pub(crate) mod paired;
 pub(crate) mod product;
