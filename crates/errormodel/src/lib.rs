@@ -5,6 +5,7 @@ mod arrays;
 pub mod batch;
 mod dataset;
 mod derived;
+pub mod descent;
 mod effect;
 pub mod effects;
 mod emission;

@@ -21,6 +21,7 @@ use super::reference::{Reference, Row};
 
 use crate::CompensateError;
 use nalgebra::{DMatrix, DVector, Vector3};
+use truepose_errormodel::descent::{Schedule, descend, difference};
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{Effect, ErrorJacobian, GeneralizedErrors, RealPosture};
 use truepose_kinematics::{Chain, PostureBuffer, Site, rotation_log};
@@ -29,13 +30,19 @@ use truepose_kinematics::{Chain, PostureBuffer, Site, rotation_log};
 const OF_A_TARGET: f64 = 0.1;
 /// What is left below this, m and rad, is below the resolution of any instrument.
 const NEGLIGIBLE: f64 = 1e-6;
-const ROUNDS: usize = 300;
-/// The first step may go some ten expected sizes in a direction that one row fixes as well as all others do.
-const DAMPING: f64 = 1e-2;
 /// Smallest damping, of the largest diagonal: what double precision can solve.
 const LEAST_DAMPING: f64 = 1e-12;
-/// Steps that make the squares smaller by less than this fraction, three in a row, are the last ones.
-const FLAT: f64 = 1e-7;
+/// The first step may go some ten expected sizes in a direction that one row fixes as well as all others do. Steps that lower the logarithms
+/// by less than 1e-7, three in a row, are the last ones.
+const SCHEDULE: Schedule = Schedule {
+    first: 1e-2,
+    good: (0.2, 0.0),
+    bad: (10.0, f64::INFINITY),
+    steps: 300,
+    patience: (3, 3),
+    flat: 1e-7,
+    gain: difference,
+};
 
 /// What a file carries.
 pub(super) struct Projected {
@@ -55,28 +62,20 @@ pub(super) fn project(
     let gains = tables.map_or(0, |tables| tables.tables.len());
 
     let scale = scales(chain, &sites, gains);
-    let mut x: Vec<f64> =
+    let x: Vec<f64> =
         sites.iter().map(|&site| start.get(site)).chain(std::iter::repeat_n(1.0, gains)).collect();
     let mut walker = Walker::new(chain, &sites, &scale, tables);
-    let mut sums = walker.sums(reference, &x);
-    let (mut damping, mut flat) = (DAMPING, 0);
-    for _ in 0..ROUNDS {
-        let Some(step) = sums.step(damping) else { break };
+    let sums = walker.sums(reference, &x);
+    let cost = sums.objective();
+    let propose = |(x, sums): &(Vec<f64>, Sums), damping: f64| {
+        let step = sums.step(damping)?;
         let next: Vec<f64> =
             x.iter().zip(step.iter().zip(&scale)).map(|(x, (step, scale))| x + step * scale).collect();
         let then = walker.sums(reference, &next);
-        let gain = sums.objective() - then.objective();
-        if gain > 0.0 {
-            damping /= 5.0;
-            (x, sums) = (next, then);
-        } else {
-            damping *= 10.0;
-        }
-        flat = if gain > FLAT { 0 } else { flat + 1 };
-        if flat == 3 {
-            break;
-        }
-    }
+        let cost = then.objective();
+        Some(((next, then), cost))
+    };
+    let ((x, _), _) = descend(((x, sums), cost), &SCHEDULE, propose, |next| next);
     let constants = walker.errors_of(&x, &[]);
     Ok(Projected { constants, gains: x[sites.len()..].to_vec() })
 }

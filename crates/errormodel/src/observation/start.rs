@@ -1,10 +1,21 @@
 //! Unknowns of sensors from nothing: a linear start, then Gauss and Newton's method with the robot as it is.
 
 use super::seam::{Observation, Reading, Seen};
+use crate::descent::{Schedule, descend, relative_gain};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-/// Steps of Gauss and Newton's method.
-const STEPS: usize = 30;
+const SCHEDULE: Schedule = Schedule {
+    first: 1e-9,
+    good: (0.1, 1e-12),
+    bad: (100.0, 1e6),
+    steps: 30,
+    patience: (1, usize::MAX),
+    flat: 1e-12,
+    gain: relative_gain,
+};
+
+/// A sensor with its residuals and their derivatives.
+type At = (Box<dyn Observation>, Vec<f64>, Vec<Vec<f64>>);
 
 /// The mean of the targets' positions.
 pub(super) fn centre(seen: &[Seen]) -> Vector3<f64> {
@@ -52,7 +63,6 @@ pub(super) fn solved(rows: &[Vec<f64>], right: &[f64]) -> Option<DVector<f64>> {
 
 /// Fits the unknowns to the rows, the robot being what it is. Directions that the rows do not determine stay.
 pub fn descended(from: &dyn Observation, seen: &[Seen]) -> Box<dyn Observation> {
-    let mut best = from.boxed();
     let squares_of = |of: &dyn Observation| -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
         let (mut right, mut rows, mut reading) = (Vec::new(), Vec::new(), Reading::default());
         for (at, measured) in seen {
@@ -67,40 +77,34 @@ pub fn descended(from: &dyn Observation, seen: &[Seen]) -> Box<dyn Observation> 
         right.iter().all(|r| r.is_finite()).then_some((right, rows))
     };
     let sum = |right: &[f64]| right.iter().map(|r| r * r).sum::<f64>();
-    let Some((mut right, mut rows)) = squares_of(&*best) else { return best };
-    let mut damping = 1e-9;
-    for _ in 0..STEPS {
+    let Some((right, rows)) = squares_of(from) else { return from.boxed() };
+    let cost = sum(&right);
+    let count = right.len();
+    let propose = |(at, right, rows): &At, damping: f64| {
         let columns = rows.first().map_or(0, Vec::len);
         if columns == 0 || rows.len() < columns {
-            break;
+            return None;
         }
         let a = DMatrix::from_fn(rows.len(), columns, |i, k| rows[i][k]);
         let mut normal = a.tr_mul(&a);
         let largest = normal.diagonal().max();
         if largest <= 0.0 {
-            break;
+            return None;
         }
         for k in 0..columns {
             let own = normal[(k, k)];
             normal[(k, k)] = own * (1.0 + damping) + 1e-14 * largest;
         }
-        let gradient = a.tr_mul(&DVector::from_column_slice(&right));
-        let Some(step) = normal.cholesky().map(|c| c.solve(&gradient)) else { break };
-        let next = best.moved(step.as_slice());
-        match squares_of(&*next) {
-            Some((r, j)) if r.len() == right.len() && sum(&r) <= sum(&right) => {
-                let still = sum(&right) - sum(&r) <= 1e-12 * sum(&right);
-                (best, right, rows) = (next, r, j);
-                damping = (damping * 0.1).max(1e-12);
-                if still {
-                    break;
-                }
+        let gradient = a.tr_mul(&DVector::from_column_slice(right));
+        let next = at.moved(normal.cholesky()?.solve(&gradient).as_slice());
+        Some(match squares_of(&*next).filter(|(r, _)| r.len() == count) {
+            Some((r, j)) => {
+                let cost = sum(&r);
+                ((next, r, j), cost)
             }
-            _ => damping *= 100.0,
-        }
-        if damping > 1e6 {
-            break;
-        }
-    }
-    best
+            // It leaves out rows that the start sees.
+            None => ((next, Vec::new(), Vec::new()), f64::INFINITY),
+        })
+    };
+    descend(((from.boxed(), right, rows), cost), &SCHEDULE, propose, |next| next).0.0
 }

@@ -14,10 +14,22 @@ use super::sight::Sight;
 use crate::IdentifyError;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use truepose_errormodel::Dataset;
+use truepose_errormodel::descent::{Schedule, descend, relative_gain};
 use truepose_kinematics::{
     Chain, Placed, Pose, Target, TargetId, ToolId, rotation_log, rotation_vector, skew,
 };
 use truepose_solvers::accumulator::{ColumnScale, Factor, Triangular};
+
+/// Its damping is that of columns in expected sizes; the number of steps is the caller's.
+const SCHEDULE: Schedule = Schedule {
+    first: 1e-3,
+    good: (0.1, 1e-14),
+    bad: (20.0, 1e8),
+    steps: 0,
+    patience: (1, usize::MAX),
+    flat: 1e-13,
+    gain: relative_gain,
+};
 
 /// What is to be found.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,33 +180,21 @@ pub(crate) fn refine(
     length: f64,
     rounds: usize,
 ) -> Refined {
-    let mut state = start;
-    let mut factor = linearised(unknowns, sights, &state, length);
-    let mut cost = cost_of(sights, &state, length);
     let scale = scales(unknowns, length);
-    let mut damping = 1e-3;
-    for _ in 0..rounds {
-        let Ok(step) = factor.solve_ridge(0, ColumnScale::Given(&scale), damping * strength(&factor, &scale))
-        else {
-            break;
-        };
+    let cost = cost_of(sights, &start, length);
+    let complete = |state: State| {
+        let factor = linearised(unknowns, sights, &state, length);
+        (state, factor)
+    };
+    let propose = |(state, factor): &(State, Factor), damping: f64| {
+        let strength = damping * strength(factor, &scale);
+        let step = factor.solve_ridge(0, ColumnScale::Given(&scale), strength).ok()?;
         let next = state.moved(unknowns, &step.x);
-        let next_cost = cost_of(sights, &next, length);
-        if next_cost < cost {
-            let gain = (cost - next_cost) / cost.max(f64::MIN_POSITIVE);
-            (state, cost) = (next, next_cost);
-            factor = linearised(unknowns, sights, &state, length);
-            damping = (damping * 0.1).max(1e-14);
-            if gain < 1e-13 {
-                break;
-            }
-        } else {
-            damping *= 20.0;
-            if damping > 1e8 {
-                break;
-            }
-        }
-    }
+        let cost = cost_of(sights, &next, length);
+        Some((next, cost))
+    };
+    let schedule = Schedule { steps: rounds, ..SCHEDULE };
+    let ((state, factor), cost) = descend((complete(start), cost), &schedule, propose, complete);
     let positions = sights.iter().filter_map(|s| Some((s, s.position?)));
     let squares: Vec<f64> =
         positions.map(|(s, p)| (p - predicted(s, &state).translation).norm_squared()).collect();
