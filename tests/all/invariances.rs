@@ -104,3 +104,33 @@ fn twenty_relations_hold_for_a_robot_with_backlash() {
 fn twenty_relations_hold_for_a_robot_that_yields() {
     holds_on(1);
 }
+
+/// What is compared is beside its own: an outlier that a bad pose brought stands anywhere among the findings.
+#[test]
+fn coefficients_are_compared_with_those_of_the_same_finding() {
+    use crate::metamorphic::found::Effect;
+    use truepose_discover::Verdict;
+    let effect = |words: &str, coefficients: &[(f64, f64)]| Effect {
+        words: words.into(),
+        coefficients: coefficients.to_vec(),
+    };
+    let found = |effects: Vec<Effect>| Found { effects, verdict: Verdict::Undecided, rms: [0.3, 0.05] };
+    let plain =
+        found(vec![effect("thermal joint=a2", &[(7.0, 0.1)]), effect("thermal joint=a4", &[(6.0, 0.4)])]);
+    let beside = |last: f64| {
+        found(vec![
+            effect("outlier", &[]),
+            effect("thermal joint=a2", &[(7.05, 0.1)]),
+            effect("thermal joint=a4", &[(last, 0.4)]),
+        ])
+    };
+    let relation = |name: &str| RELATIONS.iter().find(|relation| relation.name == name).unwrap();
+    let bad = relation("one bad pose");
+    assert_eq!(plain.differs(&beside(6.1), bad), None);
+    assert!(plain.differs(&beside(6.5), bad).unwrap().starts_with("thermal joint=a4: 6.000e0"));
+    assert!(plain.differs(&beside(6.1), relation("ids")).unwrap().contains("became"));
+    let curve = |coefficients: &[(f64, f64)]| found(vec![effect("load_nonlinearity joint=a2", coefficients)]);
+    assert_eq!(curve(&[(3.0, 0.4); 3]).differs(&curve(&[(0.8, 4.0); 4]), bad), None);
+    assert!(curve(&[(3.0, 0.4); 3]).differs(&curve(&[(0.8, 4.0); 3]), bad).is_some());
+    assert!(curve(&[(3.0, 0.4); 3]).differs(&curve(&[(0.8, 4.0); 4]), relation("ids")).is_some());
+}

@@ -1,9 +1,9 @@
-//! Which relations hold on a folder of cases: `cargo xtask metamorphic [--cases DIR] [--only CASE] [--relation WORDS] [--part 1/2]`.
+//! Which relations hold on a folder of cases: `cargo xtask metamorphic [--cases DIR] [--only CASE] [--relation WORDS] [--part 1/2] [--show]`.
 //!
 //! Each case is a folder with `robot.toml`, `declared.toml` and `train.csv` (default: the cases of the shared folder beside the project).
 //! A discovery takes some seconds on one thread, and there are 21 for each case: results are kept in `target/metamorphic.jsonl` as they
 //! are made, and a run goes on where the last one ended. Remove that file after the program has changed. The table at the end counts, for
-//! each relation, the cases of all results in which it holds, and lists where it does not.
+//! each relation, the cases of all results in which it holds, and lists where it does not. `--show` prints what is found of both sides.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a program for developers")]
 
@@ -51,7 +51,11 @@ fn main() {
         let run = |relation: Option<&Relation>| {
             let mut case = plain.clone();
             relation.iter().for_each(|relation| (relation.change)(&mut case));
-            Found::of(&case, &DiscoverOptions::default())
+            let found = Found::of(&case, &DiscoverOptions::default());
+            if arguments.iter().any(|a| a == "--show") {
+                println!("{name}: {}: {found:#?}", relation.map_or("as it is", |relation| relation.name));
+            }
+            found
         };
         let missing = |relation: &str, known: &BTreeMap<(String, String), Value>| {
             !known.contains_key(&(name.clone(), relation.to_owned()))

@@ -17,7 +17,7 @@ pub struct Relation {
     pub tolerance: f64,
     /// Whether outliers may be reported beside the findings.
     pub spoils: bool,
-    /// Whether coefficients keep their values, to half an interval.
+    /// Whether coefficients keep their values, to half an interval. Beside outliers only those of a finding with as many coefficients are compared.
     pub same_coefficients: bool,
 }
 

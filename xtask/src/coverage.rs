@@ -2,7 +2,7 @@
 //!
 //! The crates of the workspace are compiled with counters (`-C instrument-coverage`) in the usual target folder, their dependencies as they
 //! are: this program stands in for rustc, which cargo lets it do for members alone. Tests write their counters to `target/coverage`, and the
-//! tools of the toolchain (`rustup component add llvm-tools`) sum them up. What is told is the part of the lines of each library that any
+//! tools of the toolchain (`rustup component add llvm-tools`), or those in the folder `TRUEPOSE_LLVM`, of the same version of LLVM, sum them up. What is told is the part of the lines of each library that any
 //! test has run; tests themselves, and programs for developers, are left out.
 
 use crate::finished;
@@ -91,6 +91,12 @@ pub fn run(root: &Path, packages: &[String]) -> Result<()> {
 
 /// The folder of the toolchain's tools.
 fn tools() -> Result<PathBuf> {
+    if let Some(folder) = std::env::var_os("TRUEPOSE_LLVM").map(PathBuf::from) {
+        if !folder.join("llvm-cov").exists() {
+            bail!("TRUEPOSE_LLVM: there is no llvm-cov in {}", folder.display());
+        }
+        return Ok(folder);
+    }
     let said = |arguments: &[&str]| -> Result<String> {
         let output = Command::new("rustc").args(arguments).output().context("rustc")?;
         Ok(String::from_utf8(output.stdout)?)
@@ -100,7 +106,9 @@ fn tools() -> Result<PathBuf> {
     let folder =
         PathBuf::from(said(&["--print", "sysroot"])?.trim()).join("lib/rustlib").join(host).join("bin");
     if !folder.join("llvm-cov").exists() {
-        bail!("the toolchain has no llvm-cov: rustup component add llvm-tools");
+        bail!(
+            "the toolchain has no llvm-cov: rustup component add llvm-tools, or TRUEPOSE_LLVM=FOLDER with those of the LLVM that rustc -vV tells"
+        );
     }
     Ok(folder)
 }

@@ -57,7 +57,7 @@ enum Verb {
     },
     /// Relations between files of the same robot (units, names, orders …) on a folder of cases, in release; prints where findings change.
     Metamorphic {
-        /// Passed on: `--cases DIR`, `--only CASE`, `--relation WORDS`, `--part 1/2`.
+        /// Passed on: `--cases DIR`, `--only CASE`, `--relation WORDS`, `--part 1/2`, `--show`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         rest: Vec<String>,
     },

@@ -63,7 +63,7 @@ fn rows_of_one_dwell_are_one_visit_and_visits_of_one_pose_one_configuration() {
 #[test]
 fn a_tolerance_of_zero_is_exact() {
     let (_folder, path) = written(&table(20));
-    let dwell = DwellTolerance { angle: 0.0, length: 0.0 };
+    let dwell = DwellTolerance { angle: 0.0, length: Some(0.0) };
     let options = MeasurementsOptions { dwell, ..MeasurementsOptions::default() };
     let (data, info, _) = read_measurements(&path, &samples::scara(), &options).unwrap();
     assert_eq!(info.visits, data.len());
@@ -116,7 +116,7 @@ fn flicker_beyond_the_tolerance_is_reported() {
     let (visits, warnings) = read(DwellTolerance::default());
     assert_eq!(visits, 120);
     assert!(warnings[1].contains("no column `visit`, and 80 neighbouring rows differ by"), "{warnings:?}");
-    let (visits, warnings) = read(DwellTolerance { angle: 1e-4, length: 1e-5 });
+    let (visits, warnings) = read(DwellTolerance { angle: 1e-4, length: None });
     assert_eq!((visits, warnings.len()), (40, 1), "{warnings:?}");
 }
 

@@ -105,7 +105,7 @@ fn parse_orientation(text: &str) -> Result<OrientationConvention, String> {
 fn parse_tolerance(text: &str) -> Result<DwellTolerance, String> {
     let mut tolerance = DwellTolerance::default();
     if text.trim().parse::<f64>().is_ok_and(|v| v.abs() < f64::MIN_POSITIVE) {
-        return Ok(DwellTolerance { angle: 0.0, length: 0.0 });
+        return Ok(DwellTolerance { angle: 0.0, length: Some(0.0) });
     }
     let (mut angle, mut length) = (None, None);
     for part in text.split(',').map(str::trim) {
@@ -133,7 +133,7 @@ fn parse_tolerance(text: &str) -> Result<DwellTolerance, String> {
         }
     }
     tolerance.angle = angle.unwrap_or(tolerance.angle);
-    tolerance.length = length.unwrap_or(tolerance.length);
+    tolerance.length = length;
     Ok(tolerance)
 }
 
@@ -144,15 +144,17 @@ mod tests {
     #[test]
     fn tolerances_are_understood() {
         let of = |text: &str| parse_tolerance(text).map(|t| (t.angle, t.length));
-        let near = |found: Result<(f64, f64), String>, angle: f64, length: f64| {
+        let near = |found: Result<(f64, Option<f64>), String>, angle: f64, length: Option<f64>| {
             let (a, l) = found.unwrap();
-            assert!((a - angle).abs() < 1e-15 && (l - length).abs() < 1e-15, "{a} {l}");
+            let same =
+                l.is_some() == length.is_some() && (l.unwrap_or(0.0) - length.unwrap_or(0.0)).abs() < 1e-15;
+            assert!((a - angle).abs() < 1e-15 && same, "{a} {l:?}");
         };
-        near(of("0.001deg"), 1e-3f64.to_radians(), 1e-5);
-        near(of("2e-5 rad, 20um"), 2e-5, 2e-5);
-        near(of("0.02mm"), 1e-5, 2e-5);
-        near(of("0"), 0.0, 0.0);
-        near(of("0deg"), 0.0, 1e-5);
+        near(of("0.001deg"), 1e-3f64.to_radians(), None);
+        near(of("2e-5 rad, 20um"), 2e-5, Some(2e-5));
+        near(of("0.02mm"), 1e-5, Some(2e-5));
+        near(of("0"), 0.0, Some(0.0));
+        near(of("0deg"), 0.0, None);
         for bad in ["0.001", "1kg", "deg", "-1deg", "nanrad", "infrad", "1deg,2deg", "1deg,", ""] {
             assert!(of(bad).is_err(), "{bad}");
         }

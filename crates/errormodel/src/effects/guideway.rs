@@ -112,8 +112,8 @@ impl Effect for Guideway {
         if self.by_load {
             // A kilonewton: 0.05 mm and 0.05 mrad.
             let name = &chain.joint(self.joint).name;
-            for (what, unit) in [("sag", "m/N"), ("slope", "rad/N")] {
-                let one = |k| Column::new(format!("{what} {name} B{k}"), unit, 5e-8);
+            for (what, unit, scale) in [("sag", "m/N", 5e-8 * robot_size(chain)), ("slope", "rad/N", 5e-8)] {
+                let one = |k| Column::new(format!("{what} {name} B{k}"), unit, scale);
                 columns.extend((1..=self.basis(chain).len()).map(one));
             }
             return columns;

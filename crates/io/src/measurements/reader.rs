@@ -46,6 +46,8 @@ pub struct MeasurementsReader {
     pub(super) rows: RowReader,
     schema: Schema,
     pub(super) dwell: Dwell,
+    /// The default of this robot, whatever was asked for.
+    pub(super) still: Dwell,
     joints: usize,
     pub(super) visits: VisitNumbers,
     labels: Vec<i64>,
@@ -89,6 +91,7 @@ impl MeasurementsReader {
             rows: RowReader::new(header, chain, needs.position, columns.exclude.clone()),
             schema,
             dwell: Dwell::of(chain, dwell),
+            still: Dwell::of(chain, DwellTolerance::default()),
             joints: chain.movable().len(),
             visits: VisitNumbers::default(),
             labels: Vec::new(),
@@ -200,7 +203,7 @@ impl MeasurementsReader {
         }
         if !labels.is_empty() {
             labels.iter_mut().for_each(|label| *label = self.label(*label));
-            check_standstills(block, &labels, &self.rows.header)?;
+            check_standstills((block, &self.still), &labels, &self.rows.header)?;
         }
         self.labels = labels;
         if self.count == 0 {

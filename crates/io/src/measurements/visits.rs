@@ -4,11 +4,8 @@ use super::header::Header;
 use super::info::Grouping;
 use crate::IoError;
 use std::collections::BTreeMap;
-use truepose_errormodel::{Dataset, DwellTolerance};
+use truepose_errormodel::{Dataset, Dwell, DwellTolerance};
 use truepose_kinematics::{Chain, JointKind, Load};
-
-/// Joints of one visit that the file numbers agree to this, rad or m: encoders flicker, robots that moved differ by more.
-const STANDSTILL: f64 = 1e-4;
 
 /// What the label of a visit grows by from one session to the next: each may count its own visits from one.
 const SESSION: i64 = 1 << 42;
@@ -78,20 +75,30 @@ impl VisitNumbers {
     }
 }
 
-/// Refuses a visit whose rows differ in joints or load.
-pub(crate) fn check_standstills(data: &Dataset, labels: &[i64], header: &Header) -> Result<(), IoError> {
+/// Refuses a visit whose rows differ in load, or in joints by more than encoders flicker: by more than repeats of one configuration do in
+/// `still`, the default of this robot.
+pub(crate) fn check_standstills(
+    (data, still): (&Dataset, &Dwell),
+    labels: &[i64],
+    header: &Header,
+) -> Result<(), IoError> {
     let mut first: Vec<usize> = vec![usize::MAX; labels.len()];
     for (row, &visit) in data.visit.iter().enumerate() {
         if first[visit] == usize::MAX {
             first[visit] = row;
         } else {
-            check_same(data, first[visit], row, labels[visit], header)?;
+            check_same((data, still), [first[visit], row], labels[visit], header)?;
         }
     }
     Ok(())
 }
 
-fn check_same(data: &Dataset, a: usize, b: usize, label: i64, header: &Header) -> Result<(), IoError> {
+fn check_same(
+    (data, still): (&Dataset, &Dwell),
+    [a, b]: [usize; 2],
+    label: i64,
+    header: &Header,
+) -> Result<(), IoError> {
     let told = |what: String| {
         format!(
             "visit {label} has {what} than in line {}; rows of one visit are one pose measurement: give another visit number",
@@ -99,7 +106,7 @@ fn check_same(data: &Dataset, a: usize, b: usize, label: i64, header: &Header) -
         )
     };
     for (k, column) in data.joints.iter().enumerate() {
-        if (column[a] - column[b]).abs() > STANDSTILL.max(data.dwell.tolerance(k)) {
+        if (column[a] - column[b]).abs() > data.dwell.tolerance(k).max(still.repeat_tolerance(k)) {
             let slot = header.slots.joints.as_ref().map_or(0, |slots| slots[k]);
             return Err(header.cell_error(data.line[b], slot, told("another joint value".into())));
         }
@@ -124,12 +131,13 @@ pub(crate) fn grouping(
     tolerance: DwellTolerance,
     numbered: bool,
 ) -> Grouping {
-    let repeats = tolerance.of_repeats();
+    let [angle, length] = tolerance.on(chain);
+    let [repeat_tolerance_angle, repeat_tolerance_length] = [angle, length].map(DwellTolerance::of_repeats);
     let mut found = Grouping {
-        angle: tolerance.angle,
-        length: tolerance.length,
-        repeat_tolerance_angle: repeats.angle,
-        repeat_tolerance_length: repeats.length,
+        angle,
+        length,
+        repeat_tolerance_angle,
+        repeat_tolerance_length,
         numbered,
         ..Grouping::default()
     };

@@ -91,7 +91,7 @@ pub(crate) fn read_table(
     let numbered = reader.rows.header.slots.visit.is_some();
     if numbered {
         if needs.joints {
-            check_standstills(&data, &info.visit_labels, &reader.rows.header)?;
+            check_standstills((&data, &reader.still), &info.visit_labels, &reader.rows.header)?;
         }
     } else {
         data.visit = visits_from_rows(&data);

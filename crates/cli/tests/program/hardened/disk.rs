@@ -28,7 +28,7 @@ fn a_full_disk_leaves_no_part_of_a_report() {
     run("identify --robot robot.toml --data data.csv --folds 0 --out fit.json");
     for verb in [
         "identify --robot robot.toml --data data.csv --folds 0 --json --report disk/page --out disk/fit.json",
-        "discover --robot robot.toml --data data.csv --most 0 --flips 599 --json --report disk/page --out disk/fit.json",
+        "discover --robot robot.toml --data data.csv --most 0 --flips 99 --json --report disk/page --out disk/fit.json",
         "compensate --fit fit.json --poses data.csv --json --report disk/page --out disk/q.csv",
         "compare --robot robot.toml --data data.csv --solver qr --json --report disk/page",
     ] {
@@ -57,7 +57,7 @@ fn a_full_disk_leaves_no_part_of_a_report() {
 fn what_an_interrupted_run_says_of_its_files_is_true() {
     let folder = Folder::with_data();
     let words: Vec<&str> =
-        "discover --robot robot.toml --data data.csv --most 0 --flips 599 --report page --out fit.json"
+        "discover --robot robot.toml --data data.csv --most 0 --flips 99 --report page --out fit.json"
             .split(' ')
             .collect();
     for step in 0..12 {

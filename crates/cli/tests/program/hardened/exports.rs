@@ -88,7 +88,7 @@ fn what_xml_and_yaml_cannot_hold_is_in_no_file() {
     folder.write("data.csv", &data.lines().enumerate().map(row).collect::<String>());
     let run = |text: &str| folder.run(&words(text)).ended(0);
     run("identify --robot robot.toml --data data.csv --folds 0 --out fit.json --report page");
-    run("discover --robot robot.toml --data data.csv --most 0 --flips 599 --report page2");
+    run("discover --robot robot.toml --data data.csv --most 0 --flips 99 --report page2");
     for (format, file) in [("urdf", "a.urdf"), ("ros", "a.yaml"), ("dh", "a.csv"), ("iso230", "i.csv")] {
         run(&format!("export --fit fit.json --format {format} --out {file}"));
     }

@@ -100,3 +100,36 @@ fn little_address_space_is_no_abort() {
     assert!(log.contains("the address space that the system grants was used up (ulimit -v)"), "{log}");
     assert_eq!(folder.names(), before);
 }
+
+/// What fits into memory ends: two thousand pieces of a spline once took minutes for each round.
+#[test]
+fn two_thousand_pieces_are_no_hang() {
+    let folder = Folder::with_data();
+    let spline = "basis = { spline = { lower = -3, upper = 3, pieces = 2000, degree = 3 } }";
+    folder.write(
+        "model.toml",
+        &format!("[[effects]]\nfamily = \"expansion\"\nat = {{ motion = {{ joint = \"j1\" }} }}\nfactors = [{{ of = {{ joint = \"j1\" }}, {spline} }}]\n"),
+    );
+    let run = "identify --robot robot.toml --data data.csv --folds 0 --model model.toml --time-limit 300s";
+    folder.run(&run.split(' ').collect::<Vec<_>>()).ended(0);
+}
+
+/// Not one by one, for minutes: a table of measurements cannot have them either.
+#[test]
+fn a_fit_with_a_hundred_thousand_channels_is_refused() {
+    let folder = Folder::with_data();
+    let fit = "identify --robot robot.toml --data data.csv --folds 0 --out fit.json";
+    folder.run(&fit.split(' ').collect::<Vec<_>>()).ended(0);
+    let mut fit: serde_json::Value = serde_json::from_str(&folder.read("fit.json")).unwrap();
+    let channel = |k| serde_json::json!({"name": format!("c{k}"), "unit": "1", "temperature": false});
+    fit["channels"] = (0..100_000).map(channel).collect();
+    folder.write("fit.json", &fit.to_string());
+    let plan = "plan --fit fit.json --count 2 --pool 8 --out plan.csv --time-limit 60s";
+    let run = folder.run(&plan.split(' ').collect::<Vec<_>>()).ended(2);
+    assert!(
+        run.log.contains("`channels` has more channels than a table of measurements has columns (4096)"),
+        "{}",
+        run.log
+    );
+    assert!(!folder.file("plan.csv").exists());
+}

@@ -7,7 +7,7 @@ use std::time::Duration;
 /// A folder with a recorded run of `discover`; its temporary files are in `tmp`.
 fn recorded() -> Folder {
     let folder = Folder::with_data();
-    let run = "discover --robot robot.toml --data data.csv --report page --most 0 --flips 599";
+    let run = "discover --robot robot.toml --data data.csv --report page --most 0 --flips 99";
     folder.run(&run.split(' ').collect::<Vec<_>>()).ended(0);
     std::fs::create_dir(folder.file("tmp")).unwrap();
     folder

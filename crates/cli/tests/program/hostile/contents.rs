@@ -21,7 +21,7 @@ const KINDS: &[(&str, &[&str])] = &[
             "identify --robot robot.toml --data bad.csv --stream --folds 0 --out out.json",
             "plan --fit fit.json --at bad.csv --count 2 --pool 8 --out out.csv",
             "compare --robot robot.toml --data bad.csv --solver qr --folds 2",
-            "discover --robot robot.toml --data bad.csv --most 0 --flips 599 --out out.json",
+            "discover --robot robot.toml --data bad.csv --most 0 --flips 99 --out out.json",
         ],
     ),
     (

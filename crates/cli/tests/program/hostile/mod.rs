@@ -63,6 +63,19 @@ fn program(folder: &Folder, words: &[&str]) -> Command {
     command
 }
 
+/// What was found in the cases of each part, and how many cases there were; every part in a folder of its own and at the same time.
+fn each<T: Sync>(
+    parts: &[T],
+    run: impl Fn(&T, &Folder) -> (Vec<String>, usize) + Sync,
+) -> (Vec<String>, usize) {
+    let results = std::thread::scope(|scope| {
+        let threads: Vec<_> = parts.iter().map(|part| scope.spawn(|| run(part, &good()))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect::<Vec<_>>()
+    });
+    let cases = results.iter().map(|(_, cases)| cases).sum();
+    (results.into_iter().flat_map(|(found, _)| found).collect(), cases)
+}
+
 /// Fails with everything that was found.
 #[track_caller]
 fn none(found: Vec<String>, cases: usize, least: usize) {

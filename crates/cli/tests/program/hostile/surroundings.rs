@@ -1,12 +1,12 @@
 //! What is around the program: options, outputs, streams, variables.
 
-use super::{files, good, none, program, unsound};
+use super::{each, files, good, none, program, unsound};
 use std::process::Stdio;
 
 /// One run of each verb, without its outputs.
 const VERBS: &[(&str, &str)] = &[
     ("identify --robot robot.toml --data data.csv --folds 0", "out.json"),
-    ("discover --robot robot.toml --data data.csv --most 0 --flips 599", "out.json"),
+    ("discover --robot robot.toml --data data.csv --most 0 --flips 99", "out.json"),
     ("plan --fit fit.json --count 2 --pool 8", "out.csv"),
     ("predict --fit fit.json --data data.csv", "out.csv"),
     ("compensate --fit fit.json --poses poses.csv", "out.csv"),
@@ -206,12 +206,11 @@ fn options_that_nobody_means_are_refused() {
 
 #[test]
 fn outputs_that_cannot_be_written_leave_nothing() {
-    let folder = good();
-    std::os::unix::fs::symlink("ring", folder.file("ring")).unwrap();
-    std::os::unix::fs::symlink("nowhere", folder.file("dangling")).unwrap();
     let long = "x".repeat(300);
-    let (mut found, mut cases) = (Vec::new(), 0);
-    for (verb, _) in VERBS {
+    let (found, cases) = each(VERBS, |(verb, _), folder| {
+        std::os::unix::fs::symlink("ring", folder.file("ring")).unwrap();
+        std::os::unix::fs::symlink("nowhere", folder.file("dangling")).unwrap();
+        let (mut found, mut cases) = (Vec::new(), 0);
         for out in OUTPUTS {
             let out = if *out == "LONG" { &long } else { *out };
             // Only a file that the verb reads is an input.
@@ -227,27 +226,26 @@ fn outputs_that_cannot_be_written_leave_nothing() {
             cases += 1;
             let words: Vec<&str> = verb.split(' ').chain(["--out", out]).collect();
             let (before, kept) =
-                (files(&folder), ["robot.toml", "data.csv", "fit.json"].map(|f| folder.read(f)));
-            let output = program(&folder, &words).output().unwrap();
+                (files(folder), ["robot.toml", "data.csv", "fit.json"].map(|f| folder.read(f)));
+            let output = program(folder, &words).output().unwrap();
             let problem = match output.status.code() {
                 Some(0) => Some("success".to_owned()),
-                _ => unsound(&output, &[], &before, &folder),
+                _ => unsound(&output, &[], &before, folder),
             };
             found.extend(problem.map(|problem| format!("{}: {problem}", words.join(" "))));
             assert_eq!(["robot.toml", "data.csv", "fit.json"].map(|f| folder.read(f)), kept, "{words:?}");
         }
-    }
+        (found, cases)
+    });
     none(found, cases, 120);
 }
 
 #[test]
 fn streams_and_variables_change_no_result() {
-    let folder = good();
-    let mut found = Vec::new();
-    let mut cases = 0;
-    for (verb, out) in VERBS {
+    let (found, cases) = each(VERBS, |(verb, out), folder| {
+        let (mut found, mut cases) = (Vec::new(), 0);
         let words: Vec<&str> = verb.split(' ').chain(["--out", out]).collect();
-        assert!(program(&folder, &words).output().unwrap().status.success(), "{words:?}");
+        assert!(program(folder, &words).output().unwrap().status.success(), "{words:?}");
         let whole = folder.read(out);
         let quoted = |redirect: &str| format!("exec \"$0\" \"$@\" {redirect}");
         let shells = [
@@ -296,9 +294,10 @@ fn streams_and_variables_change_no_result() {
             judge(script.clone(), command.output().unwrap());
         }
         for set in variables {
-            judge(format!("{set:?}"), program(&folder, &words).envs(set.iter().copied()).output().unwrap());
+            judge(format!("{set:?}"), program(folder, &words).envs(set.iter().copied()).output().unwrap());
         }
-        judge("no variables".into(), program(&folder, &words).env_clear().output().unwrap());
-    }
+        judge("no variables".into(), program(folder, &words).env_clear().output().unwrap());
+        (found, cases)
+    });
     none(found, cases, 130);
 }

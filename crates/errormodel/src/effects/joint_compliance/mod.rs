@@ -156,7 +156,7 @@ impl Effect for JointCompliance {
             if let Some(channel) = &self.channel {
                 // As where the load is in N·m; a torque in per cent of some hundred N·m has the same.
                 let unit = format!("{}/[{channel}]", joint.unit());
-                let scale = if joint.kind == JointKind::Prismatic { 1e-7 } else { 1e-5 };
+                let scale = if joint.kind == JointKind::Prismatic { 1e-7 * robot_size(chain) } else { 1e-5 };
                 columns.push(Column::new(format!("compliance {}", joint.name), unit, scale));
                 continue;
             }
@@ -168,8 +168,8 @@ impl Effect for JointCompliance {
             columns.push(yields.within(0.0, f64::INFINITY));
             for (k, numbers) in self.free(id, chain) {
                 let (unit, scale) = match (joint.kind, numbers) {
-                    (JointKind::Prismatic, _) => ("kg*m/N", 1e-5),
-                    (_, 1) => ("rad*kg/(N*m)", EXPECTED_ANGLE / 9.81),
+                    (JointKind::Prismatic, _) => ("kg*m/N", 1e-5 * robot_size(chain)),
+                    (_, 1) => ("rad*kg/(N*m)", EXPECTED_ANGLE / 9.81 / robot_size(chain)),
                     _ => ("rad*kg*m/(N*m)", EXPECTED_ANGLE / 9.81),
                 };
                 for number in 1..=numbers {

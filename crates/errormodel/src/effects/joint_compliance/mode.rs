@@ -22,6 +22,7 @@
 use super::{JointCompliance, across};
 use crate::effects::checks::refused;
 use crate::effects::link_compliance::OwnWeight;
+use crate::effects::robot_size::robot_size;
 use crate::effects::travel::{ascending, positive};
 use crate::{Column, Effect, Emission, History, ModelError, history_channel};
 use serde::{Deserialize, Serialize};
@@ -84,7 +85,8 @@ impl JointCompliance {
     pub(super) fn columns_of_mode(&self, chain: &Chain, id: JointId, columns: &mut Vec<Column>) {
         let joint = chain.joint(id);
         let (name, slides) = (&joint.name, joint.kind == JointKind::Prismatic);
-        let (unit, scale) = if slides { ("m/N", 1e-7) } else { ("rad/(N*m)", 1e-5) };
+        let size = robot_size(chain);
+        let (unit, scale) = if slides { ("m/N", 1e-7 * size) } else { ("rad/(N*m)", 1e-5 / size) };
         match self.mode {
             ComplianceMode::Axis => {}
             ComplianceMode::Creep => {
@@ -107,7 +109,7 @@ impl JointCompliance {
             }
             ComplianceMode::Bearing => {
                 let mut put = |what: &str, lower: f64| {
-                    let tilt = Column::new(format!("bearing {name} {what}"), "rad/(N*m)", TILT);
+                    let tilt = Column::new(format!("bearing {name} {what}"), "rad/(N*m)", TILT / size);
                     columns.push(tilt.within(lower, f64::INFINITY));
                 };
                 put("11", 0.0);

@@ -14,6 +14,7 @@
 
 use super::LinkCompliance;
 use crate::effects::checks::{joint_moves, refused};
+use crate::effects::robot_size::robot_size;
 use crate::effects::travel::ascending;
 use crate::{Column, Effect, Emission, ModelError};
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Posture, Site};
@@ -31,9 +32,9 @@ impl LinkCompliance {
     pub(super) fn column_of_ram(&self, chain: &Chain) -> Vec<Column> {
         let name = self.slide().map_or("", |joint| &chain.joint(joint).name);
         // 500 N bend a metre of it by a millimetre.
-        vec![
-            Column::new(format!("bending {name} by extension"), "1/(N*m^2)", 6e-6).within(0.0, f64::INFINITY),
-        ]
+        let scale = 6e-6 / robot_size(chain).powi(2);
+        let bending = Column::new(format!("bending {name} by extension"), "1/(N*m^2)", scale);
+        vec![bending.within(0.0, f64::INFINITY)]
     }
 
     pub(super) fn eval_ram(&self, length: f64, at: &Posture<'_>, out: &mut Emission) {
