@@ -9,7 +9,7 @@ use truepose_compensate::{
 use truepose_errormodel::effects::Geometric;
 use truepose_errormodel::{FittedModel, Schema};
 use truepose_kinematics::nalgebra::{DMatrix, DVector};
-use truepose_kinematics::{Chain, Conditions, Joint, JointKind, Placement, Pose, samples};
+use truepose_kinematics::{Chain, Conditions, Joint, JointId, JointKind, Placement, Pose, samples};
 
 /// The robot that a table describes, multiplied out from its numbers alone.
 fn forward(table: &ParameterTable, nominal: &Chain, q: &[f64]) -> Pose {
@@ -124,6 +124,33 @@ fn zero_offsets_are_found() {
     assert!(table.offsets[1].standard_uncertainty > 0.0 && table.offsets[0].standard_uncertainty <= 0.0);
 }
 
+#[test]
+fn zero_offsets_of_coupled_joints_are_those_of_the_readings() {
+    // The controller counts joint 3 from the horizontal: q3 = u3 + u2. Joint 2 reads 2 mrad too little, joint 3 itself is right.
+    let coupling = truepose_kinematics::Coupling { joint: JointId(3), driver: JointId(2), factor: 1.0 };
+    let chain = samples::ur10().with_couplings(vec![coupling]).expect("a coupled robot");
+    let fit = of_geometry(&chain);
+    let columns = fit.model().columns().len();
+    let column = fit.model().columns().iter().position(|c| c.name == "rz@j1").expect("a column");
+    let mut wanted = vec![0.0; columns];
+    wanted[column] = 2e-3;
+    let covariance = DMatrix::identity(columns, columns) * 1e-10;
+    let fit = FittedModel::new(fit.model().clone(), wanted, covariance).expect("a fit");
+    let table = parameter_table(&fit, &ExportOptions::default()).expect("a table").value;
+    let (second, third) = (&table.offsets[1], &table.offsets[2]);
+    assert!((second.offset - 2e-3).abs() < 1e-9 && second.of_variable.is_none(), "{second:?}");
+    // What has to be added to the readings: with both the variable of joint 3 is what it was.
+    assert!((third.offset + 2e-3).abs() < 1e-9, "{third:?}");
+    assert!(third.of_variable.is_some_and(|own| own.abs() < 1e-9), "{third:?}");
+    let mut readings = vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+    let mut corrected: Vec<f64> = readings.iter().zip(&table.offsets).map(|(u, o)| u + o.offset).collect();
+    chain.joints_from_controller(&mut readings);
+    chain.joints_from_controller(&mut corrected);
+    assert!((corrected[1] - readings[1] - 2e-3).abs() < 1e-9 && (corrected[2] - readings[2]).abs() < 1e-9);
+    // Both contribute to the uncertainty.
+    assert!(third.standard_uncertainty > second.standard_uncertainty, "{third:?} {second:?}");
+}
+
 /// Other coefficients of the same fit, moved by some standard deviations.
 fn moved(fit: &FittedModel, by: &DVector<f64>) -> FittedModel {
     let coefficients = fit.coefficients().iter().zip(by.iter()).map(|(c, by)| c + by).collect();
@@ -159,6 +186,12 @@ fn uncertainties_are_those_of_a_sample() {
         for ((part, p), square) in all.zip(squares) {
             let scatter = (square / f64::from(count)).sqrt();
             let u = p.standard_uncertainty;
+            if u <= 0.0 {
+                // Not estimated: it follows the others by terms of second order, a hundredth of an expected error of 1 mrad or 1 mm/m.
+                let expected = if p.unit == "m" { 1e-3 * chain.characteristic_length() } else { 1e-3 };
+                assert!(scatter < 0.03 * expected, "{} {part} {}: {scatter:e}", chain.name(), p.name);
+                continue;
+            }
             // 300 draws: a standard deviation is good to 4 %, four of them 16 %; 60 draws: 37 %.
             let within = if elastic_too { 0.4 } else { 0.17 };
             assert!(

@@ -1,8 +1,8 @@
 //! What to measure next as a CSV file, in the columns of measurements: the file of `truepose plan`.
 
-use crate::IoError;
 use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
+use crate::{IoError, Unit};
 use std::path::Path;
 use truepose_kinematics::{Chain, Load};
 
@@ -21,17 +21,21 @@ pub struct PlannedVisit {
     pub worth: f64,
 }
 
-/// Writes a plan, in m, rad and kg.
+/// Writes a plan, in m, rad and kg, or joints in these units, one for each that moves.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_plan(path: impl AsRef<Path>, chain: &Chain, visits: &[PlannedVisit]) -> Result<(), IoError> {
+pub fn write_plan(
+    path: impl AsRef<Path>,
+    chain: &Chain,
+    visits: &[PlannedVisit],
+    units: Option<&[Unit]>,
+) -> Result<(), IoError> {
+    let si: Vec<Unit> = chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect();
+    let units = units.filter(|units| units.len() == si.len()).unwrap_or(&si);
     let names: Vec<&str> = chain.movable().iter().map(|&joint| chain.joint(joint).name.as_str()).collect();
     let mut header = vec!["visit".to_owned()];
-    header.extend(chain.movable().iter().map(|&joint| {
-        let joint = chain.joint(joint);
-        format!("{}[{}]", joint.name, si_unit(joint.kind).word)
-    }));
+    header.extend(names.iter().zip(units).map(|(name, unit)| format!("{name}[{}]", unit.word)));
     let loaded = visits.iter().any(|visit| visit.load != Load::None);
     if loaded {
         header.extend(["payload[kg]", "cx[m]", "cy[m]", "cz[m]"].map(String::from));
@@ -41,7 +45,8 @@ pub fn write_plan(path: impl AsRef<Path>, chain: &Chain, visits: &[PlannedVisit]
     let mut table = TableWriter::create(path.as_ref(), &header)?;
     for (number, visit) in (1..).zip(visits) {
         table.integer(number);
-        controller_values(chain, &visit.joints).iter().for_each(|&q| table.number(q));
+        let values = controller_values(chain, &visit.joints);
+        values.iter().zip(units).for_each(|(&q, unit)| table.number(unit.from_si(q)));
         if loaded {
             let (mass, com) = match visit.load {
                 Load::Payload(payload) => (payload.mass, payload.com.into()),

@@ -2,10 +2,11 @@
 
 use crate::measurements::{From, Needs, read_table};
 use crate::table::TableWriter;
-use crate::{ColumnMap, CsvInfo, IoError, MemoryTable, Quantity, Unit, Warning, WholeFile};
+use crate::{
+    ColumnMap, CsvInfo, IoError, MemoryTable, OrientationConvention, Quantity, Unit, Warning, WholeFile,
+};
 use std::path::Path;
 use truepose_errormodel::{Dataset, DwellTolerance};
-use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, JointKind, Pose};
 
 /// Desired poses, with the conditions under which they are wanted.
@@ -20,6 +21,46 @@ pub struct Poses {
     pub joint_units: Vec<Unit>,
     /// What the file calls each row (column `id`), repeated in the commands; empty without such a column.
     pub ids: Vec<String>,
+    /// The convention of the file's orientations; none where it has quaternions or no orientations.
+    pub convention: Option<OrientationConvention>,
+}
+
+/// In which units and convention a corrected pose is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PoseForm {
+    /// Of its position.
+    pub length: Unit,
+    /// Of its orientation, with the unit of the angles; none: a quaternion.
+    pub turn: Option<(OrientationConvention, Unit)>,
+}
+
+impl Default for PoseForm {
+    fn default() -> Self {
+        PoseForm { length: *Quantity::Length.si(), turn: None }
+    }
+}
+
+impl PoseForm {
+    fn header(&self) -> Vec<String> {
+        let length = self.length.word;
+        let mut names: Vec<String> = ["x", "y", "z"].iter().map(|name| format!("{name}[{length}]")).collect();
+        match self.turn.and_then(|(convention, unit)| Some((convention.names()?, unit))) {
+            Some((angles, unit)) => names.extend(angles.map(|name| format!("{name}[{}]", unit.word))),
+            None => names.extend(["qw", "qx", "qy", "qz"].map(String::from)),
+        }
+        names
+    }
+
+    /// Numbers under that header; NaN without a pose.
+    fn numbers(&self, pose: Option<&Pose>) -> Vec<f64> {
+        let Some(pose) = pose else { return vec![f64::NAN; self.header().len()] };
+        let mut numbers: Vec<f64> = pose.translation.iter().map(|&v| self.length.from_si(v)).collect();
+        match self.turn.and_then(|(convention, unit)| Some((convention.angles(&pose.rotation)?, unit))) {
+            Some((angles, unit)) => numbers.extend(angles.map(|angle| unit.from_si(angle))),
+            None => numbers.extend(pose.quaternion()),
+        }
+        numbers
+    }
 }
 
 /// What became of a desired pose.
@@ -99,7 +140,10 @@ fn poses(
     };
     let seeded = table.header.slots.joints.is_some();
     let ids = table.info.ids.clone();
-    Ok((Poses { rows: table.data, seeded, joint_units, ids }, table.info, table.warnings))
+    let slots = &table.header.slots;
+    let vector = slots.rotation_vector.map(|_| OrientationConvention::RotationVector);
+    let convention = slots.angles.map(|(_, convention)| convention).or(vector);
+    Ok((Poses { rows: table.data, seeded, joint_units, ids, convention }, table.info, table.warnings))
 }
 
 /// Writes the command of each pose, in the order of the poses and in their units.
@@ -125,7 +169,7 @@ pub fn commands_file(
     chain: &Chain,
     poses: &Poses,
     commands: &[CommandRow],
-    corrected: Option<&[Pose]>,
+    corrected: Option<(&[Pose], PoseForm)>,
 ) -> Result<WholeFile, IoError> {
     let path = path.as_ref();
     if commands.len() != poses.rows.len() || poses.joint_units.len() != chain.movable().len() {
@@ -137,9 +181,8 @@ pub fn commands_file(
     let named = poses.ids.len() == commands.len() && !commands.is_empty();
     let mut header: Vec<String> = named.then(|| "id".to_owned()).into_iter().chain(joints).collect();
     header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
-    if corrected.is_some() {
-        let names = ["x[m]", "y[m]", "z[m]", "qw", "qx", "qy", "qz"];
-        header.extend(names.map(|name| format!("corrected_{name}")));
+    if let Some((_, form)) = &corrected {
+        header.extend(form.header().into_iter().map(|name| format!("corrected_{name}")));
     }
     let mut table = TableWriter::create(path, &header)?;
     for (row, command) in commands.iter().enumerate() {
@@ -160,11 +203,9 @@ pub fn commands_file(
         } else {
             (0..4).for_each(|_| table.text(""));
         }
-        if let Some(poses) = corrected {
+        if let Some((poses, form)) = &corrected {
             let pose = poses.get(row).filter(|_| command.status == CommandStatus::Ok);
-            let numbers = pose.map(|pose| (pose.translation, pose.quaternion()));
-            let (place, turn) = numbers.unwrap_or((Vector3::repeat(f64::NAN), [f64::NAN; 4]));
-            place.iter().chain(&turn).for_each(|&value| table.number(value));
+            form.numbers(pose).into_iter().for_each(|value| table.number(value));
         }
         table.end_row()?;
     }

@@ -1,7 +1,7 @@
 //! Options of the verbs that use a fit: plan, predict, compensate, export, map.
 
 use super::program::{GivenPlace, RobotProgram, parse_given};
-use super::values::{input, parse_length, parse_position, parse_three, parse_whole};
+use super::values::{Units, input, parse_length, parse_position, parse_three, parse_units, parse_whole};
 use super::{Grouped, NamedColumns};
 use std::path::PathBuf;
 
@@ -55,6 +55,9 @@ pub struct Plan {
     /// File with the head of the report, [certificate] (TOML)
     #[arg(long, value_name = "FILE", value_parser = input(), requires = "report")]
     pub certificate: Option<PathBuf>,
+    /// Units of the joints in --out, e.g. deg or deg,mm [default: rad,m]
+    #[arg(long, value_name = "UNITS", value_parser = parse_units)]
+    pub units: Option<Units>,
     /// Number of pose measurements [default: 30; 12 for monitor]
     #[arg(long, value_parser = parse_whole::<usize>)]
     pub count: Option<usize>,
@@ -144,6 +147,9 @@ pub struct Compensate {
     /// Also write the corrected pose that a controller without the model has to be given, in the frame of the poses
     #[arg(long)]
     pub cartesian: bool,
+    /// Units of the joints and corrected poses in --out, e.g. deg,mm; orientations of corrected poses are then in the convention of --poses [default: joints as in the file, else rad,m]
+    #[arg(long, value_name = "UNITS", conflicts_with = "program", value_parser = parse_units)]
+    pub units: Option<Units>,
     #[command(flatten)]
     pub robot_program: RobotProgram,
     /// Where to write the commands, or the program; the table of its corrections is written beside it (FILE.corrections.csv)

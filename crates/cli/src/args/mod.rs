@@ -17,7 +17,7 @@ pub use other::{Check, Completions, CompletionsOf, Effects, Init, Simulate, Veri
 pub(crate) use program::parse_given;
 pub use program::{GivenPlace, RobotProgram};
 pub use upkeep::{Fleet, Monitor, Transfer};
-pub use values::{Place, Prior};
+pub use values::{Place, Prior, Units};
 
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;

@@ -2,6 +2,7 @@
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
+use truepose_io::{Quantity, Unit};
 use truepose_kinematics::Pose;
 
 /// A file that is read; `-` is standard input, where the system has a file for it.
@@ -129,12 +130,42 @@ fn three(text: &str, one: impl Fn(&str) -> Result<f64, String>) -> Result<[f64; 
     }
 }
 
+/// Units of what is written.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Units {
+    /// Of lengths.
+    pub length: Option<Unit>,
+    /// Of angles.
+    pub angle: Option<Unit>,
+}
+
+/// `deg,mm`: one unit of an angle, one of a length, or either.
+pub(super) fn parse_units(text: &str) -> Result<Units, String> {
+    let mut units = Units::default();
+    for word in text.split(',').map(str::trim) {
+        let unit = Unit::named(word);
+        let slot = match unit.map(|unit| unit.quantity) {
+            Some(Quantity::Length) => &mut units.length,
+            Some(Quantity::Angle) => &mut units.angle,
+            _ => {
+                return Err(format!(
+                    "`{word}` is no unit of an angle (rad, deg) or a length (m, mm, um, in)"
+                ));
+            }
+        };
+        if std::mem::replace(slot, unit.copied()).is_some() {
+            return Err("one unit of angles and one of lengths are possible, as in deg,mm".into());
+        }
+    }
+    Ok(units)
+}
+
 fn length(text: &str) -> Result<f64, String> {
     let split = text.find(|c: char| c.is_ascii_alphabetic() && c != 'e' && c != 'E').unwrap_or(text.len());
     let (number, unit) = text.split_at(split);
     let value: f64 = number.trim().parse().map_err(|_| format!("`{number}` is not a number"))?;
-    let unit = truepose_io::Unit::named(unit.trim())
-        .filter(|unit| unit.quantity == truepose_io::Quantity::Length)
+    let unit = Unit::named(unit.trim())
+        .filter(|unit| unit.quantity == Quantity::Length)
         .ok_or("a length needs a unit: m, mm, um or in, as in 0.15mm")?;
     if value.is_finite() { Ok(unit.to_si(value)) } else { Err("a finite length is needed".into()) }
 }

@@ -1,7 +1,7 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
 use super::frames::Placed;
-use super::joint_units::{in_units, joint_names};
+use super::joint_units::{self, in_units, joint_names};
 use super::reporting::Folder;
 use super::sessions::chosen;
 use super::{about, beyond, print_json, status};
@@ -21,8 +21,8 @@ use truepose_errormodel::{
     Beyond, Coverage, ErrorModel, FittedModel, History, Schema, Signal, history_of, presliding_of,
 };
 use truepose_io::{
-    CommandRow, MeasurementsOptions, Poses, WholeFiles, check_writable, commands_file, read_fit,
-    read_measurements, read_poses,
+    CommandRow, MeasurementsOptions, PoseForm, Poses, Quantity, WholeFiles, check_writable, commands_file,
+    read_fit, read_measurements, read_poses,
 };
 use truepose_kinematics::nalgebra::{DMatrix, Matrix3};
 use truepose_kinematics::{Chain, Conditions, Pose, ToolId};
@@ -41,6 +41,12 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     let file = file(args);
     let placed = Placed::new(args, &fitted)?;
     let mut poses = read(args, &fitted, &placed)?;
+    let mut form = PoseForm::default();
+    if let Some(units) = &args.units {
+        poses.joint_units = joint_units::chosen(fitted.chain(), &poses.joint_units, units);
+        form.length = units.length.unwrap_or(form.length);
+        form.turn = poses.convention.zip(units.angle.or(Some(*Quantity::Angle.si())));
+    }
     let progress = Progress::steps(poses.rows.len().div_ceil(CHUNK), watch);
     let (commands, expected) =
         commanded(&fitted, &mut poses, &|| progress.begin("commands")).map_err(|error| match error {
@@ -67,7 +73,8 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         };
         rows.iter().enumerate().map(one).collect()
     });
-    files.push(commands_file(&args.out, fitted.chain(), &poses, &rows, corrected.as_deref())?)?;
+    let corrected = corrected.as_deref().map(|poses| (poses, form));
+    files.push(commands_file(&args.out, fitted.chain(), &poses, &rows, corrected)?)?;
 
     let of = |status: Status| commands.iter().filter(|c| c.status == status).count();
     let statuses = [Status::Ok, Status::Limit, Status::Unreachable, Status::NotConverged];

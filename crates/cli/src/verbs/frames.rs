@@ -136,7 +136,7 @@ impl Placed {
             *named.filter(|unit| unit.quantity == quantity).unwrap_or_else(|| quantity.si())
         };
         let joint_units = chain.movable().iter().map(unit).collect();
-        Poses { rows, seeded: true, joint_units, ids: info.ids.clone() }
+        Poses { rows, seeded: true, joint_units, ids: info.ids.clone(), convention: None }
     }
 }
 

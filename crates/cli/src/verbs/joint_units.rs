@@ -1,6 +1,26 @@
 //! Joints as people read them: degrees and mm, as the controller has them.
 
+use crate::args::Units;
+use truepose_io::Unit;
 use truepose_kinematics::{Chain, JointId};
+
+/// The chosen units of the joints; where none was chosen for a joint, the usual one.
+pub(super) fn chosen(chain: &Chain, usual: &[Unit], units: &Units) -> Vec<Unit> {
+    let one = |(joint, usual): (&JointId, &Unit)| {
+        let chosen = if chain.joint(*joint).unit() == "m" { units.length } else { units.angle };
+        chosen.unwrap_or(*usual)
+    };
+    chain.movable().iter().zip(usual).map(one).collect()
+}
+
+/// Units in memory.
+pub(super) fn si(chain: &Chain) -> Vec<Unit> {
+    let quantity = |joint: &JointId| match chain.joint(*joint).unit() {
+        "m" => truepose_io::Quantity::Length,
+        _ => truepose_io::Quantity::Angle,
+    };
+    chain.movable().iter().map(|joint| *quantity(joint).si()).collect()
+}
 
 /// Joint values in degrees and mm.
 pub(super) fn in_units(chain: &Chain, joints: &[f64]) -> Vec<f64> {

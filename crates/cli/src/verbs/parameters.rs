@@ -99,7 +99,7 @@ pub(super) fn summary(
             unit: unit.word.into(),
             // No minus before a zero.
             nominal: parameter.nominal.map(|value| unit.from_si(value) + 0.0),
-            delta: parameter.nominal.map(|value| unit.from_si(parameter.calibrated - value)),
+            delta: parameter.nominal.map(|value| unit.from_si(parameter.calibrated - value) + 0.0),
             calibrated: unit.from_si(parameter.calibrated),
             half_width_95: estimated.then(|| unit.from_si(COVERAGE * parameter.standard_uncertainty)),
             remark: if estimated { String::new() } else { remark.into() },
@@ -118,18 +118,31 @@ pub(super) fn summary(
         let joint = chain.joint(offset.joint);
         let unit = if joint.unit() == "m" { millimetres } else { degrees };
         let estimated = offset.standard_uncertainty > 0.0;
-        let remark = match offset.part_of {
+        let mut remark = match offset.part_of {
             Some(part) => format!("not distinguishable: part of {part}"),
             None if estimated => String::new(),
             None => "kept".into(),
         };
+        if let Some(own) = offset.of_variable {
+            let drivers = chain.couplings().iter().filter(|coupling| coupling.joint == offset.joint);
+            let drivers: Vec<&str> =
+                drivers.map(|coupling| chain.joint(coupling.driver).name.as_str()).collect();
+            let between = if remark.is_empty() { "" } else { "; " };
+            let own = unit.from_si(own) + 0.0;
+            remark += &format!(
+                "{between}coupled to {}: the joint itself is off by {own:.4} {}",
+                drivers.join(", "),
+                unit.word
+            );
+        }
         ParameterSummary {
             part: joint.name.clone(),
             parameter: "zero_offset".into(),
             unit: unit.word.into(),
             nominal: Some(0.0),
-            delta: Some(unit.from_si(offset.offset)),
-            calibrated: unit.from_si(offset.offset),
+            // No minus before a zero.
+            delta: Some(unit.from_si(offset.offset) + 0.0),
+            calibrated: unit.from_si(offset.offset) + 0.0,
             half_width_95: estimated.then(|| unit.from_si(COVERAGE * offset.standard_uncertainty)),
             remark,
         }

@@ -1,6 +1,6 @@
 //! `truepose plan`: further measurements.
 
-use super::joint_units::{in_units, joint_names};
+use super::joint_units::{self, in_units, joint_names};
 use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;
@@ -70,7 +70,9 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
             worth: visit.worth,
         })
         .collect();
-    write_plan(&args.out, fitted.chain(), &visits)?;
+    let chain = fitted.chain();
+    let units = args.units.as_ref().map(|units| joint_units::chosen(chain, &joint_units::si(chain), units));
+    write_plan(&args.out, chain, &visits, units.as_deref())?;
     let summary = PlanSummary::new(&made);
     if let Some(folder) = &folder {
         write_page(args, folder, &fitted, &visits, &summary)?;

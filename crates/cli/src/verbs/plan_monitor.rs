@@ -1,5 +1,6 @@
 //! `truepose plan --for monitor`: the poses of a fit that show changes of the robot best.
 
+use super::joint_units;
 use super::print_json;
 use super::sessions::chosen;
 use crate::args::Plan;
@@ -35,7 +36,9 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
             worth: 0.0,
         })
         .collect();
-    write_plan(&args.out, fitted.chain(), &visits)?;
+    let chain = fitted.chain();
+    let units = args.units.as_ref().map(|units| joint_units::chosen(chain, &joint_units::si(chain), units));
+    write_plan(&args.out, chain, &visits, units.as_deref())?;
     if args.json {
         let one = |found: &truepose_upkeep::Detectable| {
             serde_json::json!({

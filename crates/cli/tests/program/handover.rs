@@ -211,6 +211,51 @@ fn commands_reach_poses_of_a_tool_in_a_work_object() {
 }
 
 #[test]
+fn commands_and_plans_have_the_units_of_a_pendant() {
+    let folder = fitted();
+    let q: Vec<f64> = [10f64, -70.0, 80.0, -20.0, 60.0, 15.0].map(f64::to_radians).to_vec();
+    let wanted = nominal_flange(&q);
+    let ([x, y, z], [roll, pitch, yaw]) =
+        (<[f64; 3]>::from(1e3 * wanted.translation), wanted.rpy().map(f64::to_degrees));
+    folder.write(
+        "t.csv",
+        &format!("X[mm],Y[mm],Z[mm],A[deg],B[deg],C[deg]\n{x},{y},{z},{yaw},{pitch},{roll}\n"),
+    );
+    let run = ["compensate", "--fit", "fit.json", "--poses", "t.csv", "--out", "c.csv", "--cartesian"];
+    let run = [&run[..], &["--frame", "base", "--tcp", "flange", "--orientation", "abc"]].concat();
+    folder.run(&run).ended(0);
+    let in_si = folder.read("c.csv");
+    folder.run(&[&run[..], &["--units", "deg,mm"]].concat()).ended(0);
+    let in_units = folder.read("c.csv");
+    assert!(in_units.starts_with("j1[deg],j2[deg]"), "{in_units}");
+    let names =
+        "corrected_x[mm],corrected_y[mm],corrected_z[mm],corrected_a[deg],corrected_b[deg],corrected_c[deg]";
+    assert!(in_units.lines().next().unwrap().ends_with(names), "{in_units}");
+    let (si, own) = (rows(&in_si).remove(0), rows(&in_units).remove(0));
+    for (a, b) in numbers(&si[..6]).iter().zip(numbers(&own[..6])) {
+        assert!((a.to_degrees() - b).abs() < 1e-9, "{a} {b}");
+    }
+    let (si, own) = (numbers(&si[11..18]), numbers(&own[11..17]));
+    let quaternion = Pose::rotation_from_quaternion([si[3], si[4], si[5], si[6]]);
+    let [a, b, c] = [own[3], own[4], own[5]].map(f64::to_radians);
+    let kuka = Pose::rot(2, a) * Pose::rot(1, b) * Pose::rot(0, c);
+    same(
+        &Pose::new(kuka.rotation, Vector3::new(own[0], own[1], own[2]) / 1e3),
+        &Pose::new(quaternion, Vector3::new(si[0], si[1], si[2])),
+    );
+    let plan = ["plan", "--fit", "fit.json", "--out", "p.csv", "--count", "3", "--pool", "20"];
+    folder.run(&plan).ended(0);
+    let in_si = rows(&folder.read("p.csv"));
+    folder.run(&[&plan[..], &["--units", "deg"]].concat()).ended(0);
+    assert!(folder.read("p.csv").starts_with("visit,j1[deg],"), "{}", folder.read("p.csv"));
+    for (si, own) in in_si.iter().zip(rows(&folder.read("p.csv"))) {
+        assert!((numbers(&si[1..2])[0].to_degrees() - numbers(&own[1..2])[0]).abs() < 1e-9, "{si:?} {own:?}");
+    }
+    let refused = folder.run(&[&plan[..], &["--units", "kg"]].concat()).ended(2).log;
+    assert!(refused.contains("`kg` is no unit of an angle (rad, deg) or a length"), "{refused}");
+}
+
+#[test]
 fn frames_that_are_not_there_are_named() {
     let folder = fitted();
     folder.write("t.csv", "x[mm],y[mm],z[mm]\n500,0,500\n");

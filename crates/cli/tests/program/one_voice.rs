@@ -92,6 +92,21 @@ fn an_identification_has_one_verdict() {
 }
 
 #[test]
+fn a_budget_has_no_zero_for_what_is_not_known() {
+    let Said { terminal, page, json, .. } = said("identify", "50mm");
+    let instrument = &json["budget"]["contributions"][0];
+    assert_eq!(instrument["source"], "instrument");
+    for key in ["u_mm", "total_mm", "fraction", "freedom"] {
+        assert!(instrument[key].is_null(), "{key}: {instrument}");
+    }
+    assert!(json["budget"]["contributions"][2]["total_mm"].as_f64().unwrap() > 0.0);
+    for text in [terminal, page] {
+        assert!(text.contains("instrument B – – – – – – "), "{text}");
+        assert!(text.contains("instrument: not stated (columns sx, sy, sz)"), "{text}");
+    }
+}
+
+#[test]
 fn rows_have_one_number_and_one_line() {
     let Said { terminal, html, json, folder, .. } = said("identify", "50mm");
     let data = folder.read("data.csv");

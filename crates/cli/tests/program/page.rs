@@ -30,9 +30,17 @@ window.addEventListener("load", function () {
   function contrast(a, b) { var x = light(a), y = light(b); return (Math.max(x, y) + 0.05) / (Math.min(x, y) + 0.05); }
   var canvas = document.getElementById("space"), before = canvas.dataset.azimuth;
   canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
+  function hovered(canvas) {
+    var box = canvas.getBoundingClientRect(), x, y;
+    for (x = 0; x < box.width; x += 6) for (y = 0; y < box.height; y += 6) {
+      canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + x, clientY: box.top + y }));
+      if (canvas.title) return canvas.title;
+    }
+    return "";
+  }
   var svgs = Array.from(document.querySelectorAll("figure svg"));
   var answer = {
-    turned: canvas.dataset.azimuth !== before, ink: ink(canvas),
+    turned: canvas.dataset.azimuth !== before, ink: ink(canvas), hovered: [hovered(canvas), hovered(document.getElementById("robot"))],
     figures: svgs.length,
     empty: svgs.filter(function (s) { var b = s.getBBox(); return !(b.width > 20 && b.height > 20) || s.querySelectorAll("path,rect").length < 2; }).length,
     nameless: Array.from(document.querySelectorAll("svg,canvas")).filter(function (s) { return !s.getAttribute("aria-label"); }).length,
@@ -150,6 +158,9 @@ fn the_page_in_a_browser() {
         let seen = asked(browser, &folder, &axe, width, dark, printed);
         let number = |key: &str| seen[key].as_f64().unwrap();
         assert_eq!(seen["turned"], true, "{seen}");
+        let hovered = |k: usize| seen["hovered"][k].as_str().unwrap_or_default();
+        assert!(hovered(0).starts_with("row ") && hovered(0).ends_with(" mm"), "{seen}");
+        assert!(hovered(1).contains(", row ") && hovered(1).ends_with(" mm"), "{seen}");
         assert!(number("ink") > 500.0 && number("figures") > 6.0, "{seen}");
         for none in ["empty", "nameless", "links", "small"] {
             assert_eq!(seen[none], 0, "{none}: {seen}");

@@ -104,6 +104,11 @@ impl Header {
         let names = cells(text)
             .map_err(|_| IoError::line(file, line, "a quote in the header does not end; close it"))?;
         separated_by_commas(file, line, text, names.len())?;
+        if names.len() > 2 && names.iter().all(|name| name.parse::<f64>().is_ok()) {
+            let message = "holds numbers alone, where the names of the columns are expected; add a line above it, such as \
+                           `theta[deg],x[mm],y[mm],z[mm]`, with a name for each column";
+            return Err(IoError::line(file, line, message));
+        }
         if names.len() > MOST_COLUMNS {
             let message =
                 format!("{} columns are more than a table of measurements has ({MOST_COLUMNS})", names.len());
@@ -170,7 +175,7 @@ impl Header {
         }
         header.slots = header.slots(resolver, needs)?;
         if (needs.measured || needs.position) && !header.proposal.is_empty() {
-            let message = format!("columns are not read that may be meant{}", header.proposal.text());
+            let message = format!("{}{}", header.proposal.matter(), header.proposal.text());
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
         if header.slots.payload.is_some() && header.slots.centre.is_none() {

@@ -52,6 +52,12 @@ impl Names<'_> {
         {
             return Named::Header(Cow::Owned(format!("{name}[{unit}]")));
         }
+        // Of channels the unit matters where it makes them temperatures.
+        if let Some(unit) = unit.filter(|unit| unit.contains('C'))
+            && Unit::named(unit).is_some_and(|unit| unit.quantity == Quantity::Temperature)
+        {
+            return Named::Header(Cow::Owned(format!("{name}[{unit}]")));
+        }
         Named::Header(Cow::Borrowed(header))
     }
 
@@ -233,7 +239,9 @@ mod tests {
         assert_eq!(header("slide mm"), "slide[mm]");
         // No length, so no unit of it.
         assert_eq!(header("slide_deg"), "slide_deg");
-        assert_eq!(header("oil (degC)"), "oil (degC)");
+        assert_eq!(header("oil (bar)"), "oil (bar)");
+        assert_eq!(header("oil (°C)"), "oil[°C]");
+        assert_eq!(header("oil (K)"), "oil (K)");
         assert!(names.knows("r2 (°)") && !names.knows("oil (degC)"));
     }
 }

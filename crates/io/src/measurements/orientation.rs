@@ -8,8 +8,8 @@
 //! q1q2q3q4   (w, x, y, z)              ABB
 //! ```
 
-use truepose_kinematics::Pose;
-use truepose_kinematics::nalgebra::Matrix3;
+use truepose_kinematics::nalgebra::{Matrix3, Vector3};
+use truepose_kinematics::{Pose, rotation_log};
 
 /// How angles describe an orientation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +64,45 @@ impl Convention {
         })
     }
 
+    /// Three angles of a rotation, rad, or its rotation vector; none of a quaternion. Where an angle is not determined the last one is 0.
+    pub fn angles(self, rotation: &Matrix3<f64>) -> Option<[f64; 3]> {
+        let rpy = |of: Matrix3<f64>| Pose::new(of, Vector3::zeros()).rpy();
+        Some(match self {
+            Convention::Rpy | Convention::FanucWpr => rpy(*rotation),
+            Convention::KukaAbc => {
+                let [c, b, a] = rpy(*rotation);
+                [a, b, c]
+            }
+            // The inverse is about the same axes in the opposite order.
+            Convention::Xyz => rpy(rotation.transpose()).map(|angle| -angle),
+            Convention::Zyz => {
+                let r = rotation;
+                let sine = r[(0, 2)].hypot(r[(1, 2)]);
+                let b = sine.atan2(r[(2, 2)]);
+                if sine > 1e-9 {
+                    [r[(1, 2)].atan2(r[(0, 2)]), b, r[(2, 1)].atan2(-r[(2, 0)])]
+                } else {
+                    let sign = r[(2, 2)].signum();
+                    [(sign * r[(1, 0)]).atan2(sign * r[(0, 0)]), b, 0.0]
+                }
+            }
+            Convention::RotationVector => rotation_log(rotation).into(),
+            Convention::AbbQuaternion => return None,
+        })
+    }
+
+    /// Names of its three numbers; none of a quaternion.
+    pub fn names(self) -> Option<[&'static str; 3]> {
+        match self {
+            Convention::Rpy => Some(["roll", "pitch", "yaw"]),
+            Convention::KukaAbc => Some(["a", "b", "c"]),
+            Convention::FanucWpr => Some(["w", "p", "r"]),
+            Convention::Xyz | Convention::RotationVector => Some(["rx", "ry", "rz"]),
+            Convention::Zyz => Some(["o", "a", "t"]),
+            Convention::AbbQuaternion => None,
+        }
+    }
+
     /// Which of its angles a column of this name is.
     pub(super) fn angle(self, name: &str) -> Option<usize> {
         let names: &[[&str; 3]] = match self {
@@ -112,6 +151,23 @@ mod tests {
         assert!((abc - rpy).amax() > 0.1);
         let back = Convention::Rpy.rotation([0.1, 0.2, 0.3]).unwrap();
         assert!((abc - back).amax() < 1e-15);
+    }
+
+    #[test]
+    fn angles_are_those_of_the_rotation() {
+        let all =
+            [Convention::Rpy, Convention::FanucWpr, Convention::KukaAbc, Convention::Xyz, Convention::Zyz];
+        for angles in [[0.3, 0.9, -2.0], [-3.0, 0.2, 1.0], [0.4, 0.0, 0.0], [0.7, std::f64::consts::PI, 0.0]]
+        {
+            for convention in all {
+                let wanted = convention.rotation(angles).unwrap();
+                let found = convention.rotation(convention.angles(&wanted).unwrap()).unwrap();
+                assert!((found - wanted).amax() < 1e-12, "{convention:?} {angles:?}");
+            }
+        }
+        let turned = Convention::RotationVector.angles(&Pose::rot(1, 0.4).rotation).unwrap();
+        assert!((turned[1] - 0.4).abs() < 1e-12 && turned[0].abs() < 1e-12);
+        assert_eq!(Convention::AbbQuaternion.angles(&Matrix3::identity()), None);
     }
 
     #[test]

@@ -48,7 +48,14 @@ impl Sample {
             Named::Header(ours) => ours,
         };
         let role = names.oriented(split_unit(&ours).0);
-        let (column, mut warning) = Column::named(header, &ours, (names.chain, role), channels)?;
+        let (mut column, mut warning) = Column::named(header, &ours, (names.chain, role), channels)?;
+        if matches!(column.role, Role::Channel(_)) && !self.0.is_empty() && self.filled(k).next().is_none() {
+            let rows = if self.0.len() < ROWS { String::new() } else { format!(" in the first {ROWS} rows") };
+            return Ok((
+                Column::unread(header, Cells::Note),
+                Some(format!("is empty{rows}, and is not read")),
+            ));
+        }
         if matches!(column.role, Role::Channel(_)) && !column.unit_given && self.holds_text(k) {
             let message = "holds text, and is not read".to_owned();
             return Ok((Column::unread(header, Cells::Note), Some(message)));
@@ -65,6 +72,7 @@ impl Sample {
             // Dates and clock times need no unit.
             if self.filled(k).next().is_some() {
                 warning = Some("holds dates or clock times, and is read in seconds".to_owned());
+                column.unit_given = true;
             }
         }
         Ok((column, warning))

@@ -12,6 +12,7 @@ mod surroundings;
 mod targets;
 mod toml_form;
 mod tree;
+mod turns;
 mod urdf;
 mod urdf_corrected;
 mod urdf_form;

@@ -1,7 +1,7 @@
 //! The TOML form of a robot description.
 
 use super::names::joint_name_problem;
-use super::{MOST_JOINTS, RobotOptions, urdf};
+use super::{MOST_JOINTS, RobotOptions, turns, urdf};
 use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings, targets, tree};
 use crate::frame_names::joint_name;
 use crate::text::Text;
@@ -76,6 +76,9 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     errors.extend(units(&root).and_then(|units| surroundings::read(&root, units.length, units.angle)).err());
     let units = units(&root)?;
     details::of(&root)?;
+    if units.angle.is_si() {
+        turns::look(&root, path, warnings);
+    }
     let (found, there) = kinematics_yaml::named(&root, |file| beside(path, file))?;
     let ((name, joints), parents) = match (root.get("urdf"), root.get("joints")) {
         (None, None) if found.is_some() => (found.unwrap_or_default(), Vec::new()),

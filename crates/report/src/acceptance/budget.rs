@@ -16,14 +16,14 @@ pub struct ContributionSummary {
     pub source: String,
     /// `A` or `B` (GUM 4.2, 4.3).
     pub evaluation: &'static str,
-    /// Standard uncertainty of x, y, z, mm.
-    pub u_mm: [f64; 3],
-    /// Standard uncertainty of the position, all axes, mm.
-    pub total_mm: f64,
-    /// Degrees of freedom; null where the contribution is known.
+    /// Standard uncertainty of x, y, z, mm; null where nothing is known of it.
+    pub u_mm: Option<[f64; 3]>,
+    /// Standard uncertainty of the position, all axes, mm; null where nothing is known of it.
+    pub total_mm: Option<f64>,
+    /// Degrees of freedom; null where the contribution is known, or nothing is known of it.
     pub freedom: Option<f64>,
-    /// Part of the combined variance, 0 to 1.
-    pub fraction: f64,
+    /// Part of the combined variance, 0 to 1; null where nothing is known of it.
+    pub fraction: Option<f64>,
 }
 
 /// A budget.
@@ -53,20 +53,24 @@ pub struct BudgetSummary {
 const ROWS: usize = 2000;
 
 impl BudgetSummary {
-    /// A budget in mm.
-    pub fn new(measurand: &str, budget: &Budget, notes: Vec<String>) -> Self {
+    /// A budget in mm; nothing is known of the contributions of these sources, for a reason each.
+    fn new(measurand: &str, budget: &Budget, unknown: &[(&str, &str)], mut notes: Vec<String>) -> Self {
         let finite = |freedom: f64| freedom.is_finite().then_some(freedom);
-        let one = |c: &Contribution| ContributionSummary {
-            source: c.source.clone(),
-            evaluation: match c.evaluation {
-                Evaluation::A => "A",
-                Evaluation::B => "B",
-            },
-            u_mm: c.u.map(|u| 1e3 * u),
-            total_mm: 1e3 * c.total(),
-            freedom: finite(c.freedom),
-            fraction: budget.fraction(c),
+        let one = |c: &Contribution| {
+            let known = unknown.iter().all(|(source, _)| c.source != *source);
+            ContributionSummary {
+                source: c.source.clone(),
+                evaluation: match c.evaluation {
+                    Evaluation::A => "A",
+                    Evaluation::B => "B",
+                },
+                u_mm: known.then(|| c.u.map(|u| 1e3 * u)),
+                total_mm: known.then(|| 1e3 * c.total()),
+                freedom: finite(c.freedom).filter(|_| known),
+                fraction: known.then(|| budget.fraction(c)),
+            }
         };
+        notes.splice(0..0, unknown.iter().map(|(source, why)| format!("{source}: {why}")));
         let (k, combined) = (Budget::COVERAGE_FACTOR, budget.combined().map(|u| 1e3 * u));
         BudgetSummary {
             measurand: measurand.into(),
@@ -83,11 +87,12 @@ impl BudgetSummary {
 
     /// Of test poses.
     pub(super) fn of_assessment(budget: &Budget) -> Self {
-        let mut notes = Vec::new();
+        let mut unknown = Vec::new();
         if budget.contributions.iter().any(|c| c.source == "instrument" && c.total() <= 0.0) {
-            notes.push("instrument: not stated (--instrument)".into());
+            unknown.push(("instrument", "not stated (--instrument)"));
         }
-        Self::new("position that the calibrated robot attains once at a test pose, base frame", budget, notes)
+        let measurand = "position that the calibrated robot attains once at a test pose, base frame";
+        Self::new(measurand, budget, &unknown, Vec::new())
     }
 
     /// Of the held-out rows of an identification: contributions to the variance of one measured position about its prediction.
@@ -110,7 +115,7 @@ impl BudgetSummary {
                 }
                 _ => (&train, Vec::new(), false),
             };
-        let mut notes = Vec::new();
+        let (mut unknown, mut notes) = (Vec::new(), Vec::new());
         let mean = |values: &mut dyn Iterator<Item = f64>| {
             let (sum, n) = values.filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
             if n > 0.0 { sum / n } else { 0.0 }
@@ -118,12 +123,14 @@ impl BudgetSummary {
         let each = |of: &dyn Fn(usize) -> f64| [of(0), of(1), of(2)];
         let stated = each(&|k| mean(&mut rows.iter().map(|&row| data.position_sd[row][k].powi(2))));
         if stated.iter().all(|v| *v <= 0.0) {
-            notes.push("instrument: not stated (columns sx, sy, sz)".into());
+            unknown.push(("instrument", "not stated (columns sx, sy, sz)"));
         }
         let (repeats, freedom) = match &found.repeats {
             Some(repeats) => (repeats.rms.powi(2) / 3.0, repeats.freedom as f64),
             None => {
-                notes.push("repeatability: unknown, no configuration was measured twice; it is contained in the last contribution".into());
+                let why =
+                    "unknown, no configuration was measured twice; it is contained in the last contribution";
+                unknown.push(("repeatability", why));
                 (0.0, f64::INFINITY)
             }
         };
@@ -163,7 +170,8 @@ impl BudgetSummary {
                 ),
             ],
         };
-        Ok(Self::new("one measured position about its prediction, measurement frame", &budget, notes))
+        let measurand = "one measured position about its prediction, measurement frame";
+        Ok(Self::new(measurand, &budget, &unknown, notes))
     }
 
     /// Cells of a table: names, then x, y, z, total.
@@ -175,8 +183,13 @@ impl BudgetSummary {
             .iter()
             .map(|c| {
                 let mut row = vec![c.source.clone(), c.evaluation.into()];
-                row.extend(c.u_mm.map(mm));
-                row.extend([mm(c.total_mm), freedom(c.freedom), format!("{:.0} %", 100.0 * c.fraction)]);
+                match (c.u_mm, c.total_mm, c.fraction) {
+                    (Some(u), Some(total), Some(fraction)) => {
+                        row.extend(u.map(mm));
+                        row.extend([mm(total), freedom(c.freedom), format!("{:.0} %", 100.0 * fraction)]);
+                    }
+                    _ => row.resize(Self::HEAD.len(), "–".into()),
+                }
                 row
             })
             .collect();

@@ -3,7 +3,7 @@
   if (!holder || !canvas) return;
   var data = JSON.parse(holder.textContent), ctx = canvas.getContext("2d");
   var slider = document.getElementById("robot-pose"), name = document.getElementById("robot-name");
-  var azimuth = 0.6, height = 0.35;
+  var azimuth = 0.6, height = 0.35, marks = [];
   function colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
   function draw() {
     var box = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
@@ -31,10 +31,12 @@
       ctx.moveTo(to[0] - head * (dx - 0.5 * dy), to[1] - head * (dy + 0.5 * dx)); ctx.lineTo(to[0], to[1]);
       ctx.lineTo(to[0] - head * (dx + 0.5 * dy), to[1] - head * (dy - 0.5 * dx)); ctx.stroke();
     }
-    ctx.lineJoin = ctx.lineCap = "round";
+    ctx.lineJoin = ctx.lineCap = "round"; marks = [];
     data.poses.forEach(function (pose, k) { if (k !== chosen) { ctx.globalAlpha = 0.13; ctx.strokeStyle = colour("--ink"); ctx.lineWidth = 2; line(pose.line); } });
     data.poses.forEach(function (pose, k) {
-      var p = pose.at, from = at(p[0], p[1], p[2]), many = pose.errors.length / 3;
+      var p = pose.at, from = at(p[0], p[1], p[2]), many = pose.errors.length / 3, words = [];
+      for (var n = 0; n < many; n++) words.push(data.titles[n] + " " + Math.hypot(pose.errors[3 * n], pose.errors[3 * n + 1], pose.errors[3 * n + 2]).toPrecision(3) + " mm");
+      marks.push([from[0], from[1], pose.name + (words.length ? ": " + words.join(", ") : "")]);
       for (var i = 0; i < pose.errors.length; i += 3) {
         ctx.globalAlpha = k === chosen ? 1 : 0.6; ctx.lineWidth = k === chosen ? 2.6 : 1.4;
         ctx.strokeStyle = colour(i / 3 === many - 1 ? "--after" : "--before");
@@ -61,6 +63,7 @@
   function turn(a, b) { azimuth += a; height = Math.max(-1.5, Math.min(1.5, height + b)); draw(); }
   var from = null;
   canvas.addEventListener("pointerdown", function (e) { from = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); });
+  canvas.addEventListener("pointermove", function (e) { if (!from) canvas.title = nearest(marks, canvas, e); });
   canvas.addEventListener("pointermove", function (e) { if (from) { turn((e.clientX - from[0]) * 0.01, (e.clientY - from[1]) * 0.01); from = [e.clientX, e.clientY]; } });
   ["pointerup", "pointercancel"].forEach(function (n) { canvas.addEventListener(n, function () { from = null; }); });
   canvas.addEventListener("keydown", function (e) {

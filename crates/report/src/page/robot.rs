@@ -116,7 +116,7 @@ impl Page {
         self.raw(&format!(
             "<figure><canvas id=\"robot\" width=\"1040\" height=\"620\" tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\
              <div class=\"bar\"><label>pose <input type=\"range\" id=\"robot-pose\" min=\"0\" max=\"{chosen}\" value=\"0\"></label> <output id=\"robot-name\"></output></div>\
-             <figcaption>{} Drag, or use the arrow keys, to rotate. <a href=\"robot.svg\">robot.svg</a></figcaption></figure>\
+             <figcaption>{} Drag, or use the arrow keys, to rotate; point at the end of an arm for its errors. <a href=\"robot.svg\">robot.svg</a></figcaption></figure>\
              <script type=\"application/json\" id=\"robot-data\">{data}</script>",
             escape(&about),
             escape(&format!("{about}. {note}"))

@@ -8,11 +8,17 @@
   });
   window.addEventListener("afterprint", function () { opened.forEach(function (d) { d.open = false; }); });
 })();
+// The words of the mark at a pointer: x, y and words each.
+function nearest(marks, canvas, e) {
+  var box = canvas.getBoundingClientRect(), words = "", least = 10;
+  marks.forEach(function (m) { var d = Math.hypot(m[0] - e.clientX + box.left, m[1] - e.clientY + box.top); if (d < least) { least = d; words = m[2]; } });
+  return words;
+}
 (function () {
   var holder = document.getElementById("space-data"), canvas = document.getElementById("space");
   if (!holder || !canvas) return;
   var data = JSON.parse(holder.textContent), ctx = canvas.getContext("2d");
-  var azimuth = 0.6, height = 0.45, mode = "errors";
+  var azimuth = 0.6, height = 0.45, mode = "errors", marks = [];
   function colour(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
   function mix(t) { return "hsl(" + Math.round(210 - 190 * t) + " 75% " + (dark() ? 62 : 44) + "%)"; }
   function dark() { return matchMedia("(prefers-color-scheme: dark)").matches && !matchMedia("print").matches; }
@@ -24,6 +30,7 @@
     ctx.fillStyle = colour("--paper"); ctx.fillRect(0, 0, w, h);
     var side = stacked ? w : w / 2;
     var first = many === 1 && !stacked ? w / 4 : 0;
+    marks = [];
     data.clouds.forEach(function (cloud, k) {
       panel(stacked ? 0 : first + k * side, stacked ? k * side : 0, side, data.titles[k], cloud, data.colours[k]);
     });
@@ -50,7 +57,7 @@
       var v = errors ? list : data.place;
       p = at(v[i] - mid[0], v[i + 1] - mid[1], v[i + 2] - mid[2]);
       p.push(Math.sqrt(list[i] * list[i] + list[i + 1] * list[i + 1] + list[i + 2] * list[i + 2]));
-      order.push(p);
+      order.push(p); marks.push([p[0], p[1], "row " + data.rows[i / 3] + ": " + p[3].toPrecision(3) + " mm"]);
     }
     order.sort(function (a, b) { return b[2] - a[2]; });
     ctx.fillStyle = colour(name); ctx.globalAlpha = errors ? 0.55 : 0.8;
@@ -76,6 +83,7 @@
   function turn(a, b) { azimuth += a; height = Math.max(-1.5, Math.min(1.5, height + b)); draw(); }
   var from = null;
   canvas.addEventListener("pointerdown", function (e) { from = [e.clientX, e.clientY]; canvas.setPointerCapture(e.pointerId); });
+  canvas.addEventListener("pointermove", function (e) { if (!from) canvas.title = nearest(marks, canvas, e); });
   canvas.addEventListener("pointermove", function (e) { if (from) { turn((e.clientX - from[0]) * 0.01, (e.clientY - from[1]) * 0.01); from = [e.clientX, e.clientY]; } });
   ["pointerup", "pointercancel"].forEach(function (n) { canvas.addEventListener(n, function () { from = null; }); });
   canvas.addEventListener("keydown", function (e) {

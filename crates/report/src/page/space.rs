@@ -72,7 +72,7 @@ impl Page {
         let data = serde_json::json!({
             "titles": named, "clouds": clouds.iter().map(|c| flat(c)).collect::<Vec<_>>(),
             "colours": if rows.same { vec!["--after"] } else { vec!["--before", "--after"] },
-            "place": flat(&place), "reach": rounded(reach), "size": rounded(size), "middle": middle.map(rounded), "limit": limit,
+            "rows": drawn.iter().map(|&k| rows.row[k] + 1).collect::<Vec<_>>(), "place": flat(&place), "reach": rounded(reach), "size": rounded(size), "middle": middle.map(rounded), "limit": limit,
             "words": caption,
             "placeWords": format!("measured positions; blue: no error, red: {} mm", significant(reach, 3)),
         });
@@ -82,7 +82,7 @@ impl Page {
             "<div class=\"bar\"><button type=\"button\" data-mode=\"errors\" aria-pressed=\"true\">error vectors</button>\
              <button type=\"button\" data-mode=\"place\" aria-pressed=\"false\">measured positions</button></div>\
              <figure><canvas id=\"space\" width=\"1040\" height=\"520\" tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\
-             <figcaption>Drag, or use the arrow keys, to rotate. <a href=\"errors_in_space.svg\">errors_in_space.svg</a></figcaption></figure>\
+             <figcaption>Drag, or use the arrow keys, to rotate; point at a mark for its row and error. <a href=\"errors_in_space.svg\">errors_in_space.svg</a></figcaption></figure>\
              <script type=\"application/json\" id=\"space-data\">{data}</script>",
             escape(&about)
         ));

@@ -5,6 +5,7 @@
 
 mod described;
 mod equivalent;
+mod known;
 mod rows;
 mod spread;
 mod text;
@@ -16,6 +17,7 @@ use super::remaining::Exported;
 use crate::CompensateError;
 use described::{Described, segments_of};
 use equivalent::Equivalent;
+use known::Knowledge;
 use nalgebra::DMatrix;
 use truepose_errormodel::FittedModel;
 use truepose_kinematics::{Chain, JointId, Pose};
@@ -82,8 +84,10 @@ pub struct Parameter {
 pub struct JointOffset {
     /// The joint.
     pub joint: JointId,
-    /// True minus reported joint value, rad or m.
+    /// True minus reported value of the controller, rad or m.
     pub offset: f64,
+    /// The offset of the joint's variable, where it differs: of a joint that is coupled to others.
+    pub of_variable: Option<f64>,
     /// Standard uncertainty; zero where it was not estimated.
     pub standard_uncertainty: f64,
     /// Which part of the robot takes up the offset, where it is not distinguishable: `base`, `tool`, or another joint's length.
@@ -108,7 +112,6 @@ pub fn parameter_table(
     let (equivalent, solution) =
         Equivalent::solve(&described, &segments).ok_or(CompensateError::NotInRows)?;
     let sensitivity = spread::sensitivity(fitted, &reference, &constants, !exported.left_out.is_empty())?;
-    let covariance = &sensitivity * fitted.covariance() * sensitivity.transpose();
     let chain = fitted.chain();
     let mut ways = Vec::with_capacity(chain.site_count());
     for k in 0..chain.site_count() {
@@ -121,20 +124,18 @@ pub fn parameter_table(
     }
     let derivative =
         equivalent.derivative(&solution, &segments, &ways, STEP).ok_or(CompensateError::NotInRows)?;
-    let kept = &derivative * &covariance * derivative.transpose();
-    let all = described.numbers.len();
-    let mut spread = DMatrix::zeros(all, all);
-    for (a, &i) in equivalent.kept.iter().enumerate() {
-        for (b, &j) in equivalent.kept.iter().enumerate() {
-            spread[(i, j)] = kept[(a, b)];
-        }
+    let kept = derivative * &sensitivity;
+    let mut moves = DMatrix::zeros(described.numbers.len(), kept.ncols());
+    for (row, &number) in equivalent.kept.iter().enumerate() {
+        moves.set_row(number, &kept.row(row));
     }
     let found = rows::Found {
         described: &described,
         values: &solution.values,
         kept: &equivalent.kept,
-        spread: &spread,
-        constants: &covariance,
+        knowledge: Knowledge::new(fitted),
+        moves: &moves,
+        of_sites: &sensitivity,
     };
     let value = found.table(exported.value);
     let Exported { left_out, remaining_error, comparison, .. } = exported;

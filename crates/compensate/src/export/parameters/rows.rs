@@ -2,8 +2,9 @@
 
 use super::super::geometry::split;
 use super::described::{Described, Form};
+use super::known::Knowledge;
 use super::{JointOffset, Parameter, ParameterPart, ParameterTable, PartKind};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, RowDVector, Vector3};
 use std::f64::consts::{PI, TAU};
 use truepose_kinematics::{Axis, Chain, JointId, JointKind, Placement, Pose, Site, TargetId};
 
@@ -19,10 +20,11 @@ pub(super) struct Found<'a> {
     /// Changes of all numbers.
     pub values: &'a [f64],
     pub kept: &'a [usize],
-    /// Covariance of the changes.
-    pub spread: &'a DMatrix<f64>,
-    /// Covariance of the constants of all sites.
-    pub constants: &'a DMatrix<f64>,
+    pub knowledge: Knowledge,
+    /// How all numbers move with the coefficients.
+    pub moves: &'a DMatrix<f64>,
+    /// How the constants of all sites do.
+    pub of_sites: &'a DMatrix<f64>,
 }
 
 impl Found<'_> {
@@ -51,7 +53,7 @@ impl Found<'_> {
                 Form::Dh(row) | Form::Mdh(row) => self.row(part, row),
             };
             if part != 0 && part != last {
-                offsets.push(self.offset(part));
+                offsets.push(self.offset(JointId(part)));
             }
             parts.push(ParameterPart { name: name.into(), kind, parameters });
         }
@@ -60,7 +62,8 @@ impl Found<'_> {
     }
 
     fn sd(&self, number: usize) -> f64 {
-        resolved(self.spread[(number, number)])
+        let moves = self.moves.row(number).into_owned();
+        self.knowledge.uncertainty(&moves, self.described.numbers[number].length)
     }
 
     fn row(&self, part: usize, row: &[f64; 5]) -> Vec<Parameter> {
@@ -83,8 +86,7 @@ impl Found<'_> {
         let nominal = numbers(pose, None);
         let calibrated = numbers(&form.pose(twist), Some(&nominal));
         let at = self.described.place(part, 0);
-        let block = self.spread.view((at, at), (6, 6));
-        let mut moves = DMatrix::zeros(6, 6);
+        let mut of_twist = DMatrix::zeros(6, 6);
         for k in 0..6 {
             let moved = |by: f64| {
                 let mut twist = twist.to_vec();
@@ -92,15 +94,15 @@ impl Found<'_> {
                 numbers(&form.pose(&twist), Some(&calibrated))
             };
             let (forward, back) = (moved(STEP), moved(-STEP));
-            (0..6).for_each(|row| moves[(row, k)] = (forward[row] - back[row]) / (2.0 * STEP));
+            (0..6).for_each(|row| of_twist[(row, k)] = (forward[row] - back[row]) / (2.0 * STEP));
         }
-        let spread = &moves * block * moves.transpose();
+        let moves = of_twist * self.moves.rows(at, 6);
         let one = |k: usize| Parameter {
             name: PLACE[k].0,
             unit: PLACE[k].1,
             nominal: known.then_some(nominal[k]),
             calibrated: calibrated[k],
-            standard_uncertainty: resolved(spread[(k, k)]),
+            standard_uncertainty: self.knowledge.uncertainty(&moves.row(k).into_owned(), k < 3),
         };
         (0..6).map(one).collect()
     }
@@ -114,7 +116,7 @@ impl Found<'_> {
                 unit: "m",
                 nominal: declared.known.then_some(declared.position[k]),
                 calibrated: found.position[k],
-                standard_uncertainty: resolved(self.constants[(site, site)]),
+                standard_uncertainty: self.knowledge.uncertainty(&self.of_sites.row(site).into_owned(), true),
             }
         };
         ParameterPart {
@@ -124,11 +126,10 @@ impl Found<'_> {
         }
     }
 
-    fn offset(&self, part: usize) -> JointOffset {
-        let joint = JointId(part);
+    /// How the zero of a joint's variable is put together from the numbers of its part.
+    fn along(&self, joint: JointId) -> Vec<(usize, f64)> {
         let chain = self.described.chain;
-        let slides = chain.joint(joint).kind == JointKind::Prismatic;
-        // How the offset is put together from the numbers of the part.
+        let (part, slides) = (joint.0, chain.joint(joint).kind == JointKind::Prismatic);
         let along: Vec<(usize, f64)> = match self.described.parts[part] {
             Form::Placed(_) => {
                 let axis = split(chain, joint).2;
@@ -137,31 +138,45 @@ impl Found<'_> {
             }
             _ => vec![(self.described.place(part, usize::from(slides)), 1.0)],
         };
-        let along: Vec<(usize, f64)> = along.into_iter().filter(|(_, by)| by.abs() > 1e-12).collect();
-        let kept = along.iter().any(|(number, _)| self.kept.contains(number));
-        let variance: f64 = along
-            .iter()
-            .flat_map(|&(i, a)| along.iter().map(move |&(j, b)| a * b * self.spread[(i, j)]))
-            .sum();
+        along.into_iter().filter(|(_, by)| by.abs() > 1e-12).collect()
+    }
+
+    fn offset(&self, joint: JointId) -> JointOffset {
+        let chain = self.described.chain;
         let movable = chain.movable();
-        let part_of = match kept {
+        let own = self.along(joint);
+        let estimated = own.iter().any(|(number, _)| self.kept.contains(number));
+        // The controller's value of the joint, from the variables of the joints: u = C⁻¹ q.
+        let mut all = Vec::new();
+        for (k, &other) in movable.iter().enumerate() {
+            let mut unit = vec![0.0; movable.len()];
+            unit[k] = 1.0;
+            chain.joints_to_controller(&mut unit);
+            let by = chain.coordinate(joint).map_or(0.0, |own| unit[own]);
+            if by.abs() > 0.0 {
+                all.extend(self.along(other).into_iter().map(|(number, part)| (number, by * part)));
+            }
+        }
+        let sum = |terms: &[(usize, f64)]| terms.iter().map(|&(number, by)| by * self.values[number]).sum();
+        let mut moves = RowDVector::zeros(self.moves.ncols());
+        for &(number, by) in &all {
+            moves += self.moves.row(number) * by;
+        }
+        let part_of = match estimated {
             true => None,
             false if movable.first() == Some(&joint) => Some("base"),
             false if movable.last() == Some(&joint) => Some("tool"),
             false => Some("another joint"),
         };
+        let slides = chain.joint(joint).kind == JointKind::Prismatic;
         JointOffset {
             joint,
-            offset: along.iter().map(|&(number, by)| by * self.values[number]).sum(),
-            standard_uncertainty: resolved(variance),
+            offset: sum(&all),
+            of_variable: chain.couplings().iter().any(|c| c.joint == joint).then(|| sum(&own)),
+            standard_uncertainty: if estimated { self.knowledge.uncertainty(&moves, slides) } else { 0.0 },
             part_of,
         }
     }
-}
-
-/// Standard deviation of a variance; zero where it is round-off, below a picometre or a picoradian.
-fn resolved(variance: f64) -> f64 {
-    if variance > 1e-24 { variance.sqrt() } else { 0.0 }
 }
 
 /// x y z, roll, pitch, yaw, the angles on the branch near others.

@@ -1,5 +1,6 @@
 //! Headers of several rows: names of groups above names of components.
 
+use super::super::names::is_unit_word;
 use std::collections::HashMap;
 
 /// A header whose empty names are completed from the rows above, and whose equal names are told apart by them; the nearest row comes first.
@@ -10,6 +11,7 @@ pub(super) fn composed(header: &[String], above: &[Vec<String>]) -> Vec<String> 
             name.clone_from(title);
         }
     }
+    units_below(&mut names, above);
     for row in above {
         let twice = repeated(&names);
         if twice.is_empty() {
@@ -34,6 +36,20 @@ pub(super) fn composed(header: &[String], above: &[Vec<String>]) -> Vec<String> 
         names = prefixed;
     }
     names
+}
+
+/// A row that holds names of some columns and, under the names of the row above, units of others.
+fn units_below(names: &mut [String], above: &[Vec<String>]) {
+    let Some(titles) = above.first() else { return };
+    if !repeated(names).iter().any(|name| is_unit_word(name)) {
+        return;
+    }
+    for (name, title) in names.iter_mut().zip(titles) {
+        if is_unit_word(name) && !title.is_empty() {
+            let unit = name.trim_matches(['[', ']', '(', ')', ' ', '-', '–']);
+            *name = if unit.is_empty() { title.clone() } else { format!("{title}[{unit}]") };
+        }
+    }
 }
 
 /// Whether the rows above can improve a header.
@@ -84,5 +100,10 @@ mod tests {
             row("No,Joints A,Joints B,Tracker A,Tracker B,Remark")
         );
         assert_eq!(composed(&row("a,b"), &[row("t,t")]), row("a,b"));
+        let units = [row("No,Base,Elbow,TCP,,Oil")];
+        assert_eq!(
+            composed(&row(",deg,deg,x [mm],y [mm],-"), &units),
+            row("No,Base[deg],Elbow[deg],x [mm],y [mm],Oil")
+        );
     }
 }

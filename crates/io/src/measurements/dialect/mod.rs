@@ -5,16 +5,20 @@
 //!                                          └──► some: the whole file is written anew in memory, line for line
 //! ```
 //!
-//! A row of titles above the header completes names that it lacks or has twice; structures of KRL become columns.
+//! A row of titles above the header completes names that it lacks or has twice; structures of KRL become columns; a comment above rows without a
+//! header may name their columns.
 //! Only what has one reading is written anew; a number such as `1.234` beside decimal commas is left to an error. Lines keep their numbers.
 
 mod composed;
+mod cut;
 mod encoding;
 mod in_cells;
 mod krl;
+mod named;
 mod numbers;
 mod rewrite;
 mod sniff;
+mod spaced;
 
 use super::names::Names;
 use crate::IoError;

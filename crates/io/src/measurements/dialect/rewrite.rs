@@ -3,11 +3,12 @@
 use super::super::cells::shown;
 use super::super::names::{Names, split_unit};
 use super::composed::composed;
+use super::cut::split;
 use super::encoding::Encoding;
 use super::in_cells::parted;
 use super::numbers::{Marks, marks, with_point};
-use super::sniff::split;
-use super::{Dialect, Rewritten, skipped};
+use super::{Dialect, Rewritten, named, skipped};
+use crate::nearest::listed;
 use crate::{IoError, Unit};
 use std::path::Path;
 
@@ -21,12 +22,12 @@ pub(super) fn rewrite(
     names: &Names<'_>,
 ) -> Result<Rewritten, IoError> {
     let lines: Vec<&str> = text.lines().collect();
-    let mut header = split(lines.get(dialect.header).copied().unwrap_or(""), dialect.separator);
-    if !dialect.above.is_empty() {
-        let above: Vec<Vec<String>> =
-            dialect.above.iter().map(|&at| split(lines[at], dialect.separator)).collect();
-        header = composed(&header, &above);
-    }
+    let mut header = named::cells(lines.get(dialect.header).copied().unwrap_or(""), dialect.separator);
+    let above: Vec<Vec<String>> =
+        dialect.above.iter().map(|&at| split(lines[at], dialect.separator)).collect();
+    let whole = composed(&header, &above);
+    let completed = whole != header;
+    header = whole;
     if let Some(units) = dialect.units {
         for (name, unit) in header.iter_mut().zip(split(lines[units], dialect.separator)) {
             let none = matches!(unit.trim(), "" | "-" | "–");
@@ -54,7 +55,7 @@ pub(super) fn rewrite(
     };
     let decimals = decimals(dialect, &lines, &header, names);
     let mut out = String::with_capacity(text.len() + text.len() / 8);
-    let mut errors = Vec::new();
+    let (mut errors, mut notes) = (Vec::new(), Vec::new());
     for (at, line) in lines.iter().enumerate() {
         if at == dialect.header {
             put(&mut out, &header);
@@ -63,8 +64,11 @@ pub(super) fn rewrite(
             while row.len() > header.len() && row.last().is_some_and(String::is_empty) {
                 row.pop();
             }
-            // A line of separators alone.
-            if row.iter().all(String::is_empty) {
+            // A line of separators alone, or with a word among them: the title of what a program wrote below the rows.
+            if row.iter().all(String::is_empty) || is_note(&row, header.len()) {
+                if let Some(word) = row.iter().find(|cell| !cell.is_empty()) {
+                    notes.push(format!("{} (`{}`)", at + 1, shown(word)));
+                }
                 out.push('\n');
                 continue;
             }
@@ -97,8 +101,21 @@ pub(super) fn rewrite(
         errors.truncate(LISTED);
         return Err(IoError::several(errors, usize::from(more)));
     }
-    let remarks = remarks(dialect, decimals, &stripped);
+    let mut remarks = remarks(dialect, decimals, completed, &stripped);
+    if !notes.is_empty() {
+        remarks.push(format!(
+            "lines that hold a text alone are not read: {}",
+            listed(notes.iter().map(String::as_str))
+        ));
+    }
     Ok(Rewritten { text: out.into_bytes(), remarks, header_added: false })
+}
+
+/// Whether one cell of a row holds a text, and the others nothing.
+fn is_note(row: &[String], columns: usize) -> bool {
+    let mut filled = row.iter().filter(|cell| !cell.is_empty());
+    let text = filled.next().is_some_and(|cell| cell.starts_with(char::is_alphabetic));
+    text && filled.next().is_none() && columns > 3
 }
 
 /// What the numbers of a file show about its marks.
@@ -168,7 +185,7 @@ fn put(out: &mut String, cells: &[String]) {
     }
 }
 
-fn remarks(dialect: &Dialect, decimals: Decimals, stripped: &[String]) -> Vec<String> {
+fn remarks(dialect: &Dialect, decimals: Decimals, completed: bool, stripped: &[String]) -> Vec<String> {
     let mut read = Vec::new();
     match dialect.encoding {
         Encoding::Utf8 => {}
@@ -178,6 +195,7 @@ fn remarks(dialect: &Dialect, decimals: Decimals, stripped: &[String]) -> Vec<St
     match dialect.separator {
         ',' => {}
         '\t' => read.push("columns separated by tabs".to_owned()),
+        ' ' => read.push("columns separated by blanks".to_owned()),
         other => read.push(format!("columns separated by `{other}`")),
     }
     if decimals.commas {
@@ -189,7 +207,7 @@ fn remarks(dialect: &Dialect, decimals: Decimals, stripped: &[String]) -> Vec<St
     if dialect.header > 0 {
         read.push(format!("the header in line {}", dialect.header + 1));
     }
-    if !dialect.above.is_empty() {
+    if completed {
         let lines: Vec<String> = dialect.above.iter().rev().map(|at| (at + 1).to_string()).collect();
         read.push(format!("names completed from line {}", lines.join(", ")));
     }

@@ -1,11 +1,11 @@
 //! How a table is written, from its first lines.
 
-use super::super::cells::cells;
 use super::super::names::{Names, is_unit_word};
 use super::composed::incomplete;
+use super::cut::{is_row_of_numbers, split};
 use super::encoding::Encoding;
 use super::numbers::{Marks, marks};
-use super::{Dialect, in_cells, krl, skipped};
+use super::{Dialect, in_cells, krl, named, skipped, spaced};
 
 /// Lines in which a header is looked for: below a title, an operator, a date, an instrument's settings.
 const SEARCHED: usize = 60;
@@ -18,7 +18,8 @@ const KNOWN: usize = 2;
 
 /// The dialect of a text; none where the plain reader reads it.
 pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names<'_>) -> Option<Dialect> {
-    let mut lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| !skipped(line)).collect();
+    let read = |line: &str| !skipped(line) || named::begins_with_a_number_sign(line);
+    let mut lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, line)| read(line)).collect();
     if !whole {
         lines.pop();
     }
@@ -47,10 +48,19 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
             }
         }
     }
-    let (header, separator) = match best {
+    let (mut header, separator) = match best {
         Some((_, at, separator)) => (at, separator),
-        None => regular(top)?,
+        None => spaced::table(top).or_else(|| regular(top))?,
     };
+    let cut = split(text.lines().nth(header)?, separator);
+    if is_row_of_numbers(&cut) {
+        header = named::in_a_comment(text, header, separator, cut.len()).unwrap_or(header);
+    }
+    if let Some((at, line)) = lines.iter().find(|(at, _)| *at > header)
+        && is_row_of_units_and_names(&split(line, separator))
+    {
+        header = *at;
+    }
     let below = lines.iter().find(|(at, _)| *at > header);
     let units = below.filter(|(_, line)| is_row_of_units(&split(line, separator))).map(|(at, _)| *at);
     let rows: Vec<Vec<String>> = lines
@@ -59,7 +69,8 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
         .take(CELLS)
         .map(|(_, line)| split(line, separator))
         .collect();
-    let named = split(lines.iter().find(|(at, _)| *at == header)?.1, separator);
+    let line = text.lines().nth(header)?;
+    let named = named::cells(line, separator);
     let above = if incomplete(&named) { titles(&lines, header, separator, named.len()) } else { Vec::new() };
     let mut in_cells = in_cells::units(&rows, named.len());
     in_cells
@@ -67,11 +78,13 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
         .zip(&named)
         .filter(|(_, name)| names.is_text(name))
         .for_each(|(unit, _)| *unit = None);
-    let quoted = |line: &str| line.contains('"') && split(line, ',').iter().any(|c| marks(c) == Marks::Comma);
+    let marked = |cell: &String| cell.contains(',') && marks(cell) != Marks::Plain;
+    let quoted = |line: &str| line.contains('"') && split(line, ',').iter().any(marked);
     let commas = separator != ',' || lines.iter().any(|(_, line)| quoted(line));
     let plain = encoding == Encoding::Utf8
         && separator == ','
         && header == first.0
+        && !line.starts_with('#')
         && units.is_none()
         && !commas
         && in_cells.iter().all(Option::is_none);
@@ -109,37 +122,15 @@ fn regular(lines: &[(usize, &str)]) -> Option<(usize, char)> {
     None
 }
 
-/// Whether most filled cells are numbers, with a unit or without.
-fn is_row_of_numbers(cells: &[String]) -> bool {
-    let is_number = |cell: &&String| {
-        let bare = in_cells::parted(cell).map_or(cell.as_str(), |(number, _)| number);
-        bare.parse::<f64>().is_ok() || !matches!(marks(bare), Marks::Plain)
-    };
-    let filled = || cells.iter().filter(|cell| !cell.is_empty());
-    filled().count() > 0 && 2 * filled().filter(is_number).count() > filled().count()
-}
-
 fn is_row_of_units(cells: &[String]) -> bool {
     let filled: Vec<&String> = cells.iter().filter(|cell| !cell.is_empty()).collect();
     filled.len() >= 2 && filled.iter().all(|cell| is_unit_word(cell))
 }
 
-/// The cells of a line.
-pub(super) fn split(line: &str, separator: char) -> Vec<String> {
-    if separator == ',' {
-        return cells(line.as_bytes()).map_or_else(
-            |_| line.split(',').map(|cell| cell.trim().to_owned()).collect(),
-            |all| all.into_iter().map(|cell| cell.into_owned()).collect(),
-        );
-    }
-    let (mut all, mut cell, mut quoted) = (Vec::new(), String::new(), false);
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            c if c == separator && !quoted => all.push(std::mem::take(&mut cell).trim().to_owned()),
-            c => cell.push(c),
-        }
-    }
-    all.push(cell.trim().to_owned());
-    all
+/// A row without numbers that has units for some columns, and names for others.
+fn is_row_of_units_and_names(cells: &[String]) -> bool {
+    let filled = || cells.iter().filter(|cell| !cell.is_empty());
+    let units = filled().filter(|cell| is_unit_word(cell)).count();
+    let numbers = filled().any(|cell| cell.parse::<f64>().is_ok() || !matches!(marks(cell), Marks::Plain));
+    units > 1 && units < filled().count() && !numbers
 }

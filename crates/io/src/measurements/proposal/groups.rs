@@ -55,6 +55,9 @@ const WANTED: [&str; 12] = [
     "prog",
 ];
 
+/// Words of what was computed from the measurement.
+const COMPUTED: [&str; 8] = ["dev", "deviation", "abw", "abweichung", "err", "error", "res", "residual"];
+
 /// Words of what was measured.
 pub(super) const MEASURED: [&str; 10] =
     ["mess", "meas", "measured", "ist", "act", "actual", "gemessen", "mes", "mocap", "tracker"];
@@ -95,6 +98,11 @@ impl Group {
 
     pub fn is_wanted(&self) -> bool {
         self.has(&WANTED)
+    }
+
+    /// Whether it holds errors of the measurement, or what they were computed from: no quantity on which the robot's errors depend.
+    pub fn is_no_cause(&self) -> bool {
+        self.is_wanted() || self.has(&COMPUTED)
     }
 }
 

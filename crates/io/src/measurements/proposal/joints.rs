@@ -37,8 +37,11 @@ const NO_JOINT: [&str; 19] = [
     "command",
 ];
 
-/// Names that Universal Robots' joints have everywhere.
-const UNIVERSAL: [&str; 6] = ["shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3"];
+/// Names that Universal Robots' joints have in descriptions, and on the pendant.
+const UNIVERSAL: [[&str; 6]; 2] = [
+    ["shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3"],
+    ["base", "shoulder", "elbow", "wrist 1", "wrist 2", "wrist 3"],
+];
 
 /// The column of every joint, and its unit.
 pub(super) type Joints = Vec<(usize, Unit)>;
@@ -58,11 +61,13 @@ pub(super) fn propose(seen: &mut [Seen<'_>], chain: &Chain, all: &mut Proposal) 
         if found.iter().any(Option::is_some) {
             nearly(seen, &names, &mut found);
         }
-        if found.iter().all(Option::is_none) && names.len() == UNIVERSAL.len() {
-            by_name(seen, &UNIVERSAL, &mut found);
-            // Some of them would be a guess.
-            if found.iter().any(Option::is_none) {
-                found.fill(None);
+        for usual in UNIVERSAL {
+            if found.iter().all(Option::is_none) && names.len() == usual.len() {
+                by_name(seen, &usual, &mut found);
+                // Some of them would be a guess.
+                if found.iter().any(Option::is_none) {
+                    found.fill(None);
+                }
             }
         }
     }

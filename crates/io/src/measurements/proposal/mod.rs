@@ -32,6 +32,10 @@ pub(crate) struct Proposal {
     orientation: Option<&'static str>,
     /// Columns that cannot be read as numbers.
     ignore: Vec<String>,
+    /// Columns of commanded positions and of deviations, which would be read as channels.
+    no_cause: Vec<String>,
+    /// Targets that the robot file lacks.
+    targets: Vec<String>,
     /// What there is to say about it.
     notes: Vec<String>,
     /// Whether a unit was concluded from values.
@@ -52,7 +56,26 @@ impl Proposal {
 
     /// Whether it says nothing that messages about rows do not say: columns to leave out are named there.
     pub fn is_empty(&self) -> bool {
-        self.pairs.is_empty() && self.orientation.is_none() && self.notes.is_empty()
+        self.pairs.is_empty()
+            && self.orientation.is_none()
+            && self.notes.is_empty()
+            && self.no_cause.is_empty()
+            && self.targets.is_empty()
+    }
+
+    /// The unit that was concluded for a column of ours.
+    fn unit_of(&self, ours: &str) -> Option<&'static str> {
+        let (_, theirs) = self.pairs.iter().find(|(name, _)| name == ours)?;
+        let (_, unit) = theirs.strip_suffix(']')?.rsplit_once('[')?;
+        crate::Unit::named(unit).map(|unit| unit.word)
+    }
+
+    /// What is the matter with the columns that it is about.
+    pub fn matter(&self) -> &'static str {
+        match self.pairs.is_empty() && self.orientation.is_none() && !self.no_cause.is_empty() {
+            true => "columns are read as channels that are none",
+            false => "columns are not read that may be meant",
+        }
     }
 
     /// Whether it is about the column of this header.
@@ -86,7 +109,8 @@ impl Proposal {
             self.pairs.iter().map(|(ours, theirs)| format!("--map {}", quoted(&format!("{ours}={theirs}")))),
         );
         options.extend(self.orientation.map(|word| format!("--orientation {word}")));
-        options.extend(self.ignore.iter().map(|column| format!("--ignore {}", quoted(column))));
+        let ignore: Vec<&String> = self.ignore.iter().chain(&self.no_cause).collect();
+        options.extend(ignore.iter().map(|column| format!("--ignore {}", quoted(column))));
         if !options.is_empty() {
             let _ = write!(text, "\nperhaps they are meant by: {}", options.join(" "));
             text += "\nor in the robot's TOML:\n[columns]";
@@ -96,13 +120,22 @@ impl Proposal {
             if let Some(word) = self.orientation {
                 let _ = write!(text, "\norientation = \"{word}\"");
             }
-            if !self.ignore.is_empty() {
-                let columns: Vec<String> = self.ignore.iter().map(|column| toml(column)).collect();
+            if !ignore.is_empty() {
+                let columns: Vec<String> = ignore.iter().map(|column| toml(column)).collect();
                 let _ = write!(text, "\nignore = [{}]", columns.join(", "));
+            }
+        }
+        if !self.targets.is_empty() {
+            text += "\nand, for the targets that the robot does not have, below it:";
+            for target in &self.targets {
+                let _ = write!(text, "\n[[targets]]\nname = {}\nknown = false", toml(target));
             }
         }
         if self.guessed {
             text += "\n(units in [] that the header does not have are concluded from the values: check them)";
+        }
+        if !self.no_cause.is_empty() {
+            text += "\n(commanded positions, deviations and matrices are no quantities that errors depend on: they are left out)";
         }
         for note in &self.notes {
             let _ = write!(text, "\n({note})");

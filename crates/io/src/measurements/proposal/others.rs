@@ -22,11 +22,44 @@ pub(super) fn propose(seen: &mut [Seen<'_>], names: &Names<'_>, all: &mut Propos
         target(seen, names.chain, all);
     }
     if !has(seen, Role::Id) {
-        let words = ["name", "id", "pose", "punkt", "point", "pr", "nr", "no", "label", "frame", "target"];
+        let words = [
+            "name",
+            "id",
+            "pose",
+            "punkt",
+            "point",
+            "pr",
+            "nr",
+            "no",
+            "n",
+            "num",
+            "label",
+            "frame",
+            "target",
+            "meas",
+            "measurement",
+            "messung",
+            "index",
+            "row",
+            "zeile",
+            "sample",
+            "count",
+        ];
         let names = seen.iter().position(|column| column.free && column.has(&words) && distinct(column));
         if let Some(k) = names {
             all.pair(&mut seen[k], "id", None);
         }
+    }
+    matrix(seen, all);
+    let axes = |column: &&Seen<'_>| {
+        let one = |cell: &&&str| matches!(&*cell.to_lowercase(), "x" | "y" | "z");
+        column.free && column.cells.len() > 2 && column.cells.iter().all(|cell| one(&cell))
+    };
+    if let Some(column) = seen.iter().find(axes) {
+        all.notes.push(format!(
+            "`{}` names coordinates, with a row for each: write x, y and z of a point into columns of one row",
+            column.header
+        ));
     }
     for column in seen.iter_mut().filter(|column| column.free && !column.cells.is_empty()) {
         let texts = column.cells.iter().filter(|cell| is_text(cell)).count();
@@ -36,6 +69,25 @@ pub(super) fn propose(seen: &mut [Seen<'_>], names: &Names<'_>, all: &mut Propos
             column.free = false;
             all.ignore.push(column.header.to_owned());
         }
+    }
+}
+
+/// Nine columns `r11` … `r33` of a rotation matrix, which is not read, and no cause of errors either.
+fn matrix(seen: &mut [Seen<'_>], all: &mut Proposal) {
+    let place = |column: &Seen<'_>| match &column.words[..] {
+        [letter, number] => {
+            let lettered = ["r", "m", "t"].contains(&letter.as_str());
+            column.free && lettered && number.len() == 2 && number.bytes().all(|b| matches!(b, b'1'..=b'3'))
+        }
+        _ => false,
+    };
+    let nine: Vec<usize> = (0..seen.len()).filter(|&k| place(&seen[k])).collect();
+    if nine.len() == 9 {
+        for k in nine {
+            seen[k].free = false;
+            all.no_cause.push(seen[k].header.to_owned());
+        }
+        all.notes.push("rotation matrices are not read: give orientations as quaternions or angles".into());
     }
 }
 
@@ -117,11 +169,7 @@ fn target(seen: &mut [Seen<'_>], chain: &Chain, all: &mut Proposal) {
     values.dedup();
     let new: Vec<&str> = values.into_iter().filter(|cell| !cell.is_empty() && !known(cell)).collect();
     if !new.is_empty() {
-        all.notes.push(format!(
-            "the targets of `{}` have to stand in [[targets]] of the robot's TOML: {}",
-            seen[k].header,
-            new.join(", ")
-        ));
+        all.targets = new.into_iter().map(str::to_owned).collect();
     }
     all.pair(&mut seen[k], "target", None);
 }

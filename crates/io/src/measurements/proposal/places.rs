@@ -55,17 +55,29 @@ pub(super) fn propose(seen: &mut [Seen<'_>], names: &Names<'_>, all: &mut Propos
     if !seen.iter().any(spread) {
         let groups = coordinates(seen);
         let of_length = |k: &usize| seen[*k].measure().is_some_and(|unit| unit.quantity == Quantity::Length);
+        // Without a unit they are in that of the position.
+        let unit = all.unit_of("x");
+        let bare = |k: &usize| unit.is_some() && seen[*k].unit.is_none();
         let mut groups = groups.iter().filter(|group| {
             group.is_spread()
                 && !group.is_turn()
                 && group.columns.len() == 3
-                && group.columns.iter().all(of_length)
+                && (group.columns.iter().all(of_length) || group.columns.iter().all(bare))
         });
         if let (Some(group), None) = (groups.next(), groups.next()) {
             for (&k, name) in group.columns.iter().zip(["sx", "sy", "sz"]) {
-                all.pair(&mut seen[k], name, None);
+                all.pair(&mut seen[k], name, unit);
             }
         }
+    }
+    if known.is_empty() && !all.pairs.iter().any(|(ours, _)| ours == "x") {
+        return;
+    }
+    let no_cause: Vec<usize> =
+        coordinates(seen).into_iter().filter(Group::is_no_cause).flat_map(|group| group.columns).collect();
+    for k in no_cause {
+        seen[k].free = false;
+        all.no_cause.push(seen[k].header.to_owned());
     }
 }
 

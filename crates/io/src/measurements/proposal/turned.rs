@@ -21,6 +21,8 @@ struct Reading {
     names: Vec<&'static str>,
     orientation: Option<&'static str>,
     turns: Turns,
+    /// The header names the convention.
+    by_header: bool,
 }
 
 /// Proposes columns and convention of measured orientations.
@@ -44,6 +46,8 @@ pub(super) fn propose(
         return;
     }
     let chosen = match joints.and_then(|joints| Measured::of(seen, names.chain, joints)) {
+        // Three angles about x, y and z have four readings, which the robot alone tells apart.
+        None if readings[0].names == ["rx", "ry", "rz"] && !readings[0].by_header => None,
         None => readings.into_iter().next().map(|reading| (reading, String::new())),
         Some(measured) => choose(seen, readings, &measured, all),
     };
@@ -115,6 +119,7 @@ fn quaternions(seen: &[Seen<'_>]) -> Vec<Reading> {
         names: vec!["qw", "qx", "qy", "qz"],
         orientation: None,
         turns: Turns::Quaternion,
+        by_header: false,
     };
     let known = |columns: &[usize]| seen[columns[0]].cells.is_empty() || unit_length(seen, columns);
     let groups = coordinates(seen);
@@ -188,6 +193,7 @@ fn readings(
     } else if column.has(&["rotvec", "vector"]) {
         conventions.retain(|word| *word == "rotation_vector");
     }
+    let by_header = conventions.len() < usual.len();
     let reading = |convention: &'static str, names: Vec<&'static str>| {
         let turns = Convention::named(convention).map_or(Turns::Vector, Turns::Angles);
         let turns = if convention == "rotation_vector" { Turns::Vector } else { turns };
@@ -197,6 +203,7 @@ fn readings(
             names,
             orientation: Some(convention),
             turns,
+            by_header,
         }
     };
     let mut all: Vec<Reading> =
