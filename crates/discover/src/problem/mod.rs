@@ -22,6 +22,7 @@ pub(crate) mod outliers;
 pub(crate) mod projection;
 pub(crate) mod restricted;
 pub(crate) mod sequence;
+pub(crate) mod shared;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod tables;
