@@ -136,8 +136,15 @@ fn attempt(
     let open = installation::with_unknown(chain, declared)?;
     let declared_options = FitOptions { flat: FitOptions::default().flat, ..options.fit.clone() };
     let chain_placed = &placement.chain;
-    let mut context =
-        Context { chain: chain_placed, declared: &open, data: &part, solver, fit: declared_options, options };
+    let mut context = Context {
+        chain: chain_placed,
+        declared: &open,
+        data: &part,
+        solver,
+        fit: declared_options,
+        options,
+        levels_first: true,
+    };
     let mut first = context.fit_model(Vec::new(), &[])?;
     // The prior widths of declared errors come from the declared model alone; findings do not change them.
     let wide = wide::as_fitted(&open, &first.fit);
@@ -166,9 +173,18 @@ fn attempt(
         progress(Progress::Interim(Box::new(interim_report.after(&context, outcome, &partition)?)))
     };
     let mut outcome = search(&context, Model::declared(first), progress, &mut interim)?;
+    let mut admitted = false;
+    if !outcome.model.current.outliers.admitted.is_empty() {
+        // No effect explains what rows with one payload have: they are outliers.
+        let again = Context { levels_first: false, ..context.clone() };
+        let first = again.fit_model(Vec::new(), &[])?;
+        outcome = search(&again, Model::declared(first), progress, &mut interim)?;
+        admitted = true;
+    }
     if let Some(factor) = overstated(&outcome.model.current) {
         return Ok(Attempt::Overstated(factor));
     }
+    context.levels_first &= !admitted;
     progress(Progress::Checking)?;
     let (mut unsearched, mut before_census) = (None, None);
     let all_rows = Context { data: &train, ..context.clone() };

@@ -117,6 +117,9 @@ constants! {
         outlier_least: f64 = 5.0;
         /// Fraction of the rows above which they are no outliers but an effect. Convention.
         outlier_most: f64 = 0.15;
+        /// Probability that suspects have a payload or a stretch of the record in common by chance, below which they may be an effect. Convention;
+        /// set while looking at the tuning half of the unseen study (in-sample).
+        outlier_shared: f64 = 0.001;
 
         /// p of the test of independent poses below which a wander is estimated: one campaign in a hundred has one for nothing, which costs it
         /// little. Convention.

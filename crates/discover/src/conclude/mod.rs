@@ -9,6 +9,7 @@ pub(crate) mod final_fit;
 pub(crate) mod floor;
 pub(crate) mod held_out;
 pub(crate) mod interim;
+pub(crate) mod outside;
 pub(crate) mod partition;
 pub(crate) mod reach;
 pub(crate) mod report;

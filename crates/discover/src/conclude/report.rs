@@ -10,6 +10,7 @@ use crate::conclude::extrapolation::extrapolations;
 use crate::conclude::final_fit::{DeclaredFit, Final, enlarged, training};
 use crate::conclude::floor::NoiseFloor;
 use crate::conclude::held_out::{HeldOutIntervals, clusters};
+use crate::conclude::outside::outlier_finding;
 use crate::conclude::partition::{HeldOut, Partition};
 use crate::conclude::reach::fallback;
 use crate::conclude::trace::trace;
@@ -20,15 +21,11 @@ use crate::data::{derived, payload};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
-use crate::hypotheses::outlier::Outlying;
-use crate::hypotheses::place::Place;
-use crate::hypotheses::variant::Variant;
 use crate::model::current::Context;
 use crate::model::prepared::{with_found, without};
 use crate::problem::dependence::dependence;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
-use crate::problem::outliers::Outliers;
 use crate::screen::untestable::Untestable;
 use crate::termination::Termination;
 use rayon::prelude::*;
@@ -87,7 +84,8 @@ pub(crate) fn conclude(
         (true, false) => enlarged(context, &current, &found, &all)?,
         (false, _) => training(context, &current, &found, &all)?,
     };
-    let mut fit = fit;
+    let (mut fit, mut outside) = (fit, outside);
+    let together = outside.together(partition.data, context.policy());
     at_run_time(&mut fit, &found, partition.data);
 
     let mut findings = Vec::new();
@@ -142,7 +140,8 @@ pub(crate) fn conclude(
         let all: Vec<usize> = (0..judged.position.len()).collect();
         let rms = (judged.positions_of(&all).rms, judged.positions_of(&good).rms);
         let held = after.holdout.positions().rms;
-        findings.push(outlier_finding(&outside, &Visits::of(partition.data), rms, (held, held)));
+        let visits = Visits::of(partition.data);
+        findings.push(outlier_finding((&outside, together.as_ref()), &visits, rms, (held, held)));
     }
     let stopped = if withdrawn.is_some() { Termination::Withdrawn } else { stopped };
     let trusted = partition.stated_scale.is_one();
@@ -170,6 +169,7 @@ pub(crate) fn conclude(
         dependence(&Linearisation::new(&current.fit, &current.data, context.options)?, context.options.seed);
     let doubts = Doubts {
         joints_scatter: joints.is_some(),
+        outliers_together: together.is_some(),
         wander: dependence.as_ref().and_then(|dependence| dependence.wander),
     };
     let (verdict, unexplained) =
@@ -366,25 +366,4 @@ fn competing_fits(
         }
     }
     Ok(fits)
-}
-
-/// Outliers as a finding: `rms` with and without them, m.
-fn outlier_finding(outside: &Outliers, visits: &Visits, rms: (f64, f64), holdout: (f64, f64)) -> Finding {
-    let change = Change::Exclude { rows: outside.certain.clone() };
-    let variant = Variant { place: Place::default(), change };
-    Finding {
-        candidate: Candidate::new(Arc::new(Outlying), variant),
-        p_value: outside.p_value,
-        name_probability: 1.0,
-        unnamed_probability: 0.0,
-        evidence: None,
-        holdout,
-        train: rms,
-        parameters: Vec::new(),
-        shape: Vec::new(),
-        alternatives: Vec::new(),
-        rows: outside.certain.clone(),
-        poses: outside.poses.iter().map(|&visit| visits.rows[visit].clone()).collect(),
-        trace: None,
-    }
 }

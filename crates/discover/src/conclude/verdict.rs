@@ -79,11 +79,13 @@ pub(crate) struct Doubts {
     pub joints_scatter: bool,
     /// Standard deviation in space of a significant wander over the order of the poses, m.
     pub wander: Option<f64>,
+    /// Whether rows that are kept out have a payload or a stretch of the record in common.
+    pub outliers_together: bool,
 }
 
 /// Verdict and unexplained part; `p_value` and `detectable_gain` are those of the last screen. Where the joints' own scatter was estimated,
 /// the model is called adequate with as many repeats as a limit needs only: what an effect leaves can pass for scatter, and fewer do not show it.
-/// Nor is it where the larger part of what repeats scatter by is a wander over the order of the poses ([`wanders`]).
+/// Nor is it where rows that are kept out have something in common: nothing explains them. Nor where the larger part of what repeats scatter by is a wander over the order of the poses ([`wanders`]).
 pub(crate) fn verdict(
     floor: &NoiseFloor,
     stopped: Termination,
@@ -103,6 +105,7 @@ pub(crate) fn verdict(
         && left.is_some_and(|left| small(&left, floor, policy))
         && !(doubts.joints_scatter && floor.missing_repeats > 0)
         && !wanders(doubts.wander, floor)
+        && !doubts.outliers_together
     {
         Verdict::Adequate
     } else {

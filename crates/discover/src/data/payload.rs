@@ -37,6 +37,11 @@ pub(crate) fn corrected(data: &Dataset, (level, during): (f64, Stretch), mass: f
     data
 }
 
+/// A level as it is printed, kg: units of the file leave a rounding error in the last digits.
+pub(crate) fn rounded(level: f64) -> f64 {
+    (level * 1e6).round() * 1e-6
+}
+
 /// The levels of payload that the data declares, kg, ascending.
 pub(crate) fn levels(data: &Dataset) -> Vec<f64> {
     let mut levels: Vec<f64> = Vec::new();

@@ -119,9 +119,18 @@ impl Hypothesis for OfBase {
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
         let base = Place::frame(setting.chain, FrameId::BASE);
-        [(Tilt::Isotropic, false), (Tilt::Isotropic, true), (Tilt::Separate, true)]
-            .map(|(tilt, sink)| Variant::new(base.clone(), BaseCompliance { tilt, sink }))
-            .into()
+        let put = |yields: BaseCompliance| Variant::new(base.clone(), yields);
+        let of = |tilt, sink| BaseCompliance { tilt, sink, ..BaseCompliance::default() };
+        let mut all: Vec<Variant> =
+            [(Tilt::Isotropic, false), (Tilt::Isotropic, true), (Tilt::Separate, true)]
+                .map(|(tilt, sink)| put(of(tilt, sink)))
+                .into();
+        if !weights_declared(setting.chain) {
+            let free = |tilt, links| BaseCompliance { own_weight: OwnWeight::Free, links, ..of(tilt, false) };
+            all.extend([2, 3].map(|links| put(free(Tilt::Isotropic, links))));
+            all.push(put(free(Tilt::Separate, 3)));
+        }
+        all
     }
 
     fn meaning(&self, _: &Place) -> String {

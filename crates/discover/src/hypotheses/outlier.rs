@@ -19,7 +19,16 @@ impl Hypothesis for Outlying {
         Vec::new()
     }
 
-    fn meaning(&self, _: &Place) -> String {
-        "No repeatable effect explains these rows. Check the instrument's log.".into()
+    fn meaning(&self, place: &Place) -> String {
+        match (place.level, &place.mode) {
+            (Some(level), _) => format!(
+                "No effect explains these rows, and more of them declare {level} kg than by chance would. Check the log of loads, and how \
+                 this load was fastened."
+            ),
+            (None, Some(_)) => "No effect explains these rows, and more of them lie close together in the record than by chance would. Check \
+                                what was different then: fixture, tool, instrument."
+                .into(),
+            _ => "No repeatable effect explains these rows. Check the instrument's log.".into(),
+        }
     }
 }

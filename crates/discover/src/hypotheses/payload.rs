@@ -42,8 +42,7 @@ impl Hypothesis for WrongPayload {
         }
         let wrong = |level: f64, during: Option<[f64; 2]>| Variant {
             place: Place {
-                // Units of the file leave a rounding error in the last digits.
-                level: Some((level * 1e6).round() * 1e-6),
+                level: Some(payload::rounded(level)),
                 mode: during.map(|_| "stretch".into()),
                 ..Place::default()
             },

@@ -31,6 +31,8 @@ pub(crate) struct Context<'a> {
     pub fit: FitOptions,
     /// Options of the search.
     pub options: &'a DiscoverOptions,
+    /// Whether rows that lie outside and have a declared payload in common stay in the fits: they may be an effect.
+    pub levels_first: bool,
 }
 
 /// A model with its fit.
@@ -89,7 +91,10 @@ impl Context<'_> {
             let whole = self.prepared(&found, &[]);
             let judged = Linearisation::new(&fit, &whole, self.options)?;
             let residual = &judged.y - &judged.base * judged.coefficients();
-            let outliers = outliers(&judged, residual.as_slice(), fit.noise);
+            let mut outliers = outliers(&judged, residual.as_slice(), fit.noise);
+            if self.levels_first {
+                outliers.admit(self.data, self.policy());
+            }
             iterations += 1;
             // Of thousands of rows some lie at the threshold: one in 2000 may change.
             let settled = differing(&outliers.suspects, &out) <= whole.len() / 2000;

@@ -127,6 +127,7 @@ mod tests {
             let options = DiscoverOptions::default();
             let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
             let context = Context {
+                levels_first: true,
                 chain: &chain,
                 declared: &declared,
                 data: &data,

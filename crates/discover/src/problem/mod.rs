@@ -37,6 +37,7 @@ pub(crate) mod projection;
 pub(crate) mod residuals;
 pub(crate) mod restricted;
 pub(crate) mod sequence;
+pub(crate) mod shared;
 #[cfg(test)]
 pub(crate) mod synthetic;
 pub(crate) mod tables;

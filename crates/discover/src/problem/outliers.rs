@@ -12,11 +12,13 @@
 //! Orientations are judged by themselves in the same way. A row of which one or two components were measured has fewer degrees of freedom: its
 //! t² counts as the one that is as improbable with three.
 
+use crate::policy::Policy;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::shared::{Shared, level_of, stretch_of};
 use crate::statistics::chi_square::surprisal;
 use crate::statistics::gross::{SquareDistribution, split};
 use statrs::distribution::{ContinuousCDF, Exp};
-use truepose_errormodel::Visits;
+use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::NoiseModel;
 
 /// Rows that lie outside.
@@ -26,6 +28,8 @@ pub(crate) struct Outliers {
     pub suspects: Vec<usize>,
     /// Rows that are reported.
     pub certain: Vec<usize>,
+    /// Rows that would be kept out, but have a declared payload in common: a label may be wrong there, which is an effect.
+    pub admitted: Vec<usize>,
     /// Poses of several rows that are reported with all of them.
     pub poses: Vec<usize>,
     /// How many good rows would be expected beyond the least of those: the family-wise p; 1 without any.
@@ -57,7 +61,10 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
     let visits = Visits::of(data);
     if visits.rows.iter().any(|rows| rows.len() > 1) {
         let mut sums = vec![(0.0, 0); visits.len()];
-        let good = |row: usize| found.suspects.binary_search(&row).is_err();
+        let alone = |row: &usize| found.suspects.binary_search(row).is_ok();
+        // Where all rows of a pose are suspect it is the pose that is displaced, and they tell how far.
+        let whole: Vec<bool> = visits.rows.iter().map(|rows| rows.iter().all(alone)).collect();
+        let good = |row: usize| whole[data.visit[row]] || !alone(&row);
         for (members, weights, _) in whitener.means() {
             let o = linearisation.observations[members[0]];
             let (mut squares, mut along) = (0.0, 0.0);
@@ -95,6 +102,35 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
 }
 
 impl Outliers {
+    /// Leaves those that have a declared payload in common in the fits.
+    pub fn admit(&mut self, data: &Dataset, policy: &Policy) {
+        let Some(shared) = level_of(data, &self.suspects, policy.outlier_shared) else { return };
+        let other = |row: &usize| shared.rows.binary_search(row).is_err();
+        self.suspects.retain(other);
+        self.certain.retain(other);
+        self.poses.clear();
+        if self.certain.is_empty() {
+            self.p_value = 1.0;
+        }
+        self.admitted = shared.rows;
+    }
+
+    /// Those that have a declared payload or a stretch of the record in common, which are certain then: so many gross errors are not by
+    /// chance where they are.
+    pub fn together(&mut self, data: &Dataset, policy: &Policy) -> Option<Shared> {
+        let chance = policy.outlier_shared;
+        let shared =
+            level_of(data, &self.suspects, chance).or_else(|| stretch_of(data, &self.suspects, chance))?;
+        self.p_value = match self.certain.is_empty() {
+            true => shared.p_value,
+            false => self.p_value.max(shared.p_value),
+        };
+        self.certain.extend(&shared.rows);
+        self.certain.sort_unstable();
+        self.certain.dedup();
+        Some(shared)
+    }
+
     /// Adds the rows of units that lie outside.
     fn join(&mut self, judged: &Judged, rows: impl Fn(usize) -> Vec<usize>) {
         self.suspects.extend(judged.suspects.iter().flat_map(|&unit| rows(unit)));

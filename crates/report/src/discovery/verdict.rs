@@ -3,7 +3,7 @@
 use super::{DependenceSummary, DiscoverySummary, NoiseFloorSummary, StatedScaleSummary};
 use crate::statistics::interval_text;
 use crate::{count, significant};
-use truepose_discover::{FloorSource, Termination, Verdict};
+use truepose_discover::{Family, FloorSource, Termination, Verdict};
 
 impl DiscoverySummary {
     /// The verdict.
@@ -90,6 +90,11 @@ impl DiscoverySummary {
                 self.dependence.as_ref().map_or("", DependenceSummary::advice)
             );
         }
+        if let Some(what) = self.outliers_in_common() {
+            return format!(
+                "Undecided: the residual without the rows that are kept out is {left}, but {what}: they are perhaps an effect."
+            );
+        }
         match floor.source {
             FloorSource::Repeats | FloorSource::NearRepeats => format!(
                 "Undecided: {} ({}) are too few to decide whether the residual ({left}) is noise: {measure}.",
@@ -103,6 +108,20 @@ impl DiscoverySummary {
             _ => format!(
                 "Undecided: whether the residual ({left}) is noise cannot be decided without repeated poses: {measure}."
             ),
+        }
+    }
+}
+
+impl DiscoverySummary {
+    /// What rows that are kept out have in common.
+    fn outliers_in_common(&self) -> Option<String> {
+        let out = self.effects.iter().find(|effect| effect.family == Family::Outlier.word())?;
+        match (out.place.level, &out.place.mode) {
+            (Some(level), _) => Some(format!("more of those declare {level} kg than by chance would")),
+            (None, Some(_)) => {
+                Some("more of those lie close together in the record than by chance would".into())
+            }
+            (None, None) => None,
         }
     }
 }

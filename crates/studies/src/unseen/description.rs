@@ -12,6 +12,7 @@
 //! | `stated` | a third of the truth, three times the truth | stated deviations are wrong: repeatability limit, false alarms |
 //! | `bad` | 1, 2, 3 poses | all targets of a pose moved by 0.5 to 2 mm, of 100 poses: reported? what do they change? |
 //! | `rows` | – | 2 % of the rows are outliers |
+//! | `unweighed` | base_tilt, link_bending, joint_compliance | the same cause at 5 times the noise in 30 to 100 poses of a robot whose weights are not declared: name |
 //! | `words` | one for each row of the vocabulary | the same at 5 times the noise in 130 poses: found, named, held-out error |
 //!
 //! Robots of one number have the same geometry, noise and cause in all cells of a kind: cells are compared in pairs.
@@ -34,10 +35,11 @@ pub enum Kind {
     Bad,
     Rows,
     Words,
+    Unweighed,
 }
 
 /// All of them; the place is the number in a key and never changes.
-pub const KINDS: [Kind; 11] = [
+pub const KINDS: [Kind; 12] = [
     Kind::Power,
     Kind::Outside,
     Kind::Null,
@@ -49,7 +51,11 @@ pub const KINDS: [Kind; 11] = [
     Kind::Bad,
     Kind::Rows,
     Kind::Words,
+    Kind::Unweighed,
 ];
+
+/// What yields under weights that are not declared.
+const YIELDING: [Cause; 3] = [Cause::BaseTilt, Cause::LinkBending, Cause::JointCompliance];
 
 /// Numbers of poses at which power is evaluated.
 pub const POSES: [usize; 6] = [20, 25, 30, 40, 60, 100];
@@ -68,6 +74,7 @@ impl Kind {
             Kind::Bad => "bad",
             Kind::Rows => "rows",
             Kind::Words => "words",
+            Kind::Unweighed => "unweighed",
         }
     }
 
@@ -86,6 +93,7 @@ impl Kind {
             Kind::Stated => vec!["1/3".into(), "3".into()],
             Kind::Words => WORDS.map(|cause| cause.word().to_owned()).into(),
             Kind::Bad => vec!["1".into(), "2".into(), "3".into()],
+            Kind::Unweighed => YIELDING.map(|cause| cause.word().to_owned()).into(),
             _ => vec![String::new()],
         }
     }
@@ -93,7 +101,7 @@ impl Kind {
     /// The key of a robot of this kind.
     pub fn key(self, half: Half, number: u64) -> Key {
         let kind = KINDS.iter().position(|kind| *kind == self).unwrap_or(0) as u64;
-        Key { half, kind, number }
+        Key { half, series: 1, kind, number }
     }
 }
 
@@ -138,6 +146,8 @@ pub struct Description {
     pub order: Order,
     /// Whether payloads differ between poses.
     pub loads: bool,
+    /// Whether the description has the weights of the links.
+    pub weights: bool,
     /// Whether joint compliances are present, and declared.
     pub compliance: bool,
     /// Instrument and repeatability, µm an axis.
@@ -221,6 +231,15 @@ impl Description {
                 one.targets = draw.of(&[2, 3]);
             }
             Kind::Rows => one.outliers = 0.02,
+            Kind::Unweighed => {
+                one.cause = YIELDING.into_iter().find(|cause| cause.word() == cell);
+                one.size = 5.0;
+                let poses = draw.logarithmic(30.0, 100.0).round() as usize;
+                fewer(&mut one, poses);
+                one.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]);
+                // Nothing else that is not declared depends on weights.
+                (one.weights, one.compliance) = (false, false);
+            }
             Kind::Words => {
                 one.cause = WORDS.into_iter().find(|cause| cause.word() == cell);
                 one.size = 5.0;
@@ -273,6 +292,7 @@ impl Description {
             repeats: if draw.chance(0.6) { (poses / 8).max(2) } else { 0 },
             order: Order::Shuffled,
             loads: draw.chance(0.5),
+            weights: true,
             compliance: draw.chance(0.4),
             noise_um: [draw.logarithmic(8.0, 30.0), draw.logarithmic(10.0, 50.0)],
             memory: 0.0,

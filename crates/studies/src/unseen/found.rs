@@ -54,6 +54,36 @@ pub fn power(records: &[&Record]) -> Result<String, Error> {
     Ok(text)
 }
 
+pub fn unweighed(records: &[&Record]) -> Result<String, Error> {
+    let here = of(records, Kind::Unweighed);
+    let mut text = String::new();
+    if here.is_empty() {
+        return Ok(text);
+    }
+    writeln!(
+        text,
+        "| weights not declared, cause at 5 × the noise, 30 to 100 poses | robots | any finding | named first | first or listed | confidently wrong |"
+    )?;
+    writeln!(text, "| --- | --- | --- | --- | --- | --- |")?;
+    for cell in Kind::Unweighed.cells() {
+        let mine: Vec<&Record> = here.iter().copied().filter(|r| r.text("cell") == cell).collect();
+        if mine.is_empty() {
+            continue;
+        }
+        let column = |column: &str| fraction(mine.iter().copied(), column);
+        writeln!(
+            text,
+            "| {cell} | {} | {} | {} | {} | {} |",
+            mine.len(),
+            Fraction::of(mine.iter().map(|r| r.number("findings") > Some(0.0))),
+            column("first_right"),
+            column("listed"),
+            column("confident_wrong")
+        )?;
+    }
+    Ok(text)
+}
+
 pub fn words(records: &[&Record]) -> Result<String, Error> {
     let here = of(records, Kind::Words);
     let mut text = String::new();

@@ -104,9 +104,9 @@ pub fn bad(records: &[&Record]) -> Result<String, Error> {
     }
     writeln!(
         text,
-        "| bad poses of 100 | robots | all reported | some row of each reported | limit within 10 % of that without | error within 10 % of that without | error over that without |"
+        "| bad poses of 100 | robots | least displaced, in deviations of a row | all reported | all reported or called suspect | some row of each reported | limit within 10 % of that without | error within 10 % of that without | error over that without |"
     )?;
-    writeln!(text, "| --- | --- | --- | --- | --- | --- | --- |")?;
+    writeln!(text, "| --- | --- | --- | --- | --- | --- | --- | --- | --- |")?;
     for cell in Kind::Bad.cells() {
         let mine: Vec<&Record> = here.iter().copied().filter(|r| r.text("cell") == cell).collect();
         if mine.is_empty() {
@@ -119,9 +119,11 @@ pub fn bad(records: &[&Record]) -> Result<String, Error> {
         };
         writeln!(
             text,
-            "| {cell} | {} | {} | {} | {} | {} | {} |",
+            "| {cell} | {} | {} | {} | {} | {} | {} | {} | {} |",
             mine.len(),
+            quantiles(numbers(&mine, "bad_least")),
             whole("bad_reported"),
+            whole("bad_known"),
             whole("bad_partly"),
             near("bad_floor_ratio"),
             near("bad_fresh_ratio"),

@@ -3,8 +3,8 @@
 //! Plants have causes by laws that are no formula of the model, geometries of no other study, and noise that is not that of
 //! the model. Half of the robots are for tuning, half are locked ([`stream`]).
 //!
-//! `study reliability --half tuning|locked [--kind K,K] [--poses N,N] [--robots N] [--from N] [--folder NAME] [--publish]`
-//! runs what is not yet in its table, one line a robot, and writes the summary (`--publish`: into `docs/reliability.md` too);
+//! `study reliability --half tuning|locked [--series N] [--kind K,K] [--poses N,N] [--cause C,C] [--robots N] [--from N]
+//! [--folder NAME] [--publish]` runs what is not yet in its table, one line a robot, and writes the summary (`--publish`: into `docs/reliability.md` too);
 //! `--one KIND CELL NUMBER` shows one report.
 
 mod cause;
@@ -41,9 +41,13 @@ use trial::Task;
 /// The options of the run.
 struct Asked {
     half: Half,
+    /// Which robots of the half: a locked half that was looked at has a later one.
+    series: u64,
     kinds: Vec<Kind>,
     /// Only these numbers of poses, of the kind `power`.
     poses: Option<Vec<String>>,
+    /// Only robots with these causes.
+    causes: Option<Vec<String>>,
     robots: u64,
     from: u64,
     folder: Option<String>,
@@ -67,27 +71,29 @@ pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
     let into = asked.folder.clone().unwrap_or_else(|| commit.chars().take(12).collect());
     let folder = folder("unseen")?.join(into);
     std::fs::create_dir_all(&folder)?;
-    print(&format!("{} half, commit {commit}; {}", asked.half.word(), folder.display()));
-    let journal = Journal::open(&folder, asked.half.word(), &commit)?;
+    let (half, part) = (asked.half.word(), asked.half.part(asked.series));
+    print(&format!("{half} half, series {}, commit {commit}; {}", asked.series, folder.display()));
+    let journal = Journal::open(&folder, &part, &commit)?;
     let records = work(journal, &asked.tasks())?;
-    let head = format!("The {} half, commit {}.\n\n", asked.half.word(), begun(&folder, asked.half)?);
+    let series = if asked.series > 1 { format!(", series {}", asked.series) } else { String::new() };
+    let head = format!("The {half} half{series}, commit {}.\n\n", begun(&folder, &part)?);
     let text = head + &summary::all(&records)?;
     print(&text);
     if asked.publish {
-        document::write(&format!("unseen {}", asked.half.word()), &text)?;
+        document::write(&format!("unseen {part}"), &text)?;
     }
-    write(&folder, asked.half, &text)
+    write(&folder, &part, &text)
 }
 
 /// The commit at which a table was begun: that of its first line.
-fn begun(folder: &Path, half: Half) -> std::io::Result<String> {
-    let text = std::fs::read_to_string(folder.join(format!("{}.csv", half.word())))?;
+fn begun(folder: &Path, part: &str) -> std::io::Result<String> {
+    let text = std::fs::read_to_string(folder.join(format!("{part}.csv")))?;
     let first = text.lines().next().and_then(|line| line.strip_prefix("# commit "));
     Ok(first.unwrap_or("unknown").to_owned())
 }
 
-fn write(folder: &Path, half: Half, text: &str) -> Result<(), Box<dyn Error>> {
-    let path = folder.join(format!("{}.md", half.word()));
+fn write(folder: &Path, part: &str, text: &str) -> Result<(), Box<dyn Error>> {
+    let path = folder.join(format!("{part}.md"));
     std::fs::write(&path, text)?;
     print(&format!("table in {}", path.display()));
     Ok(())
@@ -131,8 +137,10 @@ impl Asked {
     fn of(arguments: &[String]) -> Result<Self, Box<dyn Error>> {
         let mut asked = Asked {
             half: Half::Tuning,
+            series: 1,
             kinds: KINDS.to_vec(),
             poses: None,
+            causes: None,
             robots: 100,
             from: 0,
             folder: None,
@@ -149,11 +157,13 @@ impl Asked {
                     asked.half = Half::named(word)
                         .ok_or_else(|| format!("unknown half `{word}`; there are: tuning, locked"))?;
                 }
+                "--series" => asked.series = next()?.parse()?,
                 "--kind" => {
                     let named = |word: &str| Kind::named(word).ok_or_else(|| unknown(word));
                     asked.kinds = next()?.split(',').map(named).collect::<Result<_, _>>()?;
                 }
                 "--poses" => asked.poses = Some(next()?.split(',').map(str::to_owned).collect()),
+                "--cause" => asked.causes = Some(next()?.split(',').map(str::to_owned).collect()),
                 "--robots" => asked.robots = next()?.parse()?,
                 "--from" => asked.from = next()?.parse()?,
                 "--folder" => asked.folder = Some(next()?.clone()),
@@ -171,8 +181,17 @@ impl Asked {
         if let Some(wrong) = asked.poses.iter().flatten().find(|poses| !cells.contains(poses)) {
             return Err(format!("no cell of {wrong} poses; there are: {}", cells.join(", ")).into());
         }
-        asked.one = one.map(|(kind, cell, number)| Task::of(kind, &cell, asked.half, number));
+        if !(1..=255).contains(&asked.series) {
+            return Err(format!("`--series` is 1 to 255, not {}", asked.series).into());
+        }
+        asked.one = one.map(|(kind, cell, number)| asked.task(kind, &cell, number));
         Ok(asked)
+    }
+
+    fn task(&self, kind: Kind, cell: &str, number: u64) -> Task {
+        let mut task = Task::of(kind, cell, self.half, number);
+        task.key.series = self.series;
+        task
     }
 
     /// The next robot of every cell, then the one after: a run that ends early has all cells.
@@ -184,8 +203,11 @@ impl Asked {
                     kind != Kind::Power || self.poses.as_ref().is_none_or(|poses| poses.contains(cell))
                 };
                 let cells = kind.cells().into_iter().filter(wanted);
-                tasks.extend(cells.map(|cell| Task::of(kind, &cell, self.half, number)));
+                tasks.extend(cells.map(|cell| self.task(kind, &cell, number)));
             }
+        }
+        if let Some(causes) = &self.causes {
+            tasks.retain(|task| task.cause().is_some_and(|cause| causes.iter().any(|word| word == cause)));
         }
         tasks
     }
@@ -213,7 +235,13 @@ mod tests {
         assert_eq!(tasks.len(), 3 * 3);
         assert!(tasks.iter().all(|task| task.key.half == Half::Locked));
         assert_eq!((tasks[0].cell.as_str(), tasks[0].key.number), ("25", 7));
-        for wrong in ["--half both", "--kind nothing", "--poses 26", "--seeds 3", "--robots"] {
+        assert!(tasks.iter().all(|task| task.key.series == 1));
+        let later = Asked::of(&arguments("--series 2 --kind power --poses 30 --cause base_tilt --robots 40"))
+            .expect("options")
+            .tasks();
+        assert!((1..20).contains(&later.len()) && later.iter().all(|task| task.key.series == 2));
+        assert!(later.iter().all(|task| task.cause() == Some("base_tilt")));
+        for wrong in ["--series 0", "--half both", "--kind nothing", "--poses 26", "--seeds 3", "--robots"] {
             assert!(Asked::of(&arguments(wrong)).is_err(), "{wrong}");
         }
     }

@@ -89,7 +89,7 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
         truth,
         clean_truth,
         clean_declared: ground.declared(None),
-        robot: ground.robot,
+        robot: if what.weights { ground.robot } else { ground.robot.without_weights()? },
         seen,
         size: cause.as_ref().map_or(0.0, |cause| cause.reached),
         hidden: cause.map(|cause| cause.hidden),

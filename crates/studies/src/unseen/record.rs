@@ -5,7 +5,7 @@ use super::stream::{Half, Key};
 use crate::journal::Line;
 
 /// The columns.
-const COLUMNS: [&str; 52] = [
+const COLUMNS: [&str; 54] = [
     "half",
     "kind",
     "cell",
@@ -58,12 +58,14 @@ const COLUMNS: [&str; 52] = [
     "declared_ratio",
     "held_ratio",
     "oracle_ratio",
+    "bad_known",
+    "bad_least",
 ];
 
 const HEADER: &str = "half,kind,cell,number,ended,make,cause,inside,size,poses,targets,repeats,order,memory,stated,rows,\
 findings,outliers,found,first,first_right,listed,confident_wrong,names,verdict,significant,left,floor_source,floor_ratio,\
 floor_covered,p_first,alarm,ratio,fresh_ratio,harm,before_covered,after_covered,gain_covered,bad,bad_reported,bad_partly,\
-other_reported,bad_floor_ratio,bad_fresh_ratio,autocorrelation,fresh_mm,floor_mm,words,seconds,declared_ratio,held_ratio,oracle_ratio";
+other_reported,bad_floor_ratio,bad_fresh_ratio,autocorrelation,fresh_mm,floor_mm,words,seconds,declared_ratio,held_ratio,oracle_ratio,bad_known,bad_least";
 
 /// One robot.
 #[derive(Debug, Clone, PartialEq)]

@@ -45,6 +45,19 @@ pub struct Robot {
     pub payload: f64,
 }
 
+impl Robot {
+    /// The same, as someone describes it who does not know the weights of its links.
+    pub fn without_weights(self) -> Result<Self, Box<dyn Error>> {
+        let joints: Vec<Joint> =
+            self.chain.joints().iter().map(|joint| Joint { link: None, ..joint.clone() }).collect();
+        let chain = Chain::new(self.chain.name(), joints)?
+            .with_base(*self.chain.base())?
+            .with_tool(*self.chain.tool())?
+            .with_targets(self.chain.targets().to_vec())?;
+        Ok(Robot { chain, ..self })
+    }
+}
+
 /// Draws a robot with this many targets.
 pub fn robot(make: Make, targets: usize, draw: &mut Draw) -> Result<Robot, Box<dyn Error>> {
     let scale = draw.logarithmic(0.4, 1.6);
@@ -223,7 +236,7 @@ mod tests {
     fn every_robot_reaches_places_apart_and_no_two_are_alike() {
         let mut seen = Vec::new();
         for number in 0..24 {
-            let key = Key { half: Half::Tuning, kind: 0, number };
+            let key = Key { half: Half::Tuning, series: 1, kind: 0, number };
             let make = MAKES[number as usize % 6];
             let robot = robot(make, 2, &mut key.draw(Part::Robot)).expect("a robot");
             let plant = Plant::perfect(&robot.chain).expect("a plant");

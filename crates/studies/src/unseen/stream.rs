@@ -1,13 +1,14 @@
 //! The two halves of the study, and what is drawn from them.
 //!
 //! ```text
-//! generator    ChaCha8, key = kind · 2⁴⁰ + number,   stream = constant of the half · 2³² + part
+//! generator    ChaCha8, key = (series − 1) · 2⁴⁸ + kind · 2⁴⁰ + number,   stream = constant of the half · 2³² + part
 //! seeds        63 bits of that generator, the highest bit = the half
 //! ```
 //!
-//! A robot is given by its half, its kind and its number, and by nothing else. The halves have different streams of the
+//! A robot is given by its half, its series, its kind and its number, and by nothing else. The halves have different streams of the
 //! generator (no state of one is a state of the other), and seeds that are passed on to a plant or a campaign differ in
-//! their highest bit, so that no plant, campaign or noise of one half can occur in the other.
+//! their highest bit, so that no plant, campaign or noise of one half can occur in the other. A later series of a half is
+//! for a locked half that was looked at: other robots of the same description.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -42,6 +43,14 @@ impl Half {
         }
     }
 
+    /// The name of the tables of a series: the half, with the number of a later series.
+    pub fn part(self, series: u64) -> String {
+        match series {
+            1 => self.word().to_owned(),
+            later => format!("{}-{later}", self.word()),
+        }
+    }
+
     fn bit(self) -> u64 {
         u64::from(self == Half::Locked)
     }
@@ -61,10 +70,12 @@ pub enum Part {
     Reference,
 }
 
-/// The number of a robot within a kind and a half.
+/// The number of a robot within a kind, a series and a half.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Key {
     pub half: Half,
+    /// Which robots of the half, from 1.
+    pub series: u64,
     /// Number of the kind of campaign.
     pub kind: u64,
     pub number: u64,
@@ -73,7 +84,8 @@ pub struct Key {
 impl Key {
     /// The generator of a part.
     pub fn draw(self, part: Part) -> Draw {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.kind << 40 | self.number);
+        let earlier = self.series.saturating_sub(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(earlier << 48 | self.kind << 40 | self.number);
         rng.set_stream(self.half.constant() << 32 | part as u64);
         Draw(rng)
     }
@@ -139,15 +151,17 @@ mod tests {
         Part::Reference,
     ];
 
-    fn keys(half: Half) -> impl Iterator<Item = Key> {
-        (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, kind, number }))
+    fn keys(half: Half, series: u64) -> impl Iterator<Item = Key> {
+        (0..12).flat_map(move |kind| (0..200).map(move |number| Key { half, series, kind, number }))
+    }
+
+    fn seeds(half: Half, series: u64) -> HashSet<u64> {
+        keys(half, series).flat_map(|key| PARTS.map(|part| key.seed(part))).collect()
     }
 
     #[test]
     fn the_halves_have_no_seed_and_no_stream_in_common() {
-        let seeds =
-            |half| -> HashSet<u64> { keys(half).flat_map(|key| PARTS.map(|part| key.seed(part))).collect() };
-        let (tuning, locked) = (seeds(Half::Tuning), seeds(Half::Locked));
+        let (tuning, locked) = (seeds(Half::Tuning, 1), seeds(Half::Locked, 1));
         assert!(tuning.iter().all(|seed| seed >> 63 == 0));
         assert!(locked.iter().all(|seed| seed >> 63 == 1));
         // Within a half no two parts of any two robots share a seed either.
@@ -159,8 +173,21 @@ mod tests {
     }
 
     #[test]
+    fn a_later_series_has_no_seed_of_an_earlier_one() {
+        let (first, second) = (seeds(Half::Locked, 1), seeds(Half::Locked, 2));
+        assert_eq!(second.len(), 12 * 200 * 9);
+        assert!(first.is_disjoint(&second) && second.iter().all(|seed| seed >> 63 == 1));
+        assert!(second.is_disjoint(&seeds(Half::Locked, 3)));
+        // The first series is that of the tables that are published: its seeds do not change.
+        let key = Key { half: Half::Tuning, series: 1, kind: 2, number: 5 };
+        let mut known = ChaCha8Rng::seed_from_u64(2 << 40 | 5);
+        known.set_stream(0x5455_4e45 << 32 | Part::Noise as u64);
+        assert_eq!(key.seed(Part::Noise), known.random::<u64>() >> 1);
+    }
+
+    #[test]
     fn a_key_draws_the_same_numbers_again() {
-        let key = Key { half: Half::Tuning, kind: 3, number: 17 };
+        let key = Key { half: Half::Tuning, series: 1, kind: 3, number: 17 };
         let numbers = |key: Key| {
             let mut draw = key.draw(Part::Robot);
             (0..20).map(|_| draw.normal().to_bits()).collect::<Vec<_>>()
@@ -177,5 +204,6 @@ mod tests {
             assert_eq!(Half::named(half.word()), Some(half));
         }
         assert_eq!(Half::named("both"), None);
+        assert_eq!((Half::Locked.part(1), Half::Locked.part(2)), ("locked".into(), "locked-2".into()));
     }
 }

@@ -9,6 +9,7 @@ pub fn all(records: &[Record]) -> Result<String, Error> {
     let ended: Vec<&Record> = records.iter().filter(|record| record.ended()).collect();
     let parts = [
         found::power(&ended)?,
+        found::unweighed(&ended)?,
         found::words(&ended)?,
         found::outside(&ended)?,
         found::alarms(&ended)?,

@@ -32,6 +32,11 @@ impl Task {
         Task { kind, cell: cell.to_owned(), key: kind.key(half, number) }
     }
 
+    /// What is hidden, where anything is.
+    pub fn cause(&self) -> Option<&'static str> {
+        Description::of(self.kind, &self.cell, self.key).cause.map(super::cause::Cause::word)
+    }
+
     /// What to type for it alone.
     pub fn words(&self) -> String {
         let cell = if self.cell.is_empty() { "-" } else { &self.cell };
@@ -254,6 +259,15 @@ fn bad_poses(
     let partly = bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().any(listed)).count();
     let bad_rows: Vec<usize> = bad.iter().flat_map(|&pose| rows_of(pose)).collect();
     let others = outliers().flat_map(|effect| &effect.rows).filter(|row| !bad_rows.contains(row)).count();
+    // A suspect is told as well, as a row that no fit uses.
+    let suspect = |row: &usize| diagnosis.suspects.contains(&(row - 1));
+    let known =
+        bad.iter().filter(|&&pose| named(pose) || rows_of(pose).iter().all(|r| listed(r) || suspect(r)));
+    record.set("bad_known", known.count());
+    // Of the noise of one row along one axis: what the noise, if it were known, would let be seen.
+    let moved = |row: usize| (made.data.measured_position(row) - made.clean.measured_position(row)).norm();
+    let least = bad_rows.iter().map(|row| moved(row - 1)).fold(f64::INFINITY, f64::min);
+    record.set("bad_least", least / (made.floor / 3f64.sqrt()));
     record.set("bad_reported", whole);
     record.set("bad_partly", partly);
     record.set("other_reported", others);

@@ -133,7 +133,7 @@ impl JointCompliance {
 }
 
 /// Two unit vectors across a joint's axis, in the axes of its link.
-fn across(joint: &Joint) -> [Vector3<f64>; 2] {
+pub(in crate::effects) fn across(joint: &Joint) -> [Vector3<f64>; 2] {
     let axis = joint.axis_behind();
     let mut other = Vector3::zeros();
     other[axis.iamin()] = 1.0;
