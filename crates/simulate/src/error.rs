@@ -38,9 +38,6 @@ pub enum SimulateError {
         /// In words: `positive`, `between 0 and 1`.
         need: &'static str,
     },
-    /// A simulated row that is no measurement of the robot: a value is not finite.
-    #[error("a simulated row is no measurement: {0}")]
-    Row(#[from] truepose_errormodel::ModelError),
     /// A slide without limits, over which nothing can be drawn.
     #[error("joint `{joint}` is a slide without limits; declare its travel")]
     NoLimits {

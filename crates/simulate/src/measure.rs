@@ -6,7 +6,7 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use truepose_errormodel::{Dataset, DatasetBuilder, Dwell, Measurement};
+use truepose_errormodel::{Dataset, Schema};
 use truepose_kinematics::{Conditions, Load, Payload, Pose, TargetId};
 
 /// What was written down, beside what was really there.
@@ -75,10 +75,8 @@ impl Plant {
             .map(|motion| motion.path(self.instrument.station, poses, &mut stream(Stream::Station)));
         let displaced = disturbed.displaced_poses(poses, &mut stream(Stream::BadPoses));
         let (times, wound_up) = (campaign.times(), self.path_errors(campaign)?);
-        // Simulated joints are recorded to the bit, or flicker by what the campaign says: dwells are found by the reader's rules.
-        let mut rows = DatasetBuilder::new(self.chain()).dwell(Dwell::default());
         let mut seen = Observation {
-            data: Dataset::default(),
+            data: self.empty_data(campaign),
             true_poses: Vec::new(),
             true_positions: Vec::new(),
             outliers: Vec::new(),
@@ -97,7 +95,7 @@ impl Plant {
             let away = wander.as_ref().map_or(Vector3::zeros(), |path| path[index])
                 + displaced[index].unwrap_or_default();
             for (k, &target) in targets.iter().enumerate() {
-                let row = seen.true_poses.len();
+                let row = seen.data.len();
                 let time = times[index] + campaign.row_s * k as f64;
                 let conditions = Conditions {
                     joints: visit.joints.iter().zip(&wound_up[index]).map(|(q, off)| q + off).collect(),
@@ -126,27 +124,27 @@ impl Plant {
                 if carried != visit.load {
                     seen.wrong_payloads.push(row);
                 }
+                self.write_position(&mut seen.data, &measured);
                 let stand = station.as_ref().map(|path| path.rotation(index));
-                let recorded: Vec<f64> =
-                    logged.iter().map(|q| disturbed.recorded(*q, &mut of_flicker)).collect();
-                let noted = Measurement::at(recorded)
-                    .approach(approach.clone())
-                    .target(target)
-                    .visit(index as u64)
-                    .load(visit.load)
-                    .time(time);
-                let noted = self.with_position(noted, &measured);
-                let noted = self.with_orientation(noted, &reached, (&turned, stand), &mut of_orientation);
-                rows.push(noted)?;
+                self.write_orientation(&mut seen.data, &reached, (&turned, stand), &mut of_orientation);
+                let data = &mut seen.data;
+                for (column, q) in data.joints.iter_mut().zip(&logged) {
+                    column.push(disturbed.recorded(*q, &mut of_flicker));
+                }
+                for (column, side) in data.approach.iter_mut().zip(&approach) {
+                    column.push(*side);
+                }
+                data.target.push(target);
+                data.visit.push(index);
+                data.load.push(visit.load);
+                data.time.push(time);
                 seen.true_poses.push(to_pose(&tool));
                 seen.true_positions.push(point);
             }
         }
-        seen.data = rows.finish();
         let mut of_channels = stream(Stream::Channels);
         for plan in &campaign.channels {
             let values = plan.values(&self.shop, &seen.data.time, &mut of_channels)?;
-            seen.data.schema.channels.push(plan.channel());
             seen.data.channels.push(values);
         }
         Ok(seen)
@@ -159,6 +157,21 @@ impl Plant {
         }
         let joints = conditions.joints.iter().zip(off).map(|(q, off)| q + off).collect();
         Ok(self.equilibrium(&Conditions { joints, ..conditions.clone() })?.tool)
+    }
+
+    fn empty_data(&self, campaign: &Campaign) -> Dataset {
+        let movable = self.chain().movable().len();
+        Dataset {
+            schema: Schema {
+                channels: campaign.channels.iter().map(|plan| plan.channel()).collect(),
+                time: true,
+                load: campaign.visits.iter().any(|visit| visit.load != Load::None),
+                approach: true,
+            },
+            joints: vec![Vec::new(); movable],
+            approach: vec![Vec::new(); movable],
+            ..Dataset::default()
+        }
     }
 
     fn measured_targets(&self, campaign: &Campaign) -> Vec<Option<TargetId>> {
@@ -189,31 +202,36 @@ impl Plant {
         Load::Payload(Payload { mass, ..payload })
     }
 
-    fn with_position(&self, row: Measurement, measured: &Vector3<f64>) -> Measurement {
+    fn write_position(&self, data: &mut Dataset, measured: &Vector3<f64>) {
         let seen = |k: usize, value: f64| if self.instrument.axes[k] { value } else { f64::NAN };
+        data.position.push(std::array::from_fn(|k| seen(k, measured[k])));
         let covariance = self.instrument.covariance(measured);
         let (stated, factor) = (self.instrument.states_sd, self.disturbances.stated_factor);
-        row.position(std::array::from_fn(|k| seen(k, measured[k]))).position_sd(std::array::from_fn(|k| {
+        data.position_sd.push(std::array::from_fn(|k| {
             if stated { seen(k, factor * covariance[(k, k)].sqrt()) } else { f64::NAN }
-        }))
+        }));
     }
 
-    fn with_orientation(
+    fn write_orientation(
         &self,
-        row: Measurement,
+        data: &mut Dataset,
         tool: &Rigid,
         (turned, stand): (&Vector3<f64>, Option<UnitQuaternion<f64>>),
         rng: &mut ChaCha8Rng,
-    ) -> Measurement {
-        let Some(sd) = self.instrument.orientation_sd else { return row };
+    ) {
+        let Some(sd) = self.instrument.orientation_sd else {
+            data.orientation.push(None);
+            data.orientation_sd.push([f64::NAN; 3]);
+            return;
+        };
         let noise = Vector3::from_fn(|_, _| self.instrument.unit(rng)) * sd;
         let turned = UnitQuaternion::from_scaled_axis(noise + turned) * tool.rotation;
         let measured = stand.map_or(turned, |stand| stand * turned);
         let [x, y, z, w]: [f64; 4] = measured.into_inner().coords.into();
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
+        data.orientation.push(Some([w, x, y, z].map(|v| v * sign)));
         let stated = self.disturbances.stated_factor * sd;
-        let row = row.orientation([w, x, y, z].map(|v| v * sign));
-        if self.instrument.states_sd { row.orientation_sd([stated; 3]) } else { row }
+        data.orientation_sd.push([if self.instrument.states_sd { stated } else { f64::NAN }; 3]);
     }
 }
 
