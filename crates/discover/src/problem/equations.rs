@@ -15,7 +15,6 @@
 //! ([`crate::problem::projection`]) is the first step of the same equations with A eliminated once.
 
 use crate::error::DiscoverError;
-use crate::problem::linearisation::Linearisation;
 use crate::statistics::product::{cholesky, gram_matrix};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
@@ -73,16 +72,11 @@ pub(crate) fn bordered(
     })
 }
 
-/// P: the prior of the model's columns `stay`, and for each of k candidate's coefficients a standard deviation of `width` expected sizes.
-pub(crate) fn precision(
-    linearisation: &Linearisation<'_>,
-    stay: &[usize],
-    k: usize,
-    width: f64,
-) -> DMatrix<f64> {
+/// P: the prior's rows W (r × r) for the model's columns `stay`, and for each of k candidate's coefficients a standard deviation of `width` expected sizes.
+pub(crate) fn precision(prior: Option<&DMatrix<f64>>, stay: &[usize], k: usize, width: f64) -> DMatrix<f64> {
     let s = stay.len();
     let mut precision = DMatrix::zeros(s + k, s + k);
-    if let Some(rows) = &linearisation.prior {
+    if let Some(rows) = prior {
         let of_model = gram_matrix(rows);
         precision.view_mut((0, 0), (s, s)).copy_from(&of_model.select_rows(stay).select_columns(stay));
     }

@@ -68,7 +68,8 @@ impl Likelihood {
     ) -> Result<Self, DiscoverError> {
         let (r, k) = (linearisation.base.ncols(), extra.ncols());
         let n = r + k;
-        let prior = precision(linearisation, &Vec::from_iter(0..r), k, linearisation.policy.wide);
+        let prior =
+            precision(linearisation.prior.as_ref(), &Vec::from_iter(0..r), k, linearisation.policy.wide);
         if linearisation.noise.joints.is_some() {
             return Likelihood::beside_joints(linearisation, extra, prior);
         }

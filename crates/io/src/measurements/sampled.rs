@@ -49,12 +49,11 @@ impl Sample {
         };
         let role = names.oriented(split_unit(&ours).0);
         let (mut column, mut warning) = Column::named(header, &ours, (names.chain, role), channels)?;
-        if matches!(column.role, Role::Channel(_)) && !self.0.is_empty() && self.filled(k).next().is_none() {
-            let rows = if self.0.len() < ROWS { String::new() } else { format!(" in the first {ROWS} rows") };
-            return Ok((
-                Column::unread(header, Cells::Note),
-                Some(format!("is empty{rows}, and is not read")),
-            ));
+        // Of a longer table these are the first rows alone: there a channel may begin later, and a value of a sensor.
+        let all = (1..ROWS).contains(&self.0.len());
+        if matches!(column.role, Role::Channel(_)) && all && self.filled(k).next().is_none() {
+            let message = "is empty, and is not read".to_owned();
+            return Ok((Column::unread(header, Cells::Note), Some(message)));
         }
         if matches!(column.role, Role::Channel(_)) && !column.unit_given && self.holds_text(k) {
             let message = "holds text, and is not read".to_owned();
