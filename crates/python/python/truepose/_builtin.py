@@ -114,6 +114,8 @@ class BaseCompliance(Declared):
     ----------
     tilt: ``isotropic`` (default) or ``separate``
     sink: default: true
+    own_weight: ``declared`` (default), or ``free``: moments of links without a declared weight are unknowns
+    links: how many links, from the first that moves, have a free weight (default 3)
     bounds: lowest and highest value of its unknowns, SI units, for solvers that support bounds
     """
 
@@ -124,11 +126,15 @@ class BaseCompliance(Declared):
         tilt: str | None = None,
         *,
         sink: bool | None = None,
+        own_weight: str | None = None,
+        links: int | None = None,
         bounds: Sequence[float] | None = None,
     ) -> None:
         super().__init__(
             tilt=tilt,
             sink=sink,
+            own_weight=own_weight,
+            links=links,
             bounds=bounds,
         )
 
