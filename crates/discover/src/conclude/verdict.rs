@@ -85,7 +85,8 @@ pub(crate) struct Doubts {
 
 /// Verdict and unexplained part; `p_value` and `detectable_gain` are those of the last screen. Where the joints' own scatter was estimated,
 /// the model is called adequate with as many repeats as a limit needs only: what an effect leaves can pass for scatter, and fewer do not show it.
-/// Nor is it where rows that are kept out have something in common: nothing explains them. Nor where the larger part of what repeats scatter by is a wander over the order of the poses ([`wanders`]).
+/// Nor is it where rows that are kept out have a payload or a stretch of the record in common, which nothing explains, nor where the
+/// larger part of what repeats scatter by is a wander over the order of the poses ([`wanders`]).
 pub(crate) fn verdict(
     floor: &NoiseFloor,
     stopped: Termination,

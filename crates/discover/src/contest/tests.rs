@@ -78,7 +78,7 @@ fn the_order_of_rows_and_where_the_base_stands_change_nothing() {
     }
 }
 
-/// An arm with transmission errors of two joints, whose third harmonics are what a candidate of another joint does not explain.
+/// An arm with transmission errors of j2 and j4: competitors of j6, which has none, of j2 and of j4.
 fn two_of(data: impl FnOnce(&Linearisation<'_>, &Screen, Vec<Competitor>)) {
     let actual = |joints: &[f64]| {
         let mut actual = joints.to_vec();
