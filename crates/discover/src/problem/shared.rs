@@ -16,6 +16,8 @@ use truepose_errormodel::{Dataset, Visits};
 
 /// Fewer poses than this have nothing in common.
 const LEAST: usize = 4;
+/// More poses than this are not looked for in one stretch: a longer one shows by a part of it, and the cost stays linear in the poses.
+const MOST: usize = 100;
 
 /// What rows have in common.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,8 +55,8 @@ pub(crate) fn level_of(data: &Dataset, rows: &[usize], chance: f64) -> Option<Sh
         if among < LEAST {
             return None;
         }
-        let law = Hypergeometric::new(visits.len() as u64, all as u64, k as u64).ok()?;
-        let p_value = (levels.len() as f64 * law.sf(among as u64 - 1)).min(1.0);
+        let distribution = Hypergeometric::new(visits.len() as u64, all as u64, k as u64).ok()?;
+        let p_value = (levels.len() as f64 * distribution.sf(among as u64 - 1)).min(1.0);
         let own = rows.iter().copied().filter(|row| declaring.binary_search(row).is_ok()).collect();
         Some(Shared { what: InCommon::Level(level), rows: own, p_value })
     };
@@ -74,10 +76,10 @@ pub(crate) fn stretch_of(data: &Dataset, rows: &[usize], chance: f64) -> Option<
     let rate = places.len() as f64 / n.max(1) as f64;
     let mut best: Option<([usize; 2], f64)> = None;
     for first in 0..places.len() {
-        for last in first + LEAST - 1..places.len() {
+        for last in first + LEAST - 1..places.len().min(first + MOST) {
             let (c, w) = (last - first + 1, places[last] - places[first] + 1);
-            let Ok(law) = Binomial::new(rate.min(1.0), w as u64) else { continue };
-            let p = (n as f64 * law.sf(c as u64 - 1)).min(1.0);
+            let Ok(distribution) = Binomial::new(rate.min(1.0), w as u64) else { continue };
+            let p = (n as f64 * distribution.sf(c as u64 - 1)).min(1.0);
             if best.is_none_or(|(_, least)| p < least) {
                 best = Some(([places[first], places[last]], p));
             }
