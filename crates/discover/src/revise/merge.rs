@@ -88,28 +88,5 @@ fn have_common_driver(a: &Candidate, b: &Candidate) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::hypotheses::constant::OfFrames;
-    use crate::hypotheses::coupling::Drag;
-    use crate::hypotheses::guideway::Rail;
-    use crate::hypotheses::place::Place;
-    use crate::hypotheses::variant::Variant;
-    use std::sync::Arc;
-    use truepose_errormodel::effects::{Coupling, Guideway};
-    use truepose_kinematics::JointId;
-
-    #[test]
-    fn a_guideway_and_its_coupling_to_another_joint_have_a_common_driver() {
-        let at = |joint: &str| Place { joint: Some(joint.into()), ..Place::default() };
-        let rail = Candidate::new(Arc::new(Rail), Variant::new(at("d1"), Guideway::of(JointId(1))));
-        let dragged = |driver: &str| {
-            let place = Place { driver: Some(driver.into()), ..at("d3") };
-            Candidate::new(Arc::new(Drag), Variant::new(place, Coupling::of(JointId(3), JointId(1))))
-        };
-        assert!(have_common_driver(&rail, &dragged("d1")));
-        assert!(!have_common_driver(&rail, &dragged("d2")));
-        let frame = Candidate::new(Arc::new(OfFrames), Variant::new(at("d1"), Guideway::of(JointId(1))));
-        assert!(!have_common_driver(&rail, &frame));
-    }
-}
+#[path = "merge_tests.rs"]
+mod tests;
