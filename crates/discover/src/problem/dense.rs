@@ -37,8 +37,6 @@ pub(crate) struct DenseScore {
     pub left: f64,
     /// −ln P(Beta(k/2, (ν − k)/2) ≥ SS/RSS).
     pub surprisal: f64,
-    /// Smallest relative distance of what is left of a direction from the limit below which it is dropped.
-    pub margin: f64,
 }
 
 impl Dense {
@@ -159,7 +157,6 @@ impl Dense {
         let scaled = &left * DMatrix::from_diagonal(&DVector::from_vec(scale));
         let eigen = SymmetricEigen::new(scaled.transpose() * &scaled);
         let kept: Vec<usize> = (0..x.ncols()).filter(|&k| eigen.eigenvalues[k] > absorbed).collect();
-        let margin = eigen.eigenvalues.iter().map(|left| (left / absorbed - 1.0).abs()).fold(1.0, f64::min);
         if kept.is_empty() {
             return None;
         }
@@ -180,7 +177,6 @@ impl Dense {
             statistic: -(self.observations as f64) * (1.0 - fraction).ln(),
             left: left.norm_squared() / x.norm_squared(),
             surprisal: -beta.sf(fraction).ln(),
-            margin,
         })
     }
 

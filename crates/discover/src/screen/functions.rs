@@ -73,11 +73,16 @@ impl Functions {
             }
         })?;
         let frames: Vec<FrameId> = linearisation.chain().frames().collect();
+        // The functions are those of a displacement of the base: a rotation's expected size is that over the length of the robot.
+        let length = linearisation.chain().characteristic_length();
+        let turned = |axis: Axis| if axis.is_rotation() { 1.0 / length } else { 1.0 };
         let scores = frames
             .into_par_iter()
             .map(|frame| {
                 let sites = Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis)));
-                let unit_response = sites.map(|site| projection.tables.unit_response(&[(site, 1.0)]));
+                let unit_response: [_; 6] = std::array::from_fn(|k| {
+                    projection.tables.unit_response(&[(sites[k], turned(Axis::ALL[k]))])
+                });
                 let through = unit_response.each_ref().map(|unit_response| unit_response.through(&values));
                 let part =
                     |m: &DMatrix<f64>, own: &Range<usize>| m.columns(own.start, own.len()).into_owned();
@@ -88,10 +93,16 @@ impl Functions {
                         let single = std::array::from_fn(|k| {
                             let raw = unit_response[k].products(&functions);
                             let score = through[k].1.rows(own.start, own.len()).into_owned();
-                            projection.judged(&raw, &part(&through[k].0, own), &score)
+                            let score = projection.judged(&raw, &part(&through[k].0, own), &score);
+                            score.map(|score| of_functions(score, &[turned(Axis::ALL[k])]))
                         });
                         let all = together.contains(&frame).then(|| {
-                            let raw = projection.tables.products(&sites, &functions);
+                            let each = Axis::ALL.map(turned);
+                            let mut raw = projection.tables.products(&sites, &functions);
+                            for (at, value) in raw.iter_mut().enumerate() {
+                                let (row, column) = (at % (6 * own.len()), at / (6 * own.len()));
+                                *value *= each[row / own.len()] * each[column / own.len()];
+                            }
                             let side_by_side = |parts: [&DMatrix<f64>; 6]| {
                                 let columns: Vec<_> = parts
                                     .iter()
@@ -109,7 +120,8 @@ impl Functions {
                                 t.1.rows(own.start, own.len()).iter().copied().collect::<Vec<_>>()
                             });
                             let score = DVector::from_iterator(6 * own.len(), score);
-                            projection.judged(&raw, &along, &score)
+                            let score = projection.judged(&raw, &along, &score);
+                            score.map(|score| of_functions(score, &each))
                         });
                         AtFrame { single, all }
                     })
@@ -231,6 +243,15 @@ impl Functions {
             _ => scores.all.clone(),
         }
     }
+}
+
+/// The score of columns that are functions times one factor a component, with a basis for the functions themselves.
+fn of_functions(mut score: Score, factors: &[f64]) -> Score {
+    let each = score.basis.nrows() / factors.len();
+    for (row, mut entries) in score.basis.row_iter_mut().enumerate() {
+        entries.scale_mut(factors[row / each] as f32);
+    }
+    score
 }
 
 /// Candidates that differ only in their site follow each other closely.
