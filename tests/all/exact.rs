@@ -2,9 +2,11 @@
 //! did not see it predicts to below a nanometre.
 
 use crate::plants::{bounded, geometric, geometric_plant, with_three_targets, worst_um};
+use nalgebra::{Unit, Vector3};
 use truepose_errormodel::Dataset;
+use truepose_identify::reduction::group_words;
 use truepose_identify::{FitOptions, fit};
-use truepose_kinematics::{Chain, samples};
+use truepose_kinematics::{Chain, Joint, JointKind, Placement, Pose, samples};
 use truepose_simulate::{Campaign, Instrument, Plant};
 use truepose_solvers::SolverSpec;
 
@@ -85,4 +87,40 @@ fn one_linear_step_is_not_exact() {
     let found = fit(&geometric(&chain), &train, &*solver, &linear).unwrap();
     let (position, _) = worst_um(&found.fitted, &held_out.data, &held_out);
     assert!((0.01..50.0).contains(&position), "{position} µm");
+}
+
+#[test]
+fn a_group_of_a_joint_has_the_value_that_its_words_say() {
+    // Zero errors of joints about positive and negative axes: what a group that begins with the turn of a joint says is added to its reading.
+    let axes =
+        [(-Vector3::z(), [0.0, 0.0, 0.5]), (Vector3::y(), [0.2, 0.0, 0.0]), (Vector3::y(), [0.8, 0.0, 0.0])];
+    let wrist =
+        [(-Vector3::x(), [0.2, 0.0, 0.1]), (Vector3::y(), [0.6, 0.0, 0.0]), (-Vector3::x(), [0.1, 0.0, 0.0])];
+    let joints: Vec<Joint> = (axes.iter().chain(&wrist).enumerate())
+        .map(|(k, &(axis, at))| {
+            let pose = Pose::from_xyz_rpy(at, [0.0; 3]);
+            let placement = Placement::Origin { pose, axis: Unit::new_normalize(axis) };
+            Joint::new(format!("A{}", k + 1), JointKind::Revolute, placement).with_limits(-2.0, 2.0)
+        })
+        .collect();
+    let chain = with_three_targets(&Chain::new("arm", joints).unwrap());
+    let plant = Plant::perfect(&chain).unwrap();
+    let mut data = plant.measure(&visits(&plant, 80, 3, false), 1).unwrap();
+    let offsets = [3e-4, -5e-4, 7e-4, 4e-4, -6e-4, 8e-4];
+    for (readings, offset) in data.joints.iter_mut().zip(offsets) {
+        readings.iter_mut().for_each(|reading| *reading -= offset);
+    }
+    let model = geometric(&chain);
+    let solver = "qr".parse::<SolverSpec>().unwrap().build();
+    let found = fit(&model, &data, &*solver, &FitOptions::default()).unwrap();
+    let mut seen = Vec::new();
+    for group in &found.reduction.groups {
+        let (words, sign) = group_words(&model, group);
+        let Some(joint) = words.strip_prefix("turn(A").and_then(|rest| rest.chars().next()) else { continue };
+        let k = joint as usize - '1' as usize;
+        let value = sign * found.fitted.coefficients()[group.column];
+        assert!((value - offsets[k]).abs() < 1e-6, "{words}: {value}, not {}", offsets[k]);
+        seen.push(k);
+    }
+    assert!(seen.contains(&1) && seen.contains(&3), "{seen:?}");
 }

@@ -4,7 +4,7 @@
 
 use truepose_errormodel::Dataset;
 use truepose_io::{ColumnMap, MeasurementsOptions, OrientationConvention, read_measurements};
-use truepose_kinematics::{Chain, Pose, Target, nalgebra::Vector3, samples};
+use truepose_kinematics::{Chain, Load, Pose, Target, nalgebra::Vector3, samples};
 
 /// A robot of four joints, r1, r2, slide, r4, with two targets.
 fn robot() -> Chain {
@@ -174,6 +174,66 @@ fn quoted_decimal_commas() {
     let text = "r1[deg],r2[deg],slide[mm],r4[deg],x[mm],y[mm],z[mm]\n\
                 \"10,5\",\"-20,25\",\"12,5\",90,\"1234,5\",\"-0,25\",100\n\"11,5\",\"-21,25\",\"13,5\",-90,\"1334,5\",\"0,75\",\"101,125\"\n";
     is_right(&read(text.as_bytes()).unwrap().0);
+}
+
+#[test]
+fn thousands_between_marks_that_separate_no_decimals() {
+    for grouped in ["1'234.5", "1\u{2019}234.5", "1 234.5", "1\u{202f}234.5"] {
+        let (data, warnings) = read(PLAIN.replace("1234.5", grouped).as_bytes()).unwrap();
+        is_right(&data);
+        assert!(warnings.iter().any(|w| w.contains("read with thousands separated by ")), "{warnings:?}");
+    }
+    // With decimal commas: of a Swiss and of a French office.
+    for mark in ["'", "\u{a0}"] {
+        let text = PLAIN.replace(',', ";").replace('.', ",").replace("1234,5", &format!("1{mark}234,5"));
+        is_right(&read(text.as_bytes()).unwrap().0);
+    }
+}
+
+/// [`PLAIN`] with a further column: its header and its two cells.
+fn with_a_column(header: &str, cells: [&str; 2]) -> String {
+    let ends = [header, cells[0], cells[1]];
+    PLAIN.lines().zip(ends).map(|(line, end)| format!("{line},{end}\n")).collect()
+}
+
+#[test]
+fn the_only_mass_is_what_is_carried() {
+    let payloads = |data: &Dataset| -> Vec<(f64, [f64; 3])> {
+        let one = |load: &Load| match load {
+            Load::Payload(payload) => (payload.mass, payload.com.into()),
+            _ => (f64::NAN, [f64::NAN; 3]),
+        };
+        data.load.iter().map(one).collect()
+    };
+    let text = with_a_column("Last [kg]", ["0", "12"]);
+    let (data, warnings) = read(text.as_bytes()).unwrap();
+    is_right(&data);
+    assert_eq!(payloads(&data), [(0.0, [0.0; 3]), (12.0, [0.0; 3])]);
+    assert!(warnings.iter().any(|w| w.contains("`Last [kg]` is read as payload")), "{warnings:?}");
+    // The same centre of gravity in all rows.
+    let centre = ColumnMap { names: vec![("cz".into(), "120mm".into())], ..ColumnMap::default() };
+    let (data, warnings) = read_with(text.as_bytes(), centre).unwrap();
+    assert_eq!(payloads(&data)[1], (12.0, [0.0, 0.0, 0.12]));
+    assert!(
+        !warnings.iter().any(|w| w.contains("centre of gravity") || w.contains("not in this file")),
+        "{warnings:?}"
+    );
+    // Left out, or called something else, it is none.
+    let ignored = ColumnMap { ignore: vec!["Last".into()], ..ColumnMap::default() };
+    assert!(payloads(&read_with(text.as_bytes(), ignored).unwrap().0)[1].0.is_nan());
+    let named = ColumnMap { names: vec![("flow".into(), "Last [kg]".into())], ..ColumnMap::default() };
+    let (data, _) = read_with(text.as_bytes(), named).unwrap();
+    assert_eq!((payloads(&data)[1].0.is_nan(), data.schema.channels[0].name.as_str()), (true, "flow"));
+    // One of two is asked back.
+    let two = text
+        .replace("Last [kg]", "Last [kg],Werkzeug [kg]")
+        .replace(",0\n", ",0,3\n")
+        .replace(",12\n", ",12,3\n");
+    let (data, warnings) = read(two.as_bytes()).unwrap();
+    assert!(payloads(&data)[1].0.is_nan() && !warnings.iter().any(|w| w.contains("is read as payload")));
+    // Without a unit it is proposed.
+    let (_, warnings) = read(with_a_column("Nutzlast", ["0", "12"]).as_bytes()).unwrap();
+    assert!(warnings.iter().any(|w| w.contains("--map \"payload=Nutzlast[kg]\"")), "{warnings:?}");
 }
 
 #[test]

@@ -196,7 +196,8 @@ impl Fit {
         let half = fit.half_widths();
         let one = |group: &truepose_identify::reduction::Group| {
             let unit = model.columns()[group.column].unit.clone();
-            (group_words(model, group), unit, coefficients[group.column], half[group.column])
+            let (words, sign) = group_words(model, group);
+            (words, unit, sign * coefficients[group.column], half[group.column])
         };
         Some(fit.reduction.groups.iter().map(one).collect())
     }

@@ -192,9 +192,10 @@ pub(crate) fn groups(fit: &truepose_identify::Fit) -> Vec<GroupSummary> {
     let group = |group: &truepose_identify::reduction::Group| {
         let column = &model.columns()[group.column];
         let variance = fit.fitted.covariance()[(group.column, group.column)];
+        let (words, sign) = group_words(model, group);
         GroupSummary {
-            words: group_words(model, group),
-            value: fit.fitted.coefficients()[group.column],
+            words,
+            value: sign * fit.fitted.coefficients()[group.column],
             half_width: half[group.column],
             unit: column.unit.clone(),
             ratio_to_prior: variance.max(0.0).sqrt() / column.scale,

@@ -112,7 +112,10 @@ impl fmt::Display for ParametersSummary {
         let sides = [Left, Left, Left, Right, Right, Right, Right, Left];
         write!(f, "{}", table(&Self::HEAD, &sides, &self.rows()))?;
         writeln!(f, " {}", self.note())?;
-        writeln!(f, "\nzero offsets of the joints (to be added to the reading)")?;
+        writeln!(
+            f,
+            "\nzero offsets of the joints (to be added to the reading; valid together with the parameters above)"
+        )?;
         write!(f, "{}", table(&Self::OFFSETS, &[Left, Right, Right, Left, Left], &self.offsets()))
     }
 }

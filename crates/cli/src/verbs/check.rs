@@ -88,7 +88,9 @@ fn judged(data: Option<&CsvInfo>) -> Result<(), Failure> {
     } else if info.unmeasured {
         return Err(Failure::Input(format!("{file}: {words}{proposal}")));
     } else if !proposal.is_empty() {
-        terminal::warn(&[format!("{file}: columns are not read that may be meant{proposal}")]);
+        terminal::warn(&[format!(
+            "{file}: some columns are not read, or as channels, that may have a meaning{proposal}"
+        )]);
     }
     Ok(())
 }
@@ -202,7 +204,9 @@ fn data_text(info: &CsvInfo) -> String {
             let (lower, upper) = column
                 .range
                 .map_or((String::new(), String::new()), |(a, b)| (significant(a, 6), significant(b, 6)));
-            vec![column.name.clone(), unit, column.filled.to_string(), lower, upper, column.meaning.clone()]
+            // Cells that are not read are not counted.
+            let filled = if column.meaning == "not read" { "–".into() } else { column.filled.to_string() };
+            vec![column.name.clone(), unit, filled, lower, upper, column.meaning.clone()]
         })
         .collect();
     let mut text = format!(

@@ -167,7 +167,17 @@ pub(crate) fn conclude(
     let last = (last.p_value, last.detectable_gain);
     let dependence =
         dependence(&Linearisation::new(&current.fit, &current.data, context.options)?, context.options.seed);
+    let clusters = clusters(&held, dependence.as_ref());
+    let folds = match partition.held_out {
+        HeldOut::TestSet => None,
+        HeldOut::NestedFolds => Some(context.budget().nested_folds),
+        HeldOut::Refits => Some(context.budget().refit_folds),
+    };
+    let folds = folds.map(|folds| CrossValidated::of([&declared, &fit], folds));
+    let (draws, seed) = (context.budget().bootstrap, context.options.seed);
+    let intervals = HeldOutIntervals::of([&before, &after], &clusters, folds, draws, seed);
     let doubts = Doubts {
+        unseen: intervals.as_ref().map(|intervals| intervals.after),
         joints_scatter: joints.is_some(),
         outliers_together: together.is_some(),
         wander: dependence.as_ref().and_then(|dependence| dependence.wander),
@@ -182,15 +192,6 @@ pub(crate) fn conclude(
     let ratio = noise_floor.rms.map_or(1.0, |rms| rms / assumed);
     let untestable = untestable.into_iter().map(|u| u.with_noise(ratio));
     let untestable = untestable.filter(|u| u.holds(context.policy()) && !found_there(u)).collect();
-    let clusters = clusters(&held, dependence.as_ref());
-    let folds = match partition.held_out {
-        HeldOut::TestSet => None,
-        HeldOut::NestedFolds => Some(context.budget().nested_folds),
-        HeldOut::Refits => Some(context.budget().refit_folds),
-    };
-    let folds = folds.map(|folds| CrossValidated::of([&declared, &fit], folds));
-    let (draws, seed) = (context.budget().bootstrap, context.options.seed);
-    let intervals = HeldOutIntervals::of([&before, &after], &clusters, folds, draws, seed);
     let unseen = match declared_fit.full_report {
         true => extrapolations(context, [&declared, &fit], &found, partition.data, &outside.suspects),
         false => Vec::new(),

@@ -5,14 +5,15 @@
 //! | s², ν_s | variance of one row with what the unknowns took from it given back, and its degrees of freedom ([`ResidualVariance`]) | m² |
 //! | f², ν_f | square of the repeatability limit, and its degrees of freedom | m² |
 //! | b² | s² of the declared model | m² |
+//! | h_l | lower end of the interval of the held-out error | m |
 //!
 //! ```text
 //! unexplained    u² = s² − f²,   share (s² − f²)/b²                with their signs
 //! interval       [u² − √((s² − s²_l)² + (f²_u − f²)²),  u² + √((s²_u − s²)² + (f² − f²_l)²)]        (Zou and Donner 2008)
-//! adequate       lack of fit not significant, and   (s²/f²) F_{0.975}(ν_f, ν_s) < 1 + 2²
+//! adequate       lack of fit not significant,   (s²/f²) F_{0.975}(ν_f, ν_s) < 1 + 2²,   and   h²_l < (1 + 2²) f²
 //! ```
 //!
-//! The last line bounds what may be left: were the unexplained part twice the noise, the model would be called adequate in one case of forty.
+//! A model that poses of no fit or search contradict is not adequate, however small its residual is. The last line bounds what may be left: were the unexplained part twice the noise, the model would be called adequate in one case of forty.
 //! A test with few repeats finds nothing significant, and alone would call every model adequate.
 
 use crate::conclude::floor::{FloorSource, NoiseFloor, interval};
@@ -57,6 +58,8 @@ pub struct Unexplained {
     /// (RMS² − limit²) over the mean square of the declared model, with its sign; `None` without an estimate
     /// of the limit.
     pub share_of_variance: Option<Estimate>,
+    /// Whether the held-out error is that far beyond the limit, so that the model is not called adequate.
+    pub held_out_beyond: bool,
     /// Lack of fit against the limit; `None` where that does not come from poses.
     pub lack_of_fit: Option<LackOfFit>,
     /// Smallest family-wise p-value of the last screen.
@@ -81,6 +84,8 @@ pub(crate) struct Doubts {
     pub wander: Option<f64>,
     /// Whether rows that are kept out have a payload or a stretch of the record in common.
     pub outliers_together: bool,
+    /// 95 % interval of the held-out error, 3-D RMS, m.
+    pub unseen: Option<[f64; 2]>,
 }
 
 /// Verdict and unexplained part; `p_value` and `detectable_gain` are those of the last screen. Where the joints' own scatter was estimated,
@@ -98,6 +103,7 @@ pub(crate) fn verdict(
     let left = variances.after;
     let lack_of_fit = left.zip(floor.pure.as_ref()).map(|(left, pure)| left.lack_of_fit(pure));
     let lacks = lack_of_fit.is_some_and(|lack| lack.p_value < policy.verdict_level);
+    let beyond_unseen = doubts.unseen.is_some_and(|unseen| mispredicts(unseen, floor, policy));
     let decided = if stopped == Termination::Interrupted {
         Verdict::Undecided
     } else if stopped != Termination::NothingLeft || lacks {
@@ -107,6 +113,7 @@ pub(crate) fn verdict(
         && !(doubts.joints_scatter && floor.missing_repeats > 0)
         && !wanders(doubts.wander, floor)
         && !doubts.outliers_together
+        && !beyond_unseen
     {
         Verdict::Adequate
     } else {
@@ -122,6 +129,7 @@ pub(crate) fn verdict(
         share_of_variance: square
             .zip(declared)
             .map(|(u, b)| Estimate { value: u.value / b, ci95: u.ci95.map(|end| end / b) }),
+        held_out_beyond: beyond_unseen,
         lack_of_fit,
         p_value,
         detectable_gain,
@@ -133,6 +141,11 @@ pub(crate) fn verdict(
 /// scatter by what a drift or a jump of the instrument does, and agree with any residual that it leaves.
 fn wanders(wander: Option<f64>, floor: &NoiseFloor) -> bool {
     wander.zip(floor.rms).is_some_and(|(wander, rms)| wander * wander > 0.5 * rms * rms)
+}
+
+/// Whether the held-out error, with 97.5 % confidence, has more than [`Policy::adequate_margin`] times the noise beside it.
+fn mispredicts([least, _]: [f64; 2], floor: &NoiseFloor, policy: &Policy) -> bool {
+    floor.rms.is_some_and(|rms| (least / rms).powi(2) > 1.0 + policy.adequate_margin.powi(2))
 }
 
 /// Whether the unexplained part is below [`Policy::adequate_margin`] times the noise, with 97.5 % confidence.
@@ -176,5 +189,21 @@ mod tests {
         assert!(!wanders(Some(0.6e-3), &floor));
         assert!(wanders(Some(0.8e-3), &floor));
         assert!(!wanders(Some(0.8e-3), &NoiseFloor::unknown(&policy)));
+    }
+
+    #[test]
+    fn a_model_that_unseen_poses_contradict_is_not_adequate() {
+        let policy = Policy::default();
+        let floor = NoiseFloor {
+            rms: Some(1e-3),
+            source: FloorSource::Stated,
+            ci95: Some([0.9e-3, 1.1e-3]),
+            ..NoiseFloor::unknown(&policy)
+        };
+        assert!(!mispredicts([0.9e-3, 1.2e-3], &floor, &policy));
+        // Many unknowns on few poses: the error at others is larger, and that is no doubt.
+        assert!(!mispredicts([1.5e-3, 4e-3], &floor, &policy));
+        assert!(mispredicts([2.3e-3, 4e-3], &floor, &policy));
+        assert!(!mispredicts([2.3e-3, 4e-3], &NoiseFloor::unknown(&policy), &policy));
     }
 }

@@ -170,6 +170,6 @@ fn a_group_reads_like_a_sentence() {
     let chain = samples::ur10();
     let model = frames_only(&chain);
     let reduction = reduced(&model, &postures(&chain, 60, true, &[None]));
-    let words: Vec<String> = reduction.groups.iter().map(|g| group_words(&model, g)).collect();
+    let words: Vec<String> = reduction.groups.iter().map(|g| group_words(&model, g).0).collect();
     insta::assert_snapshot!(words.join("\n"));
 }

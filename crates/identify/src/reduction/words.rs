@@ -4,8 +4,9 @@ use super::groups::Group;
 use super::priority::column_word;
 use truepose_errormodel::ErrorModel;
 
-/// A grouped error in words, with coefficients in SI units.
-pub fn group_words(model: &ErrorModel, group: &Group) -> String {
+/// A grouped error in words, with coefficients in SI units, and the sign with which its coefficient is what the words say: −1 where they begin
+/// with the motion of a joint whose axis is a negative one of its frame.
+pub fn group_words(model: &ErrorModel, group: &Group) -> (String, f64) {
     let (head, head_sign) = column_word(model, group.column);
     let unit = &model.columns()[group.column].unit;
     let mut text = head;
@@ -23,7 +24,7 @@ pub fn group_words(model: &ErrorModel, group: &Group) -> String {
         }
         text.push_str(&word);
     }
-    text
+    (text, head_sign)
 }
 
 /// Unit of a coefficient; radians count as numbers, so that a lever arm is in metres.

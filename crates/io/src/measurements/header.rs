@@ -2,9 +2,10 @@
 
 use super::cells::cells;
 use super::columns::{Column, FIXED, Role};
+use super::constants;
 use super::names::Names;
 use super::orientation::OrientationConvention;
-use super::proposal::{Proposal, capitals, impossible};
+use super::proposal::{Proposal, capitals, carried, impossible};
 use super::sampled::Sample;
 use super::scalars::SCALARS;
 use crate::nearest::listed;
@@ -45,6 +46,8 @@ pub(crate) struct Slots {
     pub scalars: [Option<usize>; SCALARS.len()],
     pub payload: Option<usize>,
     pub centre: Option<[usize; 3]>,
+    /// The centre of gravity of all rows, m, where it is no column.
+    pub same_centre: Option<[f64; 3]>,
     pub wrench: Option<[usize; 6]>,
     pub time: Option<usize>,
     pub approach: Vec<Option<usize>>,
@@ -127,6 +130,14 @@ impl Header {
                 format!("`{x}`, `{y}`, `{z}` are read as x, y, z: no other columns can be meant by these");
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
+        if let Some(mass) = carried(&headers, sample, &Names { chain: resolver.chain, map: &own }) {
+            own.names.push(("payload".into(), headers[mass].into()));
+            let message = format!(
+                "`{}` is read as payload: it is the only mass (if it is none: `--ignore`, or `--map NAME=` another name)",
+                headers[mass]
+            );
+            warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
+        }
         let resolver = &Names { chain: resolver.chain, map: &own };
         let proposal = Proposal::of(&headers, sample, resolver);
         let (columns, slots) = (Vec::new(), Slots::default());
@@ -178,11 +189,15 @@ impl Header {
             let message = format!("{}{}", header.proposal.matter(), header.proposal.text());
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
-        if header.slots.payload.is_some() && header.slots.centre.is_none() {
+        if header.slots.payload.is_some()
+            && header.slots.centre.is_none()
+            && header.slots.same_centre.is_none()
+        {
             header.warn(
                 warnings,
                 header.slots.payload,
-                "has no centre of gravity: the tool's origin is assumed; add `cx[mm]`, `cy[mm]`, `cz[mm]`",
+                "has no centre of gravity: the tool's origin is assumed (the point that is measured, where tool and targets are not known); give it \
+                 with `--map \"cz=120mm\"` for all rows, in the tool frame, or in columns `cx[mm]`, `cy[mm]`, `cz[mm]`",
             );
         }
         if header.slots.payload.is_some() && header.slots.wrench.is_some() {
@@ -262,6 +277,7 @@ impl Header {
             scalars: std::array::from_fn(|k| self.find(Role::Scalar(k))),
             payload: self.find(Role::PayloadMass),
             centre: self.group([0, 1, 2].map(Role::PayloadCentre))?,
+            same_centre: constants::centre(names.map),
             wrench: self.group([
                 Role::Force(0),
                 Role::Force(1),

@@ -8,6 +8,7 @@
 pub(crate) mod cells;
 mod clock;
 pub(crate) mod columns;
+mod constants;
 mod copies;
 mod coupled;
 mod dialect;

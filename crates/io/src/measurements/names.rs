@@ -1,6 +1,7 @@
 //! Headers of a file as names and units of ours: mapped by the user, or in another spelling of the unit.
 
 use super::columns::Role;
+use super::constants;
 use super::mapping::ColumnMap;
 use crate::{Quantity, Unit};
 use std::borrow::Cow;
@@ -75,6 +76,7 @@ impl Names<'_> {
         };
         let mapped =
             self.map.names.iter().filter(|(ours, theirs)| !has(theirs) && !has(ours) && !optional(ours));
+        let mapped = mapped.filter(|(ours, theirs)| constants::length((ours, theirs)).is_none());
         let mapped = mapped.map(|(ours, theirs)| {
             format!("`{ours}` is mapped to the column `{theirs}`, which is not in this file")
         });

@@ -181,7 +181,7 @@ impl RowReader {
         if mass < 0.0 {
             return Err(self.header.cell_error(self.row.line, k, "a mass cannot be negative"));
         }
-        let mut com = Vector3::zeros();
+        let mut com = slots.same_centre.map_or_else(Vector3::zeros, Vector3::from);
         if let Some(slots) = slots.centre {
             com = Vector3::from(slots.map(|k| self.numbers[k]));
             if com.iter().any(|v| v.is_nan()) {

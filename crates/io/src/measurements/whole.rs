@@ -235,8 +235,8 @@ mod tests {
             (6, "1e999", "column `x[mm]` (7): `1e999` is too large for a number"),
             (
                 6,
-                "1 234.5",
-                "column `x[mm]` (7): `1 234.5` is not a number; write it without separators between thousands",
+                "1 2345.6",
+                "column `x[mm]` (7): `1 2345.6` is not a number; write it without separators between thousands",
             ),
             (6, "\"1", "column `x[mm]` (7): a quote in the cell does not end; close it"),
             (

@@ -1,5 +1,6 @@
 //! `[columns]` of a robot description: names of columns in tables of measurements.
 
+use super::details::units;
 use crate::toml_tree::{Table, Value};
 use crate::{ColumnMap, IoError, OrientationConvention};
 
@@ -15,6 +16,11 @@ pub(super) fn read(root: &Table<'_>) -> Result<ColumnMap, IoError> {
                 let names = value.elements("an array of names of columns")?;
                 let names: Result<Vec<&str>, IoError> = names.iter().map(Value::string).collect();
                 map.ignore = names?.into_iter().map(String::from).collect();
+            }
+            // The centre of gravity of all rows, in the unit of the file.
+            "cx" | "cy" | "cz" if !value.is_string() => {
+                let unit = units(root)?.length;
+                map.names.push((key.to_owned(), format!("{}[{}]", value.number()?, unit.word)));
             }
             name => map.names.push((name.to_owned(), value.string()?.to_owned())),
         }

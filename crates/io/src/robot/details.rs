@@ -129,7 +129,7 @@ pub(super) fn of(root: &Table<'_>) -> Result<RobotDetails, IoError> {
     Ok(RobotDetails { units, frames, certificate })
 }
 
-fn units(root: &Table<'_>) -> Result<ExportUnits, IoError> {
+pub(super) fn units(root: &Table<'_>) -> Result<ExportUnits, IoError> {
     let mut found = ExportUnits::default();
     let Some(units) = root.get("units") else { return Ok(found) };
     let units = units.table("[units]")?;

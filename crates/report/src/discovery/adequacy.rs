@@ -47,6 +47,9 @@ pub struct UnexplainedSummary {
     /// 3-D RMS of the residual with what the parameters of the model took from it given back, mm.
     #[serde(default)]
     pub residual_rms_mm: Option<f64>,
+    /// Whether the held-out error is far beyond the repeatability limit, so that the model is not called adequate.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held_out_beyond: bool,
     /// p-value of the lack of fit against the repeatability limit; none where that does not come from poses.
     #[serde(default)]
     pub lack_of_fit_p: Option<f64>,
@@ -79,6 +82,7 @@ impl UnexplainedSummary {
             share_of_variance: unexplained.share_of_variance.map(|share| share.value),
             share_ci95: unexplained.share_of_variance.map(|share| share.ci95),
             residual_rms_mm: unexplained.residual.map(|rms| 1e3 * rms),
+            held_out_beyond: unexplained.held_out_beyond,
             lack_of_fit_p: unexplained.lack_of_fit.map(|lack| lack.p_value),
             p_value: unexplained.p_value,
         }

@@ -95,6 +95,15 @@ impl DiscoverySummary {
                 "Undecided: the residual without the rows that are kept out is {left}, but {what}: they are perhaps an effect."
             );
         }
+        if self.unexplained.held_out_beyond {
+            let after = &self.after.holdout_used();
+            return format!(
+                "Undecided: the residual ({left}) is consistent with the repeatability limit ({}), but poses that were not seen are predicted \
+                 to {} mm: the effects found do not carry over to them. Measure more poses, or declare what is known of the robot and its loads.",
+                floor.figure(),
+                significant(after.rms_mm, 3)
+            );
+        }
         match floor.source {
             FloorSource::Repeats | FloorSource::NearRepeats => format!(
                 "Undecided: {} ({}) are too few to decide whether the residual ({left}) is noise: {measure}.",

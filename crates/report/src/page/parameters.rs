@@ -14,7 +14,7 @@ impl Page {
         }
         self.note(&summary.note());
         self.table(
-            "Zero offsets of the joints, to be added to the reading of each",
+            "Zero offsets of the joints, to be added to the reading of each; valid together with the parameters above",
             &ParametersSummary::OFFSETS,
             &summary.offsets(),
             true,

@@ -112,6 +112,9 @@ pub(crate) fn length(v: &[f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
+/// Seconds above which a time counts from 1970 and not from the begin of a campaign: three years.
+const DATED: f64 = 1e8;
+
 /// Inputs that vary (joints, payload, time or order, channels), and how many of them are joints.
 fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) {
     let pick = |column: &[f64], factor: f64| rows.iter().map(|&row| column[row] * factor).collect::<Vec<_>>();
@@ -134,7 +137,11 @@ fn inputs(chain: &Chain, data: &Dataset, rows: &[usize]) -> (Vec<Input>, usize) 
         .collect();
     list.push(Input { name: "payload".into(), unit: "kg".into(), values: pick(&mass, 1.0) });
     if data.schema.time {
-        list.push(Input { name: "time".into(), unit: "s".into(), values: pick(&data.time, 1.0) });
+        let first = data.time.iter().copied().fold(f64::INFINITY, f64::min);
+        // Dates are seconds since 1970, of which an axis would show nine equal digits.
+        let (name, from) = if first > DATED { ("time since the first row", first) } else { ("time", 0.0) };
+        let values = pick(&data.time, 1.0).into_iter().map(|time| time - from).collect();
+        list.push(Input { name: name.into(), unit: "s".into(), values });
     } else {
         let order: Vec<f64> = data.visit.iter().map(|v| (v + 1) as f64).collect();
         list.push(Input {

@@ -2,7 +2,7 @@
 
 use super::super::cells::cells;
 use super::in_cells;
-use super::numbers::{Marks, marks};
+use super::numbers::{Marks, marks, ungrouped};
 
 /// The cells of a line.
 pub(super) fn split(line: &str, separator: char) -> Vec<String> {
@@ -31,7 +31,7 @@ pub(super) fn split(line: &str, separator: char) -> Vec<String> {
 pub(super) fn is_row_of_numbers(cells: &[String]) -> bool {
     let is_number = |cell: &&String| {
         let bare = in_cells::parted(cell).map_or(cell.as_str(), |(number, _)| number);
-        bare.parse::<f64>().is_ok() || !matches!(marks(bare), Marks::Plain)
+        bare.parse::<f64>().is_ok() || !matches!(marks(bare), Marks::Plain) || ungrouped(bare).is_some()
     };
     let filled = || cells.iter().filter(|cell| !cell.is_empty());
     filled().count() > 0 && 2 * filled().filter(is_number).count() > filled().count()

@@ -39,7 +39,7 @@ pub(super) struct Dialect {
     units: Option<usize>,
     /// Lines above the header that complete its names, from 0, the nearest first.
     above: Vec<usize>,
-    /// Whether cells may hold decimal commas.
+    /// Whether cells may hold decimal commas, or marks between thousands.
     commas: bool,
     /// The unit that stands in every cell of a column.
     in_cells: Vec<Option<String>>,

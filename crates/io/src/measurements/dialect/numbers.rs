@@ -46,6 +46,21 @@ pub(super) fn with_point(cell: &str) -> String {
     }
 }
 
+/// The number without the marks between its groups of three digits, and the mark: `1'234.5`, `12 345,6`. None where it has none, or is no
+/// number of groups. An apostrophe or a blank never separates decimals, so that such a number has one reading.
+pub(super) fn ungrouped(cell: &str) -> Option<(String, char)> {
+    let mark = cell.chars().find(|c| matches!(c, '\'' | '\u{2019}' | ' ' | '\u{a0}' | '\u{202f}'))?;
+    let body = cell.strip_prefix(['+', '-', '\u{2212}']).unwrap_or(cell);
+    let end = body.find([',', '.']).unwrap_or(body.len());
+    let (whole, decimals) = body.split_at(end);
+    let digits = |text: &str| text.bytes().all(|b| b.is_ascii_digit());
+    let groups = whole.split(mark).enumerate().all(|(k, group)| {
+        digits(group) && if k == 0 { (1..=3).contains(&group.len()) } else { group.len() == 3 }
+    });
+    let fraction = decimals.is_empty() || digits(&decimals[1..]);
+    (groups && fraction).then(|| (cell.chars().filter(|&c| c != mark).collect(), mark))
+}
+
 fn exponent(cell: &str) -> Option<&str> {
     cell.find(['e', 'E']).map(|at| &cell[at + 1..])
 }
@@ -120,5 +135,28 @@ mod tests {
         assert_eq!(with_point("-1.234,5"), "-1234.5");
         assert_eq!(with_point("1,234.5"), "1234.5");
         assert_eq!(with_point(",5e-3"), ".5e-3");
+    }
+
+    #[test]
+    fn groups_of_digits_have_one_reading() {
+        for (cell, expected) in [
+            ("1'234.5", Some("1234.5")),
+            ("-1\u{2019}234\u{2019}567,25", Some("-1234567,25")),
+            ("12 345,6", Some("12345,6")),
+            ("1\u{202f}234", Some("1234")),
+            ("1\u{a0}234.", Some("1234.")),
+            ("1234.5", None),
+            ("1'23", None),
+            ("1'2345", None),
+            ("1234'567", None),
+            ("1'234 567", None),
+            ("1'234.5'6", None),
+            ("5' 3\"", None),
+            ("'234", None),
+            ("12 mm", None),
+            ("", None),
+        ] {
+            assert_eq!(ungrouped(cell).map(|(number, _)| number).as_deref(), expected, "{cell}");
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::composed::composed;
 use super::cut::split;
 use super::encoding::Encoding;
 use super::in_cells::parted;
-use super::numbers::{Marks, marks, with_point};
+use super::numbers::{Marks, marks, ungrouped, with_point};
 use super::{Dialect, Rewritten, named, skipped};
 use crate::nearest::listed;
 use crate::{IoError, Unit};
@@ -79,6 +79,9 @@ pub(super) fn rewrite(
                 if !dialect.commas || header.get(k).is_some_and(|name| names.is_text(name)) {
                     continue;
                 }
+                if let Some((whole, _)) = ungrouped(cell) {
+                    *cell = whole;
+                }
                 match read(cell, decimals) {
                     Ok(Some(number)) => *cell = number,
                     Ok(None) => {}
@@ -123,6 +126,8 @@ fn is_note(row: &[String], columns: usize) -> bool {
 struct Decimals {
     commas: bool,
     points: bool,
+    /// What separates thousands, where it is neither of them.
+    groups: Option<char>,
 }
 
 fn decimals(dialect: &Dialect, lines: &[&str], header: &[String], names: &Names<'_>) -> Decimals {
@@ -133,7 +138,10 @@ fn decimals(dialect: &Dialect, lines: &[&str], header: &[String], names: &Names<
     for line in lines.iter().skip(dialect.header + 1).filter(|line| !skipped(line)) {
         for (cell, name) in split(line, dialect.separator).iter().zip(header) {
             if !names.is_text(name) {
-                match marks(parted(cell).map_or(cell, |(number, _)| number)) {
+                let number = parted(cell).map_or(cell.as_str(), |(number, _)| number);
+                let whole = ungrouped(number);
+                seen.groups = seen.groups.or(whole.as_ref().map(|(_, mark)| *mark));
+                match marks(whole.as_ref().map_or(number, |(number, _)| number)) {
                     Marks::Comma => seen.commas = true,
                     Marks::Point => seen.points = true,
                     _ => {}
@@ -200,6 +208,10 @@ fn remarks(dialect: &Dialect, decimals: Decimals, completed: bool, stripped: &[S
     }
     if decimals.commas {
         read.push("decimal commas".to_owned());
+    }
+    if let Some(mark) = decimals.groups {
+        let mark = if mark.is_whitespace() { "blanks".to_owned() } else { format!("`{mark}`") };
+        read.push(format!("thousands separated by {mark}"));
     }
     if let Some(units) = dialect.units {
         read.push(format!("the units in line {}", units + 1));

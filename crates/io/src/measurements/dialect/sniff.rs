@@ -4,7 +4,7 @@ use super::super::names::{Names, is_unit_word};
 use super::composed::incomplete;
 use super::cut::{is_row_of_numbers, split};
 use super::encoding::Encoding;
-use super::numbers::{Marks, marks};
+use super::numbers::{Marks, marks, ungrouped};
 use super::{Dialect, in_cells, krl, named, skipped, spaced};
 
 /// Lines in which a header is looked for: below a title, an operator, a date, an instrument's settings.
@@ -80,7 +80,11 @@ pub(super) fn dialect(text: &str, encoding: Encoding, whole: bool, names: &Names
         .for_each(|(unit, _)| *unit = None);
     let marked = |cell: &String| cell.contains(',') && marks(cell) != Marks::Plain;
     let quoted = |line: &str| line.contains('"') && split(line, ',').iter().any(marked);
-    let commas = separator != ',' || lines.iter().any(|(_, line)| quoted(line));
+    let grouped = |line: &str| {
+        line.contains(['\'', '\u{2019}', ' ', '\u{a0}', '\u{202f}'])
+            && split(line, ',').iter().any(|cell| ungrouped(cell).is_some())
+    };
+    let commas = separator != ',' || lines.iter().any(|(_, line)| quoted(line) || grouped(line));
     let plain = encoding == Encoding::Utf8
         && separator == ','
         && header == first.0

@@ -22,7 +22,8 @@ fn columns_that_belong_together() {
     assert_eq!(
         warnings,
         [
-            "d.csv:1: column `payload[kg]` (9): has no centre of gravity: the tool's origin is assumed; add `cx[mm]`, `cy[mm]`, `cz[mm]`"
+            "d.csv:1: column `payload[kg]` (9): has no centre of gravity: the tool's origin is assumed (the point that is measured, where tool \
+             and targets are not known); give it with `--map \"cz=120mm\"` for all rows, in the tool frame, or in columns `cx[mm]`, `cy[mm]`, `cz[mm]`"
         ]
     );
     for (rest, message) in [

@@ -1,20 +1,23 @@
 //! What the columns of a file are probably, where their names do not say so: one complete proposal, for people to take or leave.
 //!
 //! ```text
-//! headers, first rows ──► Seen (words, unit, values) ──► joints ──► position ──► orientation (held against the robot) ──► time, id, target
+//! headers, first rows ──► Seen (words, unit, values) ──► joints ──► position ──► orientation (held against the robot) ──► load ──► time, id, target
 //! ```
 //!
-//! Nothing of it is applied, but for `X Y Z` with units of length, which are read as `x y z` with a warning.
+//! Nothing of it is applied, but for `X Y Z` with units of length, which are read as `x y z`, and for the only column with a unit of mass, which is
+//! read as `payload`, each with a warning.
 
 mod fitting;
 mod groups;
 mod joints;
+mod loads;
 mod others;
 mod places;
 mod seen;
 mod turned;
 mod units;
 
+pub(super) use loads::carried;
 pub(super) use places::capitals;
 pub(super) use units::impossible;
 
@@ -50,6 +53,7 @@ impl Proposal {
         let joints = joints::propose(&mut seen, names.chain, &mut all);
         places::propose(&mut seen, names, &mut all);
         turned::propose(&mut seen, names, joints.as_deref(), &mut all);
+        loads::propose(&mut seen, &mut all);
         others::propose(&mut seen, names, &mut all);
         all
     }
@@ -74,7 +78,7 @@ impl Proposal {
     pub fn matter(&self) -> &'static str {
         match self.pairs.is_empty() && self.orientation.is_none() && !self.no_cause.is_empty() {
             true => "columns are read as channels that are none",
-            false => "columns are not read that may be meant",
+            false => "some columns are not read, or as channels, that may have a meaning",
         }
     }
 

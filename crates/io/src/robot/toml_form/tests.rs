@@ -205,6 +205,10 @@ fn columns_of_tables() {
     assert_eq!(map.names, [("d1".to_string(), "Axis 1[mm]".to_string())]);
     assert_eq!(map.ignore, ["Operator"]);
     assert_eq!(map.orientation, Some(crate::OrientationConvention::KukaAbc));
+    // A centre of gravity of all rows is a number.
+    let map = with("payload = \"Load[kg]\"\ncz = 120\n").unwrap();
+    let unit = if GOOD.contains("length = \"mm\"") { "mm" } else { "m" };
+    assert_eq!(map.names[0], ("cz".to_string(), format!("120[{unit}]")));
     for (bad, words) in [("d1 = 3", "has to be a text in quotes"), ("orientation = \"kuka\"", "known: rpy")] {
         let error = with(bad).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
