@@ -3,10 +3,17 @@
 use crate::count;
 use truepose_discover::{Diagnosis, Family, Setting, Untestable};
 use truepose_errormodel::Visits;
-use truepose_kinematics::{JointKind, Load};
+use truepose_kinematics::{JointId, JointKind, Load};
 
 /// Times as many poses up to which more of the same kind are advised. Convention: beyond it, other poses are less work.
 const MORE: f64 = 5.0;
+
+/// Times as large a load, and times as wide a range of a channel, up to which more of it is advised. Convention.
+const LARGER: f64 = 10.0;
+const WIDER: f64 = 100.0;
+
+/// Share that the model does not imitate, below which other poses are what is missing. Convention.
+const IMITATED: f64 = 0.5;
 
 /// Part of a joint's range below which it moved little.
 const LITTLE: f64 = 0.5;
@@ -31,7 +38,74 @@ pub(super) fn advice(of: &Untestable, found: &Diagnosis) -> String {
             if of.family == Family::LoadNonlinearity { "three or more payloads" } else { "two payloads" };
         return format!("Measure with {loads}.");
     }
-    "It needs poses in which it acts otherwise than the effects of the model.".into()
+    if let Some(further) = varied(of, found).or_else(|| heavier(of, found)).or_else(|| farther(of, found)) {
+        return further;
+    }
+    let Some(detectable) = of.detectable else {
+        return "It does nothing on these poses: its joint, load or channel stands still.".into();
+    };
+    let seen = format!("It would show from {} mm RMS on", crate::significant(1e3 * detectable, 2));
+    let absorbed = (100.0 * (1.0 - of.share)).clamp(0.0, 100.0);
+    match of.share < IMITATED {
+        true => format!(
+            "{seen}: the model imitates {absorbed:.0} % of it on these poses. Measure joints and loads in other combinations."
+        ),
+        false => format!(
+            "{seen}: on these poses it does little. Measure where its joint, load or channel is larger."
+        ),
+    }
+}
+
+/// A channel that it follows varied too little.
+fn varied(of: &Untestable, found: &Diagnosis) -> Option<String> {
+    let name = of.place.channel.as_deref()?;
+    let k = found.data.schema.channels.iter().position(|channel| channel.name == name)?;
+    let values = &found.data.channels[k];
+    let ends = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
+    let range = ends[1] - ends[0];
+    let times = times(of, WIDER).filter(|_| range > 0.0)?;
+    let unit = &found.data.schema.channels[k].unit;
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    let text = |value: f64| format!("{}{unit}", crate::significant(value, 2));
+    Some(format!(
+        "{name} varied by {}: an effect of usual size would show over {}.",
+        text(range),
+        text(times * range)
+    ))
+}
+
+/// What was carried bends too little.
+fn heavier(of: &Untestable, found: &Diagnosis) -> Option<String> {
+    let loaded =
+        [Family::JointCompliance, Family::LinkCompliance, Family::BaseCompliance, Family::LoadNonlinearity];
+    let mass = |load: &Load| match load {
+        Load::Payload(payload) => payload.mass,
+        _ => 0.0,
+    };
+    let largest = found.data.load.iter().map(mass).fold(0.0, f64::max);
+    let times = times(of, LARGER).filter(|_| loaded.contains(&of.family) && largest > 0.0)?;
+    let mass = crate::significant(times * largest, 2);
+    Some(format!(
+        "Under {} kg an effect of usual size is too small: about {mass} kg would show it.",
+        crate::significant(largest, 3)
+    ))
+}
+
+/// How many times as large what drives it has to be, where that is what is missing: information grows with its square.
+fn times(of: &Untestable, most: f64) -> Option<f64> {
+    of.more_poses.map(f64::sqrt).filter(|&times| times <= most && of.share >= IMITATED)
+}
+
+/// The joint of the place turns near the targets.
+fn farther(of: &Untestable, found: &Diagnosis) -> Option<String> {
+    let chain = found.fit.fitted.chain();
+    let name = of.place.joint.as_deref().filter(|_| of.share >= IMITATED)?;
+    let turns =
+        |joint: &JointId| chain.joint(*joint).name == name && chain.joint(*joint).kind == JointKind::Revolute;
+    let own = [Family::Backlash, Family::Coupling, Family::Transmission];
+    (own.contains(&of.family) && chain.movable().iter().any(turns)).then(|| {
+        format!("It moves what is measured by little: measure a target farther from the axis of {name}.")
+    })
 }
 
 /// The joint of the place stood at too few values for a function of its own.
