@@ -104,17 +104,15 @@ pub(crate) fn verdict(
     let lack_of_fit = left.zip(floor.pure.as_ref()).map(|(left, pure)| left.lack_of_fit(pure));
     let lacks = lack_of_fit.is_some_and(|lack| lack.p_value < policy.verdict_level);
     let beyond_unseen = doubts.unseen.is_some_and(|unseen| mispredicts(unseen, floor, policy));
+    let doubted = (doubts.joints_scatter && floor.missing_repeats > 0)
+        || wanders(doubts.wander, floor)
+        || doubts.outliers_together
+        || beyond_unseen;
     let decided = if stopped == Termination::Interrupted {
         Verdict::Undecided
     } else if stopped != Termination::NothingLeft || lacks {
         Verdict::Unexplained
-    } else if floor.is_estimate()
-        && left.is_some_and(|left| small(&left, floor, policy))
-        && !(doubts.joints_scatter && floor.missing_repeats > 0)
-        && !wanders(doubts.wander, floor)
-        && !doubts.outliers_together
-        && !beyond_unseen
-    {
+    } else if floor.is_estimate() && left.is_some_and(|left| small(&left, floor, policy)) && !doubted {
         Verdict::Adequate
     } else {
         Verdict::Undecided

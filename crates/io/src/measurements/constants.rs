@@ -2,7 +2,7 @@
 //! in `[columns]` of the robot file.
 
 use super::mapping::ColumnMap;
-use super::names::split_unit;
+use super::spelled_units::split_unit;
 use crate::{Quantity, Unit};
 
 /// Its names, in the order of x, y and z.

@@ -5,7 +5,7 @@ use super::columns::{Column, FIXED, Role};
 use super::constants;
 use super::names::Names;
 use super::orientation::OrientationConvention;
-use super::proposal::{Proposal, capitals, carried, impossible};
+use super::proposal::{Proposal, applied, impossible};
 use super::sampled::Sample;
 use super::scalars::SCALARS;
 use crate::nearest::listed;
@@ -121,21 +121,8 @@ impl Header {
         for message in resolver.unmatched(&headers, needs.measured) {
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
-        let mut own = resolver.map.clone();
-        if let Some(columns) = capitals(&headers, sample, resolver) {
-            let [x, y, z] = columns.map(|k| headers[k]);
-            own.names
-                .extend([("x", x), ("y", y), ("z", z)].map(|(name, header)| (name.into(), header.into())));
-            let message =
-                format!("`{x}`, `{y}`, `{z}` are read as x, y, z: no other columns can be meant by these");
-            warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
-        }
-        if let Some(mass) = carried(&headers, sample, &Names { chain: resolver.chain, map: &own }) {
-            own.names.push(("payload".into(), headers[mass].into()));
-            let message = format!(
-                "`{}` is read as payload: it is the only mass (if it is none: `--ignore`, or `--map NAME=` another name)",
-                headers[mass]
-            );
+        let (own, said) = applied(&headers, sample, resolver);
+        for message in said {
             warnings.push(Warning { file: file.into(), line: Some(line), column: None, message });
         }
         let resolver = &Names { chain: resolver.chain, map: &own };

@@ -35,6 +35,7 @@ mod sample;
 mod sampled;
 mod scalars;
 mod source;
+mod spelled_units;
 mod suspicious;
 mod taken;
 mod texts;

@@ -3,7 +3,8 @@
 use super::cells::{cells, number};
 use super::clock;
 use super::columns::{Cells, Column, Role};
-use super::names::{Named, Names, split_unit, unit_in_words};
+use super::names::{Named, Names};
+use super::spelled_units::{split_unit, unit_in_words};
 
 /// Rows that are looked at.
 const ROWS: usize = 200;

@@ -168,7 +168,7 @@ impl IdentificationSummary {
         if self.noise.visit_sd_mm > 0.0 {
             write!(
                 f,
-                ", {} mm per pose measurement (repeatability)",
+                ", {} mm per pose measurement (repeatability, and what the model lacks)",
                 significant(self.noise.visit_sd_mm, 3)
             )?;
         }

@@ -1,6 +1,6 @@
 //! Headers of several rows: names of groups above names of components.
 
-use super::super::names::is_unit_word;
+use super::super::spelled_units::is_unit_word;
 use std::collections::HashMap;
 
 /// A header whose empty names are completed from the rows above, and whose equal names are told apart by them; the nearest row comes first.

@@ -1,7 +1,8 @@
 //! A table in another dialect, written anew line for line.
 
 use super::super::cells::shown;
-use super::super::names::{Names, split_unit};
+use super::super::names::Names;
+use super::super::spelled_units::split_unit;
 use super::composed::composed;
 use super::cut::split;
 use super::encoding::Encoding;

@@ -1,6 +1,7 @@
 //! How a table is written, from its first lines.
 
-use super::super::names::{Names, is_unit_word};
+use super::super::names::Names;
+use super::super::spelled_units::is_unit_word;
 use super::composed::incomplete;
 use super::cut::{is_row_of_numbers, split};
 use super::encoding::Encoding;

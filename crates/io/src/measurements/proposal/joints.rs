@@ -103,7 +103,7 @@ fn by_name(seen: &[Seen<'_>], names: &[&str], found: &mut [Option<usize>]) {
     for (name, slot) in names.iter().zip(found).filter(|(_, slot)| slot.is_none()) {
         let wanted = plain(name);
         let bears = |column: &Seen<'_>| {
-            let name = super::super::names::split_unit(column.header).0;
+            let name = super::super::spelled_units::split_unit(column.header).0;
             plain(name) == wanted
                 || name.split(['/', '.', ':']).any(|part| plain(part) == wanted)
                 || (wanted.len() > 3
@@ -166,7 +166,7 @@ fn nearly(seen: &[Seen<'_>], names: &[&str], found: &mut [Option<usize>]) {
             continue;
         }
         let free = |at: &usize| usable(&seen[*at]) && !found.contains(&Some(*at));
-        let name = |at: usize| super::super::names::split_unit(seen[at].header).0;
+        let name = |at: usize| super::super::spelled_units::split_unit(seen[at].header).0;
         let near = nearest(names[k], (0..seen.len()).filter(free).map(name));
         found[k] = near.and_then(|near| (0..seen.len()).filter(free).find(|&at| name(at) == near));
     }

@@ -1,9 +1,10 @@
 //! Which columns hold what is carried: its mass and its centre of gravity.
 
 use super::super::columns::Role;
-use super::super::names::{Names, split_unit};
+use super::super::names::Names;
 use super::super::sampled::Sample;
 use super::super::scalars::SCALARS;
+use super::super::spelled_units::split_unit;
 use super::Proposal;
 use super::seen::{Seen, see};
 use crate::Quantity;
@@ -21,7 +22,7 @@ const CENTRE: [&str; 7] = ["com", "cog", "cg", "schwerpunkt", "cdg", "centroid",
 const HEAVIEST: f64 = 5000.0;
 
 /// The only column of a file whose unit is one of mass, where nothing of it has a meaning of its own: the payload.
-pub(in super::super) fn carried(headers: &[&str], sample: &Sample, names: &Names<'_>) -> Option<usize> {
+pub(super) fn carried(headers: &[&str], sample: &Sample, names: &Names<'_>) -> Option<usize> {
     let seen = see(headers, sample, names);
     if seen.iter().any(is_load) {
         return None;

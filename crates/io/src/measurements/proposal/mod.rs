@@ -7,6 +7,7 @@
 //! Nothing of it is applied, but for `X Y Z` with units of length, which are read as `x y z`, and for the only column with a unit of mass, which is
 //! read as `payload`, each with a warning.
 
+mod applied;
 mod fitting;
 mod groups;
 mod joints;
@@ -17,8 +18,7 @@ mod seen;
 mod turned;
 mod units;
 
-pub(super) use loads::carried;
-pub(super) use places::capitals;
+pub(super) use applied::applied;
 pub(super) use units::impossible;
 
 use super::names::Names;

@@ -1,8 +1,9 @@
 //! Which columns hold measured positions, and their standard deviations.
 
 use super::super::columns::Role;
-use super::super::names::{Names, split_unit};
+use super::super::names::Names;
 use super::super::sampled::Sample;
+use super::super::spelled_units::split_unit;
 use super::groups::{Group, MEASURED, coordinates};
 use super::seen::{Seen, see};
 use super::{Proposal, units};
@@ -22,7 +23,7 @@ fn places(seen: &[Seen<'_>]) -> Vec<Group> {
 }
 
 /// Columns `X Y Z` with units of length that nothing else in the file can be mistaken for: they are read as `x y z`.
-pub(in super::super) fn capitals(headers: &[&str], sample: &Sample, names: &Names<'_>) -> Option<[usize; 3]> {
+pub(super) fn capitals(headers: &[&str], sample: &Sample, names: &Names<'_>) -> Option<[usize; 3]> {
     let seen = see(headers, sample, names);
     if seen.iter().any(|column| matches!(column.role, Some(Role::Position(_)))) {
         return None;

@@ -2,8 +2,9 @@
 
 use super::super::cells::number;
 use super::super::columns::Role;
-use super::super::names::{Named, Names, split_unit, unit_in_words};
+use super::super::names::{Named, Names};
 use super::super::sampled::Sample;
+use super::super::spelled_units::{split_unit, unit_in_words};
 use crate::Unit;
 
 /// A column of the file.
