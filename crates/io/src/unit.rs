@@ -106,6 +106,8 @@ impl Unit {
             "meter" | "meters" | "metre" | "metres" => "m",
             "inch" | "inches" => "in",
             "°" | "º" | "Deg" | "DEG" | "degree" | "degrees" | "Degrees" => "deg",
+            // In other languages; `grad` in small letters may be a four-hundredth of a turn.
+            "Grad" | "degré" | "degrés" | "gradi" | "grados" | "graus" => "deg",
             "Rad" | "RAD" | "radian" | "radians" | "Radians" => "rad",
             "sec" | "second" | "seconds" | "Seconds" => "s",
             "°C" => "degC",

@@ -1,7 +1,7 @@
 //! The fitted model projected onto what a file carries: constant errors of every frame and target, and for tables one factor a joint.
 //!
 //! ```text
-//! min_x  m ln Σ_i |p_i − p(q_i; ε)|²  +  m ln Σ_i |φ_i − φ(q_i; ε)|²         the second where orientations were measured
+//! min_x  m ln Σ_i |p_i − p(q_i; ε)|²  +  m ln Σ_i |φ_i − φ(q_i; ε)|²  +  |(x − x⁰)/s|²         the second where orientations were measured
 //! ε(q) = constants + Σ_j g_j t_j(q_j),      x = [constants, g]
 //! ```
 //!
@@ -9,12 +9,14 @@
 //! | --- | --- | --- | --- | --- |
 //! | p_i, φ_i | `Row::point`, `Row::tool` | 3 | m, rad | the fitted model at the configurations of the fit |
 //! | t_j | tables of joint j | sites | m, rad | none for files of constants alone |
-//! | x⁰ | start | | m, rad, 1 | constants of the fit itself, factors of one |
+//! | x⁰ | `Walker::start` | | m, rad, 1 | constants of the fit itself, factors of one |
+//! | s | [`scales`] | | m, rad, 1 | expected sizes |
+//! | m | `Sums::count` | 1 | | components |
 //!
 //! Effects with a mean (a transmission error's cosine, a joint's compliance under its own weight) share it with the constants beside them: the constants
-//! alone, cut out, may be worse than nominal. The logarithms are least squares with both variances estimated. Levenberg and Marquardt's
-//! method with the exact error Jacobian, in expected sizes of the constants, so that directions which the configurations do not fix stay
-//! where the fit has them.
+//! alone, cut out, may be worse than nominal. The logarithms are least squares with both variances estimated. What the file cannot carry (backlash,
+//! say) is no reason to turn a weakly determined axis by degrees for a hundredth of the error: constants have the prior of the fit
+//! about its own, an expected size each. Levenberg and Marquardt's method with the exact error Jacobian, in expected sizes.
 
 use super::error_tables::ErrorTables;
 use super::reference::{Reference, Row};
@@ -64,7 +66,7 @@ pub(super) fn project(
     let scale = scales(chain, &sites, gains);
     let x: Vec<f64> =
         sites.iter().map(|&site| start.get(site)).chain(std::iter::repeat_n(1.0, gains)).collect();
-    let mut walker = Walker::new(chain, &sites, &scale, tables);
+    let mut walker = Walker::new(chain, (&sites, &scale), &x, tables);
     let sums = walker.sums(reference, &x);
     let cost = sums.objective();
     let propose = |(x, sums): &(Vec<f64>, Sums), damping: f64| {
@@ -86,16 +88,20 @@ struct Sums {
     pull: [DVector<f64>; 2],
     /// Mean square of a component that is left; none where it does not count.
     left: [Option<f64>; 2],
+    /// x − x⁰ in expected sizes.
+    apart: DVector<f64>,
+    /// Components of the positions.
+    count: f64,
 }
 
 impl Sums {
     fn objective(&self) -> f64 {
-        self.left.iter().flatten().map(|left| left.ln()).sum()
+        self.left.iter().flatten().map(|left| left.ln()).sum::<f64>() + self.apart.norm_squared() / self.count
     }
 
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
         let size = self.pull[0].len();
-        let (mut a, mut b) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        let (mut a, mut b) = (DMatrix::identity(size, size), -&self.apart);
         for ((gram, pull), left) in self.gram.iter().zip(&self.pull).zip(self.left) {
             if let Some(left) = left {
                 a += gram / left;
@@ -123,6 +129,7 @@ struct Walker<'a> {
     chain: &'a Chain,
     sites: &'a [Site],
     scale: &'a [f64],
+    start: Vec<f64>,
     tables: Option<&'a ErrorTables>,
     buffer: PostureBuffer,
     real: RealPosture,
@@ -131,10 +138,15 @@ struct Walker<'a> {
 }
 
 impl<'a> Walker<'a> {
-    fn new(chain: &'a Chain, sites: &'a [Site], scale: &'a [f64], tables: Option<&'a ErrorTables>) -> Self {
+    fn new(
+        chain: &'a Chain,
+        (sites, scale): (&'a [Site], &'a [f64]),
+        start: &[f64],
+        tables: Option<&'a ErrorTables>,
+    ) -> Self {
         let rows = [DMatrix::zeros(3, scale.len()), DMatrix::zeros(3, scale.len())];
         let (buffer, real) = (PostureBuffer::new(chain), RealPosture::new(chain));
-        Walker { chain, sites, scale, tables, buffer, real, rows }
+        Walker { chain, sites, scale, start: start.to_vec(), tables, buffer, real, rows }
     }
 
     fn sums(&mut self, reference: &Reference, x: &[f64]) -> Sums {
@@ -152,7 +164,9 @@ impl<'a> Walker<'a> {
         }
         let count = 3.0 * reference.rows.len().max(1) as f64;
         let [position, turn] = squares.map(|s| (s / count).max(NEGLIGIBLE * NEGLIGIBLE));
-        Sums { gram, pull, left: [Some(position), reference.turned.then_some(turn)] }
+        let apart = (0..size).map(|k| (x[k] - self.start[k]) / self.scale[k]);
+        let apart = DVector::from_iterator(size, apart);
+        Sums { gram, pull, left: [Some(position), reference.turned.then_some(turn)], apart, count }
     }
 
     /// Constants and tables at one configuration.

@@ -47,12 +47,23 @@ pub(super) fn advice(of: &Untestable, found: &Diagnosis) -> String {
     let seen = format!("It would show from {} mm RMS on", crate::significant(1e3 * detectable, 2));
     let absorbed = (100.0 * (1.0 - of.share)).clamp(0.0, 100.0);
     match of.share < IMITATED {
-        true => format!(
-            "{seen}: the model imitates {absorbed:.0} % of it on these poses. Measure joints and loads in other combinations."
-        ),
+        true => format!("{seen}: the model imitates {absorbed:.0} % of it on these poses. {}", apart(of)),
         false => format!(
             "{seen}: on these poses it does little. Measure where its joint, load or channel is larger."
         ),
+    }
+}
+
+/// What tells it from what the model has.
+fn apart(of: &Untestable) -> &'static str {
+    let of_order =
+        |name: &String| ["travel_", "since_", "work_", "pause_"].iter().any(|word| name.starts_with(word));
+    match of.family {
+        Family::Instrument => {
+            "Measure from a second place of the instrument, or over other distances from it."
+        }
+        _ if of.place.channel.as_ref().is_some_and(of_order) => "Measure the poses in another order as well.",
+        _ => "Measure joints and loads in other combinations.",
     }
 }
 
