@@ -1,7 +1,7 @@
 //! The fitted model projected onto what a file carries: constant errors of every frame and target, and for tables one factor a joint.
 //!
 //! ```text
-//! min_x  m ln Σ_i |p_i − p(q_i; ε)|²  +  m ln Σ_i |φ_i − φ(q_i; ε)|²  +  |(x − x⁰)/s|²         the second where orientations were measured
+//! min_x  m ln Σ_i |p_i − p(q_i; ε)|²  +  m ln Σ_i |φ_i − φ(q_i; ε)|²  +  |(x − x⁰)/3s|²         the second where orientations were measured
 //! ε(q) = constants + Σ_j g_j t_j(q_j),      x = [constants, g]
 //! ```
 //!
@@ -16,7 +16,7 @@
 //! Effects with a mean (a transmission error's cosine, a joint's compliance under its own weight) share it with the constants beside them: the constants
 //! alone, cut out, may be worse than nominal. The logarithms are least squares with both variances estimated. What the file cannot carry (backlash,
 //! say) is no reason to turn a weakly determined axis by degrees for a hundredth of the error: constants have the prior of the fit
-//! about its own, an expected size each. Levenberg and Marquardt's method with the exact error Jacobian, in expected sizes.
+//! about its own, of three expected sizes each. Levenberg and Marquardt's method with the exact error Jacobian, in expected sizes.
 
 use super::error_tables::ErrorTables;
 use super::reference::{Reference, Row};
@@ -30,6 +30,8 @@ use truepose_kinematics::{Chain, PostureBuffer, Site, rotation_log};
 
 /// A file carries the tool and not the targets: what moves all of them alike belongs to the tool.
 const OF_A_TARGET: f64 = 0.1;
+/// Standard deviation of a constant about that of the fit, expected sizes: what real effects share with constants is of their size.
+pub(super) const WIDE: f64 = 3.0;
 /// What is left below this, m and rad, is below the resolution of any instrument.
 const NEGLIGIBLE: f64 = 1e-6;
 /// Smallest damping, of the largest diagonal: what double precision can solve.
@@ -88,7 +90,7 @@ struct Sums {
     pull: [DVector<f64>; 2],
     /// Mean square of a component that is left; none where it does not count.
     left: [Option<f64>; 2],
-    /// x − x⁰ in expected sizes.
+    /// x − x⁰ in standard deviations of the prior.
     apart: DVector<f64>,
     /// Components of the positions.
     count: f64,
@@ -101,7 +103,8 @@ impl Sums {
 
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
         let size = self.pull[0].len();
-        let (mut a, mut b) = (DMatrix::identity(size, size), -&self.apart);
+        let mut a = DMatrix::identity(size, size) / (WIDE * WIDE);
+        let mut b = -&self.apart / WIDE;
         for ((gram, pull), left) in self.gram.iter().zip(&self.pull).zip(self.left) {
             if let Some(left) = left {
                 a += gram / left;
@@ -114,7 +117,7 @@ impl Sums {
 }
 
 /// How far each unknown is expected to move.
-fn scales(chain: &Chain, sites: &[Site], gains: usize) -> Vec<f64> {
+pub(super) fn scales(chain: &Chain, sites: &[Site], gains: usize) -> Vec<f64> {
     let expected = Geometric::default().columns(chain);
     let of = |site: &Site| {
         let column = expected.iter().find(|column| column.site == Some(*site));
@@ -164,7 +167,7 @@ impl<'a> Walker<'a> {
         }
         let count = 3.0 * reference.rows.len().max(1) as f64;
         let [position, turn] = squares.map(|s| (s / count).max(NEGLIGIBLE * NEGLIGIBLE));
-        let apart = (0..size).map(|k| (x[k] - self.start[k]) / self.scale[k]);
+        let apart = (0..size).map(|k| (x[k] - self.start[k]) / (WIDE * self.scale[k]));
         let apart = DVector::from_iterator(size, apart);
         Sums { gram, pull, left: [Some(position), reference.turned.then_some(turn)], apart, count }
     }

@@ -1,7 +1,7 @@
 //! How well the constants of an export are known: the covariance of the fit, through the projection.
 //!
 //! ```text
-//! ε = argmin Σ_i w |p_i(c) − p_i(ε)|²  from  ε_0 = S c        D = S + (Jᵀ W J)⁺ Jᵀ W (J_c − J S)        cov ε = D C Dᵀ
+//! ε = argmin Σ_i w |p_i(c) − p_i(ε)|² + |(ε − S c)/3s|²        D = S + (Jᵀ W J + (3s)⁻²)⁻¹ Jᵀ W (J_c − J S)        cov ε = D C Dᵀ
 //! ```
 //!
 //! | symbol | here | shape | unit |
@@ -10,22 +10,20 @@
 //! | J | how rows move with the constants | 3 or 6 × sites | m, rad |
 //! | J_c | how the whole model moves with its coefficients | 3 or 6 × p | m, rad |
 //! | w | one over the mean square that the projection leaves | | 1/m², 1/rad² |
+//! | s | expected sizes, as in the projection | sites | m, rad |
 //!
-//! Without other effects the projection is not made, and D = S. Directions that the configurations do not fix stay where the fit has them.
+//! The weight w follows what is left, too: 2/m w² (Jᵀr)(Jᵀr)ᵀ is taken off the matrix, and the same of J_c off the right side (r: what is left, m: its
+//! components). Without other effects the projection is not made, and D = S. Directions that the configurations do not fix stay where the fit has them.
 
+use super::super::project::{WIDE, scales};
 use super::super::reference::Reference;
 use crate::CompensateError;
 use nalgebra::{DMatrix, DVector, Vector3};
-use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{Effect, Emission, ErrorJacobian, FittedModel, GeneralizedErrors, RealPosture};
+use truepose_errormodel::{Emission, ErrorJacobian, FittedModel, GeneralizedErrors, RealPosture};
 use truepose_kinematics::{Conditions, PostureBuffer, Site, rotation_log};
 
 /// What is left below this, m and rad, is below the resolution of any instrument.
 const NEGLIGIBLE: f64 = 1e-6;
-/// Curvature, of the largest one in expected sizes, below which the configurations do not fix a direction: there the projection has
-/// not moved.
-const UNFIXED: f64 = 1e-8;
-
 /// D: how the constants of every site move with the coefficients.
 pub(super) fn sensitivity(
     fitted: &FittedModel,
@@ -39,13 +37,7 @@ pub(super) fn sensitivity(
     if !projected {
         return Ok(own);
     }
-    let expected = Geometric::default().columns(chain);
-    let scale = DVector::from_iterator(
-        sites.len(),
-        sites.iter().map(|site| {
-            expected.iter().find(|column| column.site == Some(*site)).map_or(1e-3, |column| column.scale)
-        }),
-    );
+    let scale = DVector::from_vec(scales(chain, &sites, 0));
     let (schema, _) = crate::accuracy::everything(fitted, &super::super::options::middle_conditions(fitted))?;
     let sample = &fitted.domain.sample;
     let schema = if reference.drawn_from.is_some() { sample.rows().schema.clone() } else { schema };
@@ -54,6 +46,8 @@ pub(super) fn sensitivity(
     let n = sites.len();
     let mut gram = [DMatrix::zeros(n, n), DMatrix::zeros(n, n)];
     let mut pull = [DMatrix::zeros(n, own.ncols()), DMatrix::zeros(n, own.ncols())];
+    let (mut slope, mut along) =
+        ([DVector::zeros(n), DVector::zeros(n)], [DVector::zeros(own.ncols()), DVector::zeros(own.ncols())]);
     let mut squares = [0.0; 2];
     for row in &reference.rows {
         let nominal = buffer.update(chain, &row.conditions);
@@ -75,6 +69,8 @@ pub(super) fn sensitivity(
             more -= unscaled * &own;
             gram[part].gemm_tr(1.0, &rows, &rows, 1.0);
             pull[part].gemm_tr(1.0, &rows, &more, 1.0);
+            slope[part].gemv_tr(1.0, &rows, &left[part], 1.0);
+            along[part].gemv_tr(1.0, &more, &left[part], 1.0);
             squares[part] += left[part].norm_squared();
         }
     }
@@ -82,17 +78,13 @@ pub(super) fn sensitivity(
     let (mut a, mut b) = (DMatrix::zeros(n, n), DMatrix::zeros(n, own.ncols()));
     for part in 0..if reference.turned { 2 } else { 1 } {
         let weight = 1.0 / (squares[part] / count).max(NEGLIGIBLE * NEGLIGIBLE);
-        a += &gram[part] * weight;
-        b += &pull[part] * weight;
+        // The weight itself follows what is left.
+        let (slope, along) = (&slope[part] * weight, &along[part] * weight);
+        a += &gram[part] * weight - &slope * slope.transpose() * (2.0 / count);
+        b += &pull[part] * weight - &slope * along.transpose() * (2.0 / count);
     }
-    let eigen = a.symmetric_eigen();
-    let largest = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
-    let mut along = eigen.eigenvectors.transpose() * b;
-    for (k, &curvature) in eigen.eigenvalues.iter().enumerate() {
-        let factor = if curvature > UNFIXED * largest { 1.0 / curvature } else { 0.0 };
-        along.row_mut(k).scale_mut(factor);
-    }
-    let mut moved = eigen.eigenvectors * along;
+    let held = a + DMatrix::identity(n, n) / (WIDE * WIDE);
+    let mut moved = held.cholesky().map(|factor| factor.solve(&b)).ok_or(CompensateError::NotInRows)?;
     for (k, scale) in scale.iter().enumerate() {
         moved.row_mut(k).scale_mut(*scale);
     }
