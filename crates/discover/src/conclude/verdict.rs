@@ -174,15 +174,20 @@ fn beyond(left: &ResidualVariance, floor: &NoiseFloor) -> Option<Estimate> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn repeats_that_scatter_by_a_wander_decide_nothing() {
-        let policy = Policy::default();
-        let floor = NoiseFloor {
+    /// A limit of a millimetre.
+    fn stated(policy: &Policy) -> NoiseFloor {
+        NoiseFloor {
             rms: Some(1e-3),
             source: FloorSource::Stated,
             ci95: Some([0.9e-3, 1.1e-3]),
-            ..NoiseFloor::unknown(&policy)
-        };
+            ..NoiseFloor::unknown(policy)
+        }
+    }
+
+    #[test]
+    fn repeats_that_scatter_by_a_wander_decide_nothing() {
+        let policy = Policy::default();
+        let floor = stated(&policy);
         assert!(!wanders(None, &floor));
         assert!(!wanders(Some(0.6e-3), &floor));
         assert!(wanders(Some(0.8e-3), &floor));
@@ -192,12 +197,7 @@ mod tests {
     #[test]
     fn a_model_that_unseen_poses_contradict_is_not_adequate() {
         let policy = Policy::default();
-        let floor = NoiseFloor {
-            rms: Some(1e-3),
-            source: FloorSource::Stated,
-            ci95: Some([0.9e-3, 1.1e-3]),
-            ..NoiseFloor::unknown(&policy)
-        };
+        let floor = stated(&policy);
         assert!(!mispredicts([0.9e-3, 1.2e-3], &floor, &policy));
         // Many unknowns on few poses: the error at others is larger, and that is no doubt.
         assert!(!mispredicts([1.5e-3, 4e-3], &floor, &policy));

@@ -24,6 +24,7 @@ use truepose_kinematics::{Conditions, PostureBuffer, Site, rotation_log};
 
 /// What is left below this, m and rad, is below the resolution of any instrument.
 const NEGLIGIBLE: f64 = 1e-6;
+
 /// D: how the constants of every site move with the coefficients.
 pub(super) fn sensitivity(
     fitted: &FittedModel,
@@ -84,7 +85,8 @@ pub(super) fn sensitivity(
         b += &pull[part] * weight - &slope * along.transpose() * (2.0 / count);
     }
     let held = a + DMatrix::identity(n, n) / (WIDE * WIDE);
-    let mut moved = held.cholesky().map(|factor| factor.solve(&b)).ok_or(CompensateError::NotInRows)?;
+    // Not a Cholesky factor: what is taken off may leave it indefinite.
+    let mut moved = held.lu().solve(&b).ok_or(CompensateError::NotInRows)?;
     for (k, scale) in scale.iter().enumerate() {
         moved.row_mut(k).scale_mut(*scale);
     }
