@@ -83,8 +83,10 @@ impl Hypothesis for OfLinks {
                 let bends = LinkCompliance { section, ..LinkCompliance::of(joint) };
                 all.push(Variant::new(place.clone(), bends.clone()));
                 if !weights_declared(chain) {
-                    let free = LinkCompliance { own_weight: OwnWeight::Free, ..bends };
-                    all.push(Variant::new(place.clone(), free));
+                    for links in [0, 2] {
+                        let free = LinkCompliance { own_weight: OwnWeight::Free, links, ..bends.clone() };
+                        all.push(Variant::new(place.clone(), free));
+                    }
                 }
             }
         }

@@ -24,15 +24,15 @@
 //! [`super::JointCompliance`].
 
 use super::checks::refused;
+use super::free_weight;
 use super::geometric::EXPECTED_ANGLE;
-use super::joint_compliance::across;
 use super::link_compliance::OwnWeight;
 use super::robot_size::robot_size;
 use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
-use truepose_kinematics::{Axis, Chain, FrameId, Joint, JointId, JointKind, Posture, Site};
+use truepose_kinematics::{Axis, Chain, FrameId, Joint, JointId, Posture, Site};
 
 /// Which tilts of a base are told apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -190,8 +190,8 @@ impl BaseCompliance {
 
     /// The joints whose links have a free weight, and how many numbers each has.
     fn free<'a>(&self, chain: &'a Chain) -> impl Iterator<Item = (&'a Joint, usize)> + use<'a> {
-        let numbers = |joint: &Joint| if joint.kind == JointKind::Prismatic { 1 } else { 2 };
-        self.free_joints(chain).map(move |joint| (chain.joint(joint), numbers(chain.joint(joint))))
+        let of = |joint: &'a Joint| (joint, free_weight::numbers(joint));
+        self.free_joints(chain).map(move |joint| of(chain.joint(joint)))
     }
 
     fn free_joints<'a>(&self, chain: &'a Chain) -> impl Iterator<Item = JointId> + use<'a> {
@@ -208,14 +208,8 @@ impl BaseCompliance {
         for yields in self.yields(up) {
             let Yields::Turns(matrix) = yields else { continue };
             for id in self.free_joints(chain) {
-                let joint = chain.joint(id);
-                let rotation = home.transpose() * at.frame(chain.frame_after(id)).rotation;
-                let arms = match joint.kind {
-                    JointKind::Prismatic => [Some(rotation * joint.axis_behind() * at.joint(id)), None],
-                    _ => across(joint).map(|arm| Some(rotation * arm)),
-                };
-                for arm in arms.into_iter().flatten() {
-                    let turn = matrix * arm.cross(&gravity);
+                for arm in free_weight::arms(at, id).into_iter().flatten() {
+                    let turn = matrix * home.tr_mul(&arm).cross(&gravity);
                     for axis in Axis::ROTATIONS {
                         out.push(column, Site::Frame(FrameId::BASE, axis), turn[axis.direction()]);
                     }

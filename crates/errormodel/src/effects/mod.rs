@@ -39,6 +39,7 @@ mod polynomial;
 
 // Parts that several of them share.
 mod checks;
+mod free_weight;
 mod spot;
 mod travel;
 

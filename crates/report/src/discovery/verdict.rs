@@ -97,9 +97,13 @@ impl DiscoverySummary {
         }
         if self.unexplained.held_out_beyond {
             let after = &self.after.holdout_used();
+            let what = match self.effects.iter().any(|effect| effect.family != Family::Outlier.word()) {
+                true => "the model with the effects found does not carry",
+                false => "the declared model does not carry",
+            };
             return format!(
-                "Undecided: the residual ({left}) is consistent with the repeatability limit ({}), but poses that were not seen are predicted \
-                 to {} mm: the effects found do not carry over to them. Measure more poses, or declare what is known of the robot and its loads.",
+                "Undecided: the residual is {left}, and the repeatability limit {}, but poses that were not seen are predicted to {} mm: \
+                 {what} over to them. Measure more poses, or declare what is known of the robot and its loads.",
                 floor.figure(),
                 significant(after.rms_mm, 3)
             );

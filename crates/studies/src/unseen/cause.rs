@@ -3,6 +3,7 @@
 //! *Inside* means that the vocabulary has a family for it; the physics is never that of the family's formula. *Outside* has
 //! no word of its own (yet): the names listed for it are those that would send a mechanic to the right place.
 
+use super::everything::{Piece, pieces};
 use super::robots::Robot;
 use super::stream::Draw;
 use std::error::Error;
@@ -53,6 +54,8 @@ pub enum Cause {
     FourBar,
     Label,
     Spring,
+    /// All the usual ones at once.
+    Everything,
 }
 
 /// Causes that the vocabulary has a family for.
@@ -122,12 +125,14 @@ impl Cause {
             Cause::WarmUp => "warm_up",
             Cause::Station => "station",
             Cause::Masses => "masses",
+            Cause::Everything => "everything",
             other => other.word_of_row(),
         }
     }
 
-    pub fn inside(self) -> bool {
-        INSIDE.contains(&self) || WORDS.contains(&self)
+    /// Whether the vocabulary has a family for it; not of several causes at once.
+    pub fn inside(self) -> Option<bool> {
+        (self != Cause::Everything).then(|| INSIDE.contains(&self) || WORDS.contains(&self))
     }
 
     /// Families that are right, and whether the joint has to be that of the cause.
@@ -163,12 +168,13 @@ impl Cause {
                 | Cause::BasePlate
                 | Cause::Flange
                 | Cause::Masses
+                | Cause::Everything
         )
     }
 
     /// Whether the declared model has joint compliances (masses matter through them alone).
     pub fn needs_compliance(self) -> bool {
-        self == Cause::Masses
+        matches!(self, Cause::Masses | Cause::Everything)
     }
 
     /// Declared compliance of the robot over that of other robots: masses matter where drives deflect, as those of light arms.
@@ -176,6 +182,7 @@ impl Cause {
         match self {
             Cause::Masses => 20.0,
             Cause::Lubricant | Cause::Label | Cause::Spring => 8.0,
+            Cause::Everything => 3.0,
             _ => 1.0,
         }
     }
@@ -209,6 +216,12 @@ pub struct Hidden {
     pub(super) limits: (f64, f64),
     /// Heaviest payload, kg.
     pub(super) payload: f64,
+    /// Of several causes at once: what they are, and the one of them that is there alone.
+    pub(super) pieces: Vec<Piece>,
+    pub(super) only: Option<usize>,
+    /// Largest load and travel of each movable joint, by its place.
+    pub(super) loads: Vec<(usize, f64)>,
+    pub(super) travels: Vec<(usize, [f64; 2])>,
 }
 
 impl Hidden {
@@ -236,7 +249,10 @@ impl Hidden {
             return None;
         }
         let name = |joint: JointId| chain.joint(joint).name.clone();
-        let (lower, upper) = chain.joint(joint).limits.unwrap_or((-3.0, 3.0));
+        let limits = |joint: JointId| chain.joint(joint).limits.unwrap_or((-3.0, 3.0));
+        let (lower, upper) = limits(joint);
+        let travel = |joint: &JointId| (joint.index(), <[f64; 2]>::from(limits(*joint)));
+        let several = cause == Cause::Everything;
         Some(Hidden {
             cause,
             joint,
@@ -250,6 +266,10 @@ impl Hidden {
             range: upper - lower,
             limits: (lower, upper),
             payload: robot.payload,
+            pieces: if several { pieces(chain, loads) } else { Vec::new() },
+            only: None,
+            loads: chain.movable().iter().zip(loads).map(|(joint, load)| (joint.index(), *load)).collect(),
+            travels: chain.movable().iter().map(travel).collect(),
         })
     }
 
@@ -257,7 +277,9 @@ impl Hidden {
     pub fn place(&self) -> String {
         match self.cause {
             Cause::BaseTilt | Cause::BasePlate => "base".into(),
-            Cause::Shift | Cause::WarmUp | Cause::Station | Cause::Masses => String::new(),
+            Cause::Shift | Cause::WarmUp | Cause::Station | Cause::Masses | Cause::Everything => {
+                String::new()
+            }
             other if other.families().iter().all(|(_, at_joint)| !at_joint) => String::new(),
             _ => self.name.clone(),
         }
@@ -270,6 +292,9 @@ impl Hidden {
 
     /// Whether this is a right name for it.
     pub fn is_named(&self, family: &str, joint: Option<&str>) -> bool {
+        if self.cause == Cause::Everything {
+            return self.pieces.iter().any(|piece| piece.is_named(family, joint));
+        }
         let right = self.cause.families().iter().find(|(word, _)| *word == family);
         right.is_some_and(|(_, at_joint)| !at_joint || joint == Some(self.name.as_str()))
     }
@@ -290,6 +315,7 @@ impl Hidden {
         let own = angle * if self.slide { self.reach } else { 1.0 };
         let joint = &mut truth.joints[self.joint.index()];
         match self.cause {
+            Cause::Everything => self.amend_everything(truth, size)?,
             Cause::Dahl => {
                 let width = self.range * (0.005 + 0.04 * self.u[0]);
                 joint.presliding = Some(Presliding::Dahl { amplitude: own, width });

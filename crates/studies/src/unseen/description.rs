@@ -13,11 +13,13 @@
 //! | `bad` | 1, 2, 3 poses | all targets of a pose moved by 0.5 to 2 mm, of 100 poses: reported? what do they change? |
 //! | `rows` | – | 2 % of the rows are outliers |
 //! | `unweighed` | base_tilt, link_bending, joint_compliance | the same cause at 5 times the noise in 30 to 100 poses of a robot whose weights are not declared: name |
+//! | `everything` | 150, 300, 1000 poses | all usual causes at once: held-out error, the two largest named, the error after compensation |
 //! | `words` | one for each row of the vocabulary | the same at 5 times the noise in 130 poses: found, named, held-out error |
 //!
 //! Robots of one number have the same geometry, noise and cause in all cells of a kind: cells are compared in pairs.
 
 use super::cause::{Cause, INSIDE, OUTSIDE, WORDS};
+use super::everything;
 use super::robots::{MAKES, Make};
 use super::stream::{Draw, Half, Key, Part};
 
@@ -36,10 +38,11 @@ pub enum Kind {
     Rows,
     Words,
     Unweighed,
+    Everything,
 }
 
 /// All of them; the place is the number in a key and never changes.
-pub const KINDS: [Kind; 12] = [
+pub const KINDS: [Kind; 13] = [
     Kind::Power,
     Kind::Outside,
     Kind::Null,
@@ -52,6 +55,7 @@ pub const KINDS: [Kind; 12] = [
     Kind::Rows,
     Kind::Words,
     Kind::Unweighed,
+    Kind::Everything,
 ];
 
 /// What yields under weights that are not declared.
@@ -75,6 +79,7 @@ impl Kind {
             Kind::Rows => "rows",
             Kind::Words => "words",
             Kind::Unweighed => "unweighed",
+            Kind::Everything => "everything",
         }
     }
 
@@ -93,6 +98,7 @@ impl Kind {
             Kind::Stated => vec!["1/3".into(), "3".into()],
             Kind::Words => WORDS.map(|cause| cause.word().to_owned()).into(),
             Kind::Bad => vec!["1".into(), "2".into(), "3".into()],
+            Kind::Everything => everything::POSES.iter().map(usize::to_string).collect(),
             Kind::Unweighed => YIELDING.map(|cause| cause.word().to_owned()).into(),
             _ => vec![String::new()],
         }
@@ -240,6 +246,13 @@ impl Description {
                 // Nothing else that is not declared depends on weights.
                 (one.weights, one.compliance) = (false, false);
             }
+            Kind::Everything => {
+                one.cause = Some(Cause::Everything);
+                one.size = draw.logarithmic(everything::SIZES[0], everything::SIZES[1]);
+                fewer(&mut one, cell.parse().unwrap_or(everything::POSES[0]));
+                one.make = draw.of(&[Make::Elbow, Make::Elbow, Make::Tree]);
+                (one.joint_noise, one.columns.approach) = (true, true);
+            }
             Kind::Words => {
                 one.cause = WORDS.into_iter().find(|cause| cause.word() == cell);
                 one.size = 5.0;
@@ -343,8 +356,8 @@ mod tests {
         for number in 0..40 {
             let inside = Description::of(Kind::Power, "30", Kind::Power.key(Half::Tuning, number));
             let outside = Description::of(Kind::Outside, "", Kind::Outside.key(Half::Tuning, number));
-            assert!(inside.cause.is_some_and(Cause::inside));
-            assert!(outside.cause.is_some_and(|cause| !cause.inside()));
+            assert!(inside.cause.and_then(Cause::inside) == Some(true));
+            assert!(outside.cause.and_then(Cause::inside) == Some(false));
             assert!((20..=1000).contains(&outside.poses) && (2.0..=10.0).contains(&outside.size));
         }
     }

@@ -53,6 +53,7 @@ impl Hidden {
                 eccentricity_mrad: 0.3 * mrad,
             }),
             Cause::Masses => errors.mass_scatter = 0.1 * size,
+            Cause::Everything if self.masses_are_off() => errors.mass_scatter = 0.1,
             _ => {}
         }
     }

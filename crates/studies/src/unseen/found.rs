@@ -119,6 +119,41 @@ pub fn words(records: &[&Record]) -> Result<String, Error> {
     Ok(text)
 }
 
+pub fn everything(records: &[&Record]) -> Result<String, Error> {
+    let here = of(records, Kind::Everything);
+    let mut text = String::new();
+    if here.is_empty() {
+        return Ok(text);
+    }
+    writeln!(
+        text,
+        "| everything at once, poses | robots | a cause that is there first | the two largest named | findings | error of fresh rows over the noise: before, | after | the true robot, commanded by the model, over the noise |"
+    )?;
+    writeln!(text, "| --- | --- | --- | --- | --- | --- | --- | --- |")?;
+    for cell in Kind::Everything.cells() {
+        let mine: Vec<&Record> = here.iter().copied().filter(|r| r.text("cell") == cell).collect();
+        if mine.is_empty() {
+            continue;
+        }
+        let fresh = mine.iter().filter_map(|r| {
+            let (error, noise) = (r.number("fresh_mm")?, r.number("floor_mm")?);
+            Some(error.hypot(noise) / noise)
+        });
+        writeln!(
+            text,
+            "| {cell} | {} | {} | {} | {} | {} | {} | {} |",
+            mine.len(),
+            fraction(mine.iter().copied(), "first_right"),
+            fraction(mine.iter().copied(), "found"),
+            quantiles(numbers(&mine, "findings")),
+            quantiles(numbers(&mine, "executed_before")),
+            quantiles(fresh.collect()),
+            quantiles(numbers(&mine, "executed"))
+        )?;
+    }
+    Ok(text)
+}
+
 pub fn outside(records: &[&Record]) -> Result<String, Error> {
     let here = of(records, Kind::Outside);
     let mut text = String::new();

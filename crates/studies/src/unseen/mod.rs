@@ -11,6 +11,8 @@ mod cause;
 mod compliances;
 mod description;
 mod everyday;
+mod everything;
+mod executed;
 mod found;
 mod interval;
 mod judged;

@@ -6,6 +6,7 @@
 use super::cause::{Cause, Hidden};
 use super::compliances::compliances;
 use super::description::{Description, Order};
+use super::everything::Piece;
 use super::robots::{Robot, robot};
 use super::stream::{Key, Part};
 use std::error::Error;
@@ -48,6 +49,12 @@ pub struct Made {
     pub clean_truth: Dataset,
     /// What is declared where nothing is hidden.
     pub clean_declared: Vec<Box<dyn AnyEffect>>,
+    /// Of several causes at once: each, and what the declared model cannot absorb of it alone, over the noise; the largest first.
+    pub pieces: Vec<(Piece, f64)>,
+    /// The robot without noise, its fresh configurations, and the seed with which they are measured.
+    pub quiet: Plant,
+    pub fresh: Campaign,
+    pub fresh_seed: u64,
 }
 
 /// A robot before its cause is known.
@@ -82,7 +89,15 @@ pub fn make(what: &Description, key: Key) -> Result<Made, Box<dyn Error>> {
         Ok(ground.read(&seen.data))
     };
     let (truth, clean_truth) = (exact(ground.quiet(one)?)?, exact(ground.quiet(None)?)?);
+    let pieces = match &cause {
+        Some(cause) => ground.pieces(cause, floor)?,
+        None => Vec::new(),
+    };
     Ok(Made {
+        pieces,
+        quiet: ground.quiet(one)?,
+        fresh: fresh.clone(),
+        fresh_seed: key.seed(Part::Fresh),
         declared: ground.declared(cause.as_ref().map(|cause| &cause.hidden)),
         data: ground.read(&seen.data),
         clean: ground.read(&clean.data),

@@ -5,7 +5,7 @@ use super::stream::{Half, Key};
 use crate::journal::Line;
 
 /// The columns.
-const COLUMNS: [&str; 54] = [
+const COLUMNS: [&str; 57] = [
     "half",
     "kind",
     "cell",
@@ -60,12 +60,18 @@ const COLUMNS: [&str; 54] = [
     "oracle_ratio",
     "bad_known",
     "bad_least",
+    "executed_before",
+    "executed",
+    "executed_refused",
 ];
+
+/// How many of them tables had that were begun before robots with several causes.
+const EARLIER: usize = 54;
 
 const HEADER: &str = "half,kind,cell,number,ended,make,cause,inside,size,poses,targets,repeats,order,memory,stated,rows,\
 findings,outliers,found,first,first_right,listed,confident_wrong,names,verdict,significant,left,floor_source,floor_ratio,\
 floor_covered,p_first,alarm,ratio,fresh_ratio,harm,before_covered,after_covered,gain_covered,bad,bad_reported,bad_partly,\
-other_reported,bad_floor_ratio,bad_fresh_ratio,autocorrelation,fresh_mm,floor_mm,words,seconds,declared_ratio,held_ratio,oracle_ratio,bad_known,bad_least";
+other_reported,bad_floor_ratio,bad_fresh_ratio,autocorrelation,fresh_mm,floor_mm,words,seconds,declared_ratio,held_ratio,oracle_ratio,bad_known,bad_least,executed_before,executed,executed_refused";
 
 /// One robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,10 +147,11 @@ impl Line for Record {
     }
 
     fn of(row: &str) -> Option<Self> {
-        let cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+        let known = [EARLIER, COLUMNS.len()].contains(&cells.len()) && cells[0] != "half";
+        cells.resize(COLUMNS.len(), String::new());
         let record = Record { cells };
-        (record.cells.len() == COLUMNS.len() && record.cells[0] != "half" && !record.text("ended").is_empty())
-            .then_some(record)
+        (known && !record.text("ended").is_empty()).then_some(record)
     }
 }
 

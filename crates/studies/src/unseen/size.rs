@@ -4,6 +4,7 @@
 //! remains is a multiple of the 3-D RMS of one row's noise. So it does not depend on how many poses are measured.
 
 use super::cause::Hidden;
+use super::everything::Piece;
 use super::plant::Ground;
 use super::stream::Part;
 use std::error::Error;
@@ -50,6 +51,20 @@ impl Ground<'_> {
             }
         }
         Err(format!("no place where {} can be that large", cause.word()).into())
+    }
+
+    /// Each of several causes at once with what the declared model cannot absorb of it alone, over the noise; the largest first.
+    pub fn pieces(&self, cause: &SizedCause, floor: f64) -> Result<Vec<(Piece, f64)>, Box<dyn Error>> {
+        let reference = self.clocked(self.campaign(REFERENCE, 0, Part::Reference)?);
+        let nothing = self.left(&cause.hidden, None, &reference)?;
+        let one = |(number, piece): (usize, &Piece)| -> Result<_, Box<dyn Error>> {
+            let hidden = Hidden { only: Some(number), ..cause.hidden.clone() };
+            let left = self.left(&hidden, Some(cause.size), &reference)?;
+            Ok((piece.clone(), (left * left - nothing * nothing).max(0.0).sqrt() / floor))
+        };
+        let mut pieces = cause.hidden.pieces.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()?;
+        pieces.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Ok(pieces)
     }
 
     fn size(

@@ -100,6 +100,11 @@ impl Key {
 pub struct Draw(ChaCha8Rng);
 
 impl Draw {
+    /// From a number that was drawn before.
+    pub fn seeded(seed: u64) -> Self {
+        Draw(ChaCha8Rng::seed_from_u64(seed))
+    }
+
     /// Uniform.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.0.random::<f64>()

@@ -10,6 +10,7 @@ pub fn all(records: &[Record]) -> Result<String, Error> {
     let parts = [
         found::power(&ended)?,
         found::unweighed(&ended)?,
+        found::everything(&ended)?,
         found::words(&ended)?,
         found::outside(&ended)?,
         found::alarms(&ended)?,

@@ -1,6 +1,7 @@
 //! One robot through `discover`, and what its report says compared with the truth.
 
 use super::description::{Description, Kind};
+use super::executed;
 use super::plant::{Made, declared_fit, fresh_error, make};
 use super::record::Record;
 use super::reported::{Effect, Reported};
@@ -67,6 +68,9 @@ impl Task {
         let (reported, diagnosis) = look(&made, &made.data)?;
         names(&made, &reported, record);
         against_truth(&made, &reported, &diagnosis, record)?;
+        if !made.pieces.is_empty() {
+            executed::judge(&made, &reported, &diagnosis.fit.fitted, record)?;
+        }
         if what.bad_poses > 0 {
             bad_poses(&made, &reported, &diagnosis, record)?;
         }
@@ -110,7 +114,7 @@ fn look(made: &Made, data: &Dataset) -> Result<(Reported, Diagnosis), Box<dyn Er
 fn describe(what: &Description, record: &mut Record) {
     record.set("make", what.make.word());
     record.set("cause", what.cause.map_or("none", super::cause::Cause::word));
-    record.set_some("inside", what.cause.map(super::cause::Cause::inside));
+    record.set_some("inside", what.cause.and_then(super::cause::Cause::inside));
     record.set("poses", what.poses);
     record.set("targets", what.targets);
     record.set("repeats", what.repeats);

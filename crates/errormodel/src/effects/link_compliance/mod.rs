@@ -28,8 +28,15 @@
 //! A ram bends over the length that is out of its guide (`ram`): see `ram`.
 //!
 //! Links of declared mass bend under it (spread evenly about its centre). With `own_weight = "free"` the declared mass
-//! is left aside and two more unknowns a plane stand for it: a mass spread evenly over the link, and a mass beyond its tip
-//! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times gravity.
+//! is left aside and two more unknowns a plane stand for it: a mass spread evenly over the link, and a mass at its tip
+//! for links whose weight is not declared either; each times 1/EI, in kg/(N·m²), times gravity. A mass at the tip has no arm; that of an elbow
+//! has. `links` counts the links beyond that have arms, each a moment at the tip:
+//!
+//! ```text
+//! M_tip += Σ_a (h_a / EI) · a × g        a: two across this link, two across the axis of each of the `links` ones beyond (a slide: one)
+//! ```
+//!
+//! with h_a the first moment of what lies there, as in [`super::JointCompliance`]; the unknowns h_a / EI are in kg·m/(N·m²).
 
 mod beam;
 mod ram;
@@ -39,6 +46,7 @@ mod wide;
 pub use section::{OwnWeight, Section};
 
 use super::checks::{joint_moves, listed_once};
+use super::free_weight;
 use super::robot_size::robot_size;
 use super::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
@@ -63,6 +71,9 @@ pub struct LinkCompliance {
     /// Where the links' own weight comes from.
     #[serde(default)]
     pub own_weight: OwnWeight,
+    /// How many links beyond have free weights with arms of their own.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub links: usize,
     /// Of one slide whose part bends that is out of its guide: free length at zero, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ram: Option<f64>,
@@ -74,6 +85,12 @@ pub struct LinkCompliance {
     pub retracts: bool,
 }
 
+fn is_none(links: &usize) -> bool {
+    *links == 0
+}
+
+/// Weight that is expected of a part, kg.
+const WEIGHT: f64 = 50.0;
 /// Links shorter than this share of the arm are rigid unless they are asked for.
 const SHORT: f64 = 0.03;
 
@@ -97,9 +114,22 @@ impl LinkCompliance {
         if self.section == Section::General { 2 } else { 1 }
     }
 
-    fn width(&self) -> usize {
+    fn width(&self, chain: &Chain, joint: JointId) -> usize {
         let stiffnesses = self.planes() + usize::from(self.section != Section::Tube);
-        stiffnesses + if self.own_weight == OwnWeight::Free { 2 * self.planes() } else { 0 }
+        let arms: usize = self.beyond(chain, joint).map(|(_, arms)| arms).sum();
+        stiffnesses + if self.own_weight == OwnWeight::Free { (2 + arms) * self.planes() } else { 0 }
+    }
+
+    /// The joints whose links have weights with arms, the link's own first, and how many arms.
+    fn beyond<'a>(
+        &self,
+        chain: &'a Chain,
+        joint: JointId,
+    ) -> impl Iterator<Item = (JointId, usize)> + use<'a> {
+        let links = if self.own_weight == OwnWeight::Free { self.links } else { 0 };
+        let own = (links > 0).then_some((joint, 2));
+        let later = chain.movable().iter().copied().filter(move |&k| k > joint).take(links);
+        own.into_iter().chain(later.map(|k| (k, free_weight::numbers(chain.joint(k)))))
     }
 
     /// Displacement and rotation of the tip by each plane in turn.
@@ -148,12 +178,18 @@ impl Effect for LinkCompliance {
             if self.own_weight == OwnWeight::Free {
                 for what in ["own weight", "weight beyond"] {
                     for plane in planes {
-                        add(
-                            format!("{what} {name}{plane}"),
-                            "kg/(N*m^2)",
-                            50.0 * expected,
-                            f64::NEG_INFINITY,
-                        );
+                        let name = format!("{what} {name}{plane}");
+                        add(name, "kg/(N*m^2)", WEIGHT * expected, f64::NEG_INFINITY);
+                    }
+                }
+            }
+            let arm = chain.link_length(joint).max(0.01 * robot_size(chain));
+            for (other, arms) in self.beyond(chain, joint) {
+                for number in 1..=arms {
+                    for plane in planes {
+                        let other = &chain.joint(other).name;
+                        let name = format!("weight of {other} on {name} {number}{plane}");
+                        add(name, "kg*m/(N*m^2)", WEIGHT * arm * expected, f64::NEG_INFINITY);
                     }
                 }
             }
@@ -167,11 +203,11 @@ impl Effect for LinkCompliance {
             return self.eval_ram(length, at, out);
         }
         let gravity = chain.gravity_in_measurement_frame();
-        let (planes, width) = (self.planes(), self.width());
+        let planes = self.planes();
         let mut first = 0;
         self.for_each_joint(chain, |joint| {
             let column = first;
-            first += width;
+            first += self.width(chain, joint);
             let span = at.span(joint);
             let way = span.tip - span.root;
             let Some(bare) = Beam::new(&way) else { return };
@@ -212,18 +248,32 @@ impl Effect for LinkCompliance {
                 let beyond = bare.with_tip(&Wrench { force: gravity, moment: Vector3::zeros() });
                 self.bend(&own, &axis, |plane, sag, slope| put(column + plane, sag, slope));
                 self.bend(&beyond, &axis, |plane, sag, slope| put(column + planes + plane, sag, slope));
+                column += 2 * planes;
+            }
+            for (other, _) in self.beyond(chain, joint) {
+                let sideways = bare.along().cross(&axis);
+                let own = [Some(axis), Some(sideways)];
+                let arms = if other == joint { own } else { free_weight::arms(at, other) };
+                for arm in arms.into_iter().flatten() {
+                    let hung =
+                        bare.with_tip(&Wrench { force: Vector3::zeros(), moment: arm.cross(&gravity) });
+                    let twist =
+                        if self.section == Section::Tube { hung.twisted() * TUBE } else { Vector3::zeros() };
+                    self.bend(&hung, &axis, |plane, sag, slope| put(column + plane, sag, slope + twist));
+                    column += planes;
+                }
             }
         });
     }
 
     fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
-        if self.ram.is_some() || !at.chain().is_serial() {
+        if self.ram.is_some() || self.links > 0 || !at.chain().is_serial() {
             return false;
         }
-        let (chain, width) = (at.chain(), self.width());
+        let chain = at.chain();
         let mut first = 0;
         self.for_each_joint(chain, |joint| {
-            let column = first;
+            let (column, width) = (first, self.width(chain, joint));
             first += width;
             if chain.link_length(joint) <= NO_LENGTH {
                 return;

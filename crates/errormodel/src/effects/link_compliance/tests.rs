@@ -1,5 +1,5 @@
 use super::*;
-use crate::testkit::check_effect;
+use crate::testkit::{check_effect, emitted};
 use crate::{ErrorModel, FittedModel, Schema};
 use std::f64::consts::FRAC_PI_2;
 use truepose_kinematics::nalgebra::{DMatrix, Unit, vector};
@@ -33,7 +33,12 @@ fn conforms() {
     for chain in samples::all() {
         for section in [Section::Tube, Section::Symmetric, Section::General] {
             for own_weight in [OwnWeight::Declared, OwnWeight::Free] {
-                check_effect(&LinkCompliance { section, own_weight, ..LinkCompliance::default() }, &chain);
+                for links in [0, 1, 9] {
+                    check_effect(
+                        &LinkCompliance { section, own_weight, links, ..LinkCompliance::default() },
+                        &chain,
+                    );
+                }
             }
         }
     }
@@ -213,4 +218,46 @@ fn a_link_without_length_is_refused() {
         error.to_string(),
         "effect `link_compliance`: the link behind joint `k1` has no length, so that it cannot bend"
     );
+}
+
+/// What the declared weights of a robot without payload bend lies in the span of the free ones with arms.
+#[test]
+fn free_weights_with_arms_span_what_declared_ones_do() {
+    let postures = 40;
+    for (chain, section) in [
+        (samples::heavy(), Section::Tube),
+        (samples::heavy(), Section::General),
+        (samples::seven(), Section::General),
+    ] {
+        let long = |joint: &&JointId| chain.link_length(**joint) > 0.1;
+        for &joint in chain.movable().iter().filter(long) {
+            let declared = LinkCompliance { section, ..LinkCompliance::of(joint) };
+            let free = LinkCompliance { own_weight: OwnWeight::Free, links: 9, ..declared.clone() };
+            let (planes, stiffnesses) = (declared.planes(), declared.columns(&chain).len());
+            let mut table = DMatrix::zeros(6 * postures, free.columns(&chain).len() - stiffnesses);
+            let mut wanted = DMatrix::zeros(6 * postures, planes);
+            for row in 0..postures {
+                let angle = |k: usize| ((row * (7 + 4 * k)) as f64 * 0.37 + k as f64).sin();
+                let q: Vec<f64> = (0..chain.movable().len()).map(angle).collect();
+                let at = Conditions::at(&chain, &q);
+                for entry in emitted(&free, &chain, &at) {
+                    if let Some(column) = entry.column.checked_sub(stiffnesses) {
+                        table[(6 * row + entry.site.axis().index(), column)] += entry.value;
+                    }
+                }
+                for entry in emitted(&declared, &chain, &at).into_iter().filter(|entry| entry.column < planes)
+                {
+                    wanted[(6 * row + entry.site.axis().index(), entry.column)] += entry.value;
+                }
+            }
+            let scale = wanted.norm();
+            if scale == 0.0 {
+                continue;
+            }
+            let solved: DMatrix<f64> = table.clone().svd(true, true).solve(&wanted, 1e-10 * table.norm()).unwrap();
+            // A centre beside the link's own line bends it in a shape between those of the free weights.
+            let off = (&table * solved - &wanted).norm() / scale;
+            assert!(off < 0.01, "{} {joint:?} {section:?}: {off}", chain.name());
+        }
+    }
 }
