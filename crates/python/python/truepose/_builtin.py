@@ -86,6 +86,7 @@ class LinkCompliance(Declared):
     joints: joints in front of the links; default: all with a link of some length
     section: ``tube``, ``symmetric`` or ``general`` (default)
     own_weight: ``declared`` (default) or ``free``
+    links: how many links beyond have free weights with arms of their own (default 0)
     bounds: lowest and highest value of its unknowns, SI units, for solvers that support bounds
     """
 
@@ -97,12 +98,14 @@ class LinkCompliance(Declared):
         *,
         section: str | None = None,
         own_weight: str | None = None,
+        links: int | None = None,
         bounds: Sequence[float] | None = None,
     ) -> None:
         super().__init__(
             joints=joints,
             section=section,
             own_weight=own_weight,
+            links=links,
             bounds=bounds,
         )
 
