@@ -23,19 +23,12 @@ fn compiler(variable: &str, usual: &[&'static str]) -> Option<String> {
         .find(|name| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success()))
 }
 
-/// Builds the library as a user would, and returns the folder in which it is.
+/// The folder of the static and the shared library, which cargo has built for this test and put beside it.
 fn library() -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let out = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--offline", "-p", "truepose-ffi", "--message-format=json"])
-        .current_dir(root)
-        .output()
-        .unwrap();
-    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
-    let lines = String::from_utf8(out.stdout).unwrap();
-    let archive =
-        lines.split('"').find(|word| word.ends_with("libtruepose_ffi.a")).expect("cargo names the library");
-    Path::new(archive).parent().unwrap().to_path_buf()
+    let here = std::env::current_exe().unwrap();
+    let folder = here.parent().unwrap();
+    assert!(folder.join("libtruepose_ffi.a").exists(), "no static library in {}", folder.display());
+    folder.to_path_buf()
 }
 
 fn ran(command: &mut Command) -> String {
