@@ -16,6 +16,7 @@ pub(crate) mod all_rows;
 pub(crate) mod blocks;
 mod comparison;
 mod confirmed;
+mod derived;
 mod details;
 pub(crate) mod gross;
 #[cfg(test)]
@@ -40,13 +41,14 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::admissible::objection;
 use crate::model::current::{Context, ModelFit};
-use crate::model::prepared::{with_found, without};
+use crate::model::prepared::{emptied, found_in, with_found};
 use crate::observer::Begin;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::screen::candidates::Screen;
 use crate::significance::rotation::NullDistribution;
 use crate::termination::Termination;
+use std::borrow::Cow;
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, Residuals};
 
@@ -70,14 +72,13 @@ impl<'a> Census<'a> {
     /// Of all training rows but gross ones, after a search of a sample of them.
     pub fn new(
         (sample, fitted): (&'a Context<'a>, &'a Context<'a>),
-        train: &Dataset,
+        train: Cow<'_, Dataset>,
         searched: &Outcome,
     ) -> Result<Self, DiscoverError> {
         let ModelFit { found, fit, .. } = &*searched.model.current;
-        let train = with_found(train, found);
+        let train = found_in(train, found).into_owned();
         let far = gross(&Residuals::of(&fit.fitted, &train)?);
-        let blocks = Blocks::new(sample.chain, &without(&train, &far), sample.options)?
-            .under(searched.joints.map(|joints| joints.noise()));
+        let blocks = Blocks::new(emptied(train, &far)).under(searched.joints.map(|joints| joints.noise()));
         Ok(Census { sample, fitted, blocks })
     }
 
