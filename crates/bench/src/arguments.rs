@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Everything that was typed, and where things are.
 #[derive(Debug, Clone)]
 pub struct Arguments {
-    /// Workloads to run; all when empty. `W3` stands for all that begin so; `growth` alone is no workload but how time grows.
+    /// Workloads to run; all when empty. `W3` stands for all that begin so; `growth` or `discover` alone is no workload but how time grows.
     pub only: Vec<String>,
     /// How often both sides are run in turn.
     pub rounds: usize,
@@ -16,6 +16,8 @@ pub struct Arguments {
     pub out: PathBuf,
     /// Where the figure of growth goes.
     pub figure: PathBuf,
+    /// Rows up to which `discover` is run.
+    pub most_rows: usize,
     /// One way of one workload, for a parent process: `W1 gram`.
     pub serve: Option<(String, String)>,
     /// Threads of our side.
@@ -40,6 +42,7 @@ impl Arguments {
             against: None,
             out: target.join("bench").join("results.json"),
             figure: PathBuf::from("docs/figures/growth.svg"),
+            most_rows: 1_000_000,
             serve: None,
             threads: 1,
             peers: from("TRUEPOSE_PEERS", PathBuf::from("../shared/peers")),
@@ -52,6 +55,7 @@ impl Arguments {
             match word.as_str() {
                 "--rounds" => read.rounds = next()?.parse::<usize>()?.max(1),
                 "--threads" => read.threads = next()?.parse::<usize>()?.max(1),
+                "--most-rows" => read.most_rows = next()?.parse()?,
                 "--against" => read.against = Some(PathBuf::from(next()?)),
                 "--out" => read.out = PathBuf::from(next()?),
                 "--figure" => read.figure = PathBuf::from(next()?),

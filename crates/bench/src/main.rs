@@ -3,6 +3,7 @@
 mod arguments;
 mod child;
 mod clock;
+mod discovery;
 mod growth;
 mod peaks;
 mod robots;
@@ -35,6 +36,7 @@ fn run() -> Result<(), Failure> {
     }
     match arguments.only.as_slice() {
         [only] if only == "growth" => growth::run(&arguments.figure),
+        [only] if only == "discover" => discovery::run(arguments.most_rows, arguments.threads),
         _ => runner::run(&arguments),
     }
 }

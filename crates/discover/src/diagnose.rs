@@ -195,8 +195,7 @@ fn attempt(
             Some(all) => Cow::Owned(all.data.select(&all.rows.0)),
             None => Cow::Borrowed(&train),
         };
-        let census = Census::new((context, &all_rows), &every, &outcome)?;
-        drop(every);
+        let census = Census::new((context, &all_rows), every, &outcome)?;
         let searched = outcome.clone();
         outcome = census.of(outcome, progress)?;
         if outcome.model.findings.len() > searched.model.findings.len() {

@@ -13,12 +13,13 @@ use crate::conclude::partition::RowSplit;
 use crate::conclude::report::{at_run_time, errors, parameters};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::model::prepared::{with_found, without};
+use crate::model::prepared::{found_in, with_found, without};
 use crate::options::DiscoverOptions;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
+use std::borrow::Cow;
 use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::Residuals;
 
@@ -95,10 +96,9 @@ impl Part {
             finding.poses.iter_mut().for_each(back);
         }
         let causes: Vec<Candidate> = found.findings.iter().map(|finding| finding.candidate.clone()).collect();
-        let every = with_found(all.data, &causes);
+        let every = found_in(Cow::Borrowed(all.data), &causes);
         let far = gross(&Residuals::of(&found.fit.fitted, &every)?);
-        let chain = found.fit.fitted.chain().clone();
-        let blocks = Blocks::new(&chain, &without(&every, &far), options)?;
+        let blocks = Blocks::new(without(&every, &far));
         let scatter = found.fit.residuals.clone();
         found.fit = AllRows::of(&found.fit, &blocks, options)?.fit;
         found.fit.residuals = scatter;
@@ -111,8 +111,8 @@ impl Part {
             finding.parameters = parameters(&found.fit, cause, own.clone());
             first = own.end;
         }
-        let (train, held) = (every.select(&all.rows.0), every.select(&all.rows.1));
         found.before = errors(&found.declared, &all.data.select(&all.rows.0), &all.data.select(&all.rows.1))?;
+        let (train, held) = (every.select(&all.rows.0), every.select(&all.rows.1));
         found.after = errors(&found.fit, &train, &held)?;
         let outliers = [gross(&found.after.train), gross(&found.after.holdout)];
         found.before.outliers.clone_from(&outliers);

@@ -29,9 +29,7 @@ impl Dataset {
                         have: self.schema.channels.iter().map(|channel| channel.name.clone()).collect(),
                     });
                 }
-                if let Some((made, column)) =
-                    self.along_the_way(name, model.chain()).or_else(|| self.made(name))
-                {
+                if let Some((made, column)) = self.derived_channel(name, model.chain()) {
                     let more = data.to_mut();
                     more.schema.channels.push(made);
                     more.channels.push(column);
@@ -39,6 +37,16 @@ impl Dataset {
             }
         }
         Ok(data)
+    }
+
+    /// The derived channel of this name, at every row; none where it cannot be made. What follows the order of poses is the same at all rows of a
+    /// pose.
+    pub fn derived_channel(&self, name: &str, chain: &Chain) -> Option<(Channel, Vec<f64>)> {
+        let lags = self.late(name).is_some() || history_of(name).is_some();
+        if lags && !self.has_clock() {
+            return None;
+        }
+        self.along_the_way(name, chain).or_else(|| self.made(name))
     }
 
     /// A derived channel of this name that follows from the order of poses; none of other names.

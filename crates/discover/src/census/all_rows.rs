@@ -1,6 +1,7 @@
 //! The coefficients of all rows.
 
 use crate::census::blocks::Blocks;
+use crate::census::derived::Derived;
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
@@ -13,9 +14,11 @@ use truepose_identify::Fit;
 pub(crate) struct AllRows {
     /// Its coefficients and their covariance are those of all rows; structure, noise and prior are those of the fit that it began with.
     pub fit: Fit,
+    /// That of the step before, at which all rows are linearised: A, and what it takes of a candidate, belong together.
+    pub at: Fit,
     /// (Σ AᵀA + WᵀW)⁻¹, r × r, whitened.
     pub inverse: DMatrix<f64>,
-    /// Σ ‖r‖², whitened, at the step before the last.
+    /// Σ ‖r‖², whitened, of its coefficients.
     pub squares: f64,
     /// How many numbers were measured.
     pub count: usize,
@@ -29,35 +32,60 @@ struct Equations {
     count: usize,
 }
 
-/// Whitened base and residual of a block.
-pub(crate) fn whitened(linearisation: &Linearisation<'_>) -> (DMatrix<f64>, DVector<f64>) {
+impl Equations {
+    fn add(&mut self, other: &Equations) {
+        self.gram += &other.gram;
+        self.right += &other.right;
+        self.squares += other.squares;
+        self.count += other.count;
+    }
+}
+
+/// Whitened base of a block, and residual of these coefficients in the linearised problem.
+pub(crate) fn whitened(linearisation: &Linearisation<'_>, of: &Fit) -> (DMatrix<f64>, DVector<f64>) {
     let whitener = linearisation.whitener(linearisation.noise);
-    let residual = &linearisation.y - &linearisation.base * linearisation.coefficients();
+    let residual = &linearisation.y - &linearisation.base * kept(of);
     let mut column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
     whitener.apply(&mut column);
     (whitener.of(&linearisation.base), column.column(0).into_owned())
 }
 
+/// The coefficients of a fit that the data determines.
+fn kept(fit: &Fit) -> DVector<f64> {
+    let kept = &fit.reduction.kept;
+    DVector::from_iterator(kept.len(), kept.iter().map(|&k| fit.fitted.coefficients()[k]))
+}
+
 impl AllRows {
-    /// Gauss–Newton from a fit of some of the rows: its coefficients are near those of all, so that two steps are more than enough.
+    /// Gauss–Newton from a fit of some of the rows. Its coefficients are near those of all, so that one step does; what it leaves is computed from a
+    /// part of the blocks:
+    ///
+    /// ```text
+    /// d = Σ_part Aᵀr (c + Δ) − (Σ_part Aᵀr (c) − Σ_part AᵀA Δ)        what is not linear
+    /// ```
+    ///
+    /// A further step is made where the share of all blocks, d B/b, would win something.
     pub fn of(fit: &Fit, blocks: &Blocks, options: &DiscoverOptions) -> Result<Self, DiscoverError> {
         const STEPS: usize = 3;
-        /// Decrease of the sum of squares, whitened, that is none.
-        const STILL: f64 = 1e-3;
+        /// Decrease of the sum of squares, whitened, that is none: no coefficient moves by more than a hundredth of its standard deviation.
+        const STILL: f64 = 1e-4;
         let mut fit = fit.clone();
+        let derived = blocks.derived(&fit, std::iter::empty());
+        let part = blocks.part();
         let mut step = 0;
         loop {
-            let Equations { gram, right, squares, count } = equations(&fit, blocks, options)?;
+            let [whole, before] = equations(&fit, (blocks, &derived), [1, part], options)?;
+            let Equations { mut gram, mut right, squares, count } = whole;
             let kept = fit.reduction.kept.clone();
-            let own = DVector::from_iterator(kept.len(), kept.iter().map(|&k| fit.fitted.coefficients()[k]));
-            let (mut gram, mut right) = (gram, right);
+            let own = self::kept(&fit);
             if let Some(prior) = fit.prior.rows() {
                 let held = gram_matrix(&prior);
                 right -= &held * &own;
                 gram += held;
             }
             let Some(inverse) = inverse(&gram) else {
-                return Ok(AllRows { fit, inverse: DMatrix::zeros(kept.len(), kept.len()), squares, count });
+                let inverse = DMatrix::zeros(kept.len(), kept.len());
+                return Ok(AllRows { at: fit.clone(), fit, inverse, squares, count });
             };
             let change = &inverse * &right;
             let gained = change.dot(&right);
@@ -69,23 +97,37 @@ impl AllRows {
                     covariance[(a, b)] = inverse[(i, j)];
                 }
             }
+            let at = fit.clone();
             fit.fitted = fit.fitted.with_coefficients(coefficients, covariance)?;
             fit.observations = count;
             fit.chi_square = squares - gained;
             step += 1;
-            if gained < STILL || step == STEPS {
-                return Ok(AllRows { fit, inverse, squares, count });
+            if gained >= STILL && step < STEPS {
+                let [after, _] = equations(&fit, (blocks, &derived), [part, part], options)?;
+                let left = (after.right - (before.right - before.gram * &change)) * blocks.times(part);
+                if left.dot(&(&inverse * &left)) >= STILL {
+                    continue;
+                }
             }
+            return Ok(AllRows { squares: fit.chi_square, fit, at, inverse, count });
         }
     }
 }
 
-fn equations(fit: &Fit, blocks: &Blocks, options: &DiscoverOptions) -> Result<Equations, DiscoverError> {
+/// Sums over the blocks of two strides, of which the second is a multiple of the first.
+fn equations(
+    fit: &Fit,
+    (blocks, derived): (&Blocks, &Derived),
+    [every, rarer]: [usize; 2],
+    options: &DiscoverOptions,
+) -> Result<[Equations; 2], DiscoverError> {
     let r = fit.reduction.kept.len();
-    let mut sum = Equations { gram: DMatrix::zeros(r, r), right: DVector::zeros(r), squares: 0.0, count: 0 };
+    let nothing =
+        || Equations { gram: DMatrix::zeros(r, r), right: DVector::zeros(r), squares: 0.0, count: 0 };
+    let (mut sum, mut some) = (nothing(), nothing());
     let of = |block: &Dataset| -> Result<Equations, DiscoverError> {
         let linearisation = blocks.linearised(fit, block, options)?;
-        let (base, residual) = whitened(&linearisation);
+        let (base, residual) = whitened(&linearisation, fit);
         Ok(Equations {
             gram: gram_matrix(&base),
             right: base.tr_mul(&residual),
@@ -93,13 +135,13 @@ fn equations(fit: &Fit, blocks: &Blocks, options: &DiscoverOptions) -> Result<Eq
             count: residual.len(),
         })
     };
-    blocks.each(1, &of, &mut |_, part| {
-        sum.gram += part.gram;
-        sum.right += part.right;
-        sum.squares += part.squares;
-        sum.count += part.count;
+    blocks.each(every, derived, &of, &mut |block, part| {
+        sum.add(&part);
+        if block % rarer == 0 {
+            some.add(&part);
+        }
     })?;
-    Ok(sum)
+    Ok([sum, some])
 }
 
 /// The inverse of a positive definite matrix whose rows are in different units.

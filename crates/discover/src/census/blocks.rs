@@ -1,25 +1,27 @@
 //! Rows in blocks of whole poses.
 
+use crate::census::derived::{Derived, missing};
 use crate::error::DiscoverError;
+use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::Noise;
 use rayon::prelude::*;
-use std::borrow::Cow;
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, Visits};
+use std::collections::BTreeSet;
+use truepose_errormodel::{AnyEffect, Dataset, Visits};
 use truepose_identify::Fit;
-use truepose_kinematics::Chain;
 
 /// Rows of a block, at most about.
 const ROWS: usize = 2048;
 /// Blocks that are worked on before their results are taken: no more are in memory.
 const AT_ONCE: usize = 8;
+/// Derived channels of all rows that are in memory for the candidates of one pass.
+const CHANNELS: usize = 96;
 /// Contiguous parts of the data, at most, whose scores are kept apart.
 const UNITS: usize = 60;
 
 /// Rows in blocks of whole poses, in their order.
 pub(crate) struct Blocks {
-    /// With the derived channels that any candidate reads: they follow the order of all poses.
     data: Dataset,
     rows: Vec<Vec<usize>>,
     /// The noise of the search where the joints scatter.
@@ -28,17 +30,7 @@ pub(crate) struct Blocks {
 
 impl Blocks {
     /// Of these rows.
-    pub fn new(chain: &Chain, data: &Dataset, options: &DiscoverOptions) -> Result<Self, DiscoverError> {
-        let candidates = options.library.candidates(chain, data);
-        let mut data = data.clone();
-        for candidate in &candidates {
-            let effects: Vec<Box<dyn AnyEffect>> = candidate.effects().to_vec();
-            // What the data does not have cannot be derived from it; such a candidate has no columns.
-            let Ok(model) = ErrorModel::new(chain.clone(), effects) else { continue };
-            if let Ok(Cow::Owned(more)) = data.derived_for(&model) {
-                data = more;
-            }
-        }
+    pub fn new(data: Dataset) -> Self {
         let size = (data.len() / UNITS).clamp(1, ROWS);
         let mut rows: Vec<Vec<usize>> = Vec::new();
         for own in Visits::of(&data).rows {
@@ -47,7 +39,7 @@ impl Blocks {
                 _ => rows.push(own),
             }
         }
-        Ok(Blocks { data, rows, noise: None })
+        Blocks { data, rows, noise: None }
     }
 
     /// With the noise of a search in which the joints scatter.
@@ -77,15 +69,47 @@ impl Blocks {
         block * self.units() / self.rows.len()
     }
 
+    /// The stride at which a dozen blocks are seen, or a sixteenth of many.
+    pub fn part(&self) -> usize {
+        (self.rows.len() / 12).clamp(1, 16)
+    }
+
+    /// How many blocks there are for one at this stride.
+    pub fn times(&self, stride: usize) -> f64 {
+        self.rows.len() as f64 / self.rows.len().div_ceil(stride) as f64
+    }
+
     /// The data of all blocks.
     pub fn data(&self) -> &Dataset {
         &self.data
     }
 
-    /// Works on every `stride`-th block, several at once, and takes the results in order.
+    /// The derived channels that a model and further effects read, of all rows: they follow the order of all poses, and no block has to follow it
+    /// anew.
+    pub fn derived<'e>(
+        &self,
+        fit: &'e Fit,
+        effects: impl Iterator<Item = &'e Box<dyn AnyEffect>>,
+    ) -> Derived {
+        let model = fit.fitted.model();
+        Derived::new(&self.data, model.chain(), model.effects().iter().chain(effects))
+    }
+
+    /// How many of the first of these candidates are looked at in one pass: as many as read no more channels than are kept.
+    pub fn at_once(&self, candidates: &[Candidate]) -> usize {
+        let mut names = BTreeSet::new();
+        let fits = |candidate: &&Candidate| {
+            names.extend(missing(&self.data, candidate.effects().iter()));
+            names.len() <= CHANNELS
+        };
+        candidates.iter().take_while(fits).count().max(1)
+    }
+
+    /// Works on every `stride`-th block with these channels, several at once, and takes the results in order.
     pub fn each<T: Send>(
         &self,
         stride: usize,
+        derived: &Derived,
         of: &(dyn Fn(&Dataset) -> Result<T, DiscoverError> + Sync),
         take: &mut dyn FnMut(usize, T),
     ) -> Result<(), DiscoverError> {
@@ -93,7 +117,7 @@ impl Blocks {
         for several in wanted.chunks(AT_ONCE) {
             let results: Vec<T> = several
                 .par_iter()
-                .map(|&block| of(&self.data.select(&self.rows[block])))
+                .map(|&block| of(&derived.select(&self.data, &self.rows[block])))
                 .collect::<Result<_, _>>()?;
             several.iter().zip(results).for_each(|(&block, result)| take(block, result));
         }

@@ -16,6 +16,7 @@ pub(crate) mod all_rows;
 pub(crate) mod blocks;
 mod comparison;
 mod confirmed;
+mod derived;
 mod details;
 pub(crate) mod gross;
 #[cfg(test)]
@@ -40,13 +41,14 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::model::admissible::objection;
 use crate::model::current::{Context, ModelFit};
-use crate::model::prepared::{with_found, without};
+use crate::model::prepared::{emptied, found_in, with_found};
 use crate::observer::Begin;
 use crate::problem::linearisation::Linearisation;
 use crate::progress::Progress;
 use crate::screen::candidates::Screen;
 use crate::significance::rotation::NullDistribution;
 use crate::termination::Termination;
+use std::borrow::Cow;
 use truepose_errormodel::Dataset;
 use truepose_identify::{Fit, Residuals};
 
@@ -62,7 +64,6 @@ pub(crate) struct Census<'a> {
 /// What a screen led to.
 enum Step {
     Added(Box<AllRows>),
-    Barred,
     Ended(Termination),
 }
 
@@ -70,14 +71,13 @@ impl<'a> Census<'a> {
     /// Of all training rows but gross ones, after a search of a sample of them.
     pub fn new(
         (sample, fitted): (&'a Context<'a>, &'a Context<'a>),
-        train: &Dataset,
+        train: Cow<'_, Dataset>,
         searched: &Outcome,
     ) -> Result<Self, DiscoverError> {
         let ModelFit { found, fit, .. } = &*searched.model.current;
-        let train = with_found(train, found);
+        let train = found_in(train, found).into_owned();
         let far = gross(&Residuals::of(&fit.fitted, &train)?);
-        let blocks = Blocks::new(sample.chain, &without(&train, &far), sample.options)?
-            .under(searched.joints.map(|joints| joints.noise()));
+        let blocks = Blocks::new(emptied(train, &far)).under(searched.joints.map(|joints| joints.noise()));
         Ok(Census { sample, fitted, blocks })
     }
 
@@ -103,9 +103,13 @@ impl<'a> Census<'a> {
             let p_value = null.p_value(screen.largest());
             outcome.last = LastScreen { p_value, detectable_gain: null.detectable(options.alpha, all.count) };
             let step = match outcome.model.findings.len() < most {
-                true => {
-                    self.step(&mut outcome, &mut barred, (&linearisation, &screen, &null), &all, progress)?
-                }
+                // A candidate that is barred changes neither model nor scores: the next one is compared.
+                true => loop {
+                    let screened = (&linearisation, &screen, &null);
+                    if let Some(step) = self.step(&mut outcome, &mut barred, screened, &all, progress)? {
+                        break step;
+                    }
+                },
                 false if p_value > options.alpha => Step::Ended(Termination::NothingLeft),
                 false => Step::Ended(Termination::Limit),
             };
@@ -116,7 +120,6 @@ impl<'a> Census<'a> {
                     return Ok(outcome);
                 }
                 Step::Added(fitted) => all = *fitted,
-                Step::Barred => {}
             }
         }
     }
@@ -130,7 +133,7 @@ impl<'a> Census<'a> {
         Ok(if model.findings.is_empty() { model.without_findings() } else { model.with_fit(current) })
     }
 
-    /// One more finding, or one more candidate that is barred, where there is one.
+    /// One more finding, where there is one, or the end; none where one more candidate is barred.
     fn step(
         &self,
         outcome: &mut Outcome,
@@ -138,24 +141,24 @@ impl<'a> Census<'a> {
         (linearisation, screen, null): (&Linearisation<'_>, &Screen, &NullDistribution),
         all: &AllRows,
         progress: &Begin<'_>,
-    ) -> Result<Step, DiscoverError> {
+    ) -> Result<Option<Step>, DiscoverError> {
         let (options, blocks) = (self.sample.options, &self.blocks);
         if outcome.last.p_value > options.alpha {
-            return Ok(Step::Ended(Termination::NothingLeft));
+            return Ok(Some(Step::Ended(Termination::NothingLeft)));
         }
         if outcome.model.findings.len() >= options.most {
-            return Ok(Step::Ended(Termination::Limit));
+            return Ok(Some(Step::Ended(Termination::Limit)));
         }
         if barred.len() >= self.sample.budget().contests {
-            return Ok(Step::Ended(Termination::NothingConvincing));
+            return Ok(Some(Step::Ended(Termination::NothingConvincing)));
         }
         let Some(best) = compared(linearisation, screen, barred, (all, blocks), options)? else {
-            return Ok(Step::Ended(Termination::NothingConvincing));
+            return Ok(Some(Step::Ended(Termination::NothingConvincing)));
         };
         let Compared { candidate, competitors, prior_width, detail } = best;
         if !candidate.family.is_named() {
             // It would be one of many small curves, and the next name would stand for what it is.
-            return Ok(Step::Ended(Termination::NothingConvincing));
+            return Ok(Some(Step::Ended(Termination::NothingConvincing)));
         }
         let evidence = evidence(&candidate, &detail, null, (all, blocks), options)?;
         let mut held = candidate.clone();
@@ -174,12 +177,12 @@ impl<'a> Census<'a> {
             Ok((model, fitted)) => {
                 outcome.model = model;
                 barred.clear();
-                Ok(Step::Added(Box::new(fitted)))
+                Ok(Some(Step::Added(Box::new(fitted))))
             }
             Err(doubt) => {
                 Refused { candidate: candidate.clone(), evidence, doubt }.note_in(&mut outcome.refused);
                 barred.push(candidate);
-                Ok(Step::Barred)
+                Ok(None)
             }
         }
     }

@@ -161,8 +161,8 @@ fn units(
     options: &DiscoverOptions,
 ) -> Result<Vec<Unit>, DiscoverError> {
     let of = |block: &Dataset| -> Result<Unit, DiscoverError> {
-        let linearisation = blocks.linearised(&all.fit, block, options)?;
-        let (base, residual) = whitened(&linearisation);
+        let linearisation = blocks.linearised(&all.at, block, options)?;
+        let (base, residual) = whitened(&linearisation, &all.fit);
         let whitener = linearisation.whitener(linearisation.noise);
         let columns = whitener.of(&linearisation.columns_of(candidate)?);
         let left = (columns - base * &detail.taken) * &detail.basis;
@@ -173,8 +173,9 @@ fn units(
             count: residual.len(),
         })
     };
+    let derived = blocks.derived(&all.fit, candidate.effects().iter());
     let mut units = vec![Unit::nothing(detail.freedom()); blocks.units()];
-    blocks.each(1, &of, &mut |block, part| units[blocks.unit(block)].add(&part))?;
+    blocks.each(1, &derived, &of, &mut |block, part| units[blocks.unit(block)].add(&part))?;
     Ok(units)
 }
 

@@ -15,6 +15,7 @@ use crate::problem::tables::{Sums, Tables};
 use crate::screen::candidates::Screen;
 use crate::screen::functions::Functions;
 use crate::statistics::beta::surprisal;
+use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::Dataset;
 
@@ -100,8 +101,8 @@ fn scores(
         })
         .collect();
     let of = |block: &Dataset| -> Result<Scores, DiscoverError> {
-        let linearisation = blocks.linearised(&all.fit, block, options)?;
-        let (_, residual) = whitened(&linearisation);
+        let linearisation = blocks.linearised(&all.at, block, options)?;
+        let (_, residual) = whitened(&linearisation, &all.fit);
         let whitener = linearisation.whitener(linearisation.noise);
         let nothing = DMatrix::zeros(linearisation.len(), 0);
         let tables = Tables::new(&linearisation, &whitener, (&nothing, &residual));
@@ -133,8 +134,10 @@ fn scores(
         }
         Ok(Scores { single: sums, functions: at_sites, motions: bins })
     };
+    let derived =
+        blocks.derived(&all.fit, screen.candidates.iter().flat_map(|s| s.candidate.effects().iter()));
     let mut whole: Option<Scores> = None;
-    blocks.each(1, &of, &mut |_, part| match &mut whole {
+    blocks.each(1, &derived, &of, &mut |_, part| match &mut whole {
         None => whole = Some(part),
         Some(whole) => {
             for (sum, more) in whole.single.iter_mut().zip(part.single) {
@@ -156,26 +159,65 @@ pub(crate) fn sums(
     stride: usize,
     options: &DiscoverOptions,
 ) -> Result<Vec<Option<Sums>>, DiscoverError> {
+    let mut each = Vec::with_capacity(candidates.len());
+    while each.len() < candidates.len() {
+        let rest = &candidates[each.len()..];
+        let several = &rest[..blocks.at_once(rest)];
+        each.extend(sums_of_several(several, (all, blocks), stride, options)?);
+    }
+    Ok(each)
+}
+
+/// Columns of candidates that a block has side by side, at least.
+const COLUMNS: usize = 128;
+
+fn sums_of_several(
+    candidates: &[Candidate],
+    (all, blocks): (&AllRows, &Blocks),
+    stride: usize,
+    options: &DiscoverOptions,
+) -> Result<Vec<Option<Sums>>, DiscoverError> {
     let of = |block: &Dataset| -> Result<Vec<Option<Sums>>, DiscoverError> {
-        let linearisation = blocks.linearised(&all.fit, block, options)?;
-        let (base, residual) = whitened(&linearisation);
+        let linearisation = blocks.linearised(&all.at, block, options)?;
+        let (base, residual) = whitened(&linearisation, &all.fit);
         let whitener = linearisation.whitener(linearisation.noise);
-        let tables = Tables::new(&linearisation, &whitener, (&base, &residual));
         let mut each = Vec::with_capacity(candidates.len());
-        for candidate in candidates {
-            let Ok(evaluated) = linearisation.evaluate(candidate.effects()) else {
-                each.push(None);
-                continue;
-            };
-            let mut sums = Sums::zeros(base.ncols(), evaluated.width());
-            let stations = tables.stations.iter().copied();
-            evaluated.each(stations, &mut |visit, entries| tables.add(visit, entries, &mut sums))?;
-            each.push(Some(sums));
+        while each.len() < candidates.len() {
+            // As many side by side as are worked on at once.
+            let mut beside: Vec<Option<DMatrix<f64>>> = Vec::new();
+            let mut width = 0;
+            for candidate in &candidates[each.len()..] {
+                let columns = linearisation.columns(candidate.effects()).ok();
+                width += columns.as_ref().map_or(0, DMatrix::ncols);
+                beside.push(columns);
+                if width >= COLUMNS {
+                    break;
+                }
+            }
+            let mut white = DMatrix::zeros(base.nrows(), width);
+            let mut first = 0;
+            for columns in beside.iter().flatten() {
+                white.columns_mut(first, columns.ncols()).copy_from(columns);
+                first += columns.ncols();
+            }
+            whitener.apply(&mut white);
+            let along = cross(&base, &white);
+            let mut first = 0;
+            for columns in beside {
+                each.push(columns.map(|columns| {
+                    let own = white.columns(first, columns.ncols());
+                    let along = along.columns(first, columns.ncols()).into_owned();
+                    first += columns.ncols();
+                    Sums { along, raw: cross(&own, &own), score: own.tr_mul(&residual) }
+                }));
+            }
         }
         Ok(each)
     };
+    let derived =
+        blocks.derived(&all.fit, candidates.iter().flat_map(|candidate| candidate.effects().iter()));
     let mut whole: Vec<Option<Sums>> = Vec::new();
-    blocks.each(stride, &of, &mut |_, part| {
+    blocks.each(stride, &derived, &of, &mut |_, part| {
         if whole.is_empty() {
             whole = part;
             return;

@@ -16,6 +16,7 @@
 
 use crate::error::DiscoverError;
 use crate::statistics::product::{cholesky, gram_matrix};
+use crate::statistics::triangular::inverse_lower;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use std::ops::Range;
 
@@ -137,11 +138,11 @@ pub(crate) struct Scaled {
 impl Scaled {
     /// How many of these unknowns, whose prior is diagonal, the data determines: Σ 1 − prior · covariance.
     pub fn determined(&self, which: Range<usize>, precision: &DMatrix<f64>) -> f64 {
-        let n = self.scale.len();
-        let mut unit = DMatrix::zeros(n, which.len());
-        which.clone().enumerate().for_each(|(k, at)| unit[(at, k)] = 1.0);
-        self.factor.l_dirty().solve_lower_triangular_mut(&mut unit);
-        let held = which.zip(unit.column_iter());
+        let (first, n) = (which.start, self.scale.len());
+        // Of L⁻¹ e only what is below e is not zero.
+        let below = self.factor.l_dirty().view((first, first), (n - first, n - first)).into_owned();
+        let inverse = inverse_lower(&below);
+        let held = which.zip(inverse.column_iter());
         held.map(|(at, half)| 1.0 - precision[(at, at)] * half.norm_squared() * self.scale[at].powi(2)).sum()
     }
 

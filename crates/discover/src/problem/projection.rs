@@ -258,12 +258,7 @@ impl Projection {
             return Ok(Sums { along: cross(&self.q, &x), raw: gram_matrix(&x), score });
         };
         let evaluated = linearisation.evaluate(effects)?;
-        let width = evaluated.width();
-        let mut sums = Sums {
-            along: DMatrix::zeros(self.q.ncols(), width),
-            raw: DMatrix::zeros(width, width),
-            score: DVector::zeros(width),
-        };
+        let mut sums = Sums::zeros(self.q.ncols(), evaluated.width());
         let stations = self.tables.stations.iter().copied();
         evaluated.each(stations, &mut |visit, entries| self.tables.add(visit, entries, &mut sums))?;
         Ok(sums)

@@ -21,6 +21,7 @@ use crate::problem::linearisation::Linearisation;
 use crate::problem::noise::{JointNoise, Noise};
 use crate::problem::whitening::Whitener;
 use crate::statistics::product::{cholesky, cross, gram_matrix};
+use crate::statistics::triangular::solve_lower;
 use nalgebra::{DMatrix, DVector};
 use truepose_identify::NoiseModel;
 
@@ -90,10 +91,24 @@ struct State {
     noise: Noise,
     whitener: Whitener,
     deviance: f64,
-    /// L⁻¹ (AᵀV⁻¹A + K)^{-1/2}-turned whitened columns, n × m: Qᵀ.
-    turned: DMatrix<f64>,
+    /// Whitened columns A, m × n, the scale of each, and L of L Lᵀ = AᵀV⁻¹A + K, scaled.
+    white: DMatrix<f64>,
+    scale: Vec<f64>,
+    lower: DMatrix<f64>,
     /// Whitened y − A β̂.
     left: DMatrix<f64>,
+}
+
+impl State {
+    /// L⁻¹ (AᵀV⁻¹A + K)^{-1/2}-turned whitened columns, n × m: Qᵀ.
+    fn turned(&self) -> DMatrix<f64> {
+        let mut turned = self.white.transpose();
+        for (mut row, scale) in turned.row_iter_mut().zip(&self.scale) {
+            row *= *scale;
+        }
+        solve_lower(&self.lower, &mut turned);
+        turned
+    }
 }
 
 /// Score and average information of all components.
@@ -226,11 +241,6 @@ impl<'l> Restricted<'l> {
         }
         let factor = cholesky(normal)?;
         let lower = factor.l_dirty();
-        let mut turned = white.columns(0, n).transpose();
-        for (mut row, scale) in turned.row_iter_mut().zip(&scale) {
-            row *= *scale;
-        }
-        lower.solve_lower_triangular_mut(&mut turned);
         let right = DVector::from_fn(n, |i, _| gram[(i, n)] * scale[i]);
         let solution = factor.solve(&right).component_mul(&DVector::from_column_slice(&scale));
         let left = white.column(n) - white.columns(0, n) * &solution;
@@ -238,7 +248,9 @@ impl<'l> Restricted<'l> {
         let logarithm: f64 = (0..self.integrated).map(|k| 2.0 * (lower[(k, k)] / scale[k]).ln()).sum();
         let deviance = whitener.log_determinant() + logarithm + left.norm_squared() + held;
         let left = DMatrix::from_column_slice(left.len(), 1, left.as_slice());
-        deviance.is_finite().then_some(State { noise, whitener, deviance, turned, left })
+        let lower = factor.unpack_dirty();
+        let white = white.remove_column(n);
+        deviance.is_finite().then_some(State { noise, whitener, deviance, white, scale, lower, left })
     }
 
     fn derivatives(&self, state: &State) -> Derivatives {
@@ -247,7 +259,8 @@ impl<'l> Restricted<'l> {
         let mut weighed = state.left.clone();
         state.whitener.apply_transposed(&mut weighed);
         // Of the columns that are integrated out: the others take nothing from the determinant.
-        let turned = state.turned.rows(0, self.integrated).transpose();
+        let all = state.turned();
+        let turned = all.rows(0, self.integrated).transpose();
         let mut taken = turned.clone();
         let precisions = state.whitener.precisions(m);
         state.whitener.apply_transposed(&mut taken);
@@ -281,7 +294,7 @@ impl<'l> Restricted<'l> {
             score[i] = 0.5 * (through.column(i).dot(&weighed.column(0)) - trace);
         }
         let white = state.whitener.of(&through);
-        let along = &state.turned * &white;
+        let along = &all * &white;
         let information = (cross(&white, &white) - cross(&along, &along)) * 0.5;
         Derivatives { components: self.parts.iter().map(|part| part.0).collect(), score, information }
     }

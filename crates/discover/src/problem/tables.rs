@@ -11,13 +11,15 @@
 //! With a candidate's Φ of each visit: `Q_1ᵀX = Σ H Φ`, `XᵀX = Σ Φᵀ M Φ`, `X_uᵀ r̃ = Σ_{v in u} Φᵀ c`. A visit is one standstill of the
 //! robot: Φ is taken at its first row, though its targets were measured some seconds apart. The contest, which decides, takes
 //! every row for itself.
+//!
+//! Tables are ordered by site, then by visit: a candidate asks for few sites, visit after visit.
 
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
 use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage};
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Tables of all visits that have data.
 #[derive(Debug)]
@@ -32,7 +34,8 @@ pub(crate) struct Tables {
     observations: Vec<Range<usize>>,
     /// H, in bands of its rows.
     along: Vec<Arc<ProjectedSites>>,
-    squares: Arc<Vec<f64>>,
+    /// Once they are asked for.
+    squares: Arc<OnceLock<Vec<f64>>>,
     scores: Vec<f64>,
 }
 
@@ -47,26 +50,22 @@ impl Tables {
             DMatrix::from_fn(linearisation.len(), sites, |at, site| linearisation.sites(at)[site]);
         whitener.apply(&mut jacobian);
         let (mut stations, mut observations) = (Vec::new(), Vec::new());
-        let (mut along, mut squares) = (Vec::new(), Vec::new());
         let mut station = 0;
         for visit in linearisation.stations().chunk_by(|a, b| a.visit == b.visit) {
-            let own = visit[0].observations.start..visit[visit.len() - 1].observations.end;
-            let sees = jacobian.rows(own.start, own.len());
-            along.extend_from_slice(cross(&q.rows(own.start, own.len()), &sees).as_slice());
-            squares.extend_from_slice(cross(&sees, &sees).as_slice());
+            observations.push(visit[0].observations.start..visit[visit.len() - 1].observations.end);
             stations.push(station);
-            observations.push(own);
             station += visit.len();
         }
         let scores = scores(&jacobian, residual, &observations);
+        let along = ProjectedSites::new(q, &jacobian, &observations);
         Tables {
             sites,
             rank,
             stations,
+            squares: Arc::new(OnceLock::new()),
             jacobian: Arc::new(jacobian),
             observations,
-            along: vec![Arc::new(ProjectedSites { sites, rank, along })],
-            squares: Arc::new(squares),
+            along: vec![Arc::new(along)],
             scores,
         }
     }
@@ -89,27 +88,22 @@ impl Tables {
 
     /// c of a visit at a site.
     pub fn score(&self, visit: usize, site: usize) -> f64 {
-        self.scores[visit * self.sites + site]
+        self.scores[site * self.observations.len() + visit]
     }
 
     /// M between two sites of a visit.
     fn square(&self, visit: usize, a: usize, b: usize) -> f64 {
-        self.squares[(visit * self.sites + a) * self.sites + b]
+        let squares = self.squares.get_or_init(|| squares(&self.jacobian, &self.observations));
+        squares[(a * self.sites + b) * self.observations.len() + visit]
     }
 
     /// H of further columns of Q_1 (m × k): what [`Tables::with`] appends.
     pub fn projected_sites(&self, new: &DMatrix<f64>) -> ProjectedSites {
-        let mut along = Vec::with_capacity(self.observations.len() * self.sites * new.ncols());
-        for own in &self.observations {
-            let sees = self.jacobian.rows(own.start, own.len());
-            along.extend_from_slice(cross(&new.rows(own.start, own.len()), &sees).as_slice());
-        }
-        ProjectedSites { sites: self.sites, rank: new.ncols(), along }
+        ProjectedSites::new(new, &self.jacobian, &self.observations)
     }
 
     /// Adds what a visit's entries (column, site, value) say.
     pub fn add(&self, visit: usize, entries: &[(usize, usize, f64)], sums: &mut Sums) {
-        let scores = &self.scores[visit * self.sites..(visit + 1) * self.sites];
         for (k, &(column, site, value)) in entries.iter().enumerate() {
             let mut along = &mut sums.along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
             for projected in &self.along {
@@ -117,7 +111,7 @@ impl Tables {
                 own.iter_mut().zip(projected.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
                 along = rest;
             }
-            sums.score[column] += value * scores[site];
+            sums.score[column] += value * self.score(visit, site);
             sums.raw[(column, column)] += value * value * self.square(visit, site, site);
             for &(other, there, further) in &entries[k + 1..] {
                 let both = value * further * self.square(visit, site, there);
@@ -156,7 +150,7 @@ impl Tables {
                 for (sum, h) in along[visit * self.rank..(visit + 1) * self.rank].iter_mut().zip(h) {
                     *sum += share * h;
                 }
-                response.score[visit] += share * self.scores[visit * self.sites + site];
+                response.score[visit] += share * self.score(visit, site);
                 response.square[visit] += shares
                     .iter()
                     .map(|&(other, more)| share * more * self.square(visit, site, other))
@@ -171,15 +165,32 @@ impl Tables {
 /// H of some columns of Q_1.
 #[derive(Debug)]
 pub(crate) struct ProjectedSites {
-    sites: usize,
+    visits: usize,
     rank: usize,
     along: Vec<f64>,
 }
 
 impl ProjectedSites {
+    /// Of columns of Q_1 (m × k).
+    fn new(columns: &DMatrix<f64>, jacobian: &DMatrix<f64>, observations: &[Range<usize>]) -> Self {
+        let (visits, rank, sites) = (observations.len(), columns.ncols(), jacobian.ncols());
+        let mut along = vec![0.0; sites * visits * rank];
+        if rank > 0 {
+            for (visit, own) in observations.iter().enumerate() {
+                let sees = jacobian.rows(own.start, own.len());
+                let of_visit = cross(&columns.rows(own.start, own.len()), &sees);
+                for (site, of_site) in of_visit.as_slice().chunks_exact(rank).enumerate() {
+                    let first = (site * visits + visit) * rank;
+                    along[first..first + rank].copy_from_slice(of_site);
+                }
+            }
+        }
+        ProjectedSites { visits, rank, along }
+    }
+
     /// Of one site of a visit.
     fn at(&self, visit: usize, site: usize) -> &[f64] {
-        let first = (visit * self.sites + site) * self.rank;
+        let first = (site * self.visits + visit) * self.rank;
         &self.along[first..first + self.rank]
     }
 
@@ -222,15 +233,26 @@ impl Tables {
 
 /// c of every visit.
 fn scores(jacobian: &DMatrix<f64>, residual: &DVector<f64>, observations: &[Range<usize>]) -> Vec<f64> {
-    let sites = jacobian.ncols();
-    let mut scores = vec![0.0; observations.len() * sites];
-    for (own, scores) in observations.iter().zip(scores.chunks_exact_mut(sites)) {
-        let left = residual.rows(own.start, own.len());
-        for (site, score) in scores.iter_mut().enumerate() {
-            *score = jacobian.column(site).rows(own.start, own.len()).dot(&left);
-        }
+    let mut scores = Vec::with_capacity(jacobian.ncols() * observations.len());
+    for column in jacobian.column_iter() {
+        let of_visit =
+            |own: &Range<usize>| column.rows(own.start, own.len()).dot(&residual.rows(own.start, own.len()));
+        scores.extend(observations.iter().map(of_visit));
     }
     scores
+}
+
+/// M of every visit.
+fn squares(jacobian: &DMatrix<f64>, observations: &[Range<usize>]) -> Vec<f64> {
+    let (sites, visits) = (jacobian.ncols(), observations.len());
+    let mut squares = vec![0.0; sites * sites * visits];
+    for (visit, own) in observations.iter().enumerate() {
+        let sees = jacobian.rows(own.start, own.len());
+        for (pair, square) in cross(&sees, &sees).iter().enumerate() {
+            squares[pair * visits + visit] = *square;
+        }
+    }
+    squares
 }
 
 /// What a function of the visit that acts at fixed sites does, per unit of it.

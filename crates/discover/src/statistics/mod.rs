@@ -7,3 +7,4 @@ pub(crate) mod coefficients;
 pub(crate) mod gross;
 pub(crate) mod paired;
 pub(crate) mod product;
+pub(crate) mod triangular;

@@ -8,6 +8,7 @@ mod dwell;
 mod history;
 mod landmark;
 mod late;
+mod loads;
 mod matching;
 mod measurement;
 mod order;

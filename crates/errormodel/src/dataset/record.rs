@@ -3,8 +3,9 @@
 //! What a joint does depends on the way by which it came. A part of the rows (training, a fold, a sample) does not contain that way, so that
 //! every part of a data set keeps the joint values of all poses of the whole, by time where there is one, else by row.
 
+use super::loads::NominalLoads;
 use std::sync::Arc;
-use truepose_kinematics::{Chain, Conditions, JointId, Load, PostureBuffer};
+use truepose_kinematics::{Chain, JointId, Load};
 
 /// The poses of a whole record in their order, and which of them the rows of a data set are.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +27,8 @@ struct Poses {
     time: Vec<f64>,
     /// The load of each pose.
     load: Vec<Load>,
+    /// Loads of all joints, once one is asked for.
+    nominal: NominalLoads,
 }
 
 impl Record {
@@ -37,7 +40,8 @@ impl Record {
         (time, load): (Vec<f64>, Vec<Load>),
         pose: Vec<usize>,
     ) -> Self {
-        Record { poses: Arc::new(Poses { joints, approach, still, time, load }), pose }
+        let nominal = NominalLoads::default();
+        Record { poses: Arc::new(Poses { joints, approach, still, time, load, nominal }), pose }
     }
 
     /// Of a part of its rows.
@@ -72,18 +76,11 @@ impl Record {
         self.pose.iter().map(|&pose| states[pose]).collect()
     }
 
-    /// The load of a joint in the nominal posture of every pose, N·m or N.
+    /// The load of a joint in the nominal posture of every pose, N·m or N; none of a joint that does not move.
     pub(super) fn loads(&self, joint: JointId, chain: &Chain) -> Vec<f64> {
-        let mut buffer = PostureBuffer::new(chain);
-        let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]);
-        let load = |pose: usize| {
-            for (value, column) in conditions.joints.iter_mut().zip(&self.poses.joints) {
-                *value = column[pose];
-            }
-            conditions.load = self.poses.load[pose];
-            buffer.update(chain, &conditions).joint_load(joint)
-        };
-        (0..self.poses.load.len()).map(load).collect()
+        let Some(column) = chain.coordinate(joint) else { return Vec::new() };
+        let poses = &self.poses;
+        poses.nominal.of(chain, (&poses.joints, &poses.load)).column(column).iter().copied().collect()
     }
 
     /// A state at every row: `first` at the first pose, then what `next` makes of it, of the pose before and of the seconds to the next one.
