@@ -59,7 +59,8 @@ pub use streamed::StreamedSummary;
 pub use suspicion::suspicion_text;
 pub use upkeep::{
     AdvisedSummary, ArmFitsSummary, BandSummary, ChangeSummary, DetectableSummary, FleetCoefficient,
-    FleetSummary, InstallationSummary, MonitorSummary, SisterSummary, TransferSummary,
+    FleetSummary, InstallationSummary, LookView, MonitorSummary, SisterSummary, TransferSummary,
+    history_page,
 };
 pub use wording::{
     advice_text, count, millimetres, milliradians, parameter_text, significant, value_with_interval,

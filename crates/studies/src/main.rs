@@ -11,6 +11,7 @@ mod orders;
 mod pps;
 mod reliability;
 mod sensitivity;
+mod sessions;
 mod solvers;
 mod unseen;
 
@@ -44,9 +45,10 @@ fn main() -> ExitCode {
         "reliability" if rest.iter().any(|word| word == "--half") => unseen::run(&rest),
         "reliability" => reliability::run(&rest),
         "sensitivity" => sensitivity::run(&rest),
+        "sessions" => sessions::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!(
-            "unknown study `{name}`; there are: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, solvers"
+            "unknown study `{name}`; there are: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, sessions, solvers"
         )
         .into()),
     };

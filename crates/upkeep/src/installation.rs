@@ -54,8 +54,22 @@ impl Installation {
     }
 
     /// Sites of what was found, of targets only those in `seen`; the tool where the placement found it, for targets that are all unknown
-    /// do not show it.
-    pub(crate) fn sites(self, placed: &Placement, seen: &[TargetId]) -> Vec<Site> {
+    /// do not show it. How the tool is turned is a part where orientations are weighed (`oriented`), or targets show it: where its origin
+    /// alone is measured it stays as described.
+    ///
+    /// # Errors
+    /// When the data does not determine the placement otherwise.
+    pub(crate) fn sites(
+        self,
+        placed: &Placement,
+        seen: &[TargetId],
+        oriented: bool,
+    ) -> Result<Vec<Site>, UpkeepError> {
+        let turn = oriented || !seen.is_empty();
+        let turn_alone = |what: &str| !what.contains("base") && !what.contains("position");
+        if let Some(open) = placed.undetermined.iter().find(|open| turn || !turn_alone(&open.what)) {
+            return Err(UpkeepError::Undetermined { what: open.what.clone(), advice: open.advice.clone() });
+        }
         let chain = &placed.chain;
         let mut sites = Vec::new();
         let frame = |frame| Axis::ALL.map(|axis| Site::Frame(frame, axis));
@@ -65,14 +79,15 @@ impl Installation {
             sites.extend(frame(base));
         }
         if self.tool && placed.found.iter().any(|what| what == "tool") {
-            sites.extend(frame(chain.tool_frame()));
+            let axes: &[Axis] = if turn { &Axis::ALL } else { &Axis::TRANSLATIONS };
+            sites.extend(axes.iter().map(|&axis| Site::Frame(chain.tool_frame(), axis)));
         }
         if self.targets {
             for &target in seen {
                 sites.extend(Axis::TRANSLATIONS.map(|axis| Site::Target(target, axis)));
             }
         }
-        sites
+        Ok(sites)
     }
 }
 

@@ -5,12 +5,13 @@ mod error;
 mod fleet;
 mod installation;
 mod monitor;
+mod noise_law;
 mod prediction;
 mod rows;
 mod sister;
 mod transfer;
 
-pub use advice::Advised;
+pub use advice::{Advised, TransferPoses, transfer_poses};
 pub use error::UpkeepError;
 pub use fleet::{Fleet, fleet};
 pub use installation::Installation;

@@ -1,11 +1,13 @@
 //! New measurements against a fitted model: residuals, derivatives and covariance, whitened.
 //!
 //! ```text
-//! V = diag(σ²) + ρ² 1 1ᵀ  for each axis of a pose,   S = 1 + K Kᵀ,  K = V^{-1/2} H L,  L Lᵀ = C
+//! V = diag(σ² + (1 − w)² b²/3) + ρ² 1 1ᵀ  for each axis of a pose,   S = 1 + K Kᵀ,  K = V^{-1/2} H L,  L Lᵀ = C
 //! aᵀ S⁻¹ b = aᵀ b − (Kᵀa)ᵀ (1 + KᵀK)⁻¹ (Kᵀb)
 //! ```
 //!
-//! Source of the second line: Woodbury; its dimension is the rank of C, however many rows there are.
+//! Source of the second line: Woodbury; its dimension is the rank of C, however many rows there are. Where a prediction falls back to the
+//! declared model (share w of the findings below one, [`Fallback`](truepose_errormodel::Fallback)), what the findings would have moved it
+//! by, b, is part of its scatter: such a row places an installation with the weight that it deserves.
 
 use crate::UpkeepError;
 use crate::installation::derivatives;
@@ -21,6 +23,8 @@ pub(crate) struct Number {
     visit: usize,
     /// 0 to 2: position, 3 to 5: orientation.
     component: usize,
+    /// (1 − w)² b²/3: variance of a prediction that falls back, m².
+    beyond: f64,
 }
 
 /// Residuals and derivatives of all measured numbers, whitened by V.
@@ -44,8 +48,13 @@ pub(crate) fn seen(data: &Dataset) -> Vec<TargetId> {
     targets
 }
 
+/// Whether orientations are weighed: they were measured, and the fit, which may be of positions alone, knows their scatter.
+pub(crate) fn oriented(fitted: &FittedModel, data: &Dataset) -> bool {
+    fitted.noise.orientation_sd > 0.0 && (0..data.len()).any(|row| data.measured_rotation(row).is_some())
+}
+
 impl Prediction {
-    /// Of these data with the fit's own noise.
+    /// Of these data with the fit's own noise; without orientations of which it knows no scatter.
     pub fn of(fitted: &FittedModel, sites: &[Site], data: &Dataset) -> Result<Self, UpkeepError> {
         data.validate(fitted.chain())?;
         let data = &*data.derived_for(fitted.model())?;
@@ -54,6 +63,7 @@ impl Prediction {
         let (mut numbers, mut residual) = (Vec::new(), Vec::new());
         let (mut arm, mut installation): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         let mut distances = Vec::new();
+        let oriented = oriented(fitted, data);
         for row in 0..data.len() {
             data.conditions_into(row, &mut conditions);
             let target = data.target[row];
@@ -62,7 +72,13 @@ impl Prediction {
             let h = predictor.sensitivity(&conditions, target);
             let p = derivatives(fitted.chain(), sites, (&tool, &pose.translation), target);
             let away = data.measured_position(row) - pose.translation;
-            let turned = data.measured_rotation(row).map(|r| rotation_log(&(r * pose.rotation.transpose())));
+            let turned = data.measured_rotation(row).filter(|_| oriented);
+            let turned = turned.map(|r| rotation_log(&(r * pose.rotation.transpose())));
+            let size = fitted.fallback.as_ref().map_or(0.0, |fallback| fallback.size);
+            let beyond = match size > 0.0 {
+                true => (1.0 - predictor.share_of_findings(&conditions, target)).powi(2) * size / 3.0,
+                false => 0.0,
+            };
             if away.norm().is_finite() {
                 distances.push(away.norm());
             }
@@ -73,7 +89,8 @@ impl Prediction {
                     (false, None) => continue,
                 };
                 if left.is_finite() {
-                    numbers.push(Number { row, visit: data.visit[row], component });
+                    let beyond = if component < 3 { beyond } else { 0.0 };
+                    numbers.push(Number { row, visit: data.visit[row], component, beyond });
                     residual.push(left);
                     arm.extend(h.row(component).iter());
                     installation.extend(p.row(component).iter());
@@ -95,10 +112,10 @@ impl Prediction {
     /// Whitens everything by V.
     fn whiten(&mut self, fitted: &FittedModel) -> Result<(), UpkeepError> {
         let noise = fitted.noise;
-        let (shared, turned) = (fitted.repeatability_sd, self.numbers.iter().any(|n| n.component >= 3));
+        let shared = fitted.repeatability_sd;
         // Rows repeat by a little at least, however much of their scatter a pose shares.
         let own = (noise.position_sd.powi(2) - shared.powi(2)).max(1e-4 * noise.position_sd.powi(2)).sqrt();
-        if own <= 0.0 || (turned && noise.orientation_sd <= 0.0) {
+        if own <= 0.0 {
             return Err(UpkeepError::NoUncertainty { what: "the scatter of a new measurement" });
         }
         let mut order: Vec<usize> = (0..self.numbers.len()).collect();
@@ -109,14 +126,15 @@ impl Prediction {
         for group in groups {
             let position = self.numbers[group[0]].component < 3;
             let (sd, shared) = if position { (own, shared) } else { (noise.orientation_sd, 0.0) };
-            let shrink = shrinkage(shared, group.len() as f64 / (sd * sd));
+            let each: Vec<f64> = group.iter().map(|&at| sd.hypot(self.numbers[at].beyond.sqrt())).collect();
+            let shrink = shrinkage(shared, each.iter().map(|sd| sd.powi(-2)).sum());
             let columns = std::iter::once(self.residual.as_mut_slice())
                 .chain(self.arm.as_mut_slice().chunks_exact_mut(self.numbers.len().max(1)))
                 .chain(self.installation.as_mut_slice().chunks_exact_mut(self.numbers.len().max(1)));
             for column in columns {
-                group.iter().for_each(|&at| column[at] /= sd);
-                let along: f64 = group.iter().map(|&at| column[at] / sd).sum();
-                group.iter().for_each(|&at| column[at] -= shrink * along / sd);
+                group.iter().zip(&each).for_each(|(&at, sd)| column[at] /= sd);
+                let along: f64 = group.iter().zip(&each).map(|(&at, sd)| column[at] / sd).sum();
+                group.iter().zip(&each).for_each(|(&at, sd)| column[at] -= shrink * along / sd);
             }
         }
         Ok(())
@@ -129,8 +147,10 @@ impl Prediction {
         let positions: Vec<usize> = (0..self.len()).filter(|&at| self.numbers[at].component < 3).collect();
         let open = positions.iter().map(|&at| spread.row(at).norm_squared()).sum::<f64>();
         let taken = (self.installation.ncols() as f64 / self.len().max(1) as f64).min(1.0);
-        let per_number = 1.0 + open / positions.len().max(1) as f64;
-        fitted.noise.position_sd * (3.0 * per_number * (1.0 - taken)).sqrt()
+        let count = positions.len().max(1) as f64;
+        let beyond = positions.iter().map(|&at| self.numbers[at].beyond).sum::<f64>() / count;
+        let per_number = fitted.noise.position_sd.powi(2) * (1.0 + open / count) + beyond;
+        (3.0 * per_number * (1.0 - taken)).sqrt()
     }
 
     /// Measured numbers.

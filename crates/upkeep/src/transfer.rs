@@ -3,7 +3,7 @@
 //! ```text
 //! δ̂ = D Pᵀ S⁻¹ r,   D = (Pᵀ S⁻¹ P)⁻¹                               installation, arm frozen
 //! cov(δ̂ − δ) = D,   cov(δ − δ̂, e) = −D Pᵀ S⁻¹ H C                   what its uncertainty shares with the arm's
-//! T = rᵀ S⁻¹ r − rᵀ S⁻¹ P D Pᵀ S⁻¹ r  ~  χ²(m − k)                   does the arm still fit?
+//! T = rᵀ S⁻¹ r − rᵀ S⁻¹ P D Pᵀ S⁻¹ r,  T/(m − k) ~ F(m − k, ν)     does the arm still fit?
 //! ê = C Hᵀ S⁻¹ (r − P δ̂),   cov(e) = C − C Hᵀ Q H C                  update,  Q = S⁻¹ − S⁻¹ P D Pᵀ S⁻¹
 //! ```
 //!
@@ -14,11 +14,11 @@
 use crate::UpkeepError;
 use crate::advice::{Advised, advised};
 use crate::installation::{Installation, moved, with_columns};
-use crate::prediction::{Prediction, Weighing, seen};
+use crate::noise_law::NoiseLaw;
+use crate::prediction::{Prediction, Weighing, oriented, seen};
 use crate::rows::carried;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use truepose_errormodel::{Beyond, Coverage, Dataset, Domain, FittedModel};
 use truepose_identify::{Residuals, Spread, place_fitted};
 use truepose_kinematics::{Chain, Conditions, Site};
@@ -93,10 +93,7 @@ pub fn transfer(
 ) -> Result<Transfer, UpkeepError> {
     let unknown = options.installation.unknown(fitted.chain())?;
     let placement = place_fitted(fitted, &unknown, data)?;
-    if let Some(open) = placement.undetermined.first() {
-        return Err(UpkeepError::Undetermined { what: open.what.clone(), advice: open.advice.clone() });
-    }
-    let sites = options.installation.sites(&placement, &seen(data));
+    let sites = options.installation.sites(&placement, &seen(data), oriented(fitted, data))?;
     let (mut now, places) = with_columns(&fitted.on(placement.chain.clone())?, &sites)?;
     let prior = now.clone();
     let mut estimate = None;
@@ -133,7 +130,7 @@ pub fn transfer(
     if options.update {
         now.domain.widen(&Domain::of(data));
     }
-    let fits = found.fits(&rows);
+    let fits = found.fits(&rows, NoiseLaw::of(fitted));
     let advised = advised(&now, &sites, &found.spread, data)?;
     let bands = match (band(fitted)?, band(&now)?) {
         (Some(before), Some(after)) => Some((before, after)),
@@ -241,15 +238,14 @@ impl Estimate {
         (&whole + whole.transpose()) * 0.5
     }
 
-    fn fits(&self, rows: &Prediction) -> ArmFits {
+    fn fits(&self, rows: &Prediction, law: NoiseLaw) -> ArmFits {
         let degrees_of_freedom = rows.len() - self.installation.len();
-        let p_value = ChiSquared::new(degrees_of_freedom as f64).ok().map(|law| law.sf(self.chi_square));
         let left = &rows.residual - &rows.installation * &self.installation;
         let worst = left.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         ArmFits {
             chi_square: self.chi_square,
             degrees_of_freedom,
-            p_value: p_value.filter(|_| degrees_of_freedom > 0),
+            p_value: (degrees_of_freedom > 0).then(|| law.beyond(self.chi_square, degrees_of_freedom)),
             worst: worst.map(|(at, value)| (rows.numbers[at].row, value.abs())),
         }
     }

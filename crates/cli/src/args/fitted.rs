@@ -14,7 +14,7 @@ pub struct Plan {
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
-    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283; or monitor, the poses of the fit that show changes best (12, or --count)
+    /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283; monitor, the poses of the fit that show changes best (12, or --count); or transfer, those from which a new installation is found best (8, or --count)
     #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
     pub test: Option<PlannedTest>,
     /// Robot of the test (.toml or .urdf), in place of a fit
@@ -58,7 +58,13 @@ pub struct Plan {
     /// Units of the joints in --out, e.g. deg or deg,mm [default: rad,m]
     #[arg(long, value_name = "UNITS", value_parser = parse_units)]
     pub units: Option<Units>,
-    /// Number of pose measurements [default: 30; 12 for monitor]
+    /// For transfer: the tool will be new as well
+    #[arg(long, requires = "test")]
+    pub tool: bool,
+    /// For transfer: the targets will be new as well
+    #[arg(long, requires = "test")]
+    pub targets: bool,
+    /// Number of pose measurements [default: 30; 12 for monitor; 8 for transfer]
     #[arg(long, value_parser = parse_whole::<usize>)]
     pub count: Option<usize>,
     /// Available payloads, kg [default: none]
@@ -85,6 +91,8 @@ pub enum PlannedTest {
     Iso9283,
     /// Looks at the robot with `truepose monitor`
     Monitor,
+    /// Another installation, found with `truepose transfer`
+    Transfer,
 }
 
 /// `truepose predict`

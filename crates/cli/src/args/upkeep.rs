@@ -63,6 +63,9 @@ pub struct Monitor {
     /// File in which the looks at this robot are kept; the level of a look depends on how many were before [default: this is the first look]
     #[arg(long, value_name = "FILE")]
     pub history: Option<PathBuf>,
+    /// Page with all looks at this robot (HTML), for people
+    #[arg(long, value_name = "FILE", requires = "history")]
+    pub page: Option<PathBuf>,
     /// Probability that an unchanged robot ever raises an alarm, over all looks
     #[arg(long, default_value_t = 0.01)]
     pub alpha: f64,

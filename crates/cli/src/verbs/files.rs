@@ -229,7 +229,7 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
         // A history is read and written again.
         Verb::Monitor(of) => (
             list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]),
-            list(&[("--history", of.history.as_ref())]),
+            list(&[("--history", of.history.as_ref()), ("--page", of.page.as_ref())]),
         ),
         Verb::Simulate(of) => (list(&[("--plant", Some(&of.plant))]), list(&[("--out", Some(&of.out))])),
         Verb::Check(of) => (

@@ -7,13 +7,15 @@ use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use truepose_io::{LookRecord, MonitorHistory, check_writable, file_digest, read_fit, read_measurements};
-use truepose_report::MonitorSummary;
+use truepose_io::{
+    LookRecord, MonitorHistory, check_writable, file_digest, read_fit, read_measurements, write_whole,
+};
+use truepose_report::{LookView, MonitorSummary, history_page};
 use truepose_upkeep::{Installation, MonitorOptions, monitor};
 
 /// Runs the verb; [`Failure::Changed`] where the robot has changed.
 pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
-    if let Some(file) = &args.history {
+    for file in [&args.history, &args.page].into_iter().flatten() {
         check_writable(file)?;
     }
     let fitted = chosen(read_fit(&args.fit, effects())?, args.session.as_deref(), args.base)?;
@@ -47,13 +49,31 @@ pub fn run(args: &Monitor, watch: &Watch) -> Result<(), Failure> {
     if let Some(file) = &args.history {
         history.write(file)?;
     }
+    if let Some(file) = &args.page {
+        let looks: Vec<LookView> = history.looks.iter().map(view).collect();
+        write_whole(file, history_page(&summary, &looks).as_bytes())?;
+    }
     if args.json {
         print_json(&summary)?;
     } else {
         terminal::print(&summary.to_string());
     }
-    if let Some(file) = &args.history {
+    for file in [&args.history, &args.page].into_iter().flatten() {
         terminal::log(&format!("wrote {}", file.display()));
     }
     if seen.changed { Err(Failure::Changed) } else { Ok(()) }
+}
+
+/// A look as the page shows it.
+fn view(look: &LookRecord) -> LookView {
+    LookView {
+        data: look.data.clone(),
+        poses: look.poses,
+        rms_mm: look.rms_mm,
+        expected_rms_mm: look.expected_rms_mm,
+        p_value: look.p_value,
+        level: look.level,
+        changed: look.changed,
+        suspect: look.suspect.clone(),
+    }
 }

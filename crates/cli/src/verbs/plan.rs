@@ -25,6 +25,7 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     match args.test {
         Some(PlannedTest::Iso9283) => return super::plan_iso9283::run(args, watch),
         Some(PlannedTest::Monitor) => return super::plan_monitor::run(args, watch),
+        Some(PlannedTest::Transfer) => return super::plan_transfer::run(args, watch),
         None => {}
     }
     check_writable(&args.out)?;

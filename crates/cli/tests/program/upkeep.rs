@@ -35,7 +35,17 @@ fn looks_at_a_robot_share_one_error_rate_and_a_change_has_its_exit_code() {
     // Another robot of the same type.
     simulated(&folder, "other.csv", "seed = 3", "seed = 4");
     let run = ["monitor", "--fit", "fit.json", "--data", "other.csv", "--history", "looks.json", "--json"];
-    let changed = folder.run(&run).ended(3);
+    let changed = folder.run(&[&run[..], &["--page", "looks.html"]].concat()).ended(3);
+    let page = folder.read("looks.html");
+    assert!(
+        page.contains(
+            "3 looks since the calibration; 1 found a change, for the first time look 3 (other.csv"
+        )
+    );
+    assert!(page.contains("<td>today.csv</td>") && page.contains("The robot has changed: p = "), "{page}");
+    // A page without the history would be one of a single look.
+    let alone = ["monitor", "--fit", "fit.json", "--data", "today.csv", "--page", "looks.html"];
+    folder.run(&alone).ended(2);
     let json: Value = serde_json::from_str(&changed.out).unwrap();
     assert_eq!((&json["changed"], &json["look"]), (&true.into(), &3.into()));
     assert!(json["changes"][0]["coefficients"][0]["ci95"].is_array(), "{json}");
@@ -95,6 +105,25 @@ fn poses_for_looks_are_planned_and_read_by_check() {
     assert!(told.contains("5 poses of the fit") && told.contains("9 cases of 10"), "{told}");
     folder.run(&["check", "--robot", "robot.toml", "--data", "look.csv"]).ended(0);
     assert_eq!(folder.read("look.csv").lines().filter(|line| !line.starts_with('#')).count(), 6);
+}
+
+#[test]
+fn poses_for_a_transfer_are_planned_and_too_few_are_told() {
+    let folder = identified();
+    let plan = ["plan", "--for", "transfer", "--fit", "fit.json", "--out", "poses.csv"];
+    let told = folder.run(&plan).ended(0).out;
+    assert!(told.contains("8 poses of the fit for truepose transfer, 6 unknowns"), "{told}");
+    folder.run(&["check", "--robot", "robot.toml", "--data", "poses.csv"]).ended(0);
+    let band = |more: &[&str]| {
+        let made = folder.run(&[&plan[..], &["--json"], more].concat()).ended(0);
+        let json: Value = serde_json::from_str(&made.out).unwrap();
+        (json["band_mm"].as_f64().unwrap(), json["unknowns"].as_u64().unwrap())
+    };
+    let (few, many) = (band(&["--count", "4"]), band(&["--count", "16"]));
+    assert!(few.0 > many.0 && few.1 == 6, "{few:?} {many:?}");
+    assert!(band(&["--targets"]).1 > 6);
+    let none = folder.run(&[&plan[..], &["--count", "0"]].concat()).ended(2);
+    assert!(none.log.contains("do not determine an installation of 6 unknowns"), "{}", none.log);
 }
 
 #[test]

@@ -68,8 +68,35 @@ pub fn unify(
             why: "`tool = \"own\"` is for robots with one tool; this one has several".into(),
         });
     }
+    let shared = apart(chain, data, names, rules, false);
+    // A tool that is turned far is no small error of the tool: where its points are is found instead.
+    match shared {
+        Err(_) if rules.tool && rules.base && !rules.targets && points_alone(data) => {
+            apart(chain, data, names, rules, true).or(shared)
+        }
+        shared => shared,
+    }
+}
+
+/// Whether all rows of further sessions are positions of named targets.
+fn points_alone(data: &Dataset) -> bool {
+    let further = (0..data.len()).filter(|&row| data.session(row) > 0);
+    further.into_iter().all(|row| data.target[row].is_some() && data.measured_rotation(row).is_none())
+}
+
+/// The same; `turned` where a session's own tool is found by its points, each from nothing.
+fn apart(
+    chain: &Chain,
+    data: &Dataset,
+    names: &[String],
+    rules: SessionRules,
+    turned: bool,
+) -> Result<Unified, IdentifyError> {
     let mut data = data.clone();
-    let chain = if rules.targets { with_own_targets(chain, &mut data, names)? } else { chain.clone() };
+    let chain = match rules.targets || turned {
+        true => with_own_targets(chain, &mut data, names, turned)?,
+        false => chain.clone(),
+    };
     let rows: Vec<Vec<usize>> = (0..names.len())
         .map(|session| (0..data.len()).filter(|&row| data.session(row) == session).collect())
         .collect();
@@ -88,6 +115,11 @@ pub fn unify(
         bases = replaced(&together, &parts, names, bases)?;
     }
     let mut remarks = Vec::new();
+    if turned {
+        remarks.push(
+            "the tool of a further session is turned by more than an error of a tool: its targets are found there instead, and predicted orientations are those of the tool of the first session".into(),
+        );
+    }
     let unified = common(&data, &bases.frames);
     let lost = (0..data.len()).filter(|&row| data.seen(row).count() > unified.seen(row).count()).count();
     if lost > 0 {
@@ -104,7 +136,7 @@ pub fn unify(
     if rules.base {
         effects.push(own(Own::Base));
     }
-    if rules.tool {
+    if rules.tool && !turned {
         effects.push(own(Own::Tool));
     }
     let named = names.iter().zip(&bases.frames);
@@ -204,8 +236,13 @@ fn common(data: &Dataset, frames: &[Pose]) -> Dataset {
     data
 }
 
-/// A target of its own for every one that a further session measured.
-fn with_own_targets(chain: &Chain, data: &mut Dataset, names: &[String]) -> Result<Chain, IdentifyError> {
+/// A target of its own for every one that a further session measured; `anywhere`, where the described position says nothing.
+fn with_own_targets(
+    chain: &Chain,
+    data: &mut Dataset,
+    names: &[String],
+    anywhere: bool,
+) -> Result<Chain, IdentifyError> {
     let mut targets = chain.targets().to_vec();
     for row in 0..data.len() {
         let (Some(target), session) = (data.target[row], data.session(row)) else { continue };
@@ -215,7 +252,7 @@ fn with_own_targets(chain: &Chain, data: &mut Dataset, names: &[String]) -> Resu
         let name = own_target(&chain.targets()[target.0].name, &names[session]);
         let at = targets.iter().position(|known| known.name == name).unwrap_or_else(|| {
             let described = targets[target.0].clone();
-            targets.push(Target { name, ..described });
+            targets.push(Target { name, known: described.known && !anywhere, ..described });
             targets.len() - 1
         });
         data.target[row] = Some(TargetId(at));

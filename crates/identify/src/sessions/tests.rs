@@ -156,3 +156,33 @@ fn a_tool_that_was_mounted_anew_has_errors_of_its_own() {
     };
     assert!(rms(&own) < 6e-5 && rms(&shared) > 1e-3, "{} {}", rms(&own), rms(&shared));
 }
+
+#[test]
+fn a_tool_that_was_turned_about_is_found_by_its_points() {
+    let mut of = campaign(&[40, 30], 13);
+    let moved = Pose::from_xyz_rpy([0.03, -0.02, 0.05], [1.9, 0.4, -2.6]);
+    let chain = of.truth.chain().clone();
+    let turned = chain.targets().iter().map(|t| Target { position: moved.apply(&t.position), ..t.clone() });
+    let there = of.truth.on(chain.clone().with_targets(turned.collect()).unwrap()).unwrap();
+    let (mut here, mut there) =
+        (of.truth.bind(&Default::default()).unwrap(), there.bind(&Default::default()).unwrap());
+    let part = of.data.select(&(120..of.data.len()).collect::<Vec<_>>());
+    let base = place(&of.robot, &part).unwrap().chain.base().pose;
+    for row in 120..of.data.len() {
+        let (at, target) = (of.data.conditions(row), of.data.target[row]);
+        let by = there.predict(&at, target).translation - here.predict(&at, target).translation;
+        of.data.position[row] = (of.data.measured_position(row) + base.rotation * by).into();
+    }
+    // With one tool for both it is another arm.
+    let shared = unify(&of.robot, &of.data, &of.names, SessionRules::default()).unwrap_err().to_string();
+    assert!(shared.contains("session S1") && shared.contains("tool"), "{shared}");
+    let (unified, own) = fitted(&of, SessionRules { tool: true, ..SessionRules::default() });
+    assert!(unified.remarks.iter().any(|remark| remark.contains("is turned")), "{:?}", unified.remarks);
+    let mut part = of.data.select(&(120..of.data.len()).collect::<Vec<_>>());
+    part.set_sessions(None);
+    for target in part.target.iter_mut().flatten() {
+        *target = own.target_in_session(*target, 1);
+    }
+    let rms = Residuals::of(&own.in_session(1).unwrap(), &part).unwrap().positions().rms;
+    assert!(rms < 6e-5, "{rms}");
+}

@@ -1,10 +1,12 @@
 //! An identified arm in another installation, and whether it has changed since: one summary each, shown as text or as JSON.
 
 mod fleet;
+mod history;
 mod monitor;
 mod transfer;
 
 pub use fleet::{FleetCoefficient, FleetSummary, SisterSummary};
+pub use history::{LookView, history_page};
 pub use monitor::{ChangeSummary, DetectableSummary, MonitorSummary};
 pub use transfer::{AdvisedSummary, ArmFitsSummary, BandSummary, InstallationSummary, TransferSummary};
 

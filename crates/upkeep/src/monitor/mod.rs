@@ -1,9 +1,9 @@
 //! Whether a robot has changed since it was calibrated.
 //!
 //! ```text
-//! T_0 = rᵀ Q r ~ χ²(m − k)                                          anything at all
-//! G_i = gᵀ (H_iᵀ Q H_i)⁻¹ g ~ χ²(n_i),   g = H_iᵀ Q r               the coefficients of suspect i
-//! Δ_i = (H_iᵀ Q H_i)⁻¹ g ± z √diag (H_iᵀ Q H_i)⁻¹
+//! T_0 = rᵀ Q r,  T_0/(m − k) ~ F(m − k, ν)                          anything at all
+//! G_i = gᵀ (H_iᵀ Q H_i)⁻¹ g,  G_i/n_i ~ F(n_i, ν),  g = H_iᵀ Q r     the coefficients of suspect i
+//! Δ_i = (H_iᵀ Q H_i)⁻¹ g ± t √diag (H_iᵀ Q H_i)⁻¹
 //! p = min(1, 2 min(p_0, K min_i p_i))                               Bonferroni over both tests and K suspects
 //! ```
 //!
@@ -13,6 +13,7 @@
 //! | k | unknowns of an installation that is found anew | 1 | |
 //! | H_i, n_i | derivative by the coefficients of suspect i, their number | m × n_i | of the coefficient |
 //! | Δ_i | [`Change::coefficients`] | n_i | of the coefficient |
+//! | ν | degrees of freedom of the noise that the fit estimated | 1 | |
 //!
 //! Q as in [`crate::transfer`]: residuals weighed with noise and with what the fit leaves open, an installation that is found anew projected out.
 //! Source: score tests, Rao (1948). A change that one coefficient explains is looked for in the directions of the suspects; any other one in
@@ -28,7 +29,7 @@ pub use spending::level;
 
 use crate::UpkeepError;
 use crate::installation::Installation;
-use crate::prediction::{Prediction, seen};
+use crate::prediction::{Prediction, oriented, seen};
 use score::ScoreTest;
 use serde::Serialize;
 use suspects::suspects;
@@ -178,10 +179,7 @@ fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result
         return Err(UpkeepError::Option { option: "alpha", value, expected: "between 0 and 1" });
     }
     let placement = place_fitted(fitted, &options.installation.unknown(fitted.chain())?, data)?;
-    if let Some(open) = placement.undetermined.first() {
-        return Err(UpkeepError::Undetermined { what: open.what.clone(), advice: open.advice.clone() });
-    }
-    let sites = options.installation.sites(&placement, &seen(data));
+    let sites = options.installation.sites(&placement, &seen(data), oriented(fitted, data))?;
     let fitted = fitted.on(placement.chain)?;
     let rows = Prediction::of(&fitted, &sites, data)?;
     if rows.len() <= sites.len() {

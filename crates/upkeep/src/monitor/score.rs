@@ -3,17 +3,16 @@
 use super::suspects::Suspect;
 use super::{Change, Coefficient, Detectable};
 use crate::UpkeepError;
+use crate::noise_law::NoiseLaw;
 use crate::prediction::{Prediction, Weighing};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal};
 use truepose_errormodel::FittedModel;
 
 /// Share of a suspect's information that what is known otherwise takes, above which its change cannot be seen.
 const ABSORBED: f64 = 1e-6;
 /// Power with which a detectable change is found.
 const POWER: f64 = 0.9;
-/// 97.5 % quantile of the normal distribution: half width of an interval.
-const HALF: f64 = 1.959_963_984_540_054;
 
 /// The residual with Q.
 pub(super) struct ScoreTest {
@@ -24,6 +23,7 @@ pub(super) struct ScoreTest {
     inner: Option<Cholesky<f64, Dyn>>,
     chi_square: f64,
     freedom: usize,
+    law: NoiseLaw,
 }
 
 impl ScoreTest {
@@ -41,7 +41,8 @@ impl ScoreTest {
         };
         let residual = DMatrix::from_column_slice(rows.len(), 1, rows.residual.as_slice());
         let freedom = rows.len() - installation.ncols();
-        let mut test = ScoreTest { weighing, residual, installation, inner, chi_square: 0.0, freedom };
+        let law = NoiseLaw::of(fitted);
+        let mut test = ScoreTest { weighing, residual, installation, inner, chi_square: 0.0, freedom, law };
         test.chi_square = test.product(&test.residual, &test.residual)[(0, 0)].max(0.0);
         Ok(test)
     }
@@ -62,7 +63,7 @@ impl ScoreTest {
     }
 
     pub fn overall(&self) -> f64 {
-        ChiSquared::new(self.freedom as f64).map_or(1.0, |law| law.sf(self.chi_square))
+        self.law.beyond(self.chi_square, self.freedom)
     }
 
     /// The whitened columns X of a suspect and their information XᵀQX; none where these rows do not show it.
@@ -82,10 +83,10 @@ impl ScoreTest {
         let (inverse, rank) = pseudo_inverse(&information)?;
         let change: DVector<f64> = &inverse * &pull;
         let gain = pull.dot(&change).max(0.0);
-        let p_value = ChiSquared::new(rank as f64).map_or(1.0, |law| law.sf(gain));
+        let p_value = self.law.beyond(gain, rank);
         let coefficients = suspect.columns.iter().enumerate().map(|(k, &column)| {
             let about = &fitted.model().columns()[column];
-            let half = HALF * inverse[(k, k)].max(0.0).sqrt();
+            let half = self.law.half() * inverse[(k, k)].max(0.0).sqrt();
             Coefficient {
                 name: about.name.clone(),
                 change: change[k],
