@@ -5,6 +5,7 @@ mod builder;
 mod carry;
 mod derived;
 mod dwell;
+mod follow;
 mod history;
 mod landmark;
 mod late;

@@ -5,7 +5,7 @@ use super::scalars;
 use crate::frame_names::joint_called;
 use crate::nearest::{meant, nearest};
 use crate::{Quantity, Unit};
-use truepose_kinematics::{Chain, JointKind};
+use truepose_kinematics::{Chain, JointId, JointKind};
 
 /// The meaning of a column. Numbers count from 0: movable joints, or x y z, or w x y z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -148,6 +148,13 @@ impl Role {
                 None => Err(format!("joint `{name}` is fixed and has no values; remove the column")),
             };
         }
+                Some(k) if !chain.is_commanded(k) => {
+                    let driver = chain.mimics().iter().find(|mimic| mimic.joint == joint);
+                    let driver = driver.map_or("", |mimic| &chain.joint(mimic.driver).name);
+                    Err(format!(
+                        "joint `{name}` mimics `{driver}` and has no value of its own; remove the column, or leave it out (`[columns] ignore`)"
+                    ))
+                }
         // On a robot with one tool it is a column like any other.
         if name == TOOL && chain.tools().len() > 1 {
             return Ok(Role::Tool);
@@ -366,3 +373,9 @@ pub(crate) fn joint_names(chain: &Chain) -> impl Iterator<Item = &str> + Clone {
 
 #[cfg(test)]
 mod tests;
+/// The joint whose value the column of each movable joint holds: its own, or that of the joint that it follows.
+pub(crate) fn columns_of(chain: &Chain) -> impl Iterator<Item = JointId> {
+    let driver = |k: usize| chain.followers().iter().find(|of| of.joint == k).map_or(k, |of| of.driver);
+    (0..chain.movable().len()).map(move |k| chain.movable()[driver(k)])
+}
+

@@ -12,3 +12,13 @@ pub(super) fn variables(chain: &Chain, columns: &mut [Vec<f64>]) {
         }
     }
 }
+
+/// Turns the last row of these directions of approach into those of joints that follow others.
+pub(super) fn sides(chain: &Chain, columns: &mut [Vec<f64>]) {
+    for follower in chain.followers() {
+        let side = columns[follower.driver].last().map_or(0.0, |side| side * follower.ratio.signum());
+        if let Some(last) = columns[follower.joint].last_mut() {
+            *last = side;
+        }
+    }
+}

@@ -274,7 +274,7 @@ impl Header {
                 Role::Moment(2),
             ])?,
             time: self.find(Role::Time),
-            approach: (0..chain.movable().len()).map(|k| self.find(Role::Approach(k))).collect(),
+            approach: self.sides(chain),
             position_sd: self.group([0, 1, 2].map(Role::PositionSd))?,
             orientation_sd: self.group([0, 1, 2].map(Role::OrientationSd))?,
             channels: (0..self.columns.len())
@@ -342,7 +342,7 @@ impl Header {
 
     fn joints(&self, chain: &Chain, needs: Needs) -> Result<Option<Vec<usize>>, IoError> {
         let found: Vec<Option<usize>> =
-            (0..chain.movable().len()).map(|k| self.find(Role::Joint(k))).collect();
+            (0..chain.movable().len()).map(|k| self.find(Role::Joint(driver(chain, k)))).collect();
         if !needs.joints && found.iter().all(Option::is_none) {
             return Ok(None);
         }
@@ -351,6 +351,12 @@ impl Header {
         }
         if self.columns.iter().filter(|c| c.name.parse::<f64>().is_ok()).count() > 2 {
             return Err(self.error(
+    /// The columns of directions of approach; a joint that follows another one shares its column.
+    fn sides(&self, chain: &Chain) -> Vec<Option<usize>> {
+        let own = |k: usize| self.find(Role::Approach(k));
+        (0..chain.movable().len()).map(|k| own(driver(chain, k))).collect()
+    }
+
                 "the first line holds numbers; put a line above it that names the columns, such as `theta[deg],x[mm]`",
             ));
         }
@@ -373,6 +379,11 @@ fn separated_by_commas(file: &Path, line: u64, text: &[u8], count: usize) -> Res
             ));
         }
         () if has(0) => return Err(IoError::line(file, line, "is binary data; this is not a CSV file")),
+/// The joint, by its coordinate, in whose column a joint's value is found.
+fn driver(chain: &Chain, k: usize) -> usize {
+    chain.followers().iter().find(|follower| follower.joint == k).map_or(k, |follower| follower.driver)
+}
+
         () if count > 1 => return Ok(()),
         () if has(b';') => "`;`",
         () if has(b'\t') => "tabs",

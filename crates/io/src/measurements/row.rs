@@ -2,7 +2,7 @@
 
 use super::cells::{cell, number, plain_number};
 use super::clock;
-use super::columns::{Cells, Column, Role, joint_names};
+use super::columns::{Cells, Column, Role, columns_of, joint_names};
 use super::coupled;
 use super::header::Header;
 use super::info::Seen;
@@ -93,7 +93,7 @@ impl RowReader {
         let kind = |column: &Column| (column.cells, column.conversion.is_si());
         RowReader {
             kinds: header.columns.iter().map(kind).collect(),
-            plausible: chain.movable().iter().map(|&joint| Plausible::of(chain, joint)).collect(),
+            plausible: columns_of(chain).map(|joint| Plausible::of(chain, joint)).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
             carriers: chain.targets().iter().map(|target| target.tool).collect(),
             tools: chain.tools().iter().map(|tool| tool.name.clone()).collect(),
@@ -107,7 +107,7 @@ impl RowReader {
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
             exclude,
-            coupled: (!chain.couplings().is_empty()).then(|| Box::new(chain.clone())),
+            coupled: chain.has_other_values().then(|| Box::new(chain.clone())),
             failed: false,
             problems: Vec::new(),
             header,
@@ -250,6 +250,9 @@ impl RowReader {
         }
         for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
             column.push(self.numbers[k]);
+        }
+        if let Some(chain) = &self.coupled {
+            coupled::sides(chain, &mut into.approach);
         }
         let session = slots.session.map(|_| self.row.session as f64);
         let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));

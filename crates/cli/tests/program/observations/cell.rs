@@ -22,7 +22,11 @@ pub const TOOL: [f64; 3] = [0.03, 0.02, 0.12];
 pub struct Draw(u64);
 
 impl Draw {
-    fn next(&mut self) -> f64 {
+    pub fn new(seed: u64) -> Self {
+        Draw(seed)
+    }
+
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
@@ -52,7 +56,7 @@ impl Arm {
     }
 
     /// Lengths, twists and joint offsets that the description does not have.
-    fn real(seed: u64) -> (Arm, [f64; 6]) {
+    pub fn real(seed: u64) -> (Arm, [f64; 6]) {
         let mut draw = Draw(seed);
         let mut arm = NOMINAL;
         for joint in &mut arm.0 {

@@ -1,7 +1,7 @@
 //! Kinds of observation through the program: draw wires, planes, spheres and gauges, alone and beside positions.
 
 mod camera;
-mod cell;
+pub mod cell;
 mod refused;
 
 use crate::folder::Folder;
