@@ -37,7 +37,7 @@ pub use motion::{JointMotion, Twist};
 pub use pose::{Pose, rotation_log, rotation_vector, skew};
 pub use posture::{Posture, PostureBuffer, weigh};
 pub use sines::sin_cos;
-pub use target::Target;
+pub use target::{SEEN, Target};
 pub use tool::{Placed, Tool};
 
 pub use nalgebra;

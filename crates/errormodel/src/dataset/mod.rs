@@ -34,7 +34,7 @@ pub use late::late_channel;
 pub use measurement::Measurement;
 pub use presliding::{presliding, presliding_channel, presliding_of};
 pub(crate) use ray::of_observation;
-pub use ray::{KIND, RAY, Ray, SENSOR, VALUE, own_channel};
+pub use ray::{KIND, POINT, RAY, Ray, SENSOR, VALUE, own_channel};
 pub use record::Record;
 pub use schema::{Channel, Schema};
 pub use session::{SESSION, SessionRules};

@@ -22,3 +22,8 @@ pub(super) fn sides(chain: &Chain, columns: &mut [Vec<f64>]) {
         }
     }
 }
+
+/// The joint, by its coordinate, in whose column a joint's value stands: its own, or that of the joint that it follows.
+pub(super) fn column_of(chain: &Chain, k: usize) -> usize {
+    chain.followers().iter().find(|follower| follower.joint == k).map_or(k, |follower| follower.driver)
+}

@@ -80,6 +80,8 @@ pub(crate) struct Row {
     pub kind: Kind,
     /// Number of the landmark, as in [`RowReader::landmarks`].
     pub landmark: Option<usize>,
+    /// Number of the landmark that a camera on the robot saw, likewise.
+    pub point: Option<usize>,
     pub time: f64,
     pub(super) target: Option<TargetId>,
     /// The tool that the row names.
@@ -155,6 +157,7 @@ impl RowReader {
                     | Cells::Session
                     | Cells::Kind
                     | Cells::Landmark
+                    | Cells::Point
                     | Cells::Tool
             ) {
                 at = self.read_text(line, text, at, k)?;
@@ -248,22 +251,25 @@ impl RowReader {
         for (column, slot) in into.approach.iter_mut().zip(&slots.approach) {
             column.push(slot.map_or(0.0, |k| self.numbers[k]));
         }
-        for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
-            column.push(self.numbers[k]);
-        }
         if let Some(chain) = &self.coupled {
             coupled::sides(chain, &mut into.approach);
+        }
+        for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
+            column.push(self.numbers[k]);
         }
         let session = slots.session.map(|_| self.row.session as f64);
         let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));
         let observed = slots.landmark.map(|_| self.observation());
+        let point = slots.point.map(|_| self.row.point.map_or(0.0, |k| (k + 1) as f64));
         let tool = (self.tools.len() > 1).then(|| self.tool().0 as f64);
-        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten()).chain(tool);
+        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten());
+        let hidden = hidden.chain(point).chain(tool);
         for (column, number) in into.channels.iter_mut().skip(slots.channels.len()).zip(hidden) {
             column.push(number);
         }
-        into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });
-        into.position_sd.push(three(slots.position_sd));
+        let nowhere = self.row.lost || self.is_relative();
+        into.position.push(if nowhere { [f64::NAN; 3] } else { three(slots.position) });
+        into.position_sd.push(if self.is_relative() { [f64::NAN; 3] } else { three(slots.position_sd) });
         into.orientation_sd.push(three(slots.orientation_sd));
         into.orientation.push(self.row.orientation);
         into.target.push(self.row.target);

@@ -2,7 +2,9 @@
 
 mod camera;
 pub mod cell;
+mod eye;
 mod refused;
+mod relative;
 
 use crate::folder::Folder;
 use cell::{ANCHOR, Cell, GAUGE, LANDMARKS, dot, identified, kind, minus, positions, robot};
