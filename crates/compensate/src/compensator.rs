@@ -97,7 +97,10 @@ impl<'m> Compensator<'m> {
             if nominal.slides(k) {
                 scale[k] = length;
             }
-            if let Some((lower, upper)) = chain.joint(joint).limits {
+            // Limits of a joint that follows another one are limits of that one.
+            let narrowed = chain.followers().iter().any(|follower| follower.driver == k);
+            let own = if narrowed { chain.controller_limits(joint) } else { chain.joint(joint).limits };
+            if let Some((lower, upper)) = own.filter(|_| chain.is_commanded(k)) {
                 (limits.lower[k], limits.upper[k]) = (lower / scale[k], upper / scale[k]);
             }
         }
@@ -108,10 +111,11 @@ impl<'m> Compensator<'m> {
             channels: vec![0.0; schema.channels.len()],
             ..Conditions::default()
         };
-        let starts = Starts::new(&nominal, &limits, &scale);
+        let starts = Starts::new(chain, &nominal, &limits, &scale);
         let at = Reached::nowhere();
         let beyond = Beyond::bind(fitted, schema, &options)?;
-        let kernel = Kernel::of(fitted, real.constant(), &scale, &limits, &options);
+        let kernel = Kernel::of(fitted, real.constant(), &scale, &limits, &options)
+            .filter(|_| chain.followers().is_empty());
         Ok(Compensator {
             fitted,
             options,
@@ -176,6 +180,7 @@ impl<'m> Compensator<'m> {
         let mut tries = 0;
         loop {
             found = self.find(&task, start.as_ref(), rotation_at_seed.as_ref());
+            self.follow(&mut found.walk.x);
             rounds += found.walk.rounds;
             tries += 1;
             let Some(seed) = seed.filter(|_| follow) else { break };
@@ -219,6 +224,7 @@ impl<'m> Compensator<'m> {
             joints[k] = self.joint(k, walk.x[k]);
             approach[k] = self.conditions.approach[k];
         }
+        self.fitted.chain().follow(&mut joints);
         Command {
             joints,
             status,

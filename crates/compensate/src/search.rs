@@ -21,7 +21,7 @@ use crate::command::MOST;
 use crate::step::{Factors, Limits, Linear};
 use crate::task::{Columns, Gap, Task};
 use nalgebra::Vector3;
-use truepose_kinematics::sin_cos;
+use truepose_kinematics::{Chain, sin_cos};
 
 /// Something with joints that can be sent to x.
 pub(crate) trait Robot {
@@ -161,11 +161,21 @@ impl Gap {
     }
 }
 
+/// Columns of joints that follow others become part of those of their drivers: they have no step of their own.
+pub(crate) fn with_followers(chain: &Chain, scale: &[f64; MOST], columns: &mut Columns) {
+    for follower in chain.followers() {
+        let own = std::mem::take(&mut columns[follower.joint]);
+        let factor = follower.ratio * scale[follower.driver] / scale[follower.joint];
+        columns[follower.driver].iter_mut().zip(own).for_each(|(j, own)| *j += factor * own);
+    }
+}
+
 /// The nominal robot, for starts.
 pub(crate) struct NominalArm<'a> {
     pub arm: &'a crate::arm::Arm,
     pub point: Vector3<f64>,
     pub scale: &'a [f64; MOST],
+    pub chain: &'a Chain,
     pub at: &'a mut Reached,
 }
 
@@ -173,6 +183,7 @@ impl Robot for NominalArm<'_> {
     fn send(&mut self, x: &[f64; MOST], task: &Task) -> Gap {
         let mut q = [0.0; MOST];
         q.iter_mut().zip(x).zip(self.scale).for_each(|((q, x), scale)| *q = x * scale);
+        self.chain.follow(&mut q);
         let n = self.arm.joints();
         let mut turns = [(0.0, 1.0); MOST];
         turns[..n].iter_mut().zip(&q).for_each(|(turn, &q)| *turn = sin_cos(q));
@@ -182,6 +193,7 @@ impl Robot for NominalArm<'_> {
 
     fn columns(&self, task: &Task, columns: &mut Columns) {
         task.columns(self.arm, self.at, columns);
+        with_followers(self.chain, self.scale, columns);
     }
 
     fn joints(&self) -> usize {

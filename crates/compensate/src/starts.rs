@@ -13,7 +13,7 @@ use crate::step::Limits;
 use crate::task::Task;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
-use truepose_kinematics::{Pose, sin_cos};
+use truepose_kinematics::{Chain, Pose, sin_cos};
 
 /// Configurations in the table.
 const COUNT: usize = 384;
@@ -37,7 +37,7 @@ pub(crate) struct Nearest {
 
 impl Starts {
     /// For this robot; x in units of the search.
-    pub fn new(arm: &Arm, limits: &Limits, scale: &[f64; MOST]) -> Self {
+    pub fn new(chain: &Chain, arm: &Arm, limits: &Limits, scale: &[f64; MOST]) -> Self {
         let mut at = Reached::nowhere();
         let n = arm.joints();
         // Joints without limits: a turn either way, a characteristic length either way; no more of those with many.
@@ -66,6 +66,8 @@ impl Starts {
                 }
                 let mut q = [0.0; MOST];
                 (0..n).for_each(|k| q[k] = x[k] * scale[k]);
+                chain.follow(&mut q);
+                chain.followers().iter().for_each(|f| x[f.joint] = q[f.joint] / scale[f.joint]);
                 arm.reach(&q, &q.map(sin_cos), &[], &mut at);
                 (x, at.tool)
             })

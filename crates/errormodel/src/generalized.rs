@@ -67,10 +67,10 @@ impl GeneralizedErrors {
         std::array::from_fn(|k| self.values[6 * frame.0 + k])
     }
 
-    /// Error of a target's position, in the tool's axes, m.
+    /// Error of a target's position, in the tool's axes, m; zero of a target that a single row has of its own.
     pub fn target(&self, target: TargetId) -> Vector3<f64> {
         let start = 6 * self.frames + 3 * target.0;
-        Vector3::new(self.values[start], self.values[start + 1], self.values[start + 2])
+        self.values.get(start..start + 3).map_or_else(Vector3::zeros, Vector3::from_column_slice)
     }
 
     #[inline]

@@ -148,7 +148,7 @@ pub fn check_observation(of: &dyn Observation) {
             column.name
         );
     }
-    assert!((1..=2).contains(&of.numbers()), "one number a row, or two");
+    assert!((1..=3).contains(&of.numbers()), "one number a row, two or three");
     let read = |of: &dyn Observation, at: &Pose| {
         let mut reading = Reading::default();
         of.read(at, &mut reading).then_some(reading)

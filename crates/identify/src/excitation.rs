@@ -66,7 +66,7 @@ pub fn excitation(fit: &Fit, data: &Dataset) -> Result<Excitation, IdentifyError
     }
     let ranges = joint_ranges(model.chain(), Some(data));
     let mut advice = Vec::new();
-    for (k, possible) in ranges.iter().enumerate() {
+    for (k, possible) in ranges.iter().enumerate().filter(|(k, _)| model.chain().is_commanded(*k)) {
         let Some(seen) = Interval::of(data.joints[k].iter().copied()) else { continue };
         let mut moved = sample.clone();
         for (value, &visit) in moved.joints[k].iter_mut().zip(&sample.visit) {
@@ -74,6 +74,7 @@ pub fn excitation(fit: &Fit, data: &Dataset) -> Result<Excitation, IdentifyError
             let share = (0.5 + visit as f64 * 0.618_033_988_749_894_9).fract();
             *value = possible.lower + (possible.upper - possible.lower) * share;
         }
+        moved.follow(model.chain());
         let then = weak(fit, &moved, &structural, weight)?;
         if then < now {
             let joint = model.chain().movable()[k];

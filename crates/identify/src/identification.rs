@@ -296,7 +296,7 @@ fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn A
 fn frames_only(chain: &Chain) -> Geometric {
     let ends = chain.frames().filter(|frame| *frame == FrameId::BASE || chain.tool_of(*frame).is_some());
     let mut frames: Vec<Where> = ends.map(Where::Frame).collect();
-    if !chain.targets().is_empty() {
+    if !chain.described_targets().is_empty() {
         frames.push(Where::Targets(truepose_errormodel::effects::AllTargets::All));
     }
     Geometric { frames: Some(frames), components: None }

@@ -1,5 +1,6 @@
 //! The corrections of a robot program's points as a CSV file.
 
+use crate::commanded::commanded;
 use crate::poses::si_unit;
 use crate::table::TableWriter;
 use crate::{IoError, WholeFile};
@@ -51,10 +52,11 @@ pub fn corrections_file(
     let mut header: Vec<String> = names.map(String::from).to_vec();
     header.extend(["x[m]", "y[m]", "z[m]", "dx[m]", "dy[m]", "dz[m]"].map(String::from));
     header.extend(["rotation[rad]", "within_95[m]"].map(String::from));
-    let joints: Vec<String> = chain
-        .movable()
+    let own = commanded(chain);
+    let joints: Vec<String> = own
         .iter()
-        .map(|&joint| format!("{}[{}]", chain.joint(joint).name, si_unit(chain.joint(joint).kind).word))
+        .map(|&k| chain.movable()[k])
+        .map(|joint| format!("{}[{}]", chain.joint(joint).name, si_unit(chain.joint(joint).kind).word))
         .collect();
     for prefix in ["nominal", "corrected"] {
         header.extend(joints.iter().map(|name| format!("{prefix}_{name}")));
@@ -70,7 +72,7 @@ pub fn corrections_file(
         table.number(row.rotation);
         table.number(row.within_95);
         for list in [&row.nominal, &row.corrected] {
-            (0..joints.len()).for_each(|k| table.number(list.get(k).copied().unwrap_or(f64::NAN)));
+            own.iter().for_each(|&k| table.number(list.get(k).copied().unwrap_or(f64::NAN)));
         }
         table.end_row()?;
     }

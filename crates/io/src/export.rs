@@ -1,5 +1,6 @@
 //! A data set as a CSV file of measurements.
 
+use crate::commanded::{commanded, commanded_names};
 use crate::poses::si_unit;
 use crate::table::TableWriter;
 use crate::{IoError, Quantity, Unit};
@@ -59,9 +60,13 @@ pub fn write_measurements(
             kind => *si_unit(kind),
         })
         .collect();
-    let names = || chain.movable().iter().map(|&joint| &chain.joint(joint).name);
-    let mut header: Vec<String> =
-        names().zip(&joint_units).map(|(name, unit)| format!("{name}[{}]", unit.word)).collect();
+    let own = commanded(chain);
+    let names = || commanded_names(chain).into_iter();
+    let mut header: Vec<String> = names()
+        .zip(&own)
+        .map(|(name, &k)| (name, &joint_units[k]))
+        .map(|(name, unit)| format!("{name}[{}]", unit.word))
+        .collect();
     header.extend(position.then(|| xyz("", length)).into_iter().flatten());
     header.extend(orientation.then_some(["qw", "qx", "qy", "qz"].map(String::from)).into_iter().flatten());
     header.extend(targets.then(|| "target".to_string()));
@@ -86,8 +91,8 @@ pub fn write_measurements(
         };
         values.iter_mut().zip(&data.joints).for_each(|(value, column)| *value = column[row]);
         chain.joints_to_controller(&mut values);
-        for (value, unit) in values.iter().zip(&joint_units) {
-            table.number(unit.from_si(*value));
+        for &k in &own {
+            table.number(joint_units[k].from_si(values[k]));
         }
         if position {
             lengths(&mut table, &data.position[row]);
@@ -118,7 +123,7 @@ pub fn write_measurements(
             table.number(data.time[row]);
         }
         if data.schema.approach {
-            data.approach.iter().for_each(|column| table.integer(column[row] as i64));
+            own.iter().for_each(|&k| table.integer(data.approach[k][row] as i64));
         }
         if position_sd {
             lengths(&mut table, &data.position_sd[row]);

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod commanded;
 mod corrections;
 mod digest;
 mod error;

@@ -1,5 +1,6 @@
 //! A map of the accuracy as a CSV file: the file of `truepose map`.
 
+use crate::commanded::commanded;
 use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
 use crate::{CommandStatus, IoError, WholeFile};
@@ -41,8 +42,9 @@ pub fn write_map(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Resu
 /// As [`write_map`].
 pub fn map_file(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Result<WholeFile, IoError> {
     let mut header: Vec<String> = ["x[m]", "y[m]", "z[m]"].map(String::from).to_vec();
-    header.extend(chain.movable().iter().map(|&joint| {
-        let joint = chain.joint(joint);
+    let own = commanded(chain);
+    header.extend(own.iter().map(|&k| {
+        let joint = chain.joint(chain.movable()[k]);
         format!("{}[{}]", joint.name, si_unit(joint.kind).word)
     }));
     header.extend(
@@ -52,7 +54,7 @@ pub fn map_file(path: impl AsRef<Path>, chain: &Chain, rows: &[MapRow]) -> Resul
     for row in rows {
         row.position.iter().for_each(|&value| table.number(value));
         let values = controller_values(chain, &row.joints);
-        for k in 0..chain.movable().len() {
+        for &k in &own {
             let reached = row.status == CommandStatus::Ok;
             table.number(values.get(k).copied().filter(|_| reached).unwrap_or(f64::NAN));
         }

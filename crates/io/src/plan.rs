@@ -1,5 +1,6 @@
 //! What to measure next as a CSV file, in the columns of measurements: the file of `truepose plan`.
 
+use crate::commanded::{commanded, commanded_names};
 use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
 use crate::{IoError, Unit};
@@ -33,9 +34,16 @@ pub fn write_plan(
 ) -> Result<(), IoError> {
     let si: Vec<Unit> = chain.movable().iter().map(|&joint| *si_unit(chain.joint(joint).kind)).collect();
     let units = units.filter(|units| units.len() == si.len()).unwrap_or(&si);
-    let names: Vec<&str> = chain.movable().iter().map(|&joint| chain.joint(joint).name.as_str()).collect();
+    let own = commanded(chain);
+    let names = commanded_names(chain);
     let mut header = vec!["visit".to_owned()];
-    header.extend(names.iter().zip(units).map(|(name, unit)| format!("{name}[{}]", unit.word)));
+    header.extend(
+        names
+            .iter()
+            .zip(&own)
+            .map(|(name, &k)| (name, &units[k]))
+            .map(|(name, unit)| format!("{name}[{}]", unit.word)),
+    );
     let loaded = visits.iter().any(|visit| visit.load != Load::None);
     if loaded {
         header.extend(["payload[kg]", "cx[m]", "cy[m]", "cz[m]"].map(String::from));
@@ -46,7 +54,7 @@ pub fn write_plan(
     for (number, visit) in (1..).zip(visits) {
         table.integer(number);
         let values = controller_values(chain, &visit.joints);
-        values.iter().zip(units).for_each(|(&q, unit)| table.number(unit.from_si(q)));
+        own.iter().for_each(|&k| table.number(units[k].from_si(values[k])));
         if loaded {
             let (mass, com) = match visit.load {
                 Load::Payload(payload) => (payload.mass, payload.com.into()),
@@ -55,7 +63,7 @@ pub fn write_plan(
             table.number(mass);
             com.iter().for_each(|&c| table.number(c));
         }
-        visit.approach.iter().for_each(|&side| table.integer(side as i64));
+        own.iter().for_each(|&k| table.integer(visit.approach[k] as i64));
         table.text(visit.why);
         table.number(visit.worth);
         table.end_row()?;

@@ -1,5 +1,6 @@
 //! Desired poses in, joint commands out: the files of `truepose compensate`.
 
+use crate::commanded::commanded;
 use crate::measurements::{From, Needs, read_table};
 use crate::table::TableWriter;
 use crate::{
@@ -176,8 +177,9 @@ pub fn commands_file(
         let message = format!("there are {} commands for {} poses", commands.len(), poses.rows.len());
         return Err(IoError::Write { file: path.into(), message });
     }
-    let joints = chain.movable().iter().zip(&poses.joint_units);
-    let joints = joints.map(|(&joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word));
+    let own = commanded(chain);
+    let joints = own.iter().map(|&k| (chain.movable()[k], &poses.joint_units[k]));
+    let joints = joints.map(|(joint, unit)| format!("{}[{}]", chain.joint(joint).name, unit.word));
     let named = poses.ids.len() == commands.len() && !commands.is_empty();
     let mut header: Vec<String> = named.then(|| "id".to_owned()).into_iter().chain(joints).collect();
     header.extend(["status", "within_95[m]", "correction", "extrapolates", "beyond"].map(String::from));
@@ -190,7 +192,8 @@ pub fn commands_file(
             table.text(&poses.ids[row]);
         }
         let values = controller_values(chain, &command.joints);
-        for (k, unit) in poses.joint_units.iter().enumerate() {
+        for &k in &own {
+            let unit = &poses.joint_units[k];
             let written = values.get(k).filter(|_| command.status == CommandStatus::Ok);
             table.number(written.map_or(f64::NAN, |&value| unit.from_si(value)));
         }

@@ -1,5 +1,6 @@
 //! Predicted rows: the file of `truepose predict`.
 
+use crate::commanded::commanded;
 use crate::poses::si_unit;
 use crate::table::TableWriter;
 use crate::{CsvInfo, IoError};
@@ -64,8 +65,8 @@ impl<'a> PredictionsWriter<'a> {
         if repeated.sessions {
             header.push("session".into());
         }
-        header.extend(chain.movable().iter().map(|&joint| {
-            let joint = chain.joint(joint);
+        header.extend(commanded(chain).into_iter().map(|k| {
+            let joint = chain.joint(chain.movable()[k]);
             format!("{}[{}]", joint.name, si_unit(joint.kind).word)
         }));
         if repeated.targets {
@@ -107,7 +108,11 @@ impl<'a> PredictionsWriter<'a> {
             }
             self.values.iter_mut().zip(&data.joints).for_each(|(value, column)| *value = column[row]);
             self.chain.joints_to_controller(&mut self.values);
-            self.values.iter().for_each(|&value| table.number(value));
+            for (k, &value) in self.values.iter().enumerate() {
+                if self.chain.is_commanded(k) {
+                    table.number(value);
+                }
+            }
             if self.repeated.targets {
                 table.text(data.target[row].map_or("", |target| &self.chain.targets()[target.0].name));
             }

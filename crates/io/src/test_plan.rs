@@ -1,6 +1,7 @@
 //! The poses of an acceptance in the order in which they are measured: the file of `truepose plan --for iso9283`.
 
 use crate::IoError;
+use crate::commanded::commanded;
 use crate::poses::{controller_values, si_unit};
 use crate::table::TableWriter;
 use std::path::Path;
@@ -30,8 +31,9 @@ pub fn write_test_plan(
     rows: &[TestPoseRow],
 ) -> Result<(), IoError> {
     let mut header: Vec<String> = ["visit", "cycle[1]", "pose[1]"].map(String::from).into();
-    header.extend(chain.movable().iter().map(|&joint| {
-        let joint = chain.joint(joint);
+    let own = commanded(chain);
+    header.extend(own.iter().map(|&k| {
+        let joint = chain.joint(chain.movable()[k]);
         format!("{}[{}]", joint.name, si_unit(joint.kind).word)
     }));
     if load.is_some() {
@@ -46,7 +48,8 @@ pub fn write_test_plan(
         table.integer(visit);
         table.integer(row.cycle as i64);
         table.integer(row.pose as i64);
-        controller_values(chain, &row.joints).iter().for_each(|&q| table.number(q));
+        let values = controller_values(chain, &row.joints);
+        own.iter().for_each(|&k| table.number(values.get(k).copied().unwrap_or(f64::NAN)));
         if let Some(load) = load {
             table.number(load.mass);
             load.com.iter().for_each(|&c| table.number(c));

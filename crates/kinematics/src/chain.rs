@@ -49,6 +49,8 @@ pub struct Chain {
     /// One at least.
     pub(crate) tools: Vec<Tool>,
     targets: Vec<Target>,
+    /// How many of them the description has.
+    described: usize,
     gravity: Gravity,
     /// The frame in front of each joint.
     pub(crate) parents: Vec<FrameId>,
@@ -99,6 +101,7 @@ impl Chain {
             paths: Vec::new(),
             joints,
             targets: Vec::new(),
+            described: 0,
             gravity: Gravity::default(),
             movable,
             coordinates,
@@ -149,6 +152,8 @@ impl Chain {
         if let Some(target) = targets.iter().find(|target| target.tool.0 >= self.tools.len()) {
             return Err(ChainError::NoSuchTool { target: target.name.clone() });
         }
+        let own = targets.iter().position(|target| target.name.starts_with(crate::SEEN));
+        self.described = own.unwrap_or(targets.len());
         self.targets = targets;
         Ok(self)
     }
@@ -184,6 +189,11 @@ impl Chain {
     #[inline]
     pub fn targets(&self) -> &[Target] {
         &self.targets
+    }
+
+    /// The measured points of the description: all but those that rows have of their own ([`crate::SEEN`]), which come last.
+    pub fn described_targets(&self) -> &[Target] {
+        &self.targets[..self.described]
     }
 
     /// Gravity as described.

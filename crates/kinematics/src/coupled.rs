@@ -5,7 +5,7 @@ use crate::{Chain, ChainError, JointId};
 
 impl Chain {
     /// With these couplings between the controller's values and the joints' variables. Limits of joints are taken as those of the
-    /// controller's values; those of the variables become what the values can add up to.
+    /// controller's values; those of the variables become what the values can add up to. Joints that follow others still do.
     ///
     /// # Errors
     /// When a coupling is of joints that do not move or move differently, stands twice, has a factor that is not finite, or couplings
@@ -13,15 +13,15 @@ impl Chain {
     pub fn with_couplings(mut self, couplings: Vec<Coupling>) -> Result<Self, ChainError> {
         let terms = self.by_coordinates(&couplings)?;
         let movable = self.movable().to_vec();
-        let limits: Vec<Option<(f64, f64)>> =
-            movable.iter().map(|&joint| self.controller_limits(joint)).collect();
+        let limits: Vec<Option<(f64, f64)>> = movable.iter().map(|&joint| self.own_limits(joint)).collect();
         let coupled = Couplings::new(couplings, terms, limits.clone())?;
         for (k, (&joint, limits)) in movable.iter().zip(limits).enumerate() {
             let none = coupled.declared.is_empty();
             self.joint_mut(joint).limits = if none { limits } else { coupled.extent(k) };
         }
+        let mimics = std::mem::take(&mut self.couplings.mimics);
         self.couplings = coupled;
-        Ok(self)
+        self.with_mimics(mimics)
     }
 
     /// With the couplings and limits of another description of the same moving joints.
@@ -43,8 +43,17 @@ impl Chain {
         for (&joint, &like) in movable.iter().zip(other.movable()) {
             self.joint_mut(joint).limits = other.joint(like).limits;
         }
+        let mut mimics = other.mimics().to_vec();
+        for (number, mimic) in mimics.iter_mut().enumerate() {
+            let reason = "a joint does not move";
+            let (Some(joint), Some(driver)) = (here(mimic.joint), here(mimic.driver)) else {
+                return Err(ChainError::Coupling { number: number + 1, reason });
+            };
+            (mimic.joint, mimic.driver) = (joint, driver);
+        }
         self.couplings = other.couplings.clone();
         self.couplings.declared = declared;
+        self.couplings.mimics = mimics;
         Ok(self)
     }
 
@@ -55,6 +64,10 @@ impl Chain {
 
     /// Lower and upper limit of a joint's value in the controller, rad or m. Without couplings these are the joint's limits.
     pub fn controller_limits(&self, joint: JointId) -> Option<(f64, f64)> {
+        self.narrowed(joint, self.own_limits(joint))
+    }
+
+    fn own_limits(&self, joint: JointId) -> Option<(f64, f64)> {
         match self.coordinate(joint).and_then(|k| self.couplings.limits(k)) {
             Some(limits) => limits,
             None => self.joint(joint).limits,

@@ -14,6 +14,7 @@
 //! the drives of a wrist pass through its first joint), and where the controller counts an angle from the horizontal (J3 of FANUC).
 //! Kinematics, data sets, models and commands are in q. Values u occur where tables are read and written, and at limits.
 
+use crate::mimics::{Follower, Mimic};
 use crate::{ChainError, JointId};
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,9 @@ pub(crate) struct Couplings {
     terms: Vec<(usize, usize, f64)>,
     /// Limits of the controller's value of each movable joint; empty without couplings.
     limits: Vec<Option<(f64, f64)>>,
+    /// Joints that follow others.
+    pub mimics: Vec<Mimic>,
+    pub followers: Vec<Follower>,
 }
 
 impl Couplings {
@@ -56,7 +60,7 @@ impl Couplings {
             open.retain(|(a, ..)| *a != joint);
         }
         let limits = if terms.is_empty() { Vec::new() } else { limits };
-        Ok(Couplings { declared, terms, limits })
+        Ok(Couplings { declared, terms, limits, ..Couplings::default() })
     }
 
     /// Controller's values into variables.
@@ -65,6 +69,15 @@ impl Couplings {
         // The last first: a driver still has its own value when it is added.
         for &(joint, driver, factor) in self.terms.iter().rev() {
             values[joint] += factor * values[driver];
+        }
+        self.follow(values);
+    }
+
+    /// Values of joints that follow others.
+    #[inline]
+    pub fn follow(&self, variables: &mut [f64]) {
+        for follower in &self.followers {
+            variables[follower.joint] = follower.ratio * variables[follower.driver] + follower.offset;
         }
     }
 

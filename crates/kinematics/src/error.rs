@@ -103,4 +103,12 @@ pub enum ChainError {
         /// Why.
         reason: &'static str,
     },
+    /// A joint that cannot follow another one.
+    #[error("joint `{name}` cannot mimic: {reason}")]
+    Mimic {
+        /// The joint.
+        name: String,
+        /// Why.
+        reason: &'static str,
+    },
 }

@@ -51,9 +51,9 @@ impl Chain {
         }
     }
 
-    /// How many generalized errors the robot has: six a frame and three a target.
+    /// How many generalized errors the robot has: six a frame and three a target of the description.
     pub fn site_count(&self) -> usize {
-        6 * self.frame_count() + 3 * self.targets().len()
+        6 * self.frame_count() + 3 * self.described_targets().len()
     }
 
     /// Position of a site in a vector of all generalized errors.

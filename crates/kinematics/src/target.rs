@@ -4,6 +4,9 @@ use crate::ToolId;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// How names of targets begin that a description does not have: of a single row, at the point that a camera on the robot sees.
+pub const SEEN: &str = "seen~";
+
 /// A measured point, carried by a tool.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Target {

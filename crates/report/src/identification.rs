@@ -342,13 +342,13 @@ fn by_target(
     data: &Dataset,
     chain: &truepose_kinematics::Chain,
 ) -> Vec<(String, PositionStatistics)> {
-    if chain.targets().len() < 2 {
+    if chain.described_targets().len() < 2 {
         return Vec::new();
     }
     let rows_of = |k: usize| -> Vec<usize> {
         (0..data.len()).filter(|&row| data.target[row].is_some_and(|t| t.0 == k)).collect()
     };
-    (0..chain.targets().len())
+    (0..chain.described_targets().len())
         .map(|k| (chain.targets()[k].name.clone(), residuals.positions_of(&rows_of(k)).into()))
         .filter(|(_, spread): &(String, PositionStatistics)| spread.count > 0)
         .collect()

@@ -49,15 +49,37 @@ pub struct SensorSummary {
     pub rows: usize,
     /// What is known of it after the fit: name, value, unit (mm, 1).
     pub values: Vec<(String, f64, String)>,
+    /// Half the 95 % interval of each of its unknowns that the fit has found: name, value, unit (mm, mrad, px, 1).
+    #[serde(default)]
+    pub within_95: Vec<(String, f64, String)>,
     /// RMS of what its rows leave, in the unit of its kind.
     pub rms: f64,
 }
 
+/// Of a normal distribution, 95 % lie within so many standard deviations.
+const WITHIN_95: f64 = 1.96;
+
+/// Half the intervals of a sensor's unknowns, in units for people.
+fn within_95(sensor: &truepose_identify::SensorFound, sd: &[f64]) -> Vec<(String, f64, String)> {
+    let unknowns = sensor.observation.unknowns(&sensor.name, 1.0);
+    let found = unknowns.iter().zip(sd).filter(|(_, sd)| **sd > 0.0);
+    let one = |(column, sd): (&truepose_errormodel::Column, &f64)| {
+        let (scale, unit) = match column.unit.as_str() {
+            "m" => (1e3, "mm"),
+            "rad" => (1e3, "mrad"),
+            unit => (1.0, unit),
+        };
+        (column.name.clone(), WITHIN_95 * scale * sd, unit.to_owned())
+    };
+    found.map(one).collect()
+}
+
 impl KindsSummary {
-    /// Of a fit of these rows; `moved` is how far it has moved the unknowns of each sensor, `shares` the leverage of each row.
+    /// Of a fit of these rows; `moved` is how far it has moved the unknowns of each sensor, and their standard deviations; `shares` is the leverage of
+    /// each row.
     pub fn new(
         found: &Touched,
-        moved: &[Vec<f64>],
+        (moved, uncertain): (&[Vec<f64>], &[Vec<f64>]),
         data: &Dataset,
         (before, after, held_out): (Option<&Residuals>, &Residuals, Option<&Residuals>),
         shares: &[f64],
@@ -121,6 +143,7 @@ impl KindsSummary {
                 kind: sensor.observation.kind().into(),
                 rows: rows.len() / sensor.observation.numbers(),
                 values: at.values().into_iter().map(value).collect(),
+                within_95: within_95(sensor, uncertain.get(k).map_or(&[], Vec::as_slice)),
                 rms: rms(&rows, after),
             }
         };
@@ -170,6 +193,13 @@ impl KindsSummary {
             };
             let values: Vec<String> = sensor.values.iter().map(value).collect();
             text += &format!(" {} {}: {}\n", sensor.kind, sensor.name, values.join(", "));
+            let within = |(name, half, unit): &(String, f64, String)| {
+                format!("{name} ± {} {unit}", significant(*half, 2))
+            };
+            let within: Vec<String> = sensor.within_95.iter().map(within).collect();
+            if !within.is_empty() {
+                text += &format!("   95 %: {}\n", within.join(", "));
+            }
         }
         text
     }

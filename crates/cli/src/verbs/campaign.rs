@@ -138,7 +138,7 @@ impl Campaign {
 
     /// A fit as it is used: it knows its sessions; landmarks and the order of the record are no part of it.
     pub fn used(&self, fitted: &FittedModel) -> Result<FittedModel, Failure> {
-        let mut used = fitted.without_order()?.without_landmarks()?;
+        let mut used = fitted.without_order()?.without_landmarks()?.without_seen()?;
         used.sessions.clone_from(&self.installed);
         if let (Some(found), Some(moved)) = (&self.touched, fitted.landmarks_displaced()) {
             let at = found.positions.iter().zip(moved).map(|(at, by)| <[f64; 3]>::from(at + by));
@@ -189,8 +189,10 @@ impl Campaign {
         };
         let residuals = Residuals::of(&fit.fitted, &self.data)?;
         let moved = fit.fitted.sensors_moved().unwrap_or_default();
+        let uncertain = fit.fitted.sensors_uncertain().unwrap_or_default();
         let shares = leverages(fit, &self.data)?;
-        Ok(Some(KindsSummary::new(found, &moved, &self.data, (before, &residuals, held_out), &shares)))
+        let unknowns = (moved.as_slice(), uncertain.as_slice());
+        Ok(Some(KindsSummary::new(found, unknowns, &self.data, (before, &residuals, held_out), &shares)))
     }
 }
 
@@ -222,6 +224,10 @@ fn declared(
             );
             return Err(refused(first, words));
         };
+        if rows.clone().next().is_none() && (0..data.len()).any(|row| data.point(row) == Some(k)) {
+            numbers.push(number);
+            continue;
+        }
         let word = |row: usize| data.kind(row).map_or("same_point", |kind| KINDS[kind]);
         let kind = word(first);
         if let Some(other) = rows.clone().find(|&row| word(row) != kind) {
@@ -275,5 +281,10 @@ fn declared(
     let of_row: Vec<Option<usize>> =
         (0..data.len()).map(|row| data.landmark(row).map(|k| numbers[k])).collect();
     data.set_landmarks(Some(&of_row));
+    if (0..data.len()).any(|row| data.point(row).is_some()) {
+        let points: Vec<Option<usize>> =
+            (0..data.len()).map(|row| data.point(row).map(|k| numbers[k])).collect();
+        data.set_points(Some(&points));
+    }
     Ok(known)
 }

@@ -164,6 +164,14 @@ pub(super) fn robot_text(chain: &Chain) -> String {
         text +=
             &format!(" {joint} is coupled to {driver}: variable = value + {factor} × value of {driver}\n");
     }
+    for mimic in chain.mimics() {
+        let (joint, driver) = (name(mimic.joint), name(mimic.driver));
+        let (ratio, offset) = (mimic.ratio, mimic.offset);
+        let unit = chain.joint(mimic.joint).unit();
+        text += &format!(
+            " {joint} follows {driver}: value = {ratio} × value of {driver} + {offset} {unit}; it has no column\n"
+        );
+    }
     for target in chain.targets() {
         let p = target.position * 1e3;
         text += &format!(

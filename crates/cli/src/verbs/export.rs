@@ -16,7 +16,7 @@ use truepose_io::{
     UrdfCorrection, check_writable, corrected_urdf, read_fit, read_kinematics, robot_urdf, write_whole,
 };
 use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Coupling, Pose};
+use truepose_kinematics::{Chain, Coupling, Mimic, Pose};
 
 /// The text of a file, with its statement of accuracy.
 pub(crate) struct Written {
@@ -163,7 +163,13 @@ fn couplings(chain: &Chain) -> Vec<String> {
             c.factor
         )
     };
-    chain.couplings().iter().map(words).collect()
+    let follows = |m: &Mimic| {
+        let (joint, driver, ratio, offset) = (name(m.joint), name(m.driver), m.ratio, m.offset);
+        format!(
+            "the variable of {joint} is {ratio:?} times that of {driver}, plus {offset:?} (rad, m); it has no value of its own"
+        )
+    };
+    chain.couplings().iter().map(words).chain(chain.mimics().iter().map(follows)).collect()
 }
 
 /// Estimated positions of targets on the tool, which the formats cannot hold.

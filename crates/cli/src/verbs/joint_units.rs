@@ -28,7 +28,8 @@ pub(super) fn in_units(chain: &Chain, joints: &[f64]) -> Vec<f64> {
     // As the controller has them.
     let mut joints = joints.to_vec();
     chain.joints_to_controller(&mut joints);
-    chain.movable().iter().zip(joints).map(|(joint, value)| value * unit(joint)).collect()
+    let own = chain.movable().iter().zip(joints).enumerate().filter(|(k, _)| chain.is_commanded(*k));
+    own.map(|(_, (joint, value))| value * unit(joint)).collect()
 }
 
 /// Names of the joints with degrees or mm.
@@ -37,5 +38,11 @@ pub(super) fn joint_names(chain: &Chain) -> Vec<String> {
         let joint = chain.joint(*joint);
         format!("{}, {}", joint.name, if joint.unit() == "m" { "mm" } else { "°" })
     };
-    chain.movable().iter().map(name).collect()
+    chain
+        .movable()
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| chain.is_commanded(*k))
+        .map(|(_, joint)| name(joint))
+        .collect()
 }

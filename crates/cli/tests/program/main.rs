@@ -25,6 +25,7 @@ mod init;
 mod invariance;
 mod landmarks;
 mod limits;
+mod mimic;
 mod mistakes;
 mod observations;
 mod one_voice;

@@ -78,6 +78,7 @@ impl Compensator<'_> {
         };
         let mut joints = Values::zeros(n);
         (0..n).for_each(|k| joints[k] = self.joint(k, x[k]));
+        self.fitted.chain().follow(&mut joints);
         Command {
             joints,
             status: Status::NotConverged,

@@ -97,7 +97,7 @@ impl Compensator<'_> {
         }) else {
             return Found { walk: Walk::nowhere(), status: Status::NotConverged };
         };
-        if task.rotation.is_some() && self.nominal.joints() < 6 {
+        if task.rotation.is_some() && self.commanded() < 6 {
             // Such a robot cannot have every orientation: the position comes first.
             let found = walk_position_first(&mut self.exact(), task, &best.x, &limits, most);
             rounds += found.rounds;
@@ -171,7 +171,7 @@ impl Compensator<'_> {
     /// After so many exact walks that began where the nominal robot is there and got stuck, the pose is at the edge of
     /// what can be reached. A robot of fewer joints than six may have to try all its postures: each tilts otherwise.
     fn enough(&self) -> usize {
-        if self.nominal.joints() < 6 { usize::MAX } else { 6 }
+        if self.commanded() < 6 { usize::MAX } else { 6 }
     }
 
     /// Whether a search ended at the pose, with values that the controller takes.

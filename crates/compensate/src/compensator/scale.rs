@@ -16,13 +16,28 @@ impl Compensator<'_> {
         chain.joint(chain.movable()[k]).limits.map_or(value, |(lower, upper)| value.clamp(lower, upper))
     }
 
+    /// Gives joints that follow others their place in units of the search.
+    pub(super) fn follow(&self, x: &mut [f64; MOST]) {
+        for follower in self.fitted.chain().followers() {
+            let driver = x[follower.driver] * self.scale[follower.driver];
+            x[follower.joint] = (follower.ratio * driver + follower.offset) / self.scale[follower.joint];
+        }
+    }
+
+    /// How many joints the controller moves.
+    pub(super) fn commanded(&self) -> usize {
+        self.nominal.joints() - self.fitted.chain().followers().len()
+    }
+
     /// A seed in units of the search, whole turns off where that brings it within the limits.
     pub(super) fn seed(&self, joints: &[f64]) -> [f64; MOST] {
         let mut x = [0.0; MOST];
         for (k, &q) in joints.iter().enumerate() {
             x[k] = q / self.scale[k];
         }
-        self.within(&self.wrapped(&x))
+        let mut inside = self.within(&self.wrapped(&x));
+        self.follow(&mut inside);
+        inside
     }
 
     pub(super) fn within(&self, x: &[f64; MOST]) -> [f64; MOST] {

@@ -116,6 +116,10 @@ impl JointOrigins {
             let words = format!("the robot has not the joints of the style {}", style.word());
             return Err(CompensateError::Style { reason: words });
         }
+        if !nominal.mimics().is_empty() {
+            let words = "a joint follows another one, which the file has no place for".into();
+            return Err(CompensateError::Style { reason: words });
+        }
         if !nominal.couplings().is_empty() {
             let words = "its joints are coupled, which the file has no place for".into();
             return Err(CompensateError::Style { reason: words });

@@ -150,6 +150,13 @@ impl<'m> Corrector<'m> {
         if options.turn_axes.is_some_and(|axes| axes.iter().any(|axis| !(1..=6).contains(axis))) {
             return Err(ControllerError::Option("the axes of turn numbers are 1 to 6".into()));
         }
+        if let Some(mimic) = chain.mimics().first() {
+            let (joint, driver) = (&chain.joint(mimic.joint).name, &chain.joint(mimic.driver).name);
+            let words = format!(
+                "joint {joint} follows {driver}, which no program of a controller can say; use `compensate --poses`"
+            );
+            return Err(ControllerError::Fit(words));
+        }
         let (schema, values) = signals(fitted, options)?;
         let mut conditions = Conditions::at(chain, &vec![0.0; chain.movable().len()]).with_load(options.load);
         conditions.channels = values;

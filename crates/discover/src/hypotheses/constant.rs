@@ -61,7 +61,7 @@ impl Hypothesis for OfTargets {
             let at = At::Target { target, components: Axis::TRANSLATIONS.to_vec() };
             Variant::new(Place::target(chain, target), Expansion { at, factors: Vec::new() })
         };
-        (0..chain.targets().len()).map(TargetId).map(constant).collect()
+        (0..chain.described_targets().len()).map(TargetId).map(constant).collect()
     }
 
     fn meaning(&self, place: &Place) -> String {

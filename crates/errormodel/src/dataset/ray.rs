@@ -24,7 +24,9 @@ pub const SENSOR: &str = "sensor~";
 /// The channel of the kind of observation: its place in [`crate::observation::KINDS`], from one; 0: a pose, a position or a touched point.
 pub const KIND: &str = "kind~";
 /// The channels of measured scalars, in SI units; pixels in px.
-pub const VALUE: [&str; 2] = ["value~1", "value~2"];
+pub const VALUE: [&str; 3] = ["value~1", "value~2", "value~3"];
+/// The channel of the landmark that a camera on the robot saw, by its number from one.
+pub const POINT: &str = "point~";
 /// Of channels that hold what an unknown of the sensor does to the row.
 const OWN: &str = "own~";
 
@@ -37,7 +39,7 @@ pub fn own_channel(k: usize) -> String {
 pub(crate) fn of_observation(channel: &str) -> bool {
     RAY.contains(&channel)
         || VALUE.contains(&channel)
-        || [SENSOR, KIND].contains(&channel)
+        || [SENSOR, KIND, POINT].contains(&channel)
         || channel.starts_with(OWN)
 }
 
@@ -97,13 +99,24 @@ impl Dataset {
         (self.schema.channel(KIND).map(|k| self.channels[k][row])? as usize).checked_sub(1)
     }
 
-    /// A measured scalar of a row, 0 or 1.
+    /// The landmark that a camera on the robot saw in a row, by its number from zero.
+    pub fn point(&self, row: usize) -> Option<usize> {
+        (self.schema.channel(POINT).map(|k| self.channels[k][row])? as usize).checked_sub(1)
+    }
+
+    /// With these points, one a row; none where no camera on the robot saw any.
+    pub fn set_points(&mut self, of_row: Option<&[Option<usize>]>) {
+        let numbers = |of: &[Option<usize>]| of.iter().map(|k| k.map_or(0.0, |k| (k + 1) as f64)).collect();
+        self.set_numbers(POINT, of_row.map(numbers));
+    }
+
+    /// A measured scalar of a row, 0 to 2.
     pub fn scalar(&self, row: usize, which: usize) -> Option<f64> {
         self.schema.channel(VALUE[which]).map(|k| self.channels[k][row])
     }
 
     /// With these kinds, numbers from one, and scalars, one a row; without them where they are none.
-    pub fn set_kinds(&mut self, kinds: Option<Vec<f64>>, scalars: [Option<Vec<f64>>; 2]) {
+    pub fn set_kinds(&mut self, kinds: Option<Vec<f64>>, scalars: [Option<Vec<f64>>; 3]) {
         self.set_numbers(KIND, kinds);
         VALUE.into_iter().zip(scalars).for_each(|(name, column)| self.set_numbers(name, column));
     }

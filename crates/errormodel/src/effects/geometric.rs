@@ -50,7 +50,7 @@ impl Geometric {
             Axis::ALL.into_iter().filter(wanted).for_each(|axis| each(Site::Frame(frame, axis)));
         };
         let target_sites = |each: &mut dyn FnMut(Site)| {
-            for target in (0..chain.targets().len()).map(TargetId) {
+            for target in (0..chain.described_targets().len()).map(TargetId) {
                 let axes = Axis::TRANSLATIONS.into_iter().filter(wanted);
                 axes.for_each(|axis| each(Site::Target(target, axis)));
             }

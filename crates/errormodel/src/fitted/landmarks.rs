@@ -1,5 +1,6 @@
 //! A fit without the landmarks that it was made with: the robot alone.
 
+use super::domain::Domain;
 use super::model::{Fallback, FittedModel};
 use super::sample::Sample;
 use crate::dataset::of_observation;
@@ -7,6 +8,7 @@ use crate::effects::{Landmarks, Observed};
 use crate::{AnyEffect, Effect, ErrorModel, LANDMARK, ModelError};
 use nalgebra::{DMatrix, Vector3};
 use std::any::Any;
+use truepose_kinematics::{ChainError, TargetId};
 
 impl FittedModel {
     /// By how much each landmark is displaced from where the data has it, m, measurement frame; none without landmarks.
@@ -27,6 +29,17 @@ impl FittedModel {
         })?;
         let own = &self.coefficients()[model.columns_of(at)];
         Some((0..effect.sensors.len()).map(|sensor| own[effect.columns_of(sensor)].to_vec()).collect())
+    }
+
+    /// Standard deviations of the unknowns of each sensor, in their units; zero of those that the fit leaves where they are. None without sensors.
+    pub fn sensors_uncertain(&self) -> Option<Vec<Vec<f64>>> {
+        let model = self.model();
+        let (at, effect) = model.effects().iter().enumerate().find_map(|(k, effect)| {
+            (&**effect as &dyn Any).downcast_ref::<Observed>().map(|effect| (k, effect))
+        })?;
+        let first = model.columns_of(at).start;
+        let sd = |k: usize| self.covariance()[(first + k, first + k)].max(0.0).sqrt();
+        Some((0..effect.sensors.len()).map(|sensor| effect.columns_of(sensor).map(sd).collect()).collect())
     }
 
     /// The robot alone: landmarks and sensors are no part of it, and no channel is read for them. The covariance of what stays is the marginal
@@ -78,5 +91,31 @@ impl FittedModel {
             None => None,
         };
         Ok(alone)
+    }
+
+    /// The same without targets that rows had of their own ([`truepose_kinematics::SEEN`]): no later pose has them.
+    ///
+    /// # Errors
+    /// When an effect does not fit the robot without them.
+    pub fn without_seen(&self) -> Result<Self, ModelError> {
+        let described = self.chain().described_targets().to_vec();
+        if described.len() == self.chain().targets().len() {
+            return Ok(self.clone());
+        }
+        let kept = |target: Option<TargetId>| target.filter(|target| target.0 < described.len());
+        let mut rows = self.domain.sample.rows().clone();
+        rows.target.iter_mut().for_each(|target| *target = kept(*target));
+        let sample = Sample::stored(rows, self.domain.sample.drawn_from());
+        let mut targets: Vec<Option<TargetId>> =
+            self.domain.targets.iter().map(|target| kept(*target)).collect();
+        targets.sort_unstable();
+        targets.dedup();
+        let domain = Domain { targets, sample, ..self.domain.clone() };
+        let refused = |error: ChainError| ModelError::Parameters {
+            kind: Observed::FAMILY.into(),
+            reason: error.to_string(),
+        };
+        let chain = self.chain().clone().with_targets(described).map_err(refused)?;
+        Ok(self.on(chain)?.with_domain(domain))
     }
 }

@@ -109,10 +109,10 @@ impl LaneErrors {
         }
     }
 
-    /// The error of a target in a lane.
+    /// The error of a target in a lane; zero of a target that a single row has of its own.
     pub fn target(&self, chain: &Chain, target: TargetId, direction: usize, lane: usize) -> f64 {
         let site = chain.site_index(Site::Target(target, Axis::ALL[direction]));
-        self.same[site] + self.lanes[site * LANES + lane]
+        self.same.get(site).map_or(0.0, |same| same + self.lanes[site * LANES + lane])
     }
 
     /// How many sites there are.

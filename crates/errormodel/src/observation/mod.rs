@@ -8,7 +8,7 @@
 //! | --- | --- | --- | --- | --- |
 //! | T | pose of the tool at the measured target | pose | m | measurement |
 //! | dξ | the target moves by (dx, dy, dz), the tool turns about it by (φx, φy, φz) | 6 | m, rad | measurement |
-//! | z, h | measured and predicted numbers | k = 1 or 2 | [`Observation::unit`] | |
+//! | z, h | measured and predicted numbers | k = 1 to 3 | [`Observation::unit`] | |
 //! | H | [`Reading::by_pose`] | k × 6 | per m, per rad | measurement |
 //! | K | [`Reading::by_own`] | k × dim s | per unit of each unknown | |
 //!
@@ -19,6 +19,7 @@ mod camera;
 mod distance;
 mod linear;
 mod plane;
+mod relative;
 mod seam;
 mod sphere;
 mod start;
@@ -28,6 +29,7 @@ pub use camera::Camera;
 pub use distance::Distance;
 pub use linear::Linear;
 pub use plane::Plane;
+pub use relative::Relative;
 pub use seam::{Observation, Reading, Seen};
 pub use sphere::Sphere;
 pub use surroundings::{KnownDistance, Landmark, Surroundings};
@@ -35,7 +37,8 @@ pub use surroundings::{KnownDistance, Landmark, Surroundings};
 use nalgebra::Vector3;
 
 /// Words of the kinds whose rows measure single numbers.
-pub const KINDS: [&str; 5] = [Distance::KIND, Plane::KIND, Sphere::KIND, Linear::KIND, Camera::KIND];
+pub const KINDS: [&str; 6] =
+    [Distance::KIND, Plane::KIND, Sphere::KIND, Linear::KIND, Camera::KIND, Relative::KIND];
 
 /// A thing that is observed in this kind, by its place in [`KINDS`], of which nothing is known but, maybe, a point (exactly, where `known`).
 pub fn unknown(kind: usize, position: Option<Vector3<f64>>, known: bool) -> Option<Box<dyn Observation>> {
@@ -44,6 +47,7 @@ pub fn unknown(kind: usize, position: Option<Vector3<f64>>, known: bool) -> Opti
         Plane::KIND => Box::new(Plane::default()),
         Sphere::KIND => Box::new(Sphere { centre: position, known, radius: None, free_radius: true }),
         Linear::KIND => Box::new(Linear::default()),
+        Relative::KIND => Box::new(Relative::default()),
         // A camera is nothing without its focal length.
         _ => return None,
     })

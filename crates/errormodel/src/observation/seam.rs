@@ -69,7 +69,7 @@ pub trait Observation: Any + Debug + Send + Sync {
         "m"
     }
 
-    /// How many numbers a row has: 1 or 2.
+    /// How many numbers a row has: 1 to 3.
     fn numbers(&self) -> usize {
         1
     }

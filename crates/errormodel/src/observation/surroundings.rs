@@ -14,6 +14,8 @@ pub struct Landmark {
     pub known: bool,
     /// How it was observed, with what is known of it; none of a point that was touched.
     pub observed: Option<Box<dyn Observation>>,
+    /// What of the robot carries it: `tool`, the name of a tool or of a joint; none of what stands in the surroundings.
+    pub mount: Option<String>,
     /// Standard deviation of such an observation where it is stated, in its unit; none: found from the data.
     pub sd: Option<f64>,
 }

@@ -15,6 +15,7 @@
 //! Where nothing outside of the robot was measured, its base has no place: errors of the base are left out, and the arm is described in the
 //! frame of its base.
 
+mod carried;
 mod found_in;
 mod gauge;
 mod held_out;
@@ -25,6 +26,7 @@ pub use held_out::{LandmarkFold, landmark_cross_validation};
 pub use sensors::{SensorFound, leverages};
 
 use crate::{FitOptions, IdentifyError, fit};
+use carried::Carried;
 use found_in::found_in;
 use gauge::Gauge;
 use nalgebra::Vector3;
@@ -85,10 +87,14 @@ pub fn touched(
     let mut data = sensors::one_number_a_row(data, surroundings);
     let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
     let mut sensors = Sensors::of(&data, &of_row, surroundings)?;
+    let carried = Carried::of(chain, &data, &of_row, (surroundings, &sensors))?;
+    data.set_points(None);
     for (at, sensor) in of_row.iter_mut().zip(&sensors.of_row) {
         *at = at.filter(|_| sensor.is_none());
     }
-    let outside = settle_known(&mut data, &mut of_row, (surroundings, &sensors));
+    let measured = settle_known(&mut data, &mut of_row, (surroundings, &sensors));
+    // Points of known place that a carried camera sees are as good as measured positions.
+    let outside = measured || carried.spans();
     let mut remarks = Vec::new();
     let structure = tied(&of_row, surroundings, &mut remarks)?;
     for at in &mut of_row {
@@ -114,23 +120,33 @@ pub fn touched(
         declared.extend(unknown_tool(described, &declared));
     }
     // With measured positions beside the landmarks the base may have to be found from these.
-    let placed = crate::place(&chain, &data)?.chain;
-    let bare =
-        FittedModel::new(ErrorModel::new(placed.clone(), Vec::new())?, Vec::new(), DMatrix::zeros(0, 0))?;
-    let mut poses = sensors::poses(&bare, &data)?;
-    sensors.start(&poses)?;
+    let mut plain = data.clone();
+    carried.set_targets(&chain, &mut plain, false);
+    carried.set_targets(&chain, &mut data, true);
+    let by_images = !carried.is_empty() && !measured && !chain.base().known;
+    // Nothing places a tool that is not described: the camera's place on it takes that up.
+    let images_only = !carried.is_empty() && !measured;
+    let mut placed = if images_only { all_known(&chain)? } else { crate::place(&chain, &plain)?.chain };
+    let mut poses = sensors::poses(&bare(&placed)?, &plain)?;
+    if by_images {
+        placed = carried.with_base(&placed, &mut sensors, &poses)?;
+        poses = sensors::poses(&bare(&placed)?, &plain)?;
+    }
+    sensors.start(&poses, &carried)?;
     let mut at = start(&poses, &data, structure.points.len(), surroundings, &structure.declared);
     let length = chain.characteristic_length();
     let mut last = declared.clone();
+    let mut seen = carried.with_targets(&placed, &poses)?;
     for _ in 0..ROUNDS {
         let points = structure.placed(&mut at);
         put(&mut data, &at);
         let own = sensors.effect(length);
         if !sensors.is_empty() {
-            data.set_rays(Some(&sensors.linearised(&poses, &data)?));
+            data.set_rays(Some(&sensors.linearised(&poses, &data, &carried)?));
+            seen = carried.with_targets(&placed, &poses)?;
         }
         last = with(&declared, points, own);
-        let model = ErrorModel::new(placed.clone(), last.clone())?;
+        let model = ErrorModel::new(seen.clone(), last.clone())?;
         let found = fit(&model, &data, solver, options)?;
         let moved = found.fitted.landmarks_displaced().unwrap_or_default();
         at.iter_mut().zip(&moved).for_each(|(at, by)| *at += by);
@@ -138,8 +154,13 @@ pub fn touched(
         if !sensors.is_empty() {
             let weighed = sensors.weigh(&found, &data)?;
             let turned = sensors.moved(&found.fitted.sensors_moved().unwrap_or_default(), length);
-            let next = sensors::poses(&found.fitted.without_landmarks()?, &data)?;
-            let away = |row: usize| (next[row].translation - poses[row].translation).norm();
+            let next = sensors::poses(&found.fitted.without_landmarks()?, &plain)?;
+            let away = |row: usize| match carried.seen_from(row, &poses[row]) {
+                Some(own) => {
+                    carried.point(row).map_or(0.0, |at| (next[row].apply(&own.translation) - at).norm())
+                }
+                None => (next[row].translation - poses[row].translation).norm(),
+            };
             let far =
                 (0..data.len()).filter(|&row| sensors.of_row[row].is_some()).map(away).fold(0.0, f64::max);
             poses = next;
@@ -153,6 +174,8 @@ pub fn touched(
     let names = structure.points.iter().map(|point| point.name.clone()).collect();
     let (distances, groups) = (structure.distances.clone(), structure.groups.clone());
     let sensors = sensors.found;
+    // What stands outside of the robot as described is the fit's to find.
+    let chain = if carried.is_empty() { chain } else { seen };
     Ok(Touched { data, chain, effects: last, names, positions: at, distances, groups, sensors, remarks })
 }
 
@@ -188,6 +211,11 @@ fn apart(data: &mut Dataset, sensors: &Sensors) {
             next += 1;
         }
     }
+}
+
+/// A robot without errors.
+fn bare(chain: &Chain) -> Result<FittedModel, IdentifyError> {
+    Ok(FittedModel::new(ErrorModel::new(chain.clone(), Vec::new())?, Vec::new(), DMatrix::zeros(0, 0))?)
 }
 
 /// Landmarks whose place is known are measured positions; whether anything outside of the robot was measured.

@@ -15,6 +15,7 @@
 //! The second line is the equation of restricted maximum likelihood for variance components (Searle, Casella and McCulloch 1992, ch. 6), solved by
 //! repetition beside the linearisation. So a table that is not flat counts as little as it should.
 
+use super::carried::Carried;
 use crate::linearise::Lineariser;
 use crate::{Fit, IdentifyError};
 use nalgebra::{DVector, Vector3};
@@ -118,19 +119,42 @@ impl Sensors {
         self.found.is_empty()
     }
 
-    /// Finds every sensor with the robot as it is.
-    pub fn start(&mut self, at: &[Pose]) -> Result<(), IdentifyError> {
+    /// Whether a row is another number of the row before it.
+    pub fn follows(&self, row: usize) -> bool {
+        self.which[row] > 0
+    }
+
+    /// All numbers that were measured with a row.
+    pub fn numbers(&self, row: usize) -> &[f64] {
+        &self.measured[row]
+    }
+
+    /// Of a sensor, the first row of each observation.
+    pub fn first_rows(&self, sensor: usize) -> impl Iterator<Item = usize> + '_ {
+        self.found[sensor].rows.iter().copied().filter(|&row| self.which[row] == 0)
+    }
+
+    /// Finds every sensor with the robot as it is; of rows of carried cameras these are poses of the tool.
+    pub fn start(&mut self, at: &[Pose], carried: &Carried) -> Result<(), IdentifyError> {
         for found in &mut self.found {
             let first = found.rows.iter().filter(|&&row| self.which[row] == 0);
-            let seen: Vec<Seen> = first.map(|&row| (at[row], self.measured[row].clone())).collect();
+            let seen: Vec<Seen> = first
+                .map(|&row| (carried.seen_from(row, &at[row]).unwrap_or(at[row]), self.measured[row].clone()))
+                .collect();
             let why = |why: String| IdentifyError::Landmark { name: found.name.clone(), why };
             found.observation = found.observation.started(&seen).map_err(why)?;
         }
         Ok(())
     }
 
-    /// The rows as a fit takes them, linearised where the robot and the sensors are.
-    pub fn linearised(&self, at: &[Pose], data: &Dataset) -> Result<Vec<Option<Ray>>, IdentifyError> {
+    /// The rows as a fit takes them, linearised where the robot and the sensors are. Of a carried camera the target stands at the point that it
+    /// sees.
+    pub fn linearised(
+        &self,
+        at: &[Pose],
+        data: &Dataset,
+        carried: &Carried,
+    ) -> Result<Vec<Option<Ray>>, IdentifyError> {
         let mut reading = Reading::default();
         let mut rays = Vec::with_capacity(data.len());
         for (row, sensor) in self.of_row.iter().enumerate() {
@@ -144,14 +168,18 @@ impl Sensors {
                     data.line.get(row).map_or(format!("row {}", row + 1), |line| format!("line {line}"));
                 IdentifyError::Landmark { name: found.name.clone(), why: format!("{line}: {why}") }
             };
-            if !found.observation.read(&at[row], &mut reading) {
+            let from = carried.seen_from(row, &at[row]);
+            if !found.observation.read(from.as_ref().unwrap_or(&at[row]), &mut reading) {
                 return Err(why(
                     "the target cannot be observed from there: it is behind the camera, or at the anchor itself",
                 ));
             }
             let which = self.which[row];
             let [x, y, z, turns @ ..] = reading.by_pose[which];
-            let h = Vector3::new(x, y, z);
+            let (h, place) = match carried.point(row) {
+                Some(point) => (-(at[row].rotation * Vector3::new(x, y, z)), point),
+                None => (Vector3::new(x, y, z), at[row].translation),
+            };
             let square = h.norm_squared();
             if turns.iter().any(|&v| v.abs() > 1e-9 * square.sqrt()) || square <= 0.0 {
                 return Err(why("a number that depends on the orientation of the tool is not supported"));
@@ -159,7 +187,7 @@ impl Sensors {
             let left = self.measured[row][which] - reading.value[which];
             rays.push(Some(Ray {
                 direction: h * found.weight,
-                position: at[row].translation + h * (left / square),
+                position: place + h * (left / square),
                 sensor,
                 own: reading.by_own[which].iter().map(|k| k / (found.weight * square)).collect(),
             }));

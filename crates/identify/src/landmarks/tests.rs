@@ -189,7 +189,7 @@ fn shots(of: &Cell, landmarks: usize, shots: &[Shot], seed: u64) -> Dataset {
     }
     let mut data = builder.finish();
     data.set_landmarks(Some(&at));
-    data.set_kinds(Some(at.iter().map(|at| at.map_or(0.0, |_| 1.0)).collect()), [Some(values), None]);
+    data.set_kinds(Some(at.iter().map(|at| at.map_or(0.0, |_| 1.0)).collect()), [Some(values), None, None]);
     data
 }
 

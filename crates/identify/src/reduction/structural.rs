@@ -87,6 +87,7 @@ pub fn spread_factor(
                 range.lower + (range.upper - range.lower) * halton(posture + 1, PRIMES[k % PRIMES.len()]);
         }
     }
+    sample.follow(model.chain());
     let length = model.chain().characteristic_length();
     let noise = NoiseModel { position_sd: 1e-3, visit_sd: 0.0, orientation_sd: 1e-3 / length };
     let visits = Visits { rows: (0..sample.len()).map(|row| vec![row]).collect() };

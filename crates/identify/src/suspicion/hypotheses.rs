@@ -40,7 +40,7 @@ pub(super) fn causes(chain: &Chain) -> Vec<Cause> {
         list.extend([FRAC_PI_2, -FRAC_PI_2, PI].map(|by| Cause::OffsetJoint { joint, by }));
     }
     list.extend([Cause::StaleJoints { late: true }, Cause::StaleJoints { late: false }]);
-    for b in 1..chain.targets().len() {
+    for b in 1..chain.described_targets().len() {
         list.extend((0..b).map(|a| Cause::SwappedTargets { a, b }));
     }
     list

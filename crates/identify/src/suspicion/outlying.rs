@@ -142,14 +142,14 @@ fn swapped(
 ) -> BTreeMap<(usize, usize), Vec<usize>> {
     let mut pairs: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
     let rows: Vec<usize> = outside.iter().map(|o| o.row).filter(|&row| data.target[row].is_some()).collect();
-    if rows.is_empty() || chain.targets().len() < 2 {
+    if rows.is_empty() || chain.described_targets().len() < 2 {
         return pairs;
     }
     // Under which other names a row comes back to the others, and how many rows of each pair do.
     let good = (BACK * constants.scale()).max(GAP * farthest);
     let mut names: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
     let mut votes: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    for other in 0..chain.targets().len() {
+    for other in 0..chain.described_targets().len() {
         let Some(judged) = constants.judge_as(&rows, Some(TargetId(other))) else { continue };
         for (j, o) in judged.iter().zip(outside.iter().filter(|o| data.target[o.row].is_some())) {
             if let Some(own) = data.target[j.row].filter(|own| own.0 != other)

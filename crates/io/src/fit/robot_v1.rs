@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::nalgebra::{Matrix3, Unit, Vector3};
 use truepose_kinematics::{
-    Chain, ChainError, Coupling, Gravity, GravityFrame, Joint, JointId, JointKind, Link, Placed, Placement,
-    Pose, Target, Tool, ToolId,
+    Chain, ChainError, Coupling, Gravity, GravityFrame, Joint, JointId, JointKind, Link, Mimic, Placed,
+    Placement, Pose, Target, Tool, ToolId,
 };
 
 /// Rows of a rotation matrix are orthonormal to this.
@@ -20,6 +20,8 @@ pub(super) struct RobotV1 {
     targets: Vec<TargetV1>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     couplings: Vec<CouplingV1>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mimics: Vec<MimicV1>,
     /// Of a robot that branches: the number of the joint in front of each joint; zero: the base.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     parents: Vec<usize>,
@@ -43,6 +45,15 @@ struct CouplingV1 {
     joint: usize,
     driver: usize,
     factor: f64,
+}
+
+/// Joints by number, from 1.
+#[derive(Debug, Serialize, Deserialize)]
+struct MimicV1 {
+    joint: usize,
+    driver: usize,
+    ratio: f64,
+    offset: f64,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -144,6 +155,8 @@ impl From<&Chain> for RobotV1 {
             ),
         };
         let coupling = |c: &Coupling| CouplingV1 { joint: c.joint.0, driver: c.driver.0, factor: c.factor };
+        let mimic =
+            |m: &Mimic| MimicV1 { joint: m.joint.0, driver: m.driver.0, ratio: m.ratio, offset: m.offset };
         RobotV1 {
             name: chain.name().into(),
             gravity: GravityV1 { vector: chain.gravity().vector.into(), frame },
@@ -156,6 +169,7 @@ impl From<&Chain> for RobotV1 {
             tool: chain.tool().into(),
             targets: chain.targets().iter().map(target).collect(),
             couplings: chain.couplings().iter().map(coupling).collect(),
+            mimics: chain.mimics().iter().map(mimic).collect(),
             parents,
             tools,
         }
@@ -218,8 +232,15 @@ impl TryFrom<RobotV1> for Chain {
         };
         let coupling =
             |c: CouplingV1| Coupling { joint: JointId(c.joint), driver: JointId(c.driver), factor: c.factor };
+        let mimic = |m: MimicV1| Mimic {
+            joint: JointId(m.joint),
+            driver: JointId(m.driver),
+            ratio: m.ratio,
+            offset: m.offset,
+        };
         Chain::new(robot.name, joints)?
             .with_couplings(robot.couplings.into_iter().map(coupling).collect())?
+            .with_mimics(robot.mimics.into_iter().map(mimic).collect())?
             .with_base(placed(robot.base, "base")?)?
             .with_tool(placed(robot.tool, "tool")?)
             .and_then(|chain| branched(chain, &robot.parents, robot.tools))?
@@ -292,7 +313,9 @@ mod tests {
     fn every_sample_robot_comes_back_to_the_bit() {
         let coupling = Coupling { joint: JointId(3), driver: JointId(2), factor: 0.3 };
         let coupled = samples::ur10().with_couplings(vec![coupling]).unwrap();
-        for chain in samples::all().into_iter().chain([coupled, samples::dual()]) {
+        let mimic = Mimic { joint: JointId(5), driver: JointId(2), ratio: -0.3, offset: 0.1 };
+        let follows = samples::ur10().with_mimics(vec![mimic]).unwrap();
+        for chain in samples::all().into_iter().chain([coupled, follows, samples::dual()]) {
             let text = serde_json::to_string(&RobotV1::from(&chain)).unwrap();
             let again = Chain::try_from(serde_json::from_str::<RobotV1>(&text).unwrap()).unwrap();
             assert_eq!(again, chain);

@@ -1,11 +1,12 @@
 //! What the columns of a table mean.
 
+use super::coupled;
 use super::header_words::{name_and_unit, unit_of};
 use super::scalars;
 use crate::frame_names::joint_called;
 use crate::nearest::{meant, nearest};
 use crate::{Quantity, Unit};
-use truepose_kinematics::{Chain, JointKind};
+use truepose_kinematics::{Chain, JointId, JointKind};
 
 /// The meaning of a column. Numbers count from 0: movable joints, or x y z, or w x y z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -26,6 +27,8 @@ pub(crate) enum Role {
     Kind,
     /// What of the surroundings the row touched.
     Landmark,
+    /// What of the surroundings a camera on the robot saw; only beside a column `kind`.
+    Point,
     /// The tool, of a robot that has several.
     Tool,
     /// A measured number, by its place in [`SCALARS`]; only beside a column `kind`.
@@ -68,6 +71,8 @@ pub(crate) enum Cells {
     Kind,
     /// A name of a landmark, or nothing.
     Landmark,
+    /// Likewise.
+    Point,
     /// A name of a tool, or nothing.
     Tool,
     /// Anything; not read.
@@ -144,6 +149,13 @@ impl Role {
     pub fn of(name: &str, chain: &Chain, channels: usize) -> Result<Role, String> {
         if let Some(joint) = joint_called(chain, name) {
             return match chain.coordinate(joint) {
+                Some(k) if !chain.is_commanded(k) => {
+                    let driver = chain.mimics().iter().find(|mimic| mimic.joint == joint);
+                    let driver = driver.map_or("", |mimic| &chain.joint(mimic.driver).name);
+                    Err(format!(
+                        "joint `{name}` mimics `{driver}` and has no value of its own; remove the column, or leave it out (`[columns] ignore`)"
+                    ))
+                }
                 Some(k) => Ok(Role::Joint(k)),
                 None => Err(format!("joint `{name}` is fixed and has no values; remove the column")),
             };
@@ -184,6 +196,7 @@ impl Role {
             | Role::Session
             | Role::Kind
             | Role::Landmark
+            | Role::Point
             | Role::Tool
             | Role::Note
             | Role::Use
@@ -206,6 +219,7 @@ impl Role {
             Role::Session => Cells::Session,
             Role::Kind => Cells::Kind,
             Role::Landmark => Cells::Landmark,
+            Role::Point => Cells::Point,
             Role::Tool => Cells::Tool,
             Role::Note | Role::Nothing => Cells::Note,
             Role::Use => Cells::Use,
@@ -231,6 +245,7 @@ impl Role {
             Role::Visit => "visit".into(),
             Role::Kind => "kind of observation".into(),
             Role::Landmark => "landmark that was observed".into(),
+            Role::Point => "landmark that a camera on the robot saw".into(),
             Role::Tool => "tool".into(),
             Role::Scalar(k) => scalars::MEANINGS[k].into(),
             Role::Session => "session: installation of robot and instrument".into(),
@@ -362,6 +377,11 @@ pub(crate) fn joint_quantity(chain: &Chain, k: usize) -> Quantity {
 /// Names of the movable joints.
 pub(crate) fn joint_names(chain: &Chain) -> impl Iterator<Item = &str> + Clone {
     chain.movable().iter().map(|&joint| chain.joint(joint).name.as_str())
+}
+
+/// The joint whose value the column of each movable joint holds: its own, or that of the joint that it follows.
+pub(crate) fn columns_of(chain: &Chain) -> impl Iterator<Item = JointId> {
+    (0..chain.movable().len()).map(move |k| chain.movable()[coupled::column_of(chain, k)])
 }
 
 #[cfg(test)]

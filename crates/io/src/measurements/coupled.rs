@@ -12,3 +12,18 @@ pub(super) fn variables(chain: &Chain, columns: &mut [Vec<f64>]) {
         }
     }
 }
+
+/// Turns the last row of these directions of approach into those of joints that follow others.
+pub(super) fn sides(chain: &Chain, columns: &mut [Vec<f64>]) {
+    for follower in chain.followers() {
+        let side = columns[follower.driver].last().map_or(0.0, |side| side * follower.ratio.signum());
+        if let Some(last) = columns[follower.joint].last_mut() {
+            *last = side;
+        }
+    }
+}
+
+/// The joint, by its coordinate, in whose column a joint's value stands: its own, or that of the joint that it follows.
+pub(super) fn column_of(chain: &Chain, k: usize) -> usize {
+    chain.followers().iter().find(|follower| follower.joint == k).map_or(k, |follower| follower.driver)
+}

@@ -1,8 +1,10 @@
 //! The header of a table: which columns there are, and whether they make sense together.
 
+use super::beside_kind::numbered;
 use super::cells::cells;
 use super::columns::{Column, FIXED, Role};
 use super::constants;
+use super::coupled;
 use super::names::Names;
 use super::orientation::OrientationConvention;
 use super::proposal::{Proposal, applied, impossible};
@@ -12,7 +14,7 @@ use crate::nearest::listed;
 use crate::{IoError, Warning};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{Channel, KIND, LANDMARK, SESSION, Schema, TOOL, VALUE};
+use truepose_errormodel::{Channel, KIND, LANDMARK, POINT, SESSION, Schema, TOOL, VALUE};
 use truepose_kinematics::Chain;
 
 /// A table with more columns is another kind of file.
@@ -42,6 +44,7 @@ pub(crate) struct Slots {
     pub session: Option<usize>,
     pub kind: Option<usize>,
     pub landmark: Option<usize>,
+    pub point: Option<usize>,
     /// Measured numbers, in the order of [`SCALARS`].
     pub scalars: [Option<usize>; SCALARS.len()],
     pub payload: Option<usize>,
@@ -54,23 +57,6 @@ pub(crate) struct Slots {
     pub position_sd: Option<[usize; 3]>,
     pub orientation_sd: Option<[usize; 3]>,
     pub channels: Vec<usize>,
-}
-
-/// A column as it was read; beside a column `kind`, one of measured numbers where its name is one of theirs.
-fn numbered(
-    (column, warning): (Column, Option<String>),
-    observed: bool,
-    chain: &Chain,
-) -> Result<(Column, Option<String>), String> {
-    let which = SCALARS.iter().position(|name| *name == column.name);
-    let Some(k) = which.filter(|_| observed && matches!(column.role, Role::Channel(_))) else {
-        return Ok((column, warning));
-    };
-    let header = match column.unit_given {
-        true => format!("{}[{}]", column.name, column.unit),
-        false => column.name.clone(),
-    };
-    Column::named(&column.header, &header, (chain, Some(Role::Scalar(k))), 0)
 }
 
 /// A header that makes sense.
@@ -228,9 +214,12 @@ impl Header {
         let channels = self.slots.channels.iter().map(channel);
         let session = self.slots.session.map(|_| number(SESSION));
         let landmark = self.slots.landmark.map(|_| number(LANDMARK));
-        let observed = [KIND, VALUE[0], VALUE[1]].map(|name| self.slots.landmark.map(|_| number(name)));
+        let observed =
+            [KIND, VALUE[0], VALUE[1], VALUE[2]].map(|name| self.slots.landmark.map(|_| number(name)));
+        let point = self.slots.point.map(|_| number(POINT));
         let tool = (chain.tools().len() > 1).then(|| number(TOOL));
-        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten()).chain(tool);
+        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten());
+        let hidden = hidden.chain(point).chain(tool);
         Schema {
             channels: channels.chain(hidden).collect(),
             time: self.slots.time.is_some(),
@@ -261,6 +250,7 @@ impl Header {
             session: self.find(Role::Session),
             kind: self.find(Role::Kind),
             landmark: self.find(Role::Landmark),
+            point: self.find(Role::Point),
             scalars: std::array::from_fn(|k| self.find(Role::Scalar(k))),
             payload: self.find(Role::PayloadMass),
             centre: self.group([0, 1, 2].map(Role::PayloadCentre))?,
@@ -274,7 +264,7 @@ impl Header {
                 Role::Moment(2),
             ])?,
             time: self.find(Role::Time),
-            approach: (0..chain.movable().len()).map(|k| self.find(Role::Approach(k))).collect(),
+            approach: self.sides(chain),
             position_sd: self.group([0, 1, 2].map(Role::PositionSd))?,
             orientation_sd: self.group([0, 1, 2].map(Role::OrientationSd))?,
             channels: (0..self.columns.len())
@@ -340,9 +330,16 @@ impl Header {
         Ok(Some(slots))
     }
 
+    /// The columns of directions of approach; a joint that follows another one shares its column.
+    fn sides(&self, chain: &Chain) -> Vec<Option<usize>> {
+        let own = |k: usize| self.find(Role::Approach(k));
+        (0..chain.movable().len()).map(|k| own(coupled::column_of(chain, k))).collect()
+    }
+
     fn joints(&self, chain: &Chain, needs: Needs) -> Result<Option<Vec<usize>>, IoError> {
-        let found: Vec<Option<usize>> =
-            (0..chain.movable().len()).map(|k| self.find(Role::Joint(k))).collect();
+        let found: Vec<Option<usize>> = (0..chain.movable().len())
+            .map(|k| self.find(Role::Joint(coupled::column_of(chain, k))))
+            .collect();
         if !needs.joints && found.iter().all(Option::is_none) {
             return Ok(None);
         }

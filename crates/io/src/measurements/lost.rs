@@ -37,7 +37,8 @@ impl Lost {
         if !known {
             return true;
         }
-        let joints: Vec<f64> = slots.iter().map(|&k| numbers[k]).collect();
+        let mut joints: Vec<f64> = slots.iter().map(|&k| numbers[k]).collect();
+        self.chain.follow(&mut joints);
         let tool = self.chain.forward(&joints);
         let at = match target {
             Some(t) => tool.apply(&self.chain.targets()[t.0].position),

@@ -22,8 +22,10 @@ impl Header {
 
     /// Joints without a column.
     pub(super) fn missing_joints(&self, chain: &Chain, found: &[Option<usize>]) -> String {
-        let missing: Vec<(usize, &str)> =
-            joint_names(chain).enumerate().filter(|(k, _)| found[*k].is_none()).collect();
+        let missing: Vec<(usize, &str)> = joint_names(chain)
+            .enumerate()
+            .filter(|(k, _)| found[*k].is_none() && chain.is_commanded(*k))
+            .collect();
         let (columns, proposal) = (self.listed(), self.proposal.text());
         if let [(k, name)] = missing[..] {
             let units: Vec<String> =

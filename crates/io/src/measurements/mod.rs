@@ -5,6 +5,7 @@
 //!                                             └──► read_measurements: the whole file, its visits and approaches
 //! ```
 
+mod beside_kind;
 pub(crate) mod cells;
 mod clock;
 pub(crate) mod columns;

@@ -2,7 +2,7 @@
 
 use super::cells::{cell, number, plain_number};
 use super::clock;
-use super::columns::{Cells, Column, Role, joint_names};
+use super::columns::{Cells, Column, Role, columns_of, joint_names};
 use super::coupled;
 use super::header::Header;
 use super::info::Seen;
@@ -80,6 +80,8 @@ pub(crate) struct Row {
     pub kind: Kind,
     /// Number of the landmark, as in [`RowReader::landmarks`].
     pub landmark: Option<usize>,
+    /// Number of the landmark that a camera on the robot saw, likewise.
+    pub point: Option<usize>,
     pub time: f64,
     pub(super) target: Option<TargetId>,
     /// The tool that the row names.
@@ -93,7 +95,7 @@ impl RowReader {
         let kind = |column: &Column| (column.cells, column.conversion.is_si());
         RowReader {
             kinds: header.columns.iter().map(kind).collect(),
-            plausible: chain.movable().iter().map(|&joint| Plausible::of(chain, joint)).collect(),
+            plausible: columns_of(chain).map(|joint| Plausible::of(chain, joint)).collect(),
             targets: chain.targets().iter().map(|target| target.name.clone()).collect(),
             carriers: chain.targets().iter().map(|target| target.tool).collect(),
             tools: chain.tools().iter().map(|tool| tool.name.clone()).collect(),
@@ -107,7 +109,7 @@ impl RowReader {
             beyond: vec![None; joint_names(chain).count()],
             lost: Lost::new(chain),
             exclude,
-            coupled: (!chain.couplings().is_empty()).then(|| Box::new(chain.clone())),
+            coupled: chain.has_other_values().then(|| Box::new(chain.clone())),
             failed: false,
             problems: Vec::new(),
             header,
@@ -155,6 +157,7 @@ impl RowReader {
                     | Cells::Session
                     | Cells::Kind
                     | Cells::Landmark
+                    | Cells::Point
                     | Cells::Tool
             ) {
                 at = self.read_text(line, text, at, k)?;
@@ -248,19 +251,25 @@ impl RowReader {
         for (column, slot) in into.approach.iter_mut().zip(&slots.approach) {
             column.push(slot.map_or(0.0, |k| self.numbers[k]));
         }
+        if let Some(chain) = &self.coupled {
+            coupled::sides(chain, &mut into.approach);
+        }
         for (column, &k) in into.channels.iter_mut().zip(&slots.channels) {
             column.push(self.numbers[k]);
         }
         let session = slots.session.map(|_| self.row.session as f64);
         let landmark = slots.landmark.map(|_| self.row.landmark.map_or(0.0, |k| (k + 1) as f64));
         let observed = slots.landmark.map(|_| self.observation());
+        let point = slots.point.map(|_| self.row.point.map_or(0.0, |k| (k + 1) as f64));
         let tool = (self.tools.len() > 1).then(|| self.tool().0 as f64);
-        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten()).chain(tool);
+        let hidden = session.into_iter().chain(landmark).chain(observed.into_iter().flatten());
+        let hidden = hidden.chain(point).chain(tool);
         for (column, number) in into.channels.iter_mut().skip(slots.channels.len()).zip(hidden) {
             column.push(number);
         }
-        into.position.push(if self.row.lost { [f64::NAN; 3] } else { three(slots.position) });
-        into.position_sd.push(three(slots.position_sd));
+        let nowhere = self.row.lost || self.is_relative();
+        into.position.push(if nowhere { [f64::NAN; 3] } else { three(slots.position) });
+        into.position_sd.push(if self.is_relative() { [f64::NAN; 3] } else { three(slots.position_sd) });
         into.orientation_sd.push(three(slots.orientation_sd));
         into.orientation.push(self.row.orientation);
         into.target.push(self.row.target);

@@ -118,7 +118,7 @@ pub(super) fn look_at_columns(read: &ReadSoFar<'_>, chain: &Chain, warnings: &mu
         warnings.push(at(line, Some(slots[0]), message));
     }
     if let Some(slots) = &header.slots.joints {
-        for (joint, &k) in slots.iter().enumerate() {
+        for (joint, &k) in slots.iter().enumerate().filter(|(joint, _)| chain.is_commanded(*joint)) {
             if let Some((line, count)) = read.rows.beyond[joint] {
                 let message = format!("is beyond the joint's limits{}", more(count));
                 warnings.push(at(line, Some(k), message));
@@ -191,9 +191,13 @@ fn unvaried(read: &ReadSoFar<'_>, data: &Dataset, warnings: &mut Vec<Warning>) {
     let header = &read.rows.header;
     let still = |column: &[f64]| column.iter().all(|q| q.to_bits() == column[0].to_bits());
     if let Some(slots) = &header.slots.joints {
-        let fixed: Vec<usize> =
+        let mut fixed: Vec<usize> =
             data.joints.iter().zip(slots).filter(|(column, _)| still(column)).map(|(_, &k)| k).collect();
-        if !fixed.is_empty() && fixed.len() == slots.len() {
+        let count = fixed.len();
+        // Joints that follow one another share a column.
+        fixed.dedup();
+        let all = count == slots.len();
+        if all && count > 0 {
             let message =
                 "no joint moves: all rows are one configuration, which contains no information about the arm";
             header.warn(warnings, None, message);

@@ -42,7 +42,10 @@ impl RowReader {
                     self.take_id(k, &value.to_string());
                     continue;
                 }
-                (Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool, Cell::Number(value)) => {
+                (
+                    Cells::Session | Cells::Kind | Cells::Landmark | Cells::Point | Cells::Tool,
+                    Cell::Number(value),
+                ) => {
                     self.take_word(line, k, &value.to_string());
                     continue;
                 }
@@ -58,7 +61,10 @@ impl RowReader {
                         self.take_id(k, text);
                         continue;
                     }
-                    if matches!(cells, Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool) {
+                    if matches!(
+                        cells,
+                        Cells::Session | Cells::Kind | Cells::Landmark | Cells::Point | Cells::Tool
+                    ) {
                         self.take_word(line, k, text);
                         continue;
                     }
@@ -74,7 +80,7 @@ impl RowReader {
             };
             match raw {
                 Some(raw) => self.put(line, k, raw)?,
-                None if matches!(cells, Cells::Kind | Cells::Landmark | Cells::Tool) => {}
+                None if matches!(cells, Cells::Kind | Cells::Landmark | Cells::Point | Cells::Tool) => {}
                 None if matches!(cells, Cells::Maybe | Cells::Target | Cells::Id) => {
                     self.numbers[k] = f64::NAN
                 }

@@ -50,7 +50,7 @@ impl RowReader {
             Cells::Blank => self.seen[k].filled += usize::from(!content.is_empty()),
             Cells::Use => self.use_row(line, k, &content)?,
             Cells::Id => self.take_id(k, &content),
-            Cells::Session | Cells::Kind | Cells::Landmark | Cells::Tool => {
+            Cells::Session | Cells::Kind | Cells::Landmark | Cells::Point | Cells::Tool => {
                 self.take_word(line, k, &content);
             }
             _ => {}
@@ -97,12 +97,13 @@ impl RowReader {
                     self.problems.push(self.header.cell_error(line, k, message));
                 }
             },
-            _ => {
+            cells => {
                 let number = self.landmarks.iter().position(|known| known == word).unwrap_or_else(|| {
                     self.landmarks.push(word.to_owned());
                     self.landmarks.len() - 1
                 });
-                self.row.landmark = Some(number);
+                let at = if cells == Cells::Point { &mut self.row.point } else { &mut self.row.landmark };
+                *at = Some(number);
                 self.seen[k].filled += 1;
             }
         }

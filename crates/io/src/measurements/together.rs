@@ -5,7 +5,7 @@ use super::row::{Kind, RowReader};
 use super::scalars::{SCALARS, usual_unit};
 use super::visits::in_session;
 use crate::IoError;
-use truepose_errormodel::observation::{Camera, Distance, KINDS, Linear};
+use truepose_errormodel::observation::{Camera, Distance, KINDS, Linear, Relative};
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
 
@@ -143,6 +143,20 @@ impl RowReader {
             }
             _ => {}
         }
+        if word == Relative::KIND {
+            return match slots.position {
+                None => error(
+                    kind,
+                    format!(
+                        "`{word}` needs columns `x[mm]`, `y[mm]`, `z[mm]`: where the target was in the frame of its series"
+                    ),
+                ),
+                Some(slots) => match slots.iter().find(|&&k| self.numbers[k].is_nan()) {
+                    Some(&k) => error(k, format!("is empty; a row of kind `{word}` has a whole position")),
+                    None => Ok(()),
+                },
+            };
+        }
         match slots.position.iter().flatten().find(|&&k| !self.numbers[k].is_nan()) {
             Some(&k) => {
                 error(k, format!("a row of kind `{word}` has no measured position; leave x, y, z empty"))
@@ -152,11 +166,19 @@ impl RowReader {
     }
 
     /// Number of the kind, from one, and the measured numbers, as channels of the data.
-    pub(super) fn observation(&self) -> [f64; 3] {
-        let Kind::Number(k) = self.row.kind else { return [0.0; 3] };
+    pub(super) fn observation(&self) -> [f64; 4] {
+        let Kind::Number(k) = self.row.kind else { return [0.0; 4] };
+        if let (true, Some([x, y, z])) = (self.is_relative(), self.header.slots.position) {
+            return [(k + 1) as f64, self.numbers[x], self.numbers[y], self.numbers[z]];
+        }
         let values = self.header.slots.scalars.iter().flatten().map(|&slot| self.numbers[slot]);
         let mut values = values.filter(|value| !value.is_nan());
-        [(k + 1) as f64, values.next().unwrap_or(0.0), values.next().unwrap_or(0.0)]
+        [(k + 1) as f64, values.next().unwrap_or(0.0), values.next().unwrap_or(0.0), 0.0]
+    }
+
+    /// Whether the row's position is one in the frame of its series.
+    pub(super) fn is_relative(&self) -> bool {
+        matches!(self.row.kind, Kind::Number(k) if KINDS[k] == Relative::KIND)
     }
 
     fn loaded(&mut self) -> Result<(), IoError> {

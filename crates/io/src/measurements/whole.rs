@@ -103,8 +103,11 @@ pub(crate) fn read_table(
     if info.landmarks.is_empty() {
         data.set_landmarks(None);
     }
+    if (0..data.len()).all(|row| data.point(row).is_none()) {
+        data.set_points(None);
+    }
     if (0..data.len()).all(|row| data.kind(row).is_none()) {
-        data.set_kinds(None, [None, None]);
+        data.set_kinds(None, [None, None, None]);
     }
     let configuration = configurations(&data);
     info.configurations = configuration.iter().max().map_or(0, |last| last + 1);

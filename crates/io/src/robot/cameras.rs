@@ -1,4 +1,4 @@
-//! `[[cameras]]` of a robot description: what looks at the robot, and what is known of it.
+//! `[[cameras]]` of a robot description: what looks at the robot or from it, and what is known of it.
 
 use super::names::cell_problem;
 use crate::toml_tree::{Table, Value};
@@ -18,12 +18,9 @@ pub(super) fn read(table: &Table<'_>, length: &Unit, angle: &Unit) -> Result<Lan
     if let Some(problem) = cell_problem(text) {
         return Err(name.error(problem));
     }
-    if let Some(mount) = table.get("mount").filter(|mount| !mount.string().is_ok_and(|word| word == "base")) {
-        let word = mount.string()?;
-        return Err(mount.error(format!(
-            "a camera on `{word}` is not supported: `mount = \"base\"` is a camera in the cell, which looks at targets on the tool"
-        )));
-    }
+    let mount = table.get("mount").map(|mount| mount.string().map(String::from)).transpose()?;
+    // A camera in the cell looks at targets on the tool.
+    let mount = mount.filter(|word| word != "base");
     let positive = |key: &str| -> Result<f64, IoError> {
         let value = table.require(key)?;
         match value.number()? {
@@ -69,7 +66,7 @@ pub(super) fn read(table: &Table<'_>, length: &Unit, angle: &Unit) -> Result<Lan
     };
     let camera = Camera { place, known, intrinsics, distortion, free_intrinsics: !free.is_empty(), size };
     let position = place.map(|place| place.translation);
-    Ok(Landmark { name: text.into(), position, known, observed: Some(Box::new(camera)), sd })
+    Ok(Landmark { name: text.into(), position, known, observed: Some(Box::new(camera)), mount, sd })
 }
 
 /// k1, k2, p1, p2, k3, of which the last ones may be left out.

@@ -6,6 +6,7 @@ mod columns;
 mod couplings;
 mod details;
 mod kinematics_yaml;
+mod mimics;
 pub(crate) mod names;
 mod sessions;
 mod surroundings;
@@ -16,6 +17,7 @@ mod turns;
 mod urdf;
 mod urdf_corrected;
 mod urdf_form;
+mod urdf_mimics;
 mod urdf_path;
 mod write;
 mod xml_places;
@@ -70,7 +72,8 @@ pub fn read_robot(path: impl AsRef<Path>, options: &RobotOptions) -> Result<(Cha
         Some("toml") => toml_form::read(path, options, &mut warnings)?,
         Some("urdf") => {
             let arm = urdf::read(path, options, &mut warnings)?;
-            Chain::new(arm.name, arm.joints).map_err(|error| IoError::file(path, error.to_string()))?
+            let whole = Chain::new(arm.name, arm.joints).and_then(|chain| chain.with_mimics(arm.mimics));
+            whole.map_err(|error| IoError::file(path, error.to_string()))?
         }
         Some("yaml" | "yml") => kinematics_yaml::read_chain(path)?,
         Some("xacro") => {

@@ -5,7 +5,7 @@ use super::names::cell_problem;
 use crate::nearest::{listed, meant};
 use crate::toml_tree::{Table, Value};
 use crate::{IoError, Unit};
-use truepose_errormodel::observation::{Distance, Linear, Observation, Plane, Sphere};
+use truepose_errormodel::observation::{Distance, Linear, Observation, Plane, Relative, Sphere};
 use truepose_errormodel::{KnownDistance, Landmark, Surroundings};
 use truepose_kinematics::nalgebra::Vector3;
 
@@ -19,10 +19,12 @@ enum Kind {
     Distance,
     Plane,
     Linear,
+    /// Positions in a frame of their own.
+    Relative,
 }
 
 /// Words for them.
-const KINDS: [(&str, Kind); 8] = [
+const KINDS: [(&str, Kind); 9] = [
     ("point", Kind::Point),
     ("socket", Kind::Point),
     ("cone", Kind::Point),
@@ -31,6 +33,7 @@ const KINDS: [(&str, Kind); 8] = [
     ("anchor", Kind::Distance),
     ("plane", Kind::Plane),
     ("linear", Kind::Linear),
+    ("relative", Kind::Relative),
 ];
 
 pub(super) fn read(root: &Table<'_>, length: &Unit, angle: &Unit) -> Result<Surroundings, IoError> {
@@ -73,7 +76,7 @@ fn landmark(table: &Table<'_>, length: &Unit) -> Result<Landmark, IoError> {
         ("gain", &[Kind::Distance, Kind::Linear]),
         ("offset", &[Kind::Distance, Kind::Linear]),
         ("free", &[Kind::Distance, Kind::Linear, Kind::Sphere]),
-        ("sd", &[Kind::Distance, Kind::Linear, Kind::Sphere, Kind::Plane]),
+        ("sd", &[Kind::Distance, Kind::Linear, Kind::Sphere, Kind::Plane, Kind::Relative]),
     ] {
         if let Some(value) = table.get(key).filter(|_| !kinds.contains(&kind)) {
             let words = KINDS.iter().filter(|(_, known)| kinds.contains(known));
@@ -91,6 +94,11 @@ fn landmark(table: &Table<'_>, length: &Unit) -> Result<Landmark, IoError> {
         _ => position.is_some(),
     };
     let known = said.unwrap_or(given);
+    if known && kind == Kind::Relative {
+        return Err(name.error(format!(
+            "the frame of series `{text}` is found from its rows; leave out `xyz` and `known`"
+        )));
+    }
     if known && !given {
         let lacks = match kind {
             Kind::Plane => "no `normal`, or no `xyz` of a point of it",
@@ -100,7 +108,7 @@ fn landmark(table: &Table<'_>, length: &Unit) -> Result<Landmark, IoError> {
         return Err(name.error(format!("landmark `{text}` is known, but has {lacks}")));
     }
     let (observed, sd) = (of.observation(kind, known)?, of.above_zero("sd")?);
-    Ok(Landmark { name: text.into(), position, known, observed, sd })
+    Ok(Landmark { name: text.into(), position, known, observed, mount: None, sd })
 }
 
 /// A direction as a unit vector.
@@ -154,6 +162,7 @@ impl Numbers<'_> {
                 let free_radius = radius.is_none() || free.contains(&"radius");
                 Some(Box::new(Sphere { centre: self.position, known, radius, free_radius }))
             }
+            Kind::Relative => Some(Box::new(Relative::default())),
             Kind::Linear => {
                 let free = self.free(&["gain", "offset"])?;
                 Some(Box::new(Linear {

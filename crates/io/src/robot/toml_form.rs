@@ -2,7 +2,7 @@
 
 use super::names::joint_name_problem;
 use super::{MOST_JOINTS, RobotOptions, turns, urdf};
-use super::{columns, couplings, details, kinematics_yaml, sessions, surroundings, targets, tree};
+use super::{columns, couplings, details, kinematics_yaml, mimics, sessions, surroundings, targets, tree};
 use crate::frame_names::joint_name;
 use crate::text::Text;
 use crate::toml_tree::{Document, Table, Value};
@@ -80,6 +80,7 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
         turns::look(&root, path, warnings);
     }
     let (found, there) = kinematics_yaml::named(&root, |file| beside(path, file))?;
+    let mut followers = Vec::new();
     let ((name, joints), parents) = match (root.get("urdf"), root.get("joints")) {
         (None, None) if found.is_some() => (found.unwrap_or_default(), Vec::new()),
         (Some(urdf), Some(_)) => {
@@ -87,6 +88,7 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
         }
         (Some(file), None) => {
             let arm = from_urdf(path, &root, &file, options, warnings)?;
+            followers = arm.mimics;
             ((arm.name, arm.joints), arm.parents)
         }
         (None, joints) => {
@@ -133,8 +135,13 @@ pub(super) fn of(text: &Text, options: &RobotOptions, warnings: &mut Vec<Warning
     }
     let mut errors = Vec::new();
     let couplings = couplings::read(&root, &chain, &mut errors)?;
-    some(errors)?;
-    chain = chain.with_couplings(couplings).map_err(whole)?;
+    some(std::mem::take(&mut errors))?;
+    chain = chain.with_couplings(couplings).and_then(|chain| chain.with_mimics(followers)).map_err(whole)?;
+    if let Some(joints) = root.get("joints") {
+        chain =
+            mimics::with_mimics(&joints.tables("joints")?, chain, (units.length, units.angle), &mut errors)?;
+        some(errors)?;
+    }
     if let Some(base) = base.or(there.0) {
         chain = chain.with_base(base).map_err(whole)?;
     }
@@ -259,7 +266,7 @@ fn joints(value: &Value<'_>, units: Units, errors: &mut Vec<IoError>) -> Result<
 }
 
 fn joint(table: &Table<'_>, units: Units) -> Result<Joint, IoError> {
-    table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com", "parent"])?;
+    table.only(&["name", "type", "limits", "dh", "mdh", "origin", "mass", "com", "parent", "mimic"])?;
     let name = table.require("name")?;
     let called = joint_name(name.string()?);
     if let Some(problem) = joint_name_problem(&called) {

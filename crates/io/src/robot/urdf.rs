@@ -5,6 +5,7 @@
 
 use super::RobotOptions;
 use super::names::joint_name_problem;
+use super::urdf_mimics::urdf_mimics;
 use super::urdf_path::path_between;
 use super::xml_places::{place_of, tags};
 use crate::nearest::{listed, meant};
@@ -13,7 +14,7 @@ use crate::toml_tree::Value;
 use crate::{IoError, Warning};
 use std::path::Path;
 use truepose_kinematics::nalgebra::{Unit as UnitVector, Vector3};
-use truepose_kinematics::{Joint, JointId, JointKind, Link, Placement, Pose};
+use truepose_kinematics::{Joint, JointId, JointKind, Link, Mimic, Placement, Pose};
 use urdf_rs::JointType;
 
 /// The part of a URDF that is read.
@@ -23,6 +24,8 @@ pub(super) struct Arm {
     pub joints: Vec<Joint>,
     /// The joint in front of each; none of them where all follow one another.
     pub parents: Vec<Option<JointId>>,
+    /// Joints that follow others.
+    pub mimics: Vec<Mimic>,
 }
 
 pub(super) fn read(path: &Path, options: &RobotOptions, warnings: &mut Vec<Warning>) -> Result<Arm, IoError> {
@@ -82,6 +85,7 @@ pub(super) fn read_tree(
         on_path.iter().position(|other| other.child.link == joint.parent.link).map(|k| JointId(k + 1))
     };
     let parents = if ends.is_empty() { Vec::new() } else { on_path.iter().map(before).collect() };
+    let mimics = urdf_mimics(&on_path, |name, message| text.error(place_of(&tags, "joint", name), message))?;
     let mut joints: Vec<Joint> = Vec::with_capacity(on_path.len());
     for described in on_path {
         let at = place_of(&tags, "joint", &described.name);
@@ -110,18 +114,13 @@ pub(super) fn read_tree(
     if joints.is_empty() {
         return Err(text.error(0, "base and tip are the same link; choose links with joints between them"));
     }
-    Ok(Arm { name: robot.name.clone(), joints, parents })
+    Ok(Arm { name: robot.name.clone(), joints, parents, mimics })
 }
 
 fn joint(described: &urdf_rs::Joint) -> Result<Joint, String> {
     let name = &described.name;
     if let Some(problem) = joint_name_problem(name) {
         return Err(problem);
-    }
-    if described.mimic.is_some() {
-        return Err(format!(
-            "joint `{name}` mimics another one, which is not supported between base and tip"
-        ));
     }
     let kind = match described.joint_type {
         JointType::Revolute | JointType::Continuous => JointKind::Revolute,
@@ -311,9 +310,18 @@ mod tests {
         );
         let mimic = good.replace("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0\"/><mimic joint=\"j1\"/>");
         assert_eq!(
-            read(&mimic, None, None).unwrap_err(),
-            "a.urdf:10:1: joint `j2` mimics another one, which is not supported between base and tip"
+            read(&mimic.replace("mimic joint=\"j1", "mimic joint=\"j9"), None, None).unwrap_err(),
+            "a.urdf:10:1: joint `j2` mimics `j9`, which is not between base and tip; choose other links (joints there: j1, j2, j3, flange)"
         );
+        let circle = read(&mimic.replace("mimic joint=\"j1", "mimic joint=\"j2"), None, None).unwrap_err();
+        assert_eq!(circle, "a.urdf:10:1: joint `j2` cannot mimic: joints follow each other in a circle");
+        let (chain, _) =
+            read(&mimic.replace("\"j1\"/>", "\"j1\" multiplier=\"-2\" offset=\"0.1\"/>"), None, None)
+                .unwrap();
+        let mut values = [0.3, 7.0, 0.2];
+        chain.joints_from_controller(&mut values);
+        let expected = [0.3, -2.0 * 0.3 + 0.1, 0.2];
+        assert!(values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-15));
         let zero = read(&good.replace("0 1 0", "0 0 0"), None, None).unwrap_err();
         assert!(zero.starts_with("a.urdf:10:1: the axis of joint `j2` has no direction"), "{zero}");
         let reserved = read(&good.replace("\"j2\"", "\"time\""), None, None).unwrap_err();

@@ -38,7 +38,10 @@ fn write(chain: &Chain, comments: &[String], out: &mut String) -> std::fmt::Resu
             (JointKind::Revolute, None) => "continuous",
         };
         let limits = joint.limits.filter(|_| joint.moves());
-        connection(&joint.name, kind, &(before * pose), (&parent, &child), Some(axis), limits, out)?;
+        let mimic = chain.mimics().iter().find(|mimic| mimic.joint.0 == index + 1);
+        let follows = mimic.map(|mimic| (chain.joint(mimic.driver).name.as_str(), mimic.ratio, mimic.offset));
+        let motion = (axis, limits, follows);
+        connection(&joint.name, kind, &(before * pose), (&parent, &child), Some(motion), out)?;
         frames.push((child, behind));
     }
     for tool in chain.tools() {
@@ -49,7 +52,7 @@ fn write(chain: &Chain, comments: &[String], out: &mut String) -> std::fmt::Resu
         if pose != Pose::IDENTITY || chain.tools().len() > 1 {
             let (link, joint) = (format!("{name}_link"), format!("{name}_joint"));
             writeln!(out, "  <link name=\"{}\"/>", escaped(&link))?;
-            connection(&joint, "fixed", &pose, (parent, &link), None, None, out)?;
+            connection(&joint, "fixed", &pose, (parent, &link), None, out)?;
         }
     }
     writeln!(out, "</robot>")
@@ -67,21 +70,28 @@ fn link(name: &str, joint: &Joint, behind: &Pose, out: &mut String) -> std::fmt:
     )
 }
 
+/// Axis and limits of a joint that moves; what it follows: name, ratio, offset.
+type Motion<'a> = ([f64; 3], Option<(f64, f64)>, Option<(&'a str, f64, f64)>);
+
 fn connection(
     name: &str,
     kind: &str,
     origin: &Pose,
     (parent, child): (&str, &str),
-    axis: Option<[f64; 3]>,
-    limits: Option<(f64, f64)>,
+    motion: Option<Motion<'_>>,
     out: &mut String,
 ) -> std::fmt::Result {
     writeln!(out, "  <joint name=\"{}\" type=\"{kind}\">", escaped(name))?;
     let (xyz, rpy) = (triple(origin.translation.into()), triple(origin.rpy()));
     writeln!(out, "    <origin xyz=\"{xyz}\" rpy=\"{rpy}\"/>")?;
     writeln!(out, "    <parent link=\"{}\"/>\n    <child link=\"{}\"/>", escaped(parent), escaped(child))?;
-    if let Some(axis) = axis.filter(|_| kind != "fixed") {
+    if let Some((axis, ..)) = motion.filter(|_| kind != "fixed") {
         writeln!(out, "    <axis xyz=\"{}\"/>", triple(axis))?;
+    }
+    let (limits, follows) = motion.map_or((None, None), |(_, limits, follows)| (limits, follows));
+    if let Some((driver, ratio, offset)) = follows {
+        let driver = escaped(driver);
+        writeln!(out, "    <mimic joint=\"{driver}\" multiplier=\"{ratio:?}\" offset=\"{offset:?}\"/>")?;
     }
     if let Some((lower, upper)) = limits.filter(|(lower, upper)| lower.is_finite() && upper.is_finite()) {
         writeln!(out, "    <limit lower=\"{lower:?}\" upper=\"{upper:?}\" effort=\"0\" velocity=\"0\"/>")?;

@@ -51,6 +51,11 @@ fn write(chain: &Chain, out: &mut String) -> std::fmt::Result {
                 writeln!(out, "origin = {{ xyz = {xyz}, rpy = {rpy}, axis = {} }}", array(axis.as_slice()))?;
             }
         }
+        if let Some(mimic) = chain.mimics().iter().find(|mimic| mimic.joint.0 == index + 1) {
+            let driver = quoted(&chain.joint(mimic.driver).name);
+            let (ratio, offset) = (mimic.ratio, mimic.offset);
+            writeln!(out, "mimic = {{ joint = {driver}, ratio = {ratio:?}, offset = {offset:?} }}")?;
+        }
         if let Some(link) = &joint.link {
             writeln!(out, "mass = {:?}\ncom = {}", link.mass, array(link.com.as_slice()))?;
         }

@@ -77,7 +77,7 @@ fn what_is_wrong_with_a_camera_is_told_where_it_stands() {
         (
             plain("fx = 800", "fx = 800\nmount = \"tool\""),
             cell.rows.clone(),
-            "a camera on `tool` is not supported",
+            "line 2: a camera on the robot needs the point that it saw",
         ),
         (
             plain("fx = 800", "fx = 800\nknown = true"),

@@ -22,7 +22,11 @@ pub const TOOL: [f64; 3] = [0.03, 0.02, 0.12];
 pub struct Draw(u64);
 
 impl Draw {
-    fn next(&mut self) -> f64 {
+    pub fn new(seed: u64) -> Self {
+        Draw(seed)
+    }
+
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
@@ -40,7 +44,12 @@ impl Draw {
 impl Arm {
     /// Where the tip is, with offsets of the joints.
     pub fn tip(&self, q: &[f64; 6], offsets: &[f64; 6]) -> [f64; 3] {
-        let mut p = TOOL;
+        self.point(q, offsets, TOOL)
+    }
+
+    /// Where a point of the flange is.
+    pub fn point(&self, q: &[f64; 6], offsets: &[f64; 6], of: [f64; 3]) -> [f64; 3] {
+        let mut p = of;
         for k in (0..6).rev() {
             let [d, a, alpha] = self.0[k];
             let (sa, ca) = alpha.to_radians().sin_cos();
@@ -52,7 +61,7 @@ impl Arm {
     }
 
     /// Lengths, twists and joint offsets that the description does not have.
-    fn real(seed: u64) -> (Arm, [f64; 6]) {
+    pub fn real(seed: u64) -> (Arm, [f64; 6]) {
         let mut draw = Draw(seed);
         let mut arm = NOMINAL;
         for joint in &mut arm.0 {
@@ -200,6 +209,17 @@ impl Cell {
             let q = self.anywhere();
             let p = self.arm.tip(&q, &self.offsets).map(|v| 1e3 * (v + 1e-4 * self.draw.noise()));
             self.row("position", "", &format!(",,{:.5},{:.5},{:.5},,", p[0], p[1], p[2]), &q);
+        }
+        self
+    }
+
+    /// Positions in a frame, three axes and an origin.
+    pub fn series(&mut self, name: &str, rows: usize, frame: &[[f64; 3]; 4], noise: f64) -> &mut Self {
+        for _ in 0..rows {
+            let q = self.anywhere();
+            let away = minus(self.arm.tip(&q, &self.offsets), frame[3]);
+            let p = [0, 1, 2].map(|k| 1e3 * (dot(frame[k], away) + noise * self.draw.noise()));
+            self.row("relative", name, &format!(",,{:.5},{:.5},{:.5},,", p[0], p[1], p[2]), &q);
         }
         self
     }

@@ -1,8 +1,10 @@
 //! Kinds of observation through the program: draw wires, planes, spheres and gauges, alone and beside positions.
 
 mod camera;
-mod cell;
+pub mod cell;
+mod eye;
 mod refused;
+mod relative;
 
 use crate::folder::Folder;
 use cell::{ANCHOR, Cell, GAUGE, LANDMARKS, dot, identified, kind, minus, positions, robot};

@@ -85,7 +85,7 @@ fn what_is_wrong_is_reported() {
         (
             change("limits = [0, 2250]", "limit = [0, 2250]"),
             "r.toml:15:1: unknown key `limit` in [[joints]] 1; did you mean `limits`? \
-             (known: name, type, limits, dh, mdh, origin, mass, com, parent)",
+             (known: name, type, limits, dh, mdh, origin, mass, com, parent, mimic)",
         ),
         (
             change("length = \"mm\"", "length = \"cm\""),
