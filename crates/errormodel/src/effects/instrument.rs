@@ -144,7 +144,7 @@ impl Effect for Instrument {
         for axis in Axis::TRANSLATIONS {
             out.push(0, Site::Frame(FrameId::BASE, axis), base[axis.direction()]);
         }
-        for (target, declared) in chain.targets().iter().enumerate() {
+        for (target, declared) in chain.described_targets().iter().enumerate() {
             let there = self.displacement(&tool.apply(&declared.position), up.as_ref());
             let beyond = tool.rotation.tr_mul(&(there - whole));
             for axis in Axis::TRANSLATIONS {
