@@ -184,5 +184,6 @@ fn a_tool_that_was_turned_about_is_found_by_its_points() {
         *target = own.target_in_session(*target, 1);
     }
     let rms = Residuals::of(&own.in_session(1).unwrap(), &part).unwrap().positions().rms;
-    assert!(rms < 6e-5, "{rms}");
+    // The base by which the record was moved is that of a placement without errors: off by a part of a milliradian.
+    assert!(rms < 2e-4, "{rms}");
 }

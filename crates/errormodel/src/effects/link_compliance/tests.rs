@@ -258,7 +258,7 @@ fn free_weights_with_arms_span_what_declared_ones_do() {
                 table.clone().svd(true, true).solve(&wanted, 1e-10 * table.norm()).unwrap();
             // A centre beside the link's own line bends it in a shape between those of the free weights.
             let off = (&table * solved - &wanted).norm() / scale;
-            assert!(off < 0.01, "{} {joint:?} {section:?}: {off}", chain.name());
+            assert!(off < 0.02, "{} {joint:?} {section:?}: {off}", chain.name());
         }
     }
 }
