@@ -14,9 +14,34 @@
 //! the drives of a wrist pass through its first joint), and where the controller counts an angle from the horizontal (J3 of FANUC).
 //! Kinematics, data sets, models and commands are in q. Values u occur where tables are read and written, and at limits.
 
-use crate::mimics::{Follower, Mimic};
 use crate::{ChainError, JointId};
 use serde::{Deserialize, Serialize};
+
+/// A joint that follows another one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mimic {
+    /// The joint that follows.
+    pub joint: JointId,
+    /// The joint that it follows; it may follow a third one.
+    pub driver: JointId,
+    /// r: unit of the joint per unit of the driver.
+    pub ratio: f64,
+    /// o, rad or m.
+    pub offset: f64,
+}
+
+/// A following joint by coordinates, with the joint at the end of its drivers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Follower {
+    /// The coordinate of the joint that follows.
+    pub joint: usize,
+    /// The coordinate of a joint that follows none.
+    pub driver: usize,
+    /// r.
+    pub ratio: f64,
+    /// o, rad or m.
+    pub offset: f64,
+}
 
 /// The joint's variable contains `factor` times the driver's controller value, besides its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

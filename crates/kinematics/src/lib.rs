@@ -25,14 +25,13 @@ mod tree;
 
 pub use chain::{Chain, Gravity, GravityFrame};
 pub use conditions::{Conditions, Slot};
-pub use couplings::Coupling;
+pub use couplings::{Coupling, Follower, Mimic};
 pub use error::ChainError;
 pub use ids::{Axis, FrameId, JointId, Site, TargetId, ToolId};
 pub use jacobian::joint_jacobian;
 pub use joint::{Joint, JointKind, Link, Placement};
 pub use link::Span;
 pub use load::{Load, Payload, Wrench};
-pub use mimics::{Follower, Mimic};
 pub use motion::{JointMotion, Twist};
 pub use pose::{Pose, rotation_log, rotation_vector, skew};
 pub use posture::{Posture, PostureBuffer, weigh};

@@ -13,34 +13,8 @@
 //! controller's values become variables ([`Chain::joints_from_controller`]) it is worked out, and no table has a column for it. Its own errors
 //! act behind it. An error of the motion of the driving joint is not passed on: what moves is the value that the controller reports.
 
+use crate::couplings::{Follower, Mimic};
 use crate::{Chain, ChainError, JointId};
-use serde::{Deserialize, Serialize};
-
-/// A joint that follows another one.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Mimic {
-    /// The joint that follows.
-    pub joint: JointId,
-    /// The joint that it follows; it may follow a third one.
-    pub driver: JointId,
-    /// r: unit of the joint per unit of the driver.
-    pub ratio: f64,
-    /// o, rad or m.
-    pub offset: f64,
-}
-
-/// A following joint by coordinates, with the joint at the end of its drivers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Follower {
-    /// The coordinate of the joint that follows.
-    pub joint: usize,
-    /// The coordinate of a joint that follows none.
-    pub driver: usize,
-    /// r.
-    pub ratio: f64,
-    /// o, rad or m.
-    pub offset: f64,
-}
 
 impl Chain {
     /// With joints that follow others.

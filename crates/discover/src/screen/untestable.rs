@@ -164,7 +164,7 @@ mod tests {
                 orientation_sd: factor * 1e-4,
             };
             let mut screen = Screen::new(&linearisation, &Library::standard(), &[]);
-            screen.candidates.truncate(400);
+            screen.candidates.truncate(500);
             untestable(&linearisation, &screen, 21.0)
         };
         let policy = Policy::default();

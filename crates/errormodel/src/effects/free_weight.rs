@@ -6,7 +6,6 @@
 //!
 //! so that every link that turns has two numbers, across its axis, and a slide one, its own way.
 
-use super::joint_compliance::across;
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Joint, JointId, JointKind, Posture};
 
@@ -24,4 +23,13 @@ pub(in crate::effects) fn arms(at: &Posture<'_>, id: JointId) -> [Option<Vector3
         JointKind::Prismatic => [Some(rotation * joint.axis_behind() * at.joint(id)), None],
         _ => across(joint).map(|arm| Some(rotation * arm)),
     }
+}
+
+/// Two unit vectors across a joint's axis, in the axes of its link.
+pub(in crate::effects) fn across(joint: &Joint) -> [Vector3<f64>; 2] {
+    let axis = joint.axis_behind();
+    let mut other = Vector3::zeros();
+    other[axis.iamin()] = 1.0;
+    let first = axis.cross(&other).normalize();
+    [first, axis.cross(&first)]
 }

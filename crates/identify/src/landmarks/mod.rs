@@ -18,6 +18,7 @@
 mod carried;
 mod found_in;
 mod gauge;
+mod hand_eye;
 mod held_out;
 mod sensors;
 mod ties;
@@ -29,6 +30,7 @@ use crate::{FitOptions, IdentifyError, fit};
 use carried::Carried;
 use found_in::found_in;
 use gauge::Gauge;
+use hand_eye::with_base;
 use nalgebra::Vector3;
 use sensors::Sensors;
 use std::any::Any;
@@ -87,7 +89,7 @@ pub fn touched(
     let mut data = sensors::one_number_a_row(data, surroundings);
     let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
     let mut sensors = Sensors::of(&data, &of_row, surroundings)?;
-    let carried = Carried::of(chain, &data, &of_row, (surroundings, &sensors))?;
+    let carried = Carried::of(chain, &data, &of_row, (surroundings, &|row| sensors.follows(row)))?;
     data.set_points(None);
     for (at, sensor) in of_row.iter_mut().zip(&sensors.of_row) {
         *at = at.filter(|_| sensor.is_none());
@@ -129,7 +131,7 @@ pub fn touched(
     let mut placed = if images_only { all_known(&chain)? } else { crate::place(&chain, &plain)?.chain };
     let mut poses = sensors::poses(&bare(&placed)?, &plain)?;
     if by_images {
-        placed = carried.with_base(&placed, &mut sensors, &poses)?;
+        placed = with_base(&carried, &placed, &mut sensors, &poses)?;
         poses = sensors::poses(&bare(&placed)?, &plain)?;
     }
     sensors.start(&poses, &carried)?;

@@ -3,7 +3,7 @@
 //! *Inside* means that the vocabulary has a family for it; the physics is never that of the family's formula. *Outside* has
 //! no word of its own (yet): the names listed for it are those that would send a mechanic to the right place.
 
-use super::everything::{Piece, pieces};
+use super::pieces::{Piece, pieces};
 use super::robots::Robot;
 use super::stream::Draw;
 use std::error::Error;

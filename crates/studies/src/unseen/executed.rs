@@ -19,7 +19,7 @@ pub fn judge(
     record: &mut Record,
 ) -> Result<(), Box<dyn Error>> {
     let causes: Vec<_> = reported.effects.iter().filter(|effect| effect.is_cause()).collect();
-    let named = |piece: &super::everything::Piece| {
+    let named = |piece: &super::pieces::Piece| {
         causes.iter().any(|effect| piece.is_named(&effect.name.family, effect.name.joint.as_deref()))
     };
     let words: Vec<String> = made

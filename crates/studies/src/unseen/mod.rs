@@ -17,6 +17,7 @@ mod found;
 mod interval;
 mod judged;
 mod oracle;
+mod pieces;
 mod plant;
 mod record;
 mod reported;

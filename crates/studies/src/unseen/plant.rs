@@ -6,7 +6,7 @@
 use super::cause::{Cause, Hidden};
 use super::compliances::compliances;
 use super::description::{Description, Order};
-use super::everything::Piece;
+use super::pieces::Piece;
 use super::robots::{Robot, robot};
 use super::stream::{Key, Part};
 use std::error::Error;

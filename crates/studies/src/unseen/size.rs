@@ -4,7 +4,7 @@
 //! remains is a multiple of the 3-D RMS of one row's noise. So it does not depend on how many poses are measured.
 
 use super::cause::Hidden;
-use super::everything::Piece;
+use super::pieces::Piece;
 use super::plant::Ground;
 use super::stream::Part;
 use std::error::Error;

@@ -25,6 +25,7 @@ mod mode;
 pub use mode::ComplianceMode;
 
 use crate::effects::checks::{joint_moves, listed_once, refused};
+use crate::effects::free_weight::across;
 use crate::effects::geometric::EXPECTED_ANGLE;
 use crate::effects::link_compliance::OwnWeight;
 use crate::effects::robot_size::robot_size;
@@ -32,8 +33,7 @@ use crate::effects::travel::free;
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Chain, Joint, JointId, JointKind, Posture};
+use truepose_kinematics::{Chain, JointId, JointKind, Posture};
 
 /// Compliance of joints, one unknown each.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -130,15 +130,6 @@ impl JointCompliance {
         let from = chain.movable().iter().copied().filter(move |&k| k >= joint).take(count);
         from.map(|k| (k, if chain.joint(k).kind == JointKind::Prismatic { 1 } else { 2 }))
     }
-}
-
-/// Two unit vectors across a joint's axis, in the axes of its link.
-pub(in crate::effects) fn across(joint: &Joint) -> [Vector3<f64>; 2] {
-    let axis = joint.axis_behind();
-    let mut other = Vector3::zeros();
-    other[axis.iamin()] = 1.0;
-    let first = axis.cross(&other).normalize();
-    [first, axis.cross(&first)]
 }
 
 impl Effect for JointCompliance {
@@ -325,7 +316,7 @@ mod tests {
                     let q: Vec<f64> = (0..chain.movable().len()).map(angle).collect();
                     // The longest entry of an axis carries the whole of it.
                     for entry in emitted(&effect, &chain, &Conditions::at(&chain, &q)) {
-                        let axis = chain.joint_motion(joint).map_or_else(Vector3::zeros, |m| m.axis);
+                        let axis = chain.joint_motion(joint).map_or_else(Default::default, |m| m.axis);
                         let seen = &mut table[(row, entry.column)];
                         if entry.site.axis().direction() == axis.iamax() {
                             *seen += entry.value / axis.amax();

@@ -19,8 +19,9 @@
 //! The bearing tilts about the point of the axis that the description has for it; a slide about the origin of its carriage. What yields at once is the plain
 //! `joint_compliance`, beside which these stand. Sources: Harris and Kotzalas, *Rolling Bearing Analysis* (moment load); Zener's anelastic solid.
 
-use super::{JointCompliance, across};
+use super::JointCompliance;
 use crate::effects::checks::refused;
+use crate::effects::free_weight::across;
 use crate::effects::link_compliance::OwnWeight;
 use crate::effects::robot_size::robot_size;
 use crate::effects::travel::{ascending, positive};
