@@ -33,7 +33,7 @@ pub use joint::{Joint, JointKind, Link, Placement};
 pub use link::Span;
 pub use load::{Load, Payload, Wrench};
 pub use motion::{JointMotion, Twist};
-pub use pose::{Pose, rotation_log, rotation_vector, skew};
+pub use pose::{Pose, nearest_rotation, rotation_log, rotation_vector, skew};
 pub use posture::{Posture, PostureBuffer, weigh};
 pub use sines::sin_cos;
 pub use target::{SEEN, Target};

@@ -193,6 +193,19 @@ pub fn rotation_vector(v: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() + k * a + k * k * b
 }
 
+/// The rotation nearest to a matrix (polar decomposition, determinant +1), in the sense of Frobenius; none of a matrix that holds no numbers.
+/// Source: Kabsch, *A solution for the best rotation to relate two sets of vectors* (1976).
+pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let svd = m.svd(true, true);
+    let (u, vt) = (svd.u?, svd.v_t?);
+    // Singular values descend: the last direction is the weakest.
+    let sign = if (u * vt).determinant() < 0.0 { -1.0 } else { 1.0 };
+    let mut d = Matrix3::identity();
+    d[(2, 2)] = sign;
+    let rotation = u * d * vt;
+    rotation.iter().all(|v| v.is_finite()).then_some(rotation)
+}
+
 /// Rotation vector (rad) of a rotation matrix; accurate near 0 and near π.
 pub fn rotation_log(r: &Matrix3<f64>) -> Vector3<f64> {
     let [w, x, y, z] = Pose::new(*r, Vector3::zeros()).quaternion();

@@ -15,7 +15,7 @@ use super::seam::{OFF, Observation, Reading, Seen, TURNED, shown};
 use super::start::{centre, descended, thinnest};
 use crate::Column;
 use nalgebra::{Matrix3, Vector3};
-use truepose_kinematics::{Pose, rotation_vector, skew};
+use truepose_kinematics::{Pose, nearest_rotation, rotation_vector, skew};
 
 /// A series of positions in a frame of its own.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -87,11 +87,7 @@ impl Observation for Relative {
         let own = seen.iter().map(|(_, z)| number(z)).sum::<Vector3<f64>>() / seen.len() as f64;
         let pair = |(at, z): &Seen| (at.translation - middle) * (number(z) - own).transpose();
         let cross: Matrix3<f64> = seen.iter().map(pair).sum();
-        let svd = cross.svd(true, true);
-        let (Some(u), Some(vt)) = (svd.u, svd.v_t) else { return Err("its points are no numbers".into()) };
-        let mut flip = Vector3::repeat(1.0);
-        flip[svd.singular_values.imin()] = (u * vt).determinant().signum();
-        let rotation = u * Matrix3::from_diagonal(&flip) * vt;
+        let rotation = nearest_rotation(&cross).ok_or("its points are no numbers")?;
         Ok(descended(&Relative { place: Some(Pose::new(rotation, middle - rotation * own)) }, seen))
     }
 

@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use std::any::Any;
 use std::collections::BTreeMap;
 use truepose_errormodel::observation::{Camera, Observation, Seen};
-use truepose_kinematics::{Chain, Placed, Pose, rotation_log};
+use truepose_kinematics::{Chain, Placed, Pose, nearest_rotation, rotation_log};
 
 /// Points of one image that determine where its camera was.
 const POINTS: usize = 4;
@@ -114,18 +114,6 @@ fn hand_eye(pairs: &[(Pose, Pose)]) -> Option<(Pose, Pose)> {
     let rotation = nearest_rotation(&bases.iter().map(|base| base.rotation).sum())?;
     let place = bases.iter().map(|base| base.translation).sum::<Vector3<f64>>() / bases.len() as f64;
     Some((mount, Pose::new(rotation, place)))
-}
-
-/// The rotation nearest to a matrix.
-fn nearest_rotation(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let svd = m.svd(true, true);
-    let (u, vt) = (svd.u?, svd.v_t?);
-    let sign = (u * vt).determinant().signum();
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| svd.singular_values[b].total_cmp(&svd.singular_values[a]));
-    let mut flip = Vector3::repeat(1.0);
-    flip[order[2]] = sign;
-    Some(u * Matrix3::from_diagonal(&flip) * vt)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::refine::{State, Unknowns};
 use super::sight::Sight;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use truepose_kinematics::{Chain, Pose, TargetId, ToolId};
+use truepose_kinematics::{Chain, Pose, TargetId, ToolId, nearest_rotation};
 use truepose_solvers::{LeastSquares, Solver, Svd};
 
 /// All starts worth refining, best guesses first.
@@ -17,17 +17,6 @@ pub(super) fn starts(chain: &Chain, unknowns: &Unknowns, sights: &[Sight]) -> Ve
     rotations.extend(relaxed(unknowns, sights, &hint));
     rotations.extend(cube());
     rotations.into_iter().map(|rotation| complete(&hint, rotation, unknowns, sights)).collect()
-}
-
-/// The nearest rotation to a matrix (polar decomposition, determinant +1).
-fn nearest_rotation(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let svd = m.svd(true, true);
-    let (u, vt) = (svd.u?, svd.v_t?);
-    let sign = if (u * vt).determinant() < 0.0 { -1.0 } else { 1.0 };
-    let mut d = Matrix3::identity();
-    d[(2, 2)] = sign;
-    let rotation = u * d * vt;
-    rotation.iter().all(|v| v.is_finite()).then_some(rotation)
 }
 
 /// The 24 rotations of the cube.
