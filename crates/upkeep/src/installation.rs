@@ -66,8 +66,7 @@ impl Installation {
         oriented: bool,
     ) -> Result<Vec<Site>, UpkeepError> {
         let turn = oriented || !seen.is_empty();
-        let turn_alone = |what: &str| !what.contains("base") && !what.contains("position");
-        if let Some(open) = placed.undetermined.iter().find(|open| turn || !turn_alone(&open.what)) {
+        if let Some(open) = placed.undetermined.iter().find(|open| turn || !open.turn_of_tools_alone) {
             return Err(UpkeepError::Undetermined { what: open.what.clone(), advice: open.advice.clone() });
         }
         let chain = &placed.chain;

@@ -14,6 +14,8 @@ pub struct Undetermined {
     pub what: String,
     /// What would fix it.
     pub advice: String,
+    /// Whether it is how tools are turned, and nothing else.
+    pub turn_of_tools_alone: bool,
 }
 
 /// Directions along which the sights would not notice a move: a metre (or the angle that moves the arm's end by a
@@ -35,38 +37,50 @@ pub(super) fn undetermined(
         return Vec::new();
     }
     let basis = turned.vectors.select_columns(&null);
-    let parts = shares(chain, unknowns, &basis);
-    let advice = advice(chain, unknowns, sights, data);
-    parts.into_iter().map(|what| Undetermined { what, advice: advice.clone() }).collect()
+    let involved = involved(chain, unknowns, &basis);
+    let directions = if basis.ncols() == 1 {
+        "one direction".to_string()
+    } else {
+        format!("{} directions", basis.ncols())
+    };
+    let words: Vec<&str> = involved.iter().map(|block| block.words.as_str()).collect();
+    vec![Undetermined {
+        what: format!("{directions} of {}", words.join(", ")),
+        advice: advice(chain, unknowns, sights, data),
+        turn_of_tools_alone: involved.iter().all(|block| block.turns_a_tool),
+    }]
 }
 
-/// Which unknowns take part in the directions, and how many directions there are.
-fn shares(chain: &Chain, unknowns: &Unknowns, basis: &DMatrix<f64>) -> Vec<String> {
-    let mut blocks: Vec<(String, usize)> = Vec::new();
+/// Three unknowns.
+struct Block {
+    words: String,
+    at: usize,
+    turns_a_tool: bool,
+}
+
+/// Which unknowns take part in the directions.
+fn involved(chain: &Chain, unknowns: &Unknowns, basis: &DMatrix<f64>) -> Vec<Block> {
+    let block = |words: String, at: usize| Block { words, at, turns_a_tool: false };
+    let mut blocks: Vec<Block> = Vec::new();
     if unknowns.base {
-        blocks.push(("position of the base".into(), 0));
-        blocks.push(("orientation of the base".into(), 3));
+        blocks.push(block("position of the base".into(), 0));
+        blocks.push(block("orientation of the base".into(), 3));
     }
     for &tool in &unknowns.tools {
         if let Some(at) = unknowns.tool_column(tool) {
             let word = chain.frame_word(chain.frame_of_tool(tool));
-            blocks.push((format!("position of the {word}"), at));
-            blocks.push((format!("orientation of the {word}"), at + 3));
+            blocks.push(block(format!("position of the {word}"), at));
+            let turn = block(format!("orientation of the {word}"), at + 3);
+            blocks.push(Block { turns_a_tool: true, ..turn });
         }
     }
     for &target in &unknowns.targets {
         if let Some(at) = unknowns.target_column(target) {
-            blocks.push((format!("position of target {}", chain.targets()[target.0].name), at));
+            blocks.push(block(format!("position of target {}", chain.targets()[target.0].name), at));
         }
     }
-    let involved: Vec<String> = blocks
-        .into_iter()
-        .filter(|(_, at)| basis.view((*at, 0), (3, basis.ncols())).norm() > 1e-3)
-        .map(|(word, _)| word)
-        .collect();
-    let count = basis.ncols();
-    let directions = if count == 1 { "one direction".to_string() } else { format!("{count} directions") };
-    vec![format!("{directions} of {}", involved.join(", "))]
+    blocks.retain(|block| basis.view((block.at, 0), (3, basis.ncols())).norm() > 1e-3);
+    blocks
 }
 
 fn advice(chain: &Chain, unknowns: &Unknowns, sights: &[Sight], data: &Dataset) -> String {
