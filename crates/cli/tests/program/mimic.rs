@@ -109,6 +109,23 @@ fn a_column_of_a_following_joint_is_refused() {
     folder.write("robot.toml", &described());
     folder.write("data.csv", "j1,j2,j3,j4,j5[rad],j6,x[mm],y[mm],z[mm]\n0,0,0,0,0,0,1,2,3\n");
     let run = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).ended(INPUT);
-    let words = "data.csv:1:5: joint `j5` mimics `j2` and has no value of its own; remove the column";
-    assert!(run.log.contains("joint `j5` mimics `j2` and has no value of its own"), "{words}\n{}", run.log);
+    let words = "data.csv:1: column `j5[rad]` (5): joint `j5` mimics `j2` and has no value of its own; remove the column";
+    assert!(run.log.contains(words), "{}", run.log);
+}
+
+#[test]
+fn a_joint_that_stands_still_is_told_once_with_those_that_follow_it() {
+    let folder = Folder::empty();
+    folder.write("robot.toml", &described());
+    let row = |k: u32| {
+        let q = f64::from(k);
+        format!("{},0.5,0.7,{},{},{},{},3\n", 0.1 * q, 0.2 * q, 0.3 * q, 1.0 + q, 2.0 - q)
+    };
+    let rows: String = (0..8).map(row).collect();
+    folder.write("data.csv", &format!("j1[rad],j2[rad],j3[rad],j4[rad],j6[rad],x[mm],y[mm],z[mm]\n{rows}"));
+    let told = folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv"]).log;
+    assert!(told.contains(": j2, j3 never change"), "{told}");
+    // No column could be mistaken for that of a joint that has none.
+    let told = folder.run(&["check", "--robot", "robot.toml", "--data", "data.csv"]).log;
+    assert!(!told.contains("j5"), "{told}");
 }

@@ -10,6 +10,8 @@ pub(super) fn causes(chain: &Chain) -> Vec<Cause> {
     let movable = chain.movable();
     let kind = |k: usize| chain.joint(movable[k]).kind;
     let n = movable.len();
+    // A joint that follows another one has no column that could be wrong.
+    let own = |k: &usize| chain.is_commanded(*k);
     let mut list = Vec::new();
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
         list.push(Cause::SwappedAxes { a, b });
@@ -28,15 +30,16 @@ pub(super) fn causes(chain: &Chain) -> Vec<Cause> {
         }
     }
     let uniform = (1..n).all(|k| kind(k) == kind(0));
-    if uniform && n > 2 {
+    if uniform && n > 2 && chain.followers().is_empty() {
         list.extend([1, n - 1].map(|by| Cause::ShiftedJoints { by }));
         list.push(Cause::ReversedJoints);
     }
-    for b in 1..n {
-        list.extend((0..b).filter(|&a| kind(a) == kind(b)).map(|a| Cause::SwappedJoints { a, b }));
+    for b in (1..n).filter(own) {
+        let alike = (0..b).filter(own).filter(|&a| kind(a) == kind(b));
+        list.extend(alike.map(|a| Cause::SwappedJoints { a, b }));
     }
-    list.extend((0..n).map(|joint| Cause::NegatedJoint { joint }));
-    for joint in (0..n).filter(|&k| kind(k) == JointKind::Revolute) {
+    list.extend((0..n).filter(own).map(|joint| Cause::NegatedJoint { joint }));
+    for joint in (0..n).filter(own).filter(|&k| kind(k) == JointKind::Revolute) {
         list.extend([FRAC_PI_2, -FRAC_PI_2, PI].map(|by| Cause::OffsetJoint { joint, by }));
     }
     list.extend([Cause::StaleJoints { late: true }, Cause::StaleJoints { late: false }]);
@@ -58,7 +61,7 @@ pub(super) fn position(cause: &Cause, p: Vector3<f64>) -> Vector3<f64> {
     p
 }
 
-/// Joint values with the cause undone.
+/// Joint values with the cause undone; joints that follow others do so.
 pub(super) fn joints(cause: &Cause, chain: &Chain, q: &mut [f64]) {
     match *cause {
         Cause::JointUnit { kind, factor } => {
@@ -75,6 +78,7 @@ pub(super) fn joints(cause: &Cause, chain: &Chain, q: &mut [f64]) {
         Cause::OffsetJoint { joint, by } => q[joint] += by,
         _ => (),
     }
+    chain.follow(q);
 }
 
 /// The target with the cause undone.

@@ -7,6 +7,7 @@ use super::info::CsvInfo;
 use super::plausible::rounded;
 use super::row::RowReader;
 use crate::{Quantity, Unit, Warning};
+use std::collections::BTreeSet;
 use truepose_errormodel::Dataset;
 use truepose_kinematics::{Chain, Load};
 
@@ -195,7 +196,8 @@ fn unvaried(read: &ReadSoFar<'_>, data: &Dataset, warnings: &mut Vec<Warning>) {
             data.joints.iter().zip(slots).filter(|(column, _)| still(column)).map(|(_, &k)| k).collect();
         let count = fixed.len();
         // Joints that follow one another share a column.
-        fixed.dedup();
+        let mut seen = BTreeSet::new();
+        fixed.retain(|k| seen.insert(*k));
         let all = count == slots.len();
         if all && count > 0 {
             let message =
