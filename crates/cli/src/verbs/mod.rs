@@ -27,6 +27,7 @@ mod plan_iso9283;
 mod plan_monitor;
 mod plan_transfer;
 mod points;
+mod poses_of_fit;
 pub(crate) mod predict;
 pub(crate) mod program;
 mod repeated;

@@ -22,6 +22,10 @@ const POSES: usize = 30;
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
+    if (args.tool || args.targets) && args.test != Some(PlannedTest::Transfer) {
+        let option = if args.tool { "--tool" } else { "--targets" };
+        return Err(Failure::Input(format!("{option}: belongs to --for transfer")));
+    }
     match args.test {
         Some(PlannedTest::Iso9283) => return super::plan_iso9283::run(args, watch),
         Some(PlannedTest::Monitor) => return super::plan_monitor::run(args, watch),

@@ -1,14 +1,11 @@
 //! `truepose plan --for monitor`: the poses of a fit that show changes of the robot best.
 
-use super::joint_units;
+use super::poses_of_fit;
 use super::print_json;
-use super::sessions::chosen;
 use crate::args::Plan;
-use crate::extensions::effects;
 use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
-use truepose_io::{PlannedVisit, check_writable, read_fit, write_plan};
 use truepose_report::{count, significant};
 use truepose_upkeep::{MonitorOptions, check_poses};
 
@@ -19,26 +16,11 @@ const LISTED: usize = 6;
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
-    check_writable(&args.out)?;
-    let file = args.fit.as_ref().ok_or_else(|| Failure::Input("--fit: a look needs a fit".into()))?;
-    let fitted = chosen(read_fit(file, effects())?, args.session.as_deref(), true)?;
+    let (file, fitted) = poses_of_fit::read(args, "a look")?;
     watch.doing("choosing poses");
     let made = check_poses(&fitted, args.count.unwrap_or(POSES), MonitorOptions::default().alpha)
         .map_err(|error| Failure::Input(format!("{}: {error}", file.display())))?;
-    let visits: Vec<PlannedVisit> = made
-        .poses
-        .iter()
-        .map(|pose| PlannedVisit {
-            joints: pose.joints.clone(),
-            load: pose.load,
-            approach: pose.approach.clone(),
-            why: "check",
-            worth: 0.0,
-        })
-        .collect();
-    let chain = fitted.chain();
-    let units = args.units.as_ref().map(|units| joint_units::chosen(chain, &joint_units::si(chain), units));
-    write_plan(&args.out, chain, &visits, units.as_deref())?;
+    poses_of_fit::write(args, &fitted, &made.poses, "check")?;
     if args.json {
         let one = |found: &truepose_upkeep::Detectable| {
             serde_json::json!({

@@ -124,6 +124,11 @@ fn poses_for_a_transfer_are_planned_and_too_few_are_told() {
     assert!(band(&["--targets"]).1 > 6);
     let none = folder.run(&[&plan[..], &["--count", "0"]].concat()).ended(2);
     assert!(none.log.contains("do not determine an installation of 6 unknowns"), "{}", none.log);
+    for test in [&["--for", "monitor"][..], &[]] {
+        let asked = ["plan", "--fit", "fit.json", "--out", "other.csv", "--tool"];
+        let told = folder.run(&[&asked[..], test].concat()).ended(2).log;
+        assert!(told.contains("--tool"), "{told}");
+    }
 }
 
 #[test]
