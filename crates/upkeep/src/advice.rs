@@ -146,12 +146,13 @@ pub fn transfer_poses(
         return Err(UpkeepError::TooFew { have, need: sites.len() });
     }
     let nothing = DMatrix::identity(sites.len(), sites.len()) / UNKNOWN.powi(2);
-    let (mut information, mut chosen) = (nothing, Vec::new());
+    let (mut information, mut chosen): (DMatrix<f64>, Vec<usize>) = (nothing, Vec::new());
     let mut band = f64::INFINITY;
     for _ in 0..count {
         let Some((at, then)) = candidates.best(&information) else { break };
         information += candidates.told(at);
-        (band, chosen) = (then, [chosen, vec![at]].concat());
+        chosen.push(at);
+        band = then;
     }
     for _ in 0..ROUNDS {
         let before = band;

@@ -48,8 +48,8 @@ pub fn history_page(last: &MonitorSummary, looks: &[LookView]) -> String {
     };
     let mut left = plot("residual", 1.1 * most, "RMS, mm");
     left.line("ink thinline dash", &each(|look| look.expected_rms_mm));
-    left.dots("after dots", alarms(|look| look.rms_mm, false).into_iter());
-    left.dots("before dots", alarms(|look| look.rms_mm, true).into_iter());
+    left.dots("after strong", alarms(|look| look.rms_mm, false).into_iter());
+    left.dots("before strong", alarms(|look| look.rms_mm, true).into_iter());
     figure(
         &mut page,
         &left.finish("Residual of each look, and that of an unchanged robot"),
@@ -58,8 +58,8 @@ pub fn history_page(last: &MonitorSummary, looks: &[LookView]) -> String {
     let top = looks.iter().map(|look| power(look.p_value).max(power(look.level))).fold(1.0, f64::max);
     let mut right = plot("evidence of a change", 1.1 * top, "-log10 p");
     right.line("ink thinline dash", &each(|look| power(look.level)));
-    right.dots("after dots", alarms(|look| power(look.p_value), false).into_iter());
-    right.dots("before dots", alarms(|look| power(look.p_value), true).into_iter());
+    right.dots("after strong", alarms(|look| power(look.p_value), false).into_iter());
+    right.dots("before strong", alarms(|look| power(look.p_value), true).into_iter());
     let text = format!(
         "Evidence of each look, and the level that it has to exceed (dashed). The level rises from look to look: an unchanged robot ever exceeds it with a probability of {} % at most, however often it is looked at. What is smaller than 1e-{SMALLEST} is drawn there.",
         significant(100.0 * last.alpha, 2)

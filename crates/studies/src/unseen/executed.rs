@@ -5,7 +5,7 @@ use super::record::Record;
 use super::reported::Reported;
 use std::error::Error;
 use truepose_compensate::{Compensator, CompensatorOptions, Status, Target};
-use truepose_errormodel::{Dataset, FittedModel};
+use truepose_errormodel::FittedModel;
 use truepose_kinematics::nalgebra::Vector3;
 
 /// How many of the largest causes have to be named.
@@ -71,10 +71,6 @@ fn executed(made: &Made, fitted: &FittedModel) -> Result<(f64, f64, usize), Box<
             rows.iter().zip(&wanted).map(|((_, row), wanted)| (data(*row) - wanted).norm_squared()).sum();
         (sum / rows.len().max(1) as f64).sqrt()
     };
-    let before = of(&|row| position(&made.truth, row));
+    let before = of(&|row| made.truth.measured_position(row));
     Ok((before, of(&|row| seen.true_positions[row]), refused))
-}
-
-fn position(data: &Dataset, row: usize) -> Vector3<f64> {
-    data.measured_position(row)
 }

@@ -72,7 +72,7 @@ pub struct LinkCompliance {
     #[serde(default)]
     pub own_weight: OwnWeight,
     /// How many links beyond have free weights with arms of their own.
-    #[serde(default, skip_serializing_if = "is_none")]
+    #[serde(default, skip_serializing_if = "no_links")]
     pub links: usize,
     /// Of one slide whose part bends that is out of its guide: free length at zero, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,7 +85,7 @@ pub struct LinkCompliance {
     pub retracts: bool,
 }
 
-fn is_none(links: &usize) -> bool {
+fn no_links(links: &usize) -> bool {
     *links == 0
 }
 
