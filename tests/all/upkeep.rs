@@ -302,11 +302,19 @@ fn planned_poses_show_changes_that_random_ones_of_the_same_number_do_not() {
         let logs: f64 = look.detectable.iter().map(|d| d.change.ln()).sum();
         logs / look.detectable.len() as f64
     };
-    let random = detectable(&[3, 21, 40, 58, 77, 95, 111, 140]);
+    // Twenty draws of eight poses, spread over the campaign.
+    let random: Vec<f64> =
+        (0..20).map(|k| detectable(&[0, 1, 2, 3, 4, 5, 6, 7].map(|i| (7 * k + 19 * i) % 150))).collect();
+    let mean = random.iter().sum::<f64>() / 20.0;
+    let luckiest = random.iter().copied().fold(f64::INFINITY, f64::min);
     let logs: f64 = planned.detectable.iter().map(|d| d.change.ln()).sum();
     let best = logs / planned.detectable.len() as f64;
-    println!("planned {:.3} of the change that random poses show", (best - random).exp());
-    assert!(best < random - 0.05, "{best} {random}");
+    println!(
+        "planned {:.3} of the change that random poses show, {:.3} of that of the luckiest",
+        (best - mean).exp(),
+        (best - luckiest).exp()
+    );
+    assert!(best < mean - 0.02 && best < luckiest, "{best} {mean} {luckiest}");
     let mut bare = arm.clone();
     bare.domain.sample = Default::default();
     assert!(check_poses(&bare, 8, 0.01).unwrap_err().to_string().contains("configurations"));

@@ -14,6 +14,8 @@ const SHOWN: usize = 5;
 pub struct ChangeSummary {
     /// What.
     pub what: String,
+    /// What no measurement at these poses tells from it.
+    pub also: Vec<String>,
     /// Family of the effect.
     pub family: String,
     /// Change of each coefficient, with its 95 % interval.
@@ -114,6 +116,7 @@ impl MonitorSummary {
     pub fn new(robot: &str, seen: &Look, look: usize, alpha: f64) -> Self {
         let change = |(k, change): (usize, &Change)| ChangeSummary {
             what: change.what.clone(),
+            also: change.also.clone(),
             family: change.family.clone(),
             coefficients: change.coefficients.clone(),
             moves_mm: 1e3 * change.moves,
@@ -198,6 +201,9 @@ impl fmt::Display for MonitorSummary {
                     millimetres(1e-3 * change.moves_mm),
                     significant(change.p_value, 2)
                 )?;
+                if !change.also.is_empty() {
+                    writeln!(f, "   the same for these poses: {}", change.also.join(", "))?;
+                }
                 coefficients.iter().take(SHOWN).try_for_each(|text| writeln!(f, "   change of {text}"))?;
             }
             if tied > 1 {

@@ -4,15 +4,22 @@
 //! max Σ_i (1/n_i) Σ_k ln I_ik        I_ik = (X_iᵀ Q X_i)_kk: information on coefficient k of suspect i
 //! ```
 //!
-//! Greedy, one pose after the other, among the configurations of the fit: the robot has been there, so that it can go there. Every target of
-//! the fit is taken to be measured at each. The sum of logarithms makes all suspects visible, rather than one of them very well (D-optimal
-//! design for each suspect: Fedorov 1972).
+//! One pose after the other among the configurations of the fit, then exchanged as long as the sum grows: the robot has been there, so that it
+//! can go there. Every target of the fit is taken to be measured at each. The sum of logarithms makes all suspects visible, rather than one of
+//! them very well (D-optimal design for each suspect: Fedorov 1972). Numbers of different poses err independently, so that their information
+//! adds up:
+//!
+//! ```text
+//! A = Σ_poses H_jᵀV_j⁻¹H_j        HᵀQH = A − A L (1 + LᵀAL)⁻¹ LᵀA,  L Lᵀ = C
+//! ```
 
-use super::score::ScoreTest;
+use super::alike;
+use super::score::{ABSORBED, ScoreTest};
 use super::suspects::{Suspect, suspects};
 use super::{Detectable, level};
 use crate::UpkeepError;
-use crate::prediction::Prediction;
+use crate::prediction::{Prediction, root};
+use nalgebra::DMatrix;
 use truepose_errormodel::{Dataset, FittedModel};
 use truepose_kinematics::Conditions;
 
@@ -20,6 +27,8 @@ use truepose_kinematics::Conditions;
 const CONFIGURATIONS: usize = 80;
 /// Information that is taken for none, in units of one coefficient.
 const NONE: f64 = 1e-12;
+/// Rounds of exchanges; the third one seldom finds any.
+const ROUNDS: usize = 4;
 
 /// Poses for a look.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,32 +49,19 @@ pub fn check_poses(fitted: &FittedModel, count: usize, alpha: f64) -> Result<Che
     let pool = pool(fitted)?;
     let of_pose: Vec<Vec<usize>> = truepose_errormodel::Visits::of(&pool).rows;
     let candidates = suspects(fitted, &[]);
-    let judged = |poses: &[usize]| -> Result<(Prediction, ScoreTest), UpkeepError> {
-        let rows: Vec<usize> = poses.iter().flat_map(|&pose| of_pose[pose].iter().copied()).collect();
-        let rows = Prediction::of(fitted, &[], &pool.select(&rows))?;
-        let test = ScoreTest::of(fitted, &rows)?;
-        Ok((rows, test))
-    };
-    let mut chosen: Vec<usize> = Vec::new();
-    for _ in 0..count.min(of_pose.len()) {
-        let mut best: Option<(f64, usize)> = None;
-        for pose in (0..of_pose.len()).filter(|pose| !chosen.contains(pose)) {
-            let with: Vec<usize> = chosen.iter().copied().chain([pose]).collect();
-            let (rows, test) = judged(&with)?;
-            let worth: f64 = candidates.iter().map(|suspect| shown(&test, &rows, suspect)).sum();
-            if best.is_none_or(|(most, _)| worth > most) {
-                best = Some((worth, pose));
-            }
-        }
-        let Some((_, pose)) = best else { break };
-        chosen.push(pose);
-    }
-    let (rows, test) = judged(&chosen)?;
+    let choice = Choice::of(fitted, &candidates, &of_pose, &pool)?;
+    let chosen = choice.best(count.min(of_pose.len()));
+    let rows: Vec<usize> = chosen.iter().flat_map(|&pose| of_pose[pose].iter().copied()).collect();
+    let rows = Prediction::of(fitted, &[], &pool.select(&rows))?;
+    let test = ScoreTest::of(fitted, &rows)?;
+    let groups = alike::groups(&test.information(&rows), &candidates);
+    // As a look with these poses tests them.
+    let level = level(alpha, 1) / (2.0 * groups.len().max(1) as f64);
     let (mut detectable, mut invisible) = (Vec::new(), Vec::new());
-    for suspect in &candidates {
-        match test.detectable(fitted, &rows, suspect, level(alpha, 1)) {
+    for group in &groups {
+        match test.detectable(fitted, &rows, &candidates[group[0]], level) {
             Some(found) => detectable.push(found),
-            None => invisible.push(suspect.word.clone()),
+            None => invisible.extend(group.iter().map(|&k| candidates[k].word.clone())),
         }
     }
     detectable.sort_by(|a, b| b.moves.total_cmp(&a.moves));
@@ -73,13 +69,79 @@ pub fn check_poses(fitted: &FittedModel, count: usize, alpha: f64) -> Result<Che
     Ok(CheckPoses { poses, detectable, invisible })
 }
 
-/// What a suspect's coefficients are worth.
-fn shown(test: &ScoreTest, rows: &Prediction, suspect: &Suspect) -> f64 {
-    let count = suspect.columns.len().max(1) as f64;
-    let information = |k: usize, of: &nalgebra::DMatrix<f64>| of[(k, k)].max(NONE).ln();
-    match test.visible(rows, suspect) {
-        Some((_, of)) => (0..of.ncols()).map(|k| information(k, &of)).sum::<f64>() / count,
-        None => NONE.ln(),
+/// The information of every pose that can be chosen.
+struct Choice<'a> {
+    suspects: &'a [Suspect],
+    /// A of each pose.
+    each: Vec<DMatrix<f64>>,
+    /// L.
+    root: DMatrix<f64>,
+}
+
+impl<'a> Choice<'a> {
+    fn of(
+        fitted: &FittedModel,
+        suspects: &'a [Suspect],
+        poses: &[Vec<usize>],
+        pool: &Dataset,
+    ) -> Result<Self, UpkeepError> {
+        let each = poses.iter().map(|rows| {
+            let rows = Prediction::of(fitted, &[], &pool.select(rows))?;
+            Ok(rows.arm.tr_mul(&rows.arm))
+        });
+        let each = each.collect::<Result<_, UpkeepError>>()?;
+        Ok(Choice { suspects, each, root: root(fitted.covariance()) })
+    }
+
+    /// So many poses: one after the other, then exchanged.
+    fn best(&self, count: usize) -> Vec<usize> {
+        let n = self.root.nrows();
+        let (mut whole, mut chosen, mut worth) = (DMatrix::zeros(n, n), Vec::new(), f64::NEG_INFINITY);
+        for _ in 0..count {
+            let Some((pose, then)) = self.next(&whole, &chosen) else { break };
+            whole += &self.each[pose];
+            chosen.push(pose);
+            worth = then;
+        }
+        for _ in 0..ROUNDS {
+            let before = worth;
+            for place in 0..chosen.len() {
+                let without = &whole - &self.each[chosen[place]];
+                if let Some((pose, then)) = self.next(&without, &chosen).filter(|(_, then)| *then > worth) {
+                    whole = without + &self.each[pose];
+                    (chosen[place], worth) = (pose, then);
+                }
+            }
+            if worth <= before {
+                break;
+            }
+        }
+        chosen
+    }
+
+    /// The pose that is worth most beside these, and what all are worth with it.
+    fn next(&self, whole: &DMatrix<f64>, chosen: &[usize]) -> Option<(usize, f64)> {
+        let open = (0..self.each.len()).filter(|pose| !chosen.contains(pose));
+        open.map(|pose| (pose, self.worth(&(whole + &self.each[pose])))).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// What poses of this A are worth.
+    fn worth(&self, whole: &DMatrix<f64>) -> f64 {
+        let along = whole * &self.root;
+        let inner = self.root.tr_mul(&along) + DMatrix::identity(self.root.ncols(), self.root.ncols());
+        let Some(inner) = inner.cholesky() else { return f64::NEG_INFINITY };
+        // diag(A L (1 + LᵀAL)⁻¹ LᵀA) are the squares of the columns of G⁻¹LᵀA, G Gᵀ = 1 + LᵀAL.
+        let Some(taken) = inner.l().solve_lower_triangular(&along.transpose()) else {
+            return f64::NEG_INFINITY;
+        };
+        let shown = |k: usize| {
+            let left = whole[(k, k)] - taken.column(k).norm_squared();
+            if left > ABSORBED * whole[(k, k)] { left.max(NONE).ln() } else { NONE.ln() }
+        };
+        let of = |suspect: &Suspect| {
+            suspect.columns.iter().map(|&k| shown(k)).sum::<f64>() / suspect.columns.len().max(1) as f64
+        };
+        self.suspects.iter().map(of).sum()
     }
 }
 

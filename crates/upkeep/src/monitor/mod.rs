@@ -4,7 +4,7 @@
 //! T_0 = rᵀ Q r,  T_0/(m − k) ~ F(m − k, ν)                          anything at all
 //! G_i = gᵀ (H_iᵀ Q H_i)⁻¹ g,  G_i/n_i ~ F(n_i, ν),  g = H_iᵀ Q r     the coefficients of suspect i
 //! Δ_i = (H_iᵀ Q H_i)⁻¹ g ± t √diag (H_iᵀ Q H_i)⁻¹
-//! p = min(1, 2 min(p_0, K min_i p_i))                               Bonferroni over both tests and K suspects
+//! p = min(1, 2 min(p_0, K min_i p_i))                               Bonferroni over both tests and K groups of suspects
 //! ```
 //!
 //! | symbol | here | shape | unit |
@@ -17,8 +17,9 @@
 //!
 //! Q as in [`crate::transfer`]: residuals weighed with noise and with what the fit leaves open, an installation that is found anew projected out.
 //! Source: score tests, Rao (1948). A change that one coefficient explains is looked for in the directions of the suspects; any other one in
-//! T_0.
+//! T_0. Suspects that move the measured points alike ([`alike`]) are one question and one test.
 
+mod alike;
 mod check_poses;
 mod score;
 mod spending;
@@ -77,6 +78,8 @@ pub struct Coefficient {
 pub struct Change {
     /// What: `rz@j3`, `transmission j1`.
     pub what: String,
+    /// What moves the measured points alike, so that it is as likely: `ry@j2` beside `zero of j3 (rz@j3)`.
+    pub also: Vec<String>,
     /// Family of the effect.
     pub family: String,
     /// Its coefficients.
@@ -188,16 +191,19 @@ fn look(fitted: &FittedModel, data: &Dataset, options: MonitorOptions) -> Result
     let test = ScoreTest::of(&fitted, &rows)?;
     let level = level(options.alpha, options.looks + 1);
     let candidates = suspects(&fitted, &sites);
+    let groups = alike::groups(&test.information(&rows), &candidates);
     let (mut changes, mut invisible) = (Vec::new(), Vec::new());
     let mut detectable = Vec::new();
-    let count = candidates.len().max(1) as f64;
-    for suspect in &candidates {
+    let count = groups.len().max(1) as f64;
+    for group in &groups {
+        let suspect = &candidates[group[0]];
         match test.judge(&fitted, &rows, suspect) {
-            Some(found) => {
-                changes.push(found);
+            Some((deviance, found)) => {
+                let also = group[1..].iter().map(|&k| candidates[k].word.clone()).collect();
+                changes.push((deviance, Change { also, ..found }));
                 detectable.extend(test.detectable(&fitted, &rows, suspect, level / (2.0 * count)));
             }
-            None => invisible.push(suspect.word.clone()),
+            None => invisible.extend(group.iter().map(|&k| candidates[k].word.clone())),
         }
     }
     changes.sort_by(|a, b| a.0.total_cmp(&b.0));

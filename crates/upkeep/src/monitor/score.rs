@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use truepose_errormodel::FittedModel;
 
 /// Share of a suspect's information that what is known otherwise takes, above which its change cannot be seen.
-const ABSORBED: f64 = 1e-6;
+pub(super) const ABSORBED: f64 = 1e-6;
 /// Power with which a detectable change is found.
 const POWER: f64 = 0.9;
 
@@ -62,6 +62,11 @@ impl ScoreTest {
         }
     }
 
+    /// HᵀQH of all columns of the model.
+    pub fn information(&self, rows: &Prediction) -> DMatrix<f64> {
+        self.product(&rows.arm, &rows.arm)
+    }
+
     pub fn overall(&self) -> f64 {
         self.law.beyond(self.chi_square, self.freedom)
     }
@@ -99,7 +104,8 @@ impl ScoreTest {
         let moves = self.moves(fitted, rows, &(&x * &change));
         let (what, family) = (suspect.word.clone(), suspect.family.clone());
         let coefficients = coefficients.collect();
-        Some((deviance, Change { what, family, coefficients, moves, p_value, behind: 0.0 }))
+        let change = Change { what, also: Vec::new(), family, coefficients, moves, p_value, behind: 0.0 };
+        Some((deviance, change))
     }
 
     /// 3-D RMS, m, of a whitened move of the measured numbers.
@@ -129,7 +135,7 @@ impl ScoreTest {
 }
 
 /// Inverse over the directions that the data shows, and how many they are.
-fn pseudo_inverse(information: &DMatrix<f64>) -> Option<(DMatrix<f64>, usize)> {
+pub(super) fn pseudo_inverse(information: &DMatrix<f64>) -> Option<(DMatrix<f64>, usize)> {
     let n = information.ncols();
     let scale: Vec<f64> = (0..n)
         .map(|k| if information[(k, k)] > 0.0 { 1.0 / information[(k, k)].sqrt() } else { 0.0 })

@@ -12,6 +12,8 @@ pub(super) struct Suspect {
     pub family: String,
     /// Columns of the model.
     pub columns: Vec<usize>,
+    /// Whether it is the zero of a joint.
+    pub is_zero: bool,
 }
 
 /// All suspects of a fit. Constant errors of an installation that is found anew are none.
@@ -26,11 +28,11 @@ pub(super) fn suspects(fitted: &FittedModel, placed: &[Site]) -> Vec<Suspect> {
                 if !site.is_some_and(|site| placed.contains(&site)) {
                     let name = &model.columns()[column].name;
                     // What turns or slides as a joint does is a wrong zero of that joint.
-                    let word = match site.and_then(|site| moves_with(fitted.chain(), site)) {
-                        Some(joint) => format!("zero of {joint} ({name})"),
-                        None => name.clone(),
-                    };
-                    all.push(Suspect { word, family: effect.kind().into(), columns: vec![column] });
+                    let joint = site.and_then(|site| moves_with(fitted.chain(), site));
+                    let is_zero = joint.is_some();
+                    let word =
+                        joint.map_or_else(|| name.clone(), |joint| format!("zero of {joint} ({name})"));
+                    all.push(Suspect { word, family: effect.kind().into(), columns: vec![column], is_zero });
                 }
             }
         } else if !columns.is_empty() {
@@ -40,6 +42,7 @@ pub(super) fn suspects(fitted: &FittedModel, placed: &[Site]) -> Vec<Suspect> {
                 word: shared(&names),
                 family: effect.kind().into(),
                 columns: columns.collect(),
+                is_zero: false,
             });
         }
     }
