@@ -15,6 +15,7 @@
 use crate::policy::Policy;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::shared::{Shared, level_of, stretch_of};
+use crate::problem::whitening::Whitener;
 use crate::statistics::chi_square::surprisal;
 use crate::statistics::gross::{SquareDistribution, split};
 use statrs::distribution::{ContinuousCDF, Exp};
@@ -61,15 +62,15 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
     let visits = Visits::of(data);
     if visits.rows.iter().any(|rows| rows.len() > 1) {
         let mut sums = vec![(0.0, 0); visits.len()];
-        let alone = |row: &usize| found.suspects.binary_search(row).is_ok();
-        // Where all rows of a pose are suspect it is the pose that is displaced, and they tell how far.
-        let whole: Vec<bool> = visits.rows.iter().map(|rows| rows.iter().all(alone)).collect();
-        let good = |row: usize| whole[data.visit[row]] || !alone(&row);
+        // A row that is displaced by itself says nothing about its pose: it lies outside by the others' account, wherever the pose is.
+        let mut apart = judged(linearisation, &units(apart(linearisation, &whitener, residual))).suspects;
+        apart.sort_unstable();
+        let good =
+            |row: usize| apart.binary_search(&row).is_err() || found.suspects.binary_search(&row).is_err();
         for (members, weights, _) in whitener.means() {
             let o = linearisation.observations[members[0]];
             let (mut squares, mut along) = (0.0, 0.0);
             for (&at, d) in members.iter().zip(weights) {
-                // A row that is displaced by itself says nothing about its pose.
                 if good(linearisation.observations[at].row) {
                     squares += d * d;
                     along += d * d * residual[at];
@@ -141,6 +142,24 @@ impl Outliers {
             list.dedup();
         }
     }
+}
+
+/// Sum of squares, and how many numbers, of each row's position against the mean of the other rows of its pose, wherever the pose is.
+fn apart(linearisation: &Linearisation<'_>, whitener: &Whitener, residual: &[f64]) -> Vec<(f64, usize)> {
+    let mut sums = vec![(0.0, 0); linearisation.data.len()];
+    for (members, weights, _) in whitener.means() {
+        let squares: f64 = weights.iter().map(|d| d * d).sum();
+        let along: f64 = members.iter().zip(weights).map(|(&at, d)| d * d * residual[at]).sum();
+        for (&at, d) in members.iter().zip(weights) {
+            let (o, own, others) = (linearisation.observations[at], d * d, squares - d * d);
+            if o.component < 3 && others > 1e-9 * squares {
+                let away = residual[at] - (along - own * residual[at]) / others;
+                sums[o.row].0 += away * away / (1.0 / own + 1.0 / others);
+                sums[o.row].1 += 1;
+            }
+        }
+    }
+    sums
 }
 
 /// Rows or poses (unit, t²) of which anything was measured, t² as of three components.
@@ -318,6 +337,34 @@ mod tests {
         let rows: Vec<usize> = (0..data.len()).filter(|&row| [8, 44].contains(&data.visit[row])).collect();
         assert_eq!((rows.len(), &found.certain), (6, &rows));
         assert!(rows.iter().all(|&row| found.distance[row] > 5.0));
+    }
+
+    #[test]
+    fn a_displaced_pose_is_one_however_many_of_its_rows_look_displaced_alone() {
+        // The fit without the pose: poses scatter little, so that its rows lie outside by themselves. The smaller the displacement, the fewer do.
+        let (chain, data) = data(120, 3, &|_, _, _| [0.0; 3]);
+        let fit = fitted(&chain, &data);
+        let options = DiscoverOptions::default();
+        let linearisation = Linearisation::new(&fit, &data, &options).unwrap();
+        let noise = NoiseModel { visit_sd: 2.5e-5, ..NOISE };
+        let judged = |moved: &dyn Fn(usize) -> f64| {
+            let of = |(at, o): (usize, &crate::problem::observation::Observation)| match o.component {
+                0..3 => {
+                    let shared = noise.visit_sd * normal(50_000 + 3 * o.visit + o.component);
+                    noise.position(2e-5) * normal(at) + shared + moved(o.row)
+                }
+                _ => 2e-4 * normal(at),
+            };
+            let residual: Vec<f64> = linearisation.observations.iter().enumerate().map(of).collect();
+            outliers(&linearisation, &residual, noise)
+        };
+        let of_pose =
+            |pose: usize| -> Vec<usize> { (0..data.len()).filter(|&row| data.visit[row] == pose).collect() };
+        let pose = of_pose(44);
+        for size in [2.2e-4, 2.6e-4, 3e-4, 3.5e-4, 5e-4, 8e-4] {
+            let found = judged(&|row| if pose.contains(&row) { size } else { 0.0 });
+            assert_eq!((&found.suspects, &found.poses), (&pose, &vec![44]), "{size}");
+        }
     }
 
     #[test]
