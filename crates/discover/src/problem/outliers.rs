@@ -19,6 +19,7 @@ use crate::problem::whitening::Whitener;
 use crate::statistics::chi_square::surprisal;
 use crate::statistics::gross::{SquareDistribution, split};
 use statrs::distribution::{ContinuousCDF, Exp};
+use std::collections::BTreeMap;
 use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::NoiseModel;
 
@@ -43,28 +44,17 @@ pub(crate) struct Outliers {
 pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], noise: NoiseModel) -> Outliers {
     let data = linearisation.data;
     let whitener = linearisation.whitener(noise);
-    let standardised = whitener.deleted(residual);
-    let rows = |first: usize| {
-        let mut sums = vec![(0.0, 0); data.len()];
-        for (o, e) in linearisation.observations.iter().zip(&standardised) {
-            if (first..first + 3).contains(&o.component) {
-                sums[o.row] = (sums[o.row].0 + e * e, sums[o.row].1 + 1);
-            }
-        }
-        units(sums)
-    };
-    let positions = judged(linearisation, &rows(0));
     let mut found = Outliers { distance: vec![f64::NAN; data.len()], ..Outliers::default() };
+    let positions = one_by_one(linearisation, &whitener, residual, 0);
     positions.distances.iter().for_each(|&(row, distance)| found.distance[row] = distance);
     found.join(&positions, |row| vec![row]);
-    found.join(&judged(linearisation, &rows(3)), |row| vec![row]);
+    found.join(&one_by_one(linearisation, &whitener, residual, 3), |row| vec![row]);
     // A pose of one row is that row.
     let visits = Visits::of(data);
     if visits.rows.iter().any(|rows| rows.len() > 1) {
         let mut sums = vec![(0.0, 0); visits.len()];
         // A row that is displaced by itself says nothing about its pose: it lies outside by the others' account, wherever the pose is.
-        let mut apart = judged(linearisation, &units(apart(linearisation, &whitener, residual))).suspects;
-        apart.sort_unstable();
+        let apart = judged(linearisation, &units(apart(linearisation, &whitener, residual))).suspects;
         let good =
             |row: usize| apart.binary_search(&row).is_err() || found.suspects.binary_search(&row).is_err();
         for (members, weights, _) in whitener.means() {
@@ -144,6 +134,40 @@ impl Outliers {
     }
 }
 
+/// Judges rows by their position (orientation: `first` = 3). The worst suspect of each pose is set aside, and the others are judged by each
+/// other's account without it, until none is left that is a suspect by the account of good rows.
+fn one_by_one(
+    linearisation: &Linearisation<'_>,
+    whitener: &Whitener,
+    residual: &[f64],
+    first: usize,
+) -> Judged {
+    let observations = &linearisation.observations;
+    let mut aside = vec![false; linearisation.data.len()];
+    loop {
+        let standardised = whitener.deleted(residual, &|at| aside[observations[at].row]);
+        let mut sums = vec![(0.0, 0); aside.len()];
+        for (o, e) in observations.iter().zip(&standardised) {
+            if (first..first + 3).contains(&o.component) {
+                sums[o.row] = (sums[o.row].0 + e * e, sums[o.row].1 + 1);
+            }
+        }
+        let found = judged(linearisation, &units(sums));
+        let mut worst: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
+        let suspect = |row: &usize| found.suspects.binary_search(row).is_ok() && !aside[*row];
+        for &(row, distance) in found.distances.iter().filter(|(row, _)| suspect(row)) {
+            let of_pose = worst.entry(linearisation.data.visit[row]).or_insert((row, distance));
+            if distance > of_pose.1 {
+                *of_pose = (row, distance);
+            }
+        }
+        if worst.is_empty() {
+            return found;
+        }
+        worst.values().for_each(|&(row, _)| aside[row] = true);
+    }
+}
+
 /// Sum of squares, and how many numbers, of each row's position against the mean of the other rows of its pose, wherever the pose is.
 fn apart(linearisation: &Linearisation<'_>, whitener: &Whitener, residual: &[f64]) -> Vec<(f64, usize)> {
     let mut sums = vec![(0.0, 0); linearisation.data.len()];
@@ -184,6 +208,7 @@ fn units(sums: Vec<(f64, usize)>) -> Vec<(usize, f64)> {
 /// Units that lie outside.
 #[derive(Default)]
 struct Judged {
+    /// Ascending.
     suspects: Vec<usize>,
     /// With the number of good units that would be expected as far out.
     certain: Vec<(usize, f64)>,
@@ -245,6 +270,7 @@ fn judged(linearisation: &Linearisation<'_>, units: &[(usize, f64)]) -> Judged {
         found.suspects.clear();
         found.certain.clear();
     }
+    found.suspects.sort_unstable();
     found
 }
 
@@ -364,6 +390,9 @@ mod tests {
         for size in [2.2e-4, 2.6e-4, 3e-4, 3.5e-4, 5e-4, 8e-4] {
             let found = judged(&|row| if pose.contains(&row) { size } else { 0.0 });
             assert_eq!((&found.suspects, &found.poses), (&pose, &vec![44]), "{size}");
+            // One row of it alone is no displaced pose, and takes none of the others with it.
+            let found = judged(&|row| if row == pose[1] { 2.0 * size } else { 0.0 });
+            assert_eq!((&found.suspects, &found.poses), (&vec![pose[1]], &vec![]), "{size}");
         }
     }
 

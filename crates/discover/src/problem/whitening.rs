@@ -201,24 +201,30 @@ impl Whitener {
         if self.postures.is_empty() { plain } else { plain + further.map(|l| l.ln_1p()).sum::<f64>() }
     }
 
-    /// Each number standardised by what all others of its visit and component say: N(0, 1) under the model.
-    pub fn deleted(&self, residual: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; residual.len()];
+    /// Each number standardised by what the others of its visit and component say, those that are out left aside: N(0, 1) under the model.
+    ///
+    /// ```text
+    /// e_i = (r_i − v Σ d_j² r_j) / √(1/d_i² + v),   v = ρ²/(1 + ρ² Σ d_j²),   j ≠ i, not out
+    /// ```
+    pub fn deleted(&self, residual: &[f64], out: &dyn Fn(usize) -> bool) -> Vec<f64> {
+        let mut standardised = vec![0.0; residual.len()];
         for group in &self.groups {
-            // C⁻¹ r and the diagonal of C⁻¹, C = diag(σ²) + ρ² 1 1ᵀ.
             let squares: f64 = group.weights.iter().map(|d| d * d).sum();
-            let along: f64 =
-                group.members.iter().zip(&group.weights).map(|(&at, d)| d * d * residual[at]).sum();
-            // ρ²/(1 + ρ²|d|²) from the shrinkage: 1/(1+ρ²s) = (1 − shrink s)².
-            let keep = (1.0 - group.shrink * squares).powi(2);
-            let factor = (1.0 - keep) / squares;
-            for (&at, &d) in group.members.iter().zip(&group.weights) {
-                let solved = d * d * (residual[at] - factor * along);
-                let diagonal = d * d * (1.0 - factor * d * d);
-                out[at] = solved / diagonal.max(f64::MIN_POSITIVE).sqrt();
+            // 1/(1 + ρ²|d|²) = (1 − shrink |d|²)².
+            let kept = (1.0 - group.shrink * squares).powi(2);
+            let shared = (1.0 / kept - 1.0) / squares;
+            let each = || group.members.iter().zip(&group.weights).map(|(&at, &d)| (at, d * d));
+            let said = each().filter(|(at, _)| !out(*at));
+            let (weight, along) =
+                said.fold((0.0, 0.0), |(w, a), (at, own)| (w + own, a + own * residual[at]));
+            for (at, own) in each() {
+                let mine = if out(at) { 0.0 } else { own };
+                let variance = shared / (1.0 + shared * (weight - mine).max(0.0));
+                let expected = variance * (along - mine * residual[at]);
+                standardised[at] = (residual[at] - expected) / (1.0 / own + variance).sqrt();
             }
         }
-        out
+        standardised
     }
 }
 
