@@ -33,6 +33,7 @@ pub(crate) mod observation;
 #[cfg(test)]
 mod oracle;
 pub(crate) mod outliers;
+pub(crate) mod outside;
 pub(crate) mod projection;
 pub(crate) mod residuals;
 pub(crate) mod restricted;

@@ -2,23 +2,16 @@
 //!
 //! A row is standardised by what all others of its pose say, a pose by its marginal covariance: where the robot had not settled, or a reflector was
 //! re-seated, all rows of a pose are displaced together, and none of them by the others' account. `t² = Σ e²` of the three components has three
-//! degrees of freedom. The
-//! scale is the median's, the heaviness of the tail is that of the bulk: `t²/3 ~ F(3, ν)`, ν from the ratio of the
-//! 95 % quantile to the median. What is reported has to lie outside even if the tail is two standard errors of that ratio heavier than it
-//! looks: a handful of visits says little about a tail. So a robot with heavy-tailed noise has no outliers, and one whose noise is normal has them
-//! from five deviations on. Several of them hide each other that way, for they make the tail; so they are also reported where
-//! a law of their own beside the bulk is far more likely than any tail ([`crate::statistics::gross`]).
+//! degrees of freedom, and those that lie outside are found by [`crate::problem::outside`].
 //!
 //! Orientations are judged by themselves in the same way. A row of which one or two components were measured has fewer degrees of freedom: its
 //! t² counts as the one that is as improbable with three.
 
 use crate::policy::Policy;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::outside::{Judged, judged, units};
 use crate::problem::shared::{Shared, level_of, stretch_of};
 use crate::problem::whitening::Whitener;
-use crate::statistics::chi_square::surprisal;
-use crate::statistics::gross::{SquareDistribution, split};
-use statrs::distribution::{ContinuousCDF, Exp};
 use std::collections::BTreeMap;
 use truepose_errormodel::{Dataset, Visits};
 use truepose_identify::NoiseModel;
@@ -54,7 +47,12 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
     if visits.rows.iter().any(|rows| rows.len() > 1) {
         let mut sums = vec![(0.0, 0); visits.len()];
         // A row that is displaced by itself says nothing about its pose: it lies outside by the others' account, wherever the pose is.
-        let apart = judged(linearisation, &units(apart(linearisation, &whitener, residual))).suspects;
+        let apart = judged(
+            &units(apart(linearisation, &whitener, residual)),
+            linearisation.visits,
+            linearisation.policy,
+        )
+        .suspects;
         let good =
             |row: usize| apart.binary_search(&row).is_err() || found.suspects.binary_search(&row).is_err();
         for (members, weights, _) in whitener.means() {
@@ -73,7 +71,7 @@ pub(crate) fn outliers(linearisation: &Linearisation<'_>, residual: &[f64], nois
             }
         }
         let several = |visit: usize| visits.rows[visit].iter().filter(|&&row| good(row)).count() > 1;
-        let mut poses = judged(linearisation, &units(sums));
+        let mut poses = judged(&units(sums), linearisation.visits, linearisation.policy);
         poses.suspects.retain(|&visit| several(visit));
         poses.certain.retain(|&(visit, _)| several(visit));
         for &(visit, distance) in poses.distances.iter().filter(|(visit, _)| poses.suspects.contains(visit)) {
@@ -152,7 +150,7 @@ fn one_by_one(
                 sums[o.row] = (sums[o.row].0 + e * e, sums[o.row].1 + 1);
             }
         }
-        let found = judged(linearisation, &units(sums));
+        let found = judged(&units(sums), linearisation.visits, linearisation.policy);
         let mut worst: BTreeMap<usize, (usize, f64)> = BTreeMap::new();
         let suspect = |row: &usize| found.suspects.binary_search(row).is_ok() && !aside[*row];
         for &(row, distance) in found.distances.iter().filter(|(row, _)| suspect(row)) {
@@ -184,116 +182,6 @@ fn apart(linearisation: &Linearisation<'_>, whitener: &Whitener, residual: &[f64
         }
     }
     sums
-}
-
-/// Rows or poses (unit, t²) of which anything was measured, t² as of three components.
-fn units(sums: Vec<(f64, usize)>) -> Vec<(usize, f64)> {
-    let of_three = |(square, count): (f64, usize)| match count {
-        3 => square,
-        _ => {
-            let wanted = surprisal(square, count);
-            let (mut low, mut high) = (square, square + 40.0);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if surprisal(middle, 3) < wanted { low = middle } else { high = middle }
-            }
-            0.5 * (low + high)
-        }
-    };
-    let measured =
-        sums.into_iter().enumerate().filter(|(_, (square, count))| *count > 0 && square.is_finite());
-    measured.map(|(unit, sum)| (unit, of_three(sum))).collect()
-}
-
-/// Units that lie outside.
-#[derive(Default)]
-struct Judged {
-    /// Ascending.
-    suspects: Vec<usize>,
-    /// With the number of good units that would be expected as far out.
-    certain: Vec<(usize, f64)>,
-    /// In robust deviations of one axis.
-    distances: Vec<(usize, f64)>,
-}
-
-/// Judges units by t².
-fn judged(linearisation: &Linearisation<'_>, units: &[(usize, f64)]) -> Judged {
-    let policy = linearisation.policy;
-    let mut found = Judged::default();
-    let by_unit: Vec<f64> = units.iter().map(|unit| unit.1).collect();
-    if by_unit.len() < 20 {
-        return found;
-    }
-    let mut whole = by_unit.clone();
-    whole.sort_by(f64::total_cmp);
-    let at = |share: f64| whole[((whole.len() - 1) as f64 * share).round() as usize];
-    let ratio = at(0.95) / at(0.5).max(f64::MIN_POSITIVE);
-    let distribution = SquareDistribution::new(tail(ratio));
-    let scale_under = |distribution: &SquareDistribution| {
-        (at(0.5) / (3.0 * distribution.quantile(0.5))).max(f64::MIN_POSITIVE)
-    };
-    let scale = scale_under(&distribution);
-    let expected = |square: f64| whole.len() as f64 * distribution.above(square / (3.0 * scale));
-    let heavier = SquareDistribution::new(tail(
-        ratio * (2.0 * policy.outlier_ratio_error / (linearisation.visits.max(1) as f64).sqrt()).exp(),
-    ));
-    let scale_then = scale_under(&heavier);
-    let expected_then = |square: f64| whole.len() as f64 * heavier.above(square / (3.0 * scale_then));
-    for &(unit, square) in units {
-        found.distances.push((unit, (square / scale / 3.0).sqrt()));
-        if square > 3.0 * policy.outlier_least * policy.outlier_least * scale / 3.0 {
-            if expected(square) < policy.outlier_suspect {
-                found.suspects.push(unit);
-            }
-            let expected = expected_then(square);
-            if expected < policy.outlier_certain {
-                found.certain.push((unit, expected));
-            }
-        }
-    }
-    let gross =
-        split(&by_unit, scale_under, policy.outlier_least * policy.outlier_least, policy.outlier_most);
-    // Rows of one visit may share what sets them apart: no more than as many are independent as there are visits.
-    let independent = (linearisation.visits as f64 / whole.len() as f64).min(1.0);
-    let p_value = chance(gross.gain * independent);
-    if p_value < policy.outlier_certain {
-        for (&(unit, _), &odds) in units.iter().zip(&gross.odds) {
-            if odds > 1.0 && !found.suspects.contains(&unit) {
-                found.suspects.push(unit);
-            }
-            if odds > policy.outlier_odds && !found.certain.iter().any(|c| c.0 == unit) {
-                found.certain.push((unit, p_value));
-            }
-        }
-    }
-    if found.suspects.len() as f64 > policy.outlier_most * whole.len() as f64 {
-        found.suspects.clear();
-        found.certain.clear();
-    }
-    found.suspects.sort_unstable();
-    found
-}
-
-/// By chance twice the logarithm of a likelihood ratio with two more unknowns is this large: χ²_2 is exponential.
-fn chance(gain: f64) -> f64 {
-    Exp::new(0.5).map_or(1.0, |distribution| distribution.sf(gain))
-}
-
-/// ν at which the 95 % quantile over the median is this; 100 and more is normal.
-fn tail(ratio: f64) -> f64 {
-    let of = |freedom: f64| {
-        let distribution = SquareDistribution::new(freedom);
-        distribution.quantile(0.95) / distribution.quantile(0.5)
-    };
-    if ratio.is_nan() || ratio <= of(100.0) {
-        return 100.0;
-    }
-    let (mut low, mut high) = (2.0, 100.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if of(middle) > ratio { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 #[cfg(test)]
