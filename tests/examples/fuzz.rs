@@ -239,6 +239,12 @@ fn read(target: &Target, path: &Path, bytes: &[u8]) -> Result<String, String> {
     read.map_err(|error| error.to_string())
 }
 
+/// Time of the processor that this thread has had; none where the system does not tell.
+fn processor_time() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
+}
+
 /// An answer without names and numbers.
 fn kind(answer: &Result<String, String>) -> String {
     let text = answer.as_ref().unwrap_or_else(|words| words);
@@ -278,10 +284,11 @@ fn run(target: &Target, inputs: u64, time: Option<Duration>, seed: u64) -> usize
         let result = catch_unwind(AssertUnwindSafe(|| read(target, &path, &input)));
         let mut took = start.elapsed();
         if result.is_ok() && took > SLOW {
-            // Another program may have had the machine: once more.
-            let start = Instant::now();
+            // Another program may have had the machine: once more, by the time of the processor where it is known.
+            let (start, busy) = (Instant::now(), processor_time());
             let _ = read(target, &path, &input);
-            took = took.min(start.elapsed());
+            let again = processor_time().zip(busy).map_or(start.elapsed(), |(now, then)| now - then);
+            took = took.min(again);
         }
         slowest = slowest.max(took);
         accepted += u64::from(matches!(result, Ok(Ok(_))));

@@ -27,6 +27,9 @@ constants! {
         name_temperature: f64 = 2.0;
         /// Log prior odds (−2 ln), for the probability of a name, against causes that the library has no name for: 20 to 1. Convention.
         unnamed_name: f64 = 6.0;
+        /// Log prior odds (−2 ln), for the probability of a name, against a link that bends: every drive yields, and the drives have most of an
+        /// arm's compliance (Dumas et al. 2011). 20 to 1, convention.
+        link_name: f64 = 6.0;
         /// p among surrogates of a channel up to which its name is not doubted: the resolution of 19 of them.
         surrogates_level: f64 = 0.05;
         /// Log prior odds against a structure without a name (−2 ln): a named cause is believed before it. Convention, 3e5 to 1.

@@ -13,4 +13,27 @@ pub(crate) struct Accepted {
     pub competitors: Vec<(Candidate, f64)>,
     /// Unnamed candidates with high scores at the time of the finding; reconsideration tests them again.
     pub shortlist: Vec<Candidate>,
+    /// Candidates that would explain this finding and another one as one cause, with their difference from both, as above.
+    pub instead: Vec<(Candidate, f64)>,
+}
+
+impl Accepted {
+    /// Sets the competing hypotheses; those that would explain another finding as well are among them.
+    pub fn compete(&mut self, mut competitors: Vec<(Candidate, f64)>) {
+        for (other, behind) in &self.instead {
+            match competitors.iter_mut().find(|(known, _)| known.same_cause(other)) {
+                Some(known) => known.1 = known.1.min(*behind),
+                None => competitors.push((other.clone(), *behind)),
+            }
+        }
+        competitors.sort_by(|a, b| a.1.total_cmp(&b.1));
+        self.competitors = competitors;
+    }
+
+    /// Notes a candidate that would explain this finding and another one as one cause.
+    pub fn note_instead(&mut self, other: &Candidate, behind: f64) {
+        self.instead.retain(|(known, _)| !known.same_cause(other));
+        self.instead.push((other.clone(), behind));
+        self.compete(self.competitors.clone());
+    }
 }

@@ -58,6 +58,7 @@ pub(crate) fn winner(
                     evidence,
                     competitors: others,
                     shortlist: screen.shortlist(linearisation),
+                    instead: Vec::new(),
                 };
                 if passed.is_some() || !likelier(&accepted, among_surrogates, linearisation) {
                     return Ok(Some(accepted));

@@ -163,8 +163,13 @@ impl<'a> Census<'a> {
         let evidence = evidence(&candidate, &detail, null, (all, blocks), options)?;
         let mut held = candidate.clone();
         held.width = Some(prior_width);
-        let accepted =
-            Accepted { candidate: held, evidence: evidence.clone(), competitors, shortlist: Vec::new() };
+        let accepted = Accepted {
+            candidate: held,
+            evidence: evidence.clone(),
+            competitors,
+            shortlist: Vec::new(),
+            instead: Vec::new(),
+        };
         let policy = (&options.policy, options.alpha);
         let admitted = match evidence.doubt_beyond_size(policy, candidate.follows_time()) {
             Some(doubt) => Err(doubt),

@@ -63,7 +63,8 @@ pub(crate) fn contest(
         })
         .collect::<Result<_, _>>()?;
     rank(&mut competitors, linearisation.policy);
-    let first = look_ahead::first(linearisation, screen, &visits, &competitors, &causes)?;
+    look_ahead::join(linearisation, screen, &visits, &mut competitors, &causes)?;
+    let first = look_ahead::first(&competitors, linearisation.policy);
     // None at all where no candidate is plausible.
     if let Some(before) = competitors.get_mut(..=first) {
         before.rotate_right(usize::from(first > 0));

@@ -6,21 +6,23 @@
 //!
 //! | symbol | here | |
 //! | --- | --- | --- |
-//! | C | [`coefficient_penalty`] | k ln m (Schwarz 1978); for curves and moving frames the marginal likelihood ([`crate::statistics::coefficients`]) where that is smaller |
+//! | C | [`cost`] | k ln m (Schwarz 1978); for curves and moving frames the marginal likelihood ([`crate::statistics::coefficients`]) where that is smaller |
 //! | π | [`log_prior_odds`] | −2 × log prior odds: multiplicity, nonlinear parameters, prior against unnamed structures |
 //! | n_θ | number of periods, at least one | each period is an answer of its own to all tests of the family |
 //! | n_s | nonlinear parameters with a coarse grid, optimised continuously | each counts as a coefficient |
 //! | m | number of observations | |
 
+use crate::contest::names::name_prior;
+use crate::contest::pair::Partner;
+use crate::contest::penalty::{cost, log_prior_odds, prior_penalty};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::hypotheses::limits::Limit;
-use crate::policy::{Policy, penalty_per_coefficient};
+use crate::policy::Policy;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
-use crate::statistics::coefficients::CoefficientDistribution;
 use nalgebra::DMatrix;
 use truepose_errormodel::Visits;
 
@@ -43,6 +45,8 @@ pub(crate) struct Competitor {
     /// Standard deviation of the prior on its coefficients once it is in the model, expected sizes.
     pub prior_width: f64,
     pub likelihood: Likelihood,
+    /// Its best partner in the look-ahead.
+    pub partner: Option<Partner>,
 }
 
 impl Competitor {
@@ -54,14 +58,24 @@ impl Competitor {
     /// −2 ln of the probability of its name, but for what all competitors share: the score from the data alone, and the prior against causes
     /// that the library has no name for.
     pub fn name_score(&self, policy: &Policy) -> f64 {
-        let unnamed = if self.candidate.family.is_named() { 0.0 } else { policy.unnamed_name };
-        self.score - self.prior_penalty + unnamed
+        self.data_score() + name_prior(self.candidate.family, policy)
+    }
+
+    /// Score without the part that does not depend on the data.
+    pub fn data_alone(&self) -> f64 {
+        self.score - self.prior_penalty
+    }
+
+    /// The same, alone or beside its partner: two causes may explain what another one imitates.
+    fn data_score(&self) -> f64 {
+        let beside = self.partner.as_ref().filter(|partner| !partner.leads);
+        self.data_alone().min(beside.map_or(f64::INFINITY, |partner| partner.score.data))
     }
 
     /// Difference of score from another competitor without the part that does not depend on the data;
     /// positive: less likely.
     fn deficit(&self, other: &Competitor) -> f64 {
-        (self.score - self.prior_penalty) - (other.score - other.prior_penalty)
+        self.data_score() - other.data_score()
     }
 }
 
@@ -95,6 +109,7 @@ pub(crate) fn competitor(
         width,
         prior_width,
         likelihood,
+        partner: None,
     }))
 }
 
@@ -117,39 +132,6 @@ pub(crate) fn outcompeted<'a>(
     let mut outcompeted: Vec<_> = others.map(|r| (with_mass(r), r.deficit(winner))).collect();
     outcompeted.sort_by(|a, b| a.1.total_cmp(&b.1));
     outcompeted
-}
-
-/// C: penalty of a candidate's coefficients, in units of −2 ln L. `freedom` ln m; for curves over time or
-/// travel, moving frames and unnamed functions of load the marginal likelihood, where that is smaller.
-pub(crate) fn cost(
-    candidate: &Candidate,
-    distribution: &CoefficientDistribution,
-    freedom: usize,
-    linearisation: &Linearisation<'_>,
-) -> f64 {
-    let counted = penalty_per_coefficient(linearisation.len()) * freedom as f64;
-    if candidate.by_evidence() { distribution.penalty.min(counted) } else { counted }
-}
-
-/// π: −2 × log prior odds of a candidate. A nonlinear parameter on a fine grid is penalised by the tests of
-/// the grid; one that was optimised continuously from a coarse grid counts as a coefficient, ln m.
-pub(crate) fn log_prior_odds(
-    linearisation: &Linearisation<'_>,
-    screen: &Screen,
-    candidate: &Candidate,
-) -> f64 {
-    let order =
-        if candidate.is_of_order(linearisation.data) { linearisation.policy.order_penalty } else { 0.0 };
-    prior_penalty(linearisation, screen, candidate)
-        + order
-        + penalty_per_coefficient(linearisation.len()) * candidate.scales() as f64
-}
-
-/// The part of π that does not depend on the data: 2 ln(tests of the family) for each period, and the prior
-/// against unnamed structures.
-fn prior_penalty(linearisation: &Linearisation<'_>, screen: &Screen, candidate: &Candidate) -> f64 {
-    let unnamed = if candidate.family.is_named() { 0.0 } else { linearisation.policy.unnamed_penalty };
-    2.0 * candidate.periods().max(1) as f64 * (screen.tests_of(candidate.family) as f64).ln() + unnamed
 }
 
 /// Whether size and sign of the coefficients are physical.

@@ -2,105 +2,118 @@
 //! either of them alone.
 //!
 //! Before the best competitor is accepted, each competitor is joined with its best partner, and the pairs are
-//! compared ([`crate::contest::pair`]). When the best pair without the leading competitor has a score that is smaller by
+//! compared ([`crate::contest::pair`]). Partners are weighed under the noise of the competitor: under that of the present model, which has the
+//! effect in its residual, a partner explains next to nothing. When the best pair without the leading competitor has a score that is smaller by
 //! `pair_ties` times `tie` ([`crate::policy::Policy`]) than the leading competitor with its partner, the member of that pair with the
 //! smaller score is moved to the front. The leading competitor is excluded as a partner.
 
 use crate::contest::competitor::Competitor;
-use crate::contest::pair::{Side, pair_score};
+use crate::contest::names::name_prior;
+use crate::contest::pair::{Partner, Side, pair_score, yield_together};
+use crate::contest::penalty::prior_penalty;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
-use crate::policy::penalty_per_coefficient;
+use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::linearisation::Linearisation;
-use crate::problem::projection::Accumulated;
+use crate::problem::projection::{Accumulated, Projection};
 use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
 
-/// The position of the competitor that comes first.
-pub(crate) fn first(
+/// Joins the named competitors and the leading one with their best partners.
+pub(crate) fn join(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
-    competitors: &[Competitor],
+    competitors: &mut [Competitor],
     causes: &[Cause],
-) -> Result<usize, DiscoverError> {
+) -> Result<(), DiscoverError> {
     if competitors.len() < 2 {
-        return Ok(0);
+        return Ok(());
     }
-    let penalty = penalty_per_coefficient(linearisation.len());
-    let first: Vec<&Candidate> = causes
-        .iter()
-        .filter(|cause| cause.family.is_named())
+    let named = causes.iter().filter(|cause| cause.family.is_named());
+    let partners: Vec<(&Candidate, f64)> = named
         .take(linearisation.budget.partners)
-        .map(|cause| &cause.variants[0].0)
+        .map(|cause| (&cause.variants[0].0, cause.variants[0].1))
         .collect();
-    let partners: Vec<(&Candidate, Accumulated)> = first
-        .into_par_iter()
-        .map(|candidate| Ok((candidate, screen.projection.accumulate(linearisation, candidate)?)))
-        .collect::<Result<_, DiscoverError>>()?;
-    let named: Vec<usize> = (0..competitors.len())
+    let joined: Vec<usize> = (0..competitors.len())
         .filter(|&k| k == 0 || competitors[k].candidate.family.is_named())
         .take(linearisation.budget.competitors)
         .collect();
-    let pairs: Vec<Option<(f64, Candidate, f64)>> = named
+    let best: Vec<Option<Partner>> = joined
         .par_iter()
-        .map(|&k| -> Result<Option<(f64, Candidate, f64)>, DiscoverError> {
-            let competitor = &competitors[k];
-            let alike = |partner: &Candidate, k: usize| partner.same_cause(&competitors[k].candidate);
-            let others: Vec<&(&Candidate, Accumulated)> =
-                partners.iter().filter(|(partner, _)| !alike(partner, k) && !alike(partner, 0)).collect();
-            let accumulated: Vec<&Accumulated> = others.iter().map(|(_, accumulated)| accumulated).collect();
-            let Some(gains) = screen.projection.beside(&competitor.columns, &accumulated) else {
-                return Ok(None);
-            };
-            let best = others
-                .iter()
-                .zip(gains)
-                .filter_map(|((partner, _), gain)| {
-                    let (gain, freedom) = gain?;
-                    Some((gain - penalty * freedom as f64, freedom, *partner))
-                })
-                .max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((worth, freedom, partner)) =
-                best.filter(|best| best.0 > linearisation.policy.partner_margin)
-            else {
-                return Ok(Some((competitor.score, competitor.candidate.clone(), 0.0)));
-            };
-            let columns = linearisation.columns_of(partner)?;
-            let (own, other) = (
-                Side {
-                    candidate: &competitor.candidate,
-                    columns: &competitor.columns,
-                    freedom: competitor.freedom,
-                },
-                Side { candidate: partner, columns: &columns, freedom },
-            );
-            let score = pair_score(linearisation, screen, visits, [own, other])?;
-            Ok(Some((score.min(competitor.score), partner.clone(), worth)))
+        .map(|&k| {
+            let alike =
+                |partner: &Candidate| [k, 0].iter().any(|&k| partner.same_cause(&competitors[k].candidate));
+            let others: Vec<(&Candidate, f64)> =
+                partners.iter().copied().filter(|(partner, _)| !alike(partner)).collect();
+            partner(linearisation, screen, visits, &competitors[k], &others)
         })
         .collect::<Result<_, _>>()?;
-    let mut best: Option<(usize, f64)> = None;
-    for (&k, pair) in named.iter().zip(&pairs) {
-        if let Some((score, ..)) = pair
-            && best.is_none_or(|(_, least)| *score < least)
-        {
-            best = Some((k, *score));
-        }
+    for (k, partner) in joined.into_iter().zip(best) {
+        competitors[k].partner = partner;
     }
-    let Some((chosen, score)) = best else { return Ok(0) };
-    let Some((own, ..)) = &pairs[0] else { return Ok(0) };
-    if chosen == 0 || score > own - linearisation.policy.pair_ties * linearisation.policy.tie {
-        return Ok(0);
+    Ok(())
+}
+
+/// The best of the partners (candidate, gain alone) that a competitor may have; `None` where none is worth its unknowns.
+fn partner(
+    linearisation: &Linearisation<'_>,
+    screen: &Screen,
+    visits: &Visits,
+    competitor: &Competitor,
+    partners: &[(&Candidate, f64)],
+) -> Result<Option<Partner>, DiscoverError> {
+    let projection = Projection::under(linearisation, competitor.likelihood.noise);
+    let accumulated: Vec<Accumulated> = partners
+        .iter()
+        .map(|(partner, _)| projection.accumulate(linearisation, partner))
+        .collect::<Result<_, _>>()?;
+    let Some(gains) = projection.beside(&competitor.columns, &accumulated.iter().collect::<Vec<_>>()) else {
+        return Ok(None);
+    };
+    let penalty = penalty_per_coefficient(linearisation.len());
+    let worth = |((partner, alone), gain): (&(&Candidate, f64), Option<(f64, usize)>)| {
+        let (gain, freedom) = gain?;
+        let worth = gain - penalty * freedom as f64;
+        // A drive beside a drive is expected; any other cause has to be probable by itself.
+        let prior = match yield_together(&competitor.candidate, partner) {
+            true => 0.0,
+            false => {
+                prior_penalty(linearisation, screen, partner)
+                    + name_prior(partner.family, linearisation.policy)
+            }
+        };
+        (worth > linearisation.policy.partner_margin)
+            .then(|| (worth - prior, freedom, (*partner).clone(), *alone))
+    };
+    let best = partners.iter().zip(gains).filter_map(worth).max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, freedom, candidate, alone)) = best else { return Ok(None) };
+    let columns = linearisation.columns_of(&candidate)?;
+    let own =
+        Side { candidate: &competitor.candidate, columns: &competitor.columns, freedom: competitor.freedom };
+    let other = Side { candidate: &candidate, columns: &columns, freedom };
+    let score = pair_score(linearisation, screen, visits, [own, other])?;
+    Ok(Some(Partner { candidate, score, leads: alone > competitor.gain }))
+}
+
+/// The position of the competitor that comes first, of competitors that were joined with their partners.
+pub(crate) fn first(competitors: &[Competitor], policy: &Policy) -> usize {
+    let with_partner = |r: &Competitor| {
+        let pair = r.partner.as_ref().map_or(f64::INFINITY, |partner| partner.score.total);
+        pair.min(r.score)
+    };
+    // Those that were joined: the others have no partner, and a score that is no smaller.
+    let all = competitors.iter().enumerate().filter(|(k, r)| *k == 0 || r.candidate.family.is_named());
+    let best = all.min_by(|a, b| with_partner(a.1).total_cmp(&with_partner(b.1)));
+    let Some((chosen, pair)) = best else { return 0 };
+    if chosen == 0 || with_partner(pair) > with_partner(&competitors[0]) - policy.pair_ties * policy.tie {
+        return 0;
     }
     // The member of the pair with the smaller score, if it is a competitor as well; a competitor that is
     // weaker than its partner is not moved to the front.
-    let Some((_, partner, worth)) = &pairs[named.iter().position(|&k| k == chosen).unwrap_or(0)] else {
-        return Ok(chosen);
-    };
-    let other = competitors
-        .iter()
-        .position(|r| r.candidate.same_cause(partner) && r.score < competitors[chosen].score);
-    let weaker = *worth > competitors[chosen].gain;
-    Ok(other.unwrap_or(if weaker { 0 } else { chosen }))
+    let Some(partner) = &pair.partner else { return chosen };
+    let other =
+        competitors.iter().position(|r| r.candidate.same_cause(&partner.candidate) && r.score < pair.score);
+    other.unwrap_or(if partner.leads { 0 } else { chosen })
 }

@@ -6,5 +6,6 @@ pub(crate) mod look_ahead;
 pub(crate) mod names;
 pub(crate) mod pair;
 pub(crate) mod payload;
+pub(crate) mod penalty;
 #[cfg(test)]
 mod tests;

@@ -1,19 +1,20 @@
 //! Probability of a name, given that an effect exists.
 //!
 //! ```text
-//! P(h) ∝ exp(−(Δ_h + u_h) / 2T),     Δ_h = (−2 ln L + C)_h − (−2 ln L + C)_winner,     u_h = u for an unnamed structure, else 0
+//! P(h) ∝ exp(−(Δ_h + u_h) / 2T),     Δ_h = (−2 ln L + C)_h − (−2 ln L + C)_winner,     u_h: prior of its family
 //! ```
 //!
 //! | symbol | here | |
 //! | --- | --- | --- |
 //! | Δ | second element of `competitors` | difference of score from the data alone ([`crate::contest::competitor`]) |
-//! | u | [`Policy::unnamed_name`] | log prior odds of a name that the library has against one that it lacks |
+//! | u | [`Policy::unnamed_name`], [`Policy::link_name`], 0 | log prior odds against a name that the library lacks, and against a link that bends |
 //! | T | [`Policy::name_temperature`] | the linearised likelihood is too certain: its errors are neither normal nor of known covariance |
 //!
 //! The classes are the families and places that were compared, and "none of these": all unnamed structures together. Existence is the
 //! family-wise p of [`crate::significance`], and apart.
 
 use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::family::Family;
 use crate::policy::Policy;
 
 /// Probabilities of the names of one finding; they add up to one.
@@ -27,6 +28,15 @@ pub(crate) struct NameProbabilities {
     pub unnamed: f64,
 }
 
+/// Log prior odds (−2 ln) against the name of a family.
+pub(crate) fn name_prior(family: Family, policy: &Policy) -> f64 {
+    match family {
+        Family::LinkCompliance => policy.link_name,
+        family if family.is_named() => 0.0,
+        _ => policy.unnamed_name,
+    }
+}
+
 /// The probabilities of a finding and of its competing hypotheses (candidate, Δ). `among_surrogates`: p of a finding that reads a channel
 /// among surrogates of that channel; as far as others do as well, another record that nobody kept is as likely.
 pub(crate) fn name_probabilities(
@@ -34,12 +44,11 @@ pub(crate) fn name_probabilities(
     competitors: &[(Candidate, f64)],
     policy: &Policy,
 ) -> NameProbabilities {
-    let weight = |named: bool, behind: f64| {
-        let prior = if named { 0.0 } else { policy.unnamed_name };
-        (-(behind + prior) / (2.0 * policy.name_temperature)).exp()
+    let weight = |family: Family, behind: f64| {
+        (-(behind + name_prior(family, policy)) / (2.0 * policy.name_temperature)).exp()
     };
-    let own = weight(finding.family.is_named(), 0.0);
-    let each: Vec<f64> = competitors.iter().map(|(c, behind)| weight(c.family.is_named(), *behind)).collect();
+    let own = weight(finding.family, 0.0);
+    let each: Vec<f64> = competitors.iter().map(|(c, behind)| weight(c.family, *behind)).collect();
     let total: f64 = own + each.iter().sum::<f64>();
     let of_unnamed = competitors.iter().zip(&each).filter(|((c, _), _)| !c.family.is_named());
     let unnamed = of_unnamed.map(|(_, w)| w).sum::<f64>() + if finding.family.is_named() { 0.0 } else { own };

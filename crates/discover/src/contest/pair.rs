@@ -4,11 +4,13 @@
 //! score(a + b) = −2 ln L(a + b) + C_a + C_b + π_a + π_b
 //! ```
 //!
-//! C and π: [`crate::contest::competitor`].
+//! C and π: [`crate::contest::penalty`]. The drives of an arm yield together: where a is one of them, another one is no cause of its own, and
+//! what does not depend on the data is left out of its π. Without that of π_a, too, the pair counts for the name of a.
 
-use crate::contest::competitor::{cost, log_prior_odds};
+use crate::contest::penalty::{cost, log_prior_odds, prior_penalty};
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
+use crate::hypotheses::family::Family;
 use crate::problem::likelihood::Likelihood;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
@@ -23,13 +25,38 @@ pub(crate) struct Side<'a> {
     pub freedom: usize,
 }
 
-/// score(a + b).
+/// score(a + b), and what of it counts for the name of a.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairScore {
+    /// As two causes.
+    pub total: f64,
+    /// As one cause, where both are drives.
+    pub together: f64,
+    /// For the name of a.
+    pub data: f64,
+}
+
+/// A competitor's best partner.
+#[derive(Debug, Clone)]
+pub(crate) struct Partner {
+    pub candidate: Candidate,
+    pub score: PairScore,
+    /// Whether the partner explains more of the present residual than the competitor does: then the pair says nothing of the competitor.
+    pub leads: bool,
+}
+
+/// Whether both are drives of one arm that yield in proportion to their load.
+pub(crate) fn yield_together(a: &Candidate, b: &Candidate) -> bool {
+    [a, b].iter().all(|c| c.family == Family::JointCompliance && c.place.mode.is_none())
+}
+
+/// Scores of two candidates together.
 pub(crate) fn pair_score(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
     visits: &Visits,
     [a, b]: [Side<'_>; 2],
-) -> Result<f64, DiscoverError> {
+) -> Result<PairScore, DiscoverError> {
     let own = a.columns.ncols();
     let width = own + b.columns.ncols();
     let mut both = a.columns.clone().resize_horizontally(width, 0.0);
@@ -40,5 +67,8 @@ pub(crate) fn pair_score(
         cost(side.candidate, &distribution, side.freedom, linearisation)
             + log_prior_odds(linearisation, screen, side.candidate)
     };
-    Ok(likelihood.deviance + pays(&a, 0..own) + pays(&b, own..width))
+    let total = likelihood.deviance + pays(&a, 0..own) + pays(&b, own..width);
+    let prior = |side: &Side<'_>| prior_penalty(linearisation, screen, side.candidate);
+    let together = if yield_together(a.candidate, b.candidate) { total - prior(&b) } else { total };
+    Ok(PairScore { total, together, data: together - prior(&a) })
 }

@@ -1,20 +1,18 @@
 //! Merging on small data: two findings of one joint for one cause, and two findings for two causes.
 
 use super::*;
-use crate::contest::competitor::competitor;
 use crate::hypotheses::constant::OfFrames;
 use crate::hypotheses::coupling::Drag;
 use crate::hypotheses::guideway::Rail;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::variant::Variant;
-use crate::options::DiscoverOptions;
 use crate::problem::synthetic::{data_of, normal};
+use crate::revise::synthetic::with_findings;
 use std::sync::Arc;
 use truepose_errormodel::effects::{Coupling, Geometric, Guideway, JointCompliance};
 use truepose_errormodel::{AnyEffect, Dataset};
 use truepose_identify::Fit;
 use truepose_kinematics::{Chain, JointId};
-use truepose_solvers::PivotedQr;
 
 #[test]
 fn a_guideway_and_its_coupling_to_another_joint_have_a_common_driver() {
@@ -36,39 +34,13 @@ fn merging(
     pair: [&str; 2],
     see: impl FnOnce(&Context<'_>, &Model, Option<Model>),
 ) {
-    let options = DiscoverOptions { rotations: 199, ..DiscoverOptions::default() };
-    let solver = PivotedQr::default();
     let declared: Vec<Box<dyn AnyEffect>> =
         vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
-    let context = Context {
-        chain,
-        declared: &declared,
-        data: rows,
-        solver: &solver,
-        fit: options.fit.clone(),
-        options: &options,
-        levels_first: false,
-    };
-    let model = Model::declared(context.fit_model(Vec::new(), &[]).unwrap());
-    let current = model.current.clone();
-    let linearisation = Linearisation::new(&current.fit, &current.data, &options).unwrap();
-    let screen = Screen::new(&linearisation, &options.library, &[]);
-    let (multiplicity, _) = Multiplicity::of(&linearisation, &screen, None, &options).unwrap();
-    let present = contest(&linearisation, &screen, &[], true).unwrap().present;
-    let wander = BesideWander::of(&linearisation, options.seed);
-    let causes = screen.causes(&linearisation);
-    let finding = |words: &str| {
-        let found = causes.iter().map(|cause| &cause.variants[0].0).find(|c| c.words() == words);
-        let candidate = found.expect(words).clone();
-        let one = competitor(&linearisation, &screen, &Visits::of(linearisation.data), candidate);
-        let one = one.unwrap().expect(words);
-        let evidence = collect((&linearisation, &wander), (&screen, &present), &one, 1e-3, &options).unwrap();
-        Accepted { candidate: with_estimates(&one), evidence, competitors: Vec::new(), shortlist: Vec::new() }
-    };
-    let both = model.refitted(&context, pair.map(finding).into()).unwrap();
-    assert_eq!(both.findings.len(), 2);
-    let after = merged(&context, &both, 0, &multiplicity).unwrap();
-    see(&context, &both, after);
+    with_findings((chain, rows), &declared, &pair, |context, both, multiplicity| {
+        assert_eq!(both.findings.len(), 2);
+        let (after, changed) = merged(context, both.clone(), 0, multiplicity).unwrap();
+        see(context, both, changed.then_some(after));
+    });
 }
 
 /// Rows of an arm whose third joint has a transmission error of 0.4 mrad; `rise` moves what is measured along the base's z axis, m.

@@ -3,3 +3,7 @@
 pub(crate) mod merge;
 pub(crate) mod reconsider;
 pub(crate) mod revision;
+pub(crate) mod split;
+
+#[cfg(test)]
+mod synthetic;

@@ -19,6 +19,7 @@ use crate::problem::dependence::BesideWander;
 use crate::problem::likelihood::without as lacking;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::observation::typical_sd;
+use crate::revise::split::{Drives, drives_instead, split};
 use crate::screen::candidates::Screen;
 use crate::screen::multiplicity::Multiplicity;
 use truepose_errormodel::Visits;
@@ -35,8 +36,16 @@ pub(crate) fn reconsidered(
     while at < count.min(model.findings.len()) && iterations < 2 * count {
         iterations += 1;
         let others = model.others(&[at]);
-        let Reselection { contest, winner, evidence } =
+        let Reselection { contest, winner, evidence, drives } =
             without(context, &model, at, (&others, multiplicity))?;
+        if let Some(drives) = drives
+            && let Some(split) = split(context, &model, at, drives, multiplicity)?
+        {
+            model = split;
+            moved = true;
+            at += 1;
+            continue;
+        }
         let mut findings = model.findings.clone();
         let Some(winner) = winner.map(|k| &contest.competitors[k]) else {
             // The other findings explain it.
@@ -47,7 +56,7 @@ pub(crate) fn reconsidered(
         };
         let next = with_estimates(winner);
         let changed = !same_parameters(&next, &findings[at].candidate);
-        findings[at].competitors = outcompeted(&contest.competitors, winner, context.policy());
+        findings[at].compete(outcompeted(&contest.competitors, winner, context.policy()));
         let floor = winner.likelihood.noise.rows.floor(typical_sd(&model.current.data));
         let doubt = |evidence: &Evidence| {
             evidence.doubt((context.policy(), context.options.alpha), floor, next.follows_time())
@@ -107,6 +116,8 @@ struct Reselection {
     winner: Option<usize>,
     /// Evidence of the winner, if its family or place is another one.
     evidence: Option<Evidence>,
+    /// Drives that are more probable than the winner.
+    drives: Option<Drives>,
 }
 
 /// Repeats the contest without a finding.
@@ -144,7 +155,21 @@ fn without(
             collect((linearisation, &wander), (&screen, &contest.present), best, p, options)
         };
         let evidence = another.map(tested).transpose()?;
-        Ok(Reselection { contest, winner, evidence })
+        let instead =
+            winner.and_then(|k| Some((drives_instead(&contest.competitors, k, &options.policy)?, k)));
+        let drives = match instead {
+            Some((first, k)) => {
+                let best = &contest.competitors[first];
+                let evidence = tested(best)?;
+                let floor = linearisation.floor(best.likelihood.noise);
+                let stands = evidence.doubt((&options.policy, options.alpha), floor, false).is_none();
+                stands
+                    .then(|| Drives::new(&contest.competitors, (first, k), evidence, &options.policy))
+                    .flatten()
+            }
+            None => None,
+        };
+        Ok(Reselection { contest, winner, evidence, drives })
     };
     let current = &*model.current;
     // A corrected payload is part of the data: the model has to be refitted.

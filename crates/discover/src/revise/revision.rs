@@ -24,12 +24,14 @@ pub(crate) fn after_finding(
             model = reconsidered(context, model, count, multiplicity)?.0;
         }
         let last = model.findings.len().checked_sub(1);
-        if let Some(last) = last
-            && let Some(merged) = merged(context, &model, last, multiplicity)?
-        {
-            let count = merged.findings.len();
-            model = reconsidered(context, merged, count, multiplicity)?.0;
-            changed = true;
+        if let Some(last) = last {
+            let one;
+            (model, one) = merged(context, model, last, multiplicity)?;
+            if one {
+                let count = model.findings.len();
+                model = reconsidered(context, model, count, multiplicity)?.0;
+                changed = true;
+            }
         }
         Ok((model, changed))
     })?;

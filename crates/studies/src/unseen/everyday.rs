@@ -1,6 +1,7 @@
 //! Causes that have a form in everyday units.
 
-use super::cause::{Cause, Hidden};
+use super::cause::Cause;
+use super::hidden::Hidden;
 use truepose_simulate::description::PlantOptions;
 use truepose_simulate::flaws::{self, BacklashSide, Wheel};
 

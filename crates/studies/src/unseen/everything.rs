@@ -10,7 +10,7 @@
 //!
 //! The noise is that of the joints. All parts but masses and hardening have one scale, so that together they have the wanted size.
 
-use super::cause::Hidden;
+use super::hidden::Hidden;
 use super::pieces::{Piece, Share};
 use super::stream::Draw;
 use std::error::Error;

@@ -10,10 +10,12 @@
 mod cause;
 mod compliances;
 mod description;
+mod drives;
 mod everyday;
 mod everything;
 mod executed;
 mod found;
+mod hidden;
 mod interval;
 mod judged;
 mod oracle;

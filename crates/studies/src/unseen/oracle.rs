@@ -1,7 +1,8 @@
 //! The effect that is right for a cause of the vocabulary, as someone declares it who knows its place: nonlinear parameters are left free
 //! within wide ranges.
 
-use super::cause::{Cause, Hidden};
+use super::cause::Cause;
+use super::hidden::Hidden;
 use truepose_errormodel::effects::{
     Backlash, Coupling, Drift, Grows, Guideway, Instrument, InstrumentMode, JointCompliance, LinkCompliance,
     Shift, Side, Spot, Thermal,

@@ -21,7 +21,8 @@
 //! | label | the load of a stretch of the poses was another one | payload |
 //! | spring | a gas spring over a crank | joint_compliance, transmission, its joint |
 
-use super::cause::{Cause, Hidden};
+use super::cause::Cause;
+use super::hidden::Hidden;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use truepose_kinematics::nalgebra::Vector3;
