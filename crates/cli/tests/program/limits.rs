@@ -100,7 +100,7 @@ fn findings_before_a_limit_are_kept_and_marked_as_incomplete() {
     assert!(result["incomplete"].as_str().unwrap().starts_with("the time limit was reached"), "{result}");
     // On a machine that came to the end of the search the finished run is shown as well, without its validation.
     let finished = result["stopped"] != "interrupted";
-    assert_eq!(run.out.contains("on the held-out test set"), finished, "{}", run.out);
+    assert_eq!(run.out.contains(" mm on the held-out test set"), finished, "{}", run.out);
     assert!(!result["effects"].as_array().unwrap().is_empty(), "{result}");
     assert!(result["after"]["holdout"]["rms_mm"].as_f64() < result["before"]["holdout"]["rms_mm"].as_f64());
     assert_eq!(fit["provenance"]["incomplete"] == "the time limit was reached", !finished, "{fit}");
