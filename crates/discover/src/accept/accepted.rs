@@ -1,7 +1,9 @@
 //! A finding with its evidence.
 
 use crate::accept::evidence::Evidence;
+use crate::contest::names::name_probabilities;
 use crate::hypotheses::candidate::Candidate;
+use crate::policy::Policy;
 
 /// An accepted finding: the candidate, its evidence, and the hypotheses that it was preferred to.
 #[derive(Debug, Clone)]
@@ -18,6 +20,13 @@ pub(crate) struct Accepted {
 }
 
 impl Accepted {
+    /// Whether a competing hypothesis has a more probable name.
+    pub fn is_outnamed(&self, policy: &Policy) -> bool {
+        let finding = (&self.candidate, self.evidence.p_surrogates);
+        let names = name_probabilities(finding, &self.competitors, policy);
+        names.each.iter().any(|&other| other > names.own)
+    }
+
     /// Sets the competing hypotheses; those that would explain another finding as well are among them.
     pub fn compete(&mut self, mut competitors: Vec<(Candidate, f64)>) {
         for (other, behind) in &self.instead {

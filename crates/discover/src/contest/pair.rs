@@ -30,9 +30,7 @@ pub(crate) struct Side<'a> {
 pub(crate) struct PairScore {
     /// As two causes.
     pub total: f64,
-    /// As one cause, where both are drives.
-    pub together: f64,
-    /// For the name of a.
+    /// For the name of a: without the part of π that does not depend on the data, of both where both are drives, which count as one cause.
     pub data: f64,
 }
 
@@ -70,5 +68,5 @@ pub(crate) fn pair_score(
     let total = likelihood.deviance + pays(&a, 0..own) + pays(&b, own..width);
     let prior = |side: &Side<'_>| prior_penalty(linearisation, screen, side.candidate);
     let together = if yield_together(a.candidate, b.candidate) { total - prior(&b) } else { total };
-    Ok(PairScore { total, together, data: together - prior(&a) })
+    Ok(PairScore { total, data: together - prior(&a) })
 }

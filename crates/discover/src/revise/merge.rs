@@ -89,7 +89,7 @@ fn one_for_both(
     let score = pair_score(&linearisation, &screen, &visits, [side(0), side(1)])?;
     let policy = &options.policy;
     let stays = match yield_together(&both[0].candidate, &both[1].candidate) {
-        true => best.score + name_prior(best.candidate.family, policy) > score.together,
+        true => best.data_alone() + name_prior(best.candidate.family, policy) > score.data,
         false => best.score > score.total + policy.tie,
     };
     if stays {

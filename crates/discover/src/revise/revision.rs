@@ -8,16 +8,17 @@ use crate::revise::merge::merged;
 use crate::revise::reconsider::reconsidered;
 use crate::screen::multiplicity::Multiplicity;
 
-/// After a new finding: every other one is reconsidered, and the new one is merged with another one where a
-/// single candidate explains both.
+/// After a new finding: every other one is reconsidered, the new one as well where another name is more probable, and it is merged with
+/// another one where a single candidate explains both.
 pub(crate) fn after_finding(
     context: &Context<'_>,
     model: Model,
     multiplicity: &Multiplicity,
 ) -> Result<Model, DiscoverError> {
     let revised = guarded(context, model, |model| {
-        let newest = model.findings.len() - 1;
-        let (mut model, mut changed) = reconsidered(context, model, newest, multiplicity)?;
+        let outnamed = model.findings.last().is_some_and(|newest| newest.is_outnamed(context.policy()));
+        let others = model.findings.len() - usize::from(!outnamed);
+        let (mut model, mut changed) = reconsidered(context, model, others, multiplicity)?;
         if changed {
             // The newest finding was selected with other findings in the model.
             let count = model.findings.len();

@@ -9,7 +9,6 @@ use crate::accept::evidence::{Evidence, collect};
 use crate::accept::model::Model;
 use crate::contest::competition::contest;
 use crate::contest::competitor::{Competitor, competitor, outcompeted, with_estimates};
-use crate::contest::names::name_prior;
 use crate::contest::pair::yield_together;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
@@ -32,17 +31,18 @@ pub(crate) struct Drives {
     instead: (Candidate, f64),
 }
 
-/// The best competitor that is a drive and has another one as its partner, where both are more probable than the winner.
+/// The best competitor that is a drive and has another one as its partner, where the name of both is more probable than that of the winner
+/// ([`crate::contest::names`]; π counts tests, which say nothing about the name).
 pub(crate) fn drives_instead(competitors: &[Competitor], winner: usize, policy: &Policy) -> Option<usize> {
     let stands = &competitors[winner];
     let score = |r: &Competitor| {
         let partner = r.partner.as_ref().filter(|partner| !partner.leads)?;
         let both = yield_together(&r.candidate, &partner.candidate);
-        (both && !r.candidate.same_cause(&stands.candidate)).then_some(partner.score.together)
+        (both && !r.candidate.same_cause(&stands.candidate)).then_some(partner.score.data)
     };
     let pairs = competitors.iter().enumerate().filter_map(|(k, r)| Some((k, score(r)?)));
     let (best, score) = pairs.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (score < stands.score + name_prior(stands.candidate.family, policy)).then_some(best)
+    (score < stands.name_score(policy)).then_some(best)
 }
 
 impl Drives {

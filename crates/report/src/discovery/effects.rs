@@ -158,11 +158,15 @@ impl FindingSummary {
         format!("{} {}", self.family, self.place.words()).trim_end().to_owned()
     }
 
-    /// The name for a sentence that stands alone: one that is less probable than not says so.
+    /// The name for a sentence that stands alone: one that is less probable than not says so, and whose name is more probable.
     pub(crate) fn claim(&self) -> String {
+        let named = self.alternatives.iter().filter(|other| other.family != "unmodelled");
+        let others = named
+            .map(|other| (other.name(), other.probability))
+            .chain([(UNNAMED.to_owned(), self.unnamed_probability)]);
         match self.family.as_str() {
             "unmodelled" => self.name(),
-            _ => claimed(self.name(), self.name_probability),
+            _ => claimed(&self.name(), self.name_probability, others.max_by(|a, b| a.1.total_cmp(&b.1))),
         }
     }
 
@@ -179,7 +183,7 @@ impl FindingSummary {
             self.alternatives.iter().filter(named).map(|other| one(&other.name(), other.probability)),
         );
         if self.unnamed_probability >= LISTED && self.family != "unmodelled" {
-            names.push(one("a cause without a name in the library", self.unnamed_probability));
+            names.push(one(UNNAMED, self.unnamed_probability));
         }
         names.join(", ")
     }
@@ -198,6 +202,9 @@ impl FindingSummary {
     }
 }
 
+/// Stands for all causes that the library lacks.
+const UNNAMED: &str = "a cause without a name in the library";
+
 impl From<&Alternative> for AlternativeSummary {
     fn from(a: &Alternative) -> Self {
         AlternativeSummary {
@@ -211,11 +218,20 @@ impl From<&Alternative> for AlternativeSummary {
     }
 }
 
-fn claimed(name: String, probability: f64) -> String {
-    match probability {
-        p if p >= 0.5 => name,
-        p if p < 0.005 => format!("{name} (name uncertain, probability < 0.01)"),
-        p => format!("{name} (name uncertain, probability {p:.2})"),
+/// A name beside the most probable of the others.
+fn claimed(name: &str, probability: f64, other: Option<(String, f64)>) -> String {
+    if probability >= 0.5 {
+        return name.to_owned();
+    }
+    let said = match probability {
+        p if p < 0.005 => "< 0.01".into(),
+        p => format!("{p:.2}"),
+    };
+    match other.filter(|(_, p)| *p > probability) {
+        Some((other, p)) => {
+            format!("{name} (name uncertain, probability {said}; more probable: {other}, {p:.2})")
+        }
+        None => format!("{name} (name uncertain, probability {said})"),
     }
 }
 
@@ -244,10 +260,15 @@ mod tests {
     use super::claimed;
 
     #[test]
-    fn a_name_that_is_less_probable_than_not_says_so() {
-        let of = |p: f64| claimed("backlash a1".into(), p);
-        assert_eq!(of(0.5), "backlash a1");
-        assert_eq!(of(0.36), "backlash a1 (name uncertain, probability 0.36)");
-        assert_eq!(of(0.001), "backlash a1 (name uncertain, probability < 0.01)");
+    fn a_name_that_is_less_probable_than_not_says_so_and_which_is_more_probable() {
+        let of = |p: f64, other: f64| claimed("backlash a1", p, Some(("transmission a1".into(), other)));
+        assert_eq!(of(0.5, 0.4), "backlash a1");
+        assert_eq!(of(0.36, 0.3), "backlash a1 (name uncertain, probability 0.36)");
+        assert_eq!(
+            of(0.36, 0.6),
+            "backlash a1 (name uncertain, probability 0.36; more probable: transmission a1, 0.60)"
+        );
+        let unlikely = claimed("backlash a1", 0.001, None);
+        assert_eq!(unlikely, "backlash a1 (name uncertain, probability < 0.01)");
     }
 }
