@@ -3,7 +3,7 @@
 use crate::plants::with_three_targets;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use truepose_discover::{Diagnosis, DiscoverOptions, concrete, diagnose};
+use truepose_discover::{Diagnosis, DiscoverOptions, diagnose};
 use truepose_errormodel::effects::{
     Backlash, Geometric, Instrument, JointCompliance, Side, Transmission, TransmissionMode,
 };
@@ -79,7 +79,7 @@ fn friction_with_memory_is_found_with_its_distance() {
         let diagnosis = found(&chain, &declared, &data);
         assert_eq!(words(&diagnosis), ["backlash j3"], "{name}");
         let finding = &diagnosis.findings[0];
-        let play = concrete::<Backlash>(&*finding.candidate.effects()[0]).expect("backlash");
+        let play = finding.candidate.effects()[0].concrete::<Backlash>().expect("backlash");
         assert_eq!(play.side, Side::Presliding, "{name}");
         // The amplitude is half the gap.
         let gap = &finding.parameters[0];
@@ -115,7 +115,7 @@ fn a_smooth_encoder_and_a_wrong_gain_are_transmission_errors_of_their_joint() {
         let diagnosis = found(&chain, &declared, &data);
         assert_eq!(words(&diagnosis), ["transmission j4"], "{mode:?}");
         let finding = &diagnosis.findings[0];
-        let own = concrete::<Transmission>(&*finding.candidate.effects()[0]).expect("a transmission error");
+        let own = finding.candidate.effects()[0].concrete::<Transmission>().expect("a transmission error");
         // Over half a turn and more a smooth curve is as well a few harmonics of the turn.
         assert!(
             own.mode == mode || (mode, own.mode) == (TransmissionMode::Curve, TransmissionMode::Periodic)
@@ -222,7 +222,7 @@ fn friction_that_grows_with_the_load_is_backlash_by_load() {
     let data = plant.measure(&loaded(wandering(&chain, 150, 7), 150.0), 5).unwrap();
     let diagnosis = found(&chain, &elastic(), &data);
     assert_eq!(words(&diagnosis), ["backlash a3"]);
-    let play = concrete::<Backlash>(&*diagnosis.findings[0].candidate.effects()[0]).expect("backlash");
+    let play = diagnosis.findings[0].candidate.effects()[0].concrete::<Backlash>().expect("backlash");
     assert_eq!(play.side, Side::ByLoad);
     assert!(over_noise(&diagnosis) < 1.2, "{}", over_noise(&diagnosis));
 }
@@ -239,7 +239,7 @@ fn a_wave_that_grows_with_the_load_is_a_transmission_error_by_load() {
     let data = plant.measure(&loaded(wandering(&chain, 150, 7), 150.0), 5).unwrap();
     let diagnosis = found(&chain, &elastic(), &data);
     assert_eq!(words(&diagnosis), ["transmission a2"]);
-    let wave = concrete::<Transmission>(&*diagnosis.findings[0].candidate.effects()[0]).expect("a wave");
+    let wave = diagnosis.findings[0].candidate.effects()[0].concrete::<Transmission>().expect("a wave");
     assert!(wave.by_load);
     assert!(over_noise(&diagnosis) < 1.25, "{}", over_noise(&diagnosis));
 }
@@ -255,6 +255,6 @@ fn a_switch_is_no_friction_with_memory() {
     let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
     let diagnosis = found(&chain, &declared, &data);
     assert_eq!(words(&diagnosis), ["backlash j3"]);
-    let play = concrete::<Backlash>(&*diagnosis.findings[0].candidate.effects()[0]).expect("backlash");
+    let play = diagnosis.findings[0].candidate.effects()[0].concrete::<Backlash>().expect("backlash");
     assert_eq!(play.side, Side::Approach);
 }

@@ -48,7 +48,7 @@ pub use hypotheses::hypothesis::Hypothesis;
 pub use hypotheses::levels::Levels;
 pub use hypotheses::library::Library;
 pub use hypotheses::limits::Limit;
-pub use hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+pub use hypotheses::nonlinear::{Nonlinear, Refinement};
 pub use hypotheses::penalty::Penalty;
 pub use hypotheses::place::Place;
 pub use hypotheses::setting::Setting;

@@ -2,6 +2,7 @@
 
 use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Emission, ModelError, NonlinearParameter, Signal};
+use std::any::Any;
 use truepose_kinematics::{Chain, JointId, Posture};
 
 /// An effect whose columns have another prior standard deviation, other bounds, or both. In every other respect, in files as
@@ -55,6 +56,22 @@ impl Term {
     /// The effect itself.
     pub fn effect(&self) -> &dyn AnyEffect {
         self.effect.as_ref()
+    }
+}
+
+impl dyn AnyEffect {
+    /// The effect as what it is, with a [`Term`] around it or without; none when it is another one.
+    pub fn concrete<E: 'static>(&self) -> Option<&E> {
+        let any = self as &dyn Any;
+        any.downcast_ref::<E>().or_else(|| any.downcast_ref::<Term>()?.effect().concrete())
+    }
+
+    /// Another effect in its place, with the prior scale and the bounds that it has here.
+    pub fn replaced(&self, by: Box<dyn AnyEffect>) -> Box<dyn AnyEffect> {
+        match (self as &dyn Any).downcast_ref::<Term>() {
+            Some(term) => Box::new(Term { effect: term.effect.replaced(by), ..term.clone() }),
+            None => by,
+        }
     }
 }
 
@@ -113,11 +130,13 @@ impl AnyEffect for Term {
 mod tests {
     use super::*;
     use crate::batch::Lanes;
-    use crate::effects::{JointCompliance, Transmission};
+    use crate::effects::{JointCompliance, Landmarks, Point, Transmission};
     use crate::{
-        Dataset, DatasetBuilder, Effect, EffectRegistry, ErrorModel, Measurement, ModelError, Search,
+        Dataset, DatasetBuilder, Effect, EffectRegistry, ErrorModel, FittedModel, Measurement, ModelError,
+        Search,
     };
     use serde::{Deserialize, Serialize};
+    use truepose_kinematics::nalgebra::DMatrix;
     use truepose_kinematics::samples;
 
     /// An effect no method of which answers as the default does. In a block of rows it emits twice what it emits in a single row, so that a
@@ -263,6 +282,38 @@ mod tests {
         let (column, own) = (&outer.columns(&chain)[0], &plain.columns(&chain)[0]);
         assert!((column.scale - 6.0 * own.scale).abs() < 1e-12 * own.scale);
         assert_eq!(column.bounds.map(f64::to_bits), [0.0, 1e-5].map(f64::to_bits));
+    }
+
+    #[test]
+    fn an_effect_is_found_within_terms_and_replaced_there() {
+        let chain = samples::ur10();
+        let plain: Box<dyn AnyEffect> = Box::new(JointCompliance::default());
+        let inner = Term::new(plain.clone()).scaled(2.0);
+        let outer: Box<dyn AnyEffect> = Box::new(Term::new(Box::new(inner)).bounded([0.0, 1e-5]).unwrap());
+        assert!(plain.concrete::<JointCompliance>().is_some() && plain.concrete::<Transmission>().is_none());
+        assert!(outer.concrete::<JointCompliance>().is_some() && outer.concrete::<Transmission>().is_none());
+        let one = JointCompliance { joints: Some(vec![JointId(1)]), ..JointCompliance::default() };
+        let replaced = outer.replaced(Box::new(one.clone()));
+        assert_eq!(replaced.parameters(), AnyEffect::parameters(&one));
+        let (column, own) = (&replaced.columns(&chain)[0], &Effect::columns(&one, &chain)[0]);
+        assert!((column.scale - 2.0 * own.scale).abs() < 1e-12 * own.scale);
+        assert_eq!(column.bounds.map(f64::to_bits), [0.0, 1e-5].map(f64::to_bits));
+        assert_eq!(plain.replaced(Box::new(one.clone())).parameters(), AnyEffect::parameters(&one));
+    }
+
+    #[test]
+    fn places_of_landmarks_are_read_from_a_model_whose_effects_are_scaled() {
+        let chain = samples::ur10();
+        let points = vec![Point { name: "A".into(), tied: None }];
+        let landmarks: Box<dyn AnyEffect> = Box::new(Landmarks { points });
+        let moved = |effect: Box<dyn AnyEffect>| {
+            let model = ErrorModel::new(chain.clone(), vec![effect]).unwrap();
+            let fitted = FittedModel::new(model, vec![1e-3, -2e-3, 3e-3], DMatrix::zeros(3, 3)).unwrap();
+            fitted.landmarks_displaced().unwrap()
+        };
+        let by = moved(landmarks.clone());
+        assert!(by.len() == 1 && by[0].norm() > 1e-4, "{by:?}");
+        assert_eq!(by, moved(Box::new(Term::new(landmarks).scaled(3.0))));
     }
 
     #[test]

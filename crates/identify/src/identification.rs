@@ -7,7 +7,6 @@ use crate::{
     repeats,
 };
 use nalgebra::DMatrix;
-use std::any::Any;
 use truepose_errormodel::effects::{Geometric, Landmarks, Observed, Session, Where};
 use truepose_errormodel::{AnyEffect, Dataset, Effect, ErrorModel, FittedModel, Visits};
 use truepose_kinematics::{Chain, FrameId};
@@ -277,7 +276,7 @@ fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn A
     let own = [Landmarks::FAMILY, Observed::FAMILY];
     let touched = effects.iter().any(|effect| own.contains(&effect.kind()));
     let base = effects.iter().any(|effect| {
-        let geometric = (&**effect as &dyn Any).downcast_ref::<Geometric>();
+        let geometric = effect.concrete::<Geometric>();
         geometric
             .is_some_and(|of| of.frames.as_ref().is_none_or(|all| all.contains(&Where::Frame(FrameId::BASE))))
     });

@@ -4,10 +4,9 @@ use crate::effect::{PythonEffect, interned};
 use crate::error::{input, of_io};
 use crate::run::Raised;
 use pyo3::prelude::*;
-use std::any::Any;
 use std::path::PathBuf;
 use truepose_errormodel::effects::Geometric;
-use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry, Term};
+use truepose_errormodel::{AnyEffect, Dataset, EffectRegistry};
 use truepose_io::{model_from_text, read_model};
 use truepose_kinematics::Chain;
 
@@ -83,13 +82,7 @@ pub fn prepare(effects: &[Box<dyn AnyEffect>], chain: &Chain, data: &Dataset) ->
 
 /// The effects of Python among these.
 pub fn of_python(effects: &[Box<dyn AnyEffect>]) -> impl Iterator<Item = &PythonEffect> {
-    effects.iter().filter_map(|effect| own(effect.as_ref()))
-}
-
-/// An effect of Python, with what was added to it (widths, bounds) or without.
-fn own(effect: &dyn AnyEffect) -> Option<&PythonEffect> {
-    let any = effect as &dyn Any;
-    any.downcast_ref::<PythonEffect>().or_else(|| own(any.downcast_ref::<Term>()?.effect()))
+    effects.iter().filter_map(|effect| effect.concrete())
 }
 
 /// Built-in effects and these classes of Python, by their families.

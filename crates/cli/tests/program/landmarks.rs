@@ -113,3 +113,31 @@ fn a_measured_arm_without_an_instrument() {
     folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "q.csv"]).ended(0);
     assert_eq!(folder.read("p.csv"), folder.read("q.csv"));
 }
+
+#[test]
+fn a_measured_arm_whose_scale_nobody_knows_keeps_its_size() {
+    let folder = Folder::empty();
+    if !panda(&folder, "mukca-panda-3") {
+        return;
+    }
+    let robot = folder.read("robot.toml");
+    folder.write("robot.toml", robot.split("\n[[distances]]").next().unwrap());
+    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--json"];
+    let run = folder.run(&words).ended(0);
+    let found: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let landmarks = &found["landmarks"];
+    let spread = landmarks["held_out"]["rms_mm"].as_f64().unwrap();
+    assert!((0.1..0.3).contains(&spread), "{spread} mm");
+    let remarks = landmarks["remarks"].to_string();
+    assert!(remarks.contains("the scale is not determined"), "{remarks}");
+    assert!(remarks.contains("the fit keeps the scale of the robot as described"), "{remarks}");
+    let text = folder.run(&words[..5]).ended(0).out;
+    assert!(text.contains("No distance is known: the spread says nothing about lengths."), "{text}");
+    // Both holes of a place are 50 mm apart.
+    let at = |k: usize| -> Vec<f64> {
+        let xyz = landmarks["points"][k]["xyz_mm"].as_array().unwrap();
+        xyz.iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let apart = at(0).iter().zip(at(1)).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    assert!((apart - 50.0).abs() < 1.0, "{apart} mm");
+}

@@ -10,7 +10,7 @@ use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::limits::Limit;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
@@ -84,7 +84,7 @@ impl Hypothesis for LostMotion {
     }
 
     fn view(&self, place: &Place, effects: &[Box<dyn AnyEffect>]) -> TraceView {
-        let play = effects.first().and_then(|effect| concrete::<Backlash>(&**effect));
+        let play = effects.first().and_then(|effect| effect.concrete::<Backlash>());
         let by_load = play.is_some_and(|play| !matches!(play.side, Side::Approach | Side::Weight));
         let driver = if by_load { Driver::JointLoad } else { Driver::Joint };
         TraceView::of_motion(place.joint.clone().map(driver)).by_approach()
@@ -95,7 +95,7 @@ impl Hypothesis for LostMotion {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let play = concrete::<Backlash>(effect)?;
+        let play = effect.concrete::<Backlash>()?;
         if let Some([lower, _]) = play.between {
             return Some(Nonlinear::new(lower, Refinement::Edge(play.joint)));
         }
@@ -114,7 +114,7 @@ impl Hypothesis for LostMotion {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let play = concrete::<Backlash>(effect)?.clone();
+        let play = effect.concrete::<Backlash>()?.clone();
         if let Some([_, upper]) = play.between {
             return Some(Box::new(Backlash { between: Some([value, upper]), ..play }));
         }
@@ -128,7 +128,7 @@ impl Hypothesis for LostMotion {
     }
 
     fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let play = concrete::<Backlash>(effect)?;
+        let play = effect.concrete::<Backlash>()?;
         Some(Nonlinear::new(play.between?[1], Refinement::Edge(play.joint)))
     }
 
@@ -138,14 +138,14 @@ impl Hypothesis for LostMotion {
         value: f64,
         _: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let play = concrete::<Backlash>(effect)?.clone();
+        let play = effect.concrete::<Backlash>()?.clone();
         let between = Some([play.between?[0], value]);
         Some(Box::new(Backlash { between, ..play }))
     }
 
     // Local wear: in a part of the travel.
     fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
-        let Some(play) = concrete::<Backlash>(effect) else { return Vec::new() };
+        let Some(play) = effect.concrete::<Backlash>() else { return Vec::new() };
         if play.between.is_some() || play.side != Side::Approach {
             return Vec::new();
         }

@@ -1,6 +1,5 @@
 //! Sets of components of a frame with one fewer or more.
 
-use crate::hypotheses::nonlinear::concrete;
 use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Expansion, Place, Spot};
 use truepose_kinematics::Axis;
@@ -30,7 +29,7 @@ pub(crate) fn of_spot(
 /// A series in several components of a frame with one component fewer or more, two at least: with one left it would be another cause, whose
 /// place names that component.
 pub(crate) fn of_series(effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-    let Some(series) = concrete::<Expansion>(effect) else { return Vec::new() };
+    let Some(series) = effect.concrete::<Expansion>() else { return Vec::new() };
     let Place::Frame { frame, components } = &series.at else { return Vec::new() };
     if components.len() < 2 {
         return Vec::new();
@@ -53,7 +52,7 @@ mod tests {
 
     #[test]
     fn each_component_is_left_out_or_taken_in_once() {
-        let components = |effect: &dyn AnyEffect| concrete::<Guideway>(effect).unwrap().components.clone();
+        let components = |effect: &dyn AnyEffect| effect.concrete::<Guideway>().unwrap().components.clone();
         let once = Rail.neighbours(&Guideway::of(JointId(1)));
         assert_eq!(once.len(), 6);
         for (effect, axis) in once.iter().zip(Axis::ALL) {

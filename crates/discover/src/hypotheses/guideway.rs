@@ -4,7 +4,6 @@ use crate::hypotheses::components::others;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::nonlinear::concrete;
 use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
@@ -65,7 +64,7 @@ impl Hypothesis for Rail {
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        let Some(rail) = concrete::<Guideway>(effect) else { return Vec::new() };
+        let Some(rail) = effect.concrete::<Guideway>() else { return Vec::new() };
         others(rail.components.as_deref())
             .map(|axes| Guideway { components: Some(axes), ..rail.clone() }.boxed())
             .collect()

@@ -20,7 +20,7 @@ use truepose_kinematics::JointId;
 /// effects are linear in few coefficients.
 ///
 /// Effects that a method is given are those of the hypothesis' own [`Change::Add`](crate::Change::Add), singly or all of one candidate. A
-/// concrete effect is recovered with [`concrete`](crate::concrete).
+/// concrete effect is recovered with `effect.concrete::<E>()`.
 pub trait Hypothesis: Debug + Send + Sync {
     /// Its family: the word in files.
     fn family(&self) -> Family;

@@ -4,7 +4,7 @@ use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::limits::Limit;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
@@ -80,7 +80,7 @@ impl Hypothesis for Parallelogram {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let at = concrete::<Coupling>(effect)?.offset?;
+        let at = effect.concrete::<Coupling>()?.offset?;
         Some(Nonlinear::new(at, Refinement::Within([at - REACH, at + REACH])))
     }
 
@@ -90,7 +90,7 @@ impl Hypothesis for Parallelogram {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let linkage = concrete::<Coupling>(effect)?.clone();
+        let linkage = effect.concrete::<Coupling>()?.clone();
         Some(Box::new(Coupling { offset: Some(value), offset_range: range, ..linkage }))
     }
 }

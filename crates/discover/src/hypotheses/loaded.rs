@@ -4,7 +4,7 @@ use crate::hypotheses::covariate::Covariate;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
@@ -76,7 +76,7 @@ impl Hypothesis for CurvedSpring {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let load = concrete::<LoadNonlinearity>(effect)?.soft_load?;
+        let load = effect.concrete::<LoadNonlinearity>()?.soft_load?;
         Some(Nonlinear::new(load, Refinement::Scale([0.4, 2.5])))
     }
 
@@ -86,7 +86,7 @@ impl Hypothesis for CurvedSpring {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let spring = concrete::<LoadNonlinearity>(effect)?.clone();
+        let spring = effect.concrete::<LoadNonlinearity>()?.clone();
         Some(Box::new(LoadNonlinearity { soft_load: Some(value), soft_range: range, ..spring }))
     }
 }

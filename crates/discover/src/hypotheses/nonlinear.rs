@@ -1,7 +1,5 @@
 //! Parameters in which an effect is not linear: a period, an instant, a time constant, a load.
 
-use std::any::Any;
-use truepose_errormodel::{AnyEffect, Effect};
 use truepose_kinematics::JointId;
 
 /// A nonlinear parameter of an effect that was found rather than known.
@@ -50,9 +48,4 @@ pub enum Refinement {
     Edge(JointId),
     /// The values of the variants are all that the data has (lags of derived channels).
     Grid,
-}
-
-/// An effect as what it is; none when it is another one.
-pub fn concrete<E: Effect>(effect: &dyn AnyEffect) -> Option<&E> {
-    (effect as &dyn Any).downcast_ref()
 }

@@ -4,7 +4,7 @@ use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::limits::Limit;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
@@ -104,7 +104,7 @@ impl Hypothesis for Ram {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let length = concrete::<LinkCompliance>(effect)?.ram?;
+        let length = effect.concrete::<LinkCompliance>()?.ram?;
         Some(Nonlinear::new(length, Refinement::Within([length - REACH, length + REACH])))
     }
 
@@ -114,7 +114,7 @@ impl Hypothesis for Ram {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let ram = concrete::<LinkCompliance>(effect)?.clone();
+        let ram = effect.concrete::<LinkCompliance>()?.clone();
         Some(Box::new(LinkCompliance { ram: Some(value), ram_range: range, ..ram }))
     }
 }

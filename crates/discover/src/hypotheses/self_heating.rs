@@ -8,7 +8,7 @@ use crate::hypotheses::components::of_spot;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
@@ -98,7 +98,7 @@ impl Hypothesis for SelfHeating {
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
         let reach = Refinement::Scale([0.4, 2.5]);
-        Some(Nonlinear::new(concrete::<Thermal>(effect)?.lag?, reach))
+        Some(Nonlinear::new(effect.concrete::<Thermal>()?.lag?, reach))
     }
 
     fn with_value(
@@ -107,12 +107,12 @@ impl Hypothesis for SelfHeating {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let growth = concrete::<Thermal>(effect)?.clone();
+        let growth = effect.concrete::<Thermal>()?.clone();
         Some(Box::new(Thermal { lag: Some(value), lag_range: range, ..growth }))
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        let Some(growth) = concrete::<Thermal>(effect) else { return Vec::new() };
+        let Some(growth) = effect.concrete::<Thermal>() else { return Vec::new() };
         of_spot(growth.spot, growth.components.as_deref(), |axes| {
             Thermal { components: Some(axes), ..growth.clone() }.boxed()
         })

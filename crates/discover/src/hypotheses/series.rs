@@ -1,7 +1,6 @@
 //! Candidates that are a series in joints, signals and time at one frame: many of them share their functions.
 
 use crate::hypotheses::candidate::Candidate;
-use crate::hypotheses::nonlinear::concrete;
 use truepose_errormodel::AnyEffect;
 use truepose_errormodel::effects::{Expansion, Factor, Place};
 use truepose_kinematics::{Axis, FrameId};
@@ -16,7 +15,7 @@ pub(crate) struct Series<'a> {
 /// The series of a candidate that acts on one component of a frame, or on all six, and depends on joints, signals and time alone.
 pub(crate) fn series(candidate: &Candidate) -> Option<Series<'_>> {
     let [effect] = candidate.effects() else { return None };
-    let series = concrete::<Expansion>(&**effect)?;
+    let series = effect.concrete::<Expansion>()?;
     match &series.at {
         Place::Frame { frame, components }
             if !AnyEffect::load_dependent(series)

@@ -6,7 +6,7 @@ use crate::hypotheses::components::of_spot;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
@@ -87,7 +87,7 @@ impl Hypothesis for Growth {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        Some(Nonlinear::new(concrete::<Thermal>(effect)?.lag?, Refinement::Grid))
+        Some(Nonlinear::new(effect.concrete::<Thermal>()?.lag?, Refinement::Grid))
     }
 
     fn with_value(
@@ -96,17 +96,17 @@ impl Hypothesis for Growth {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let growth = concrete::<Thermal>(effect)?.clone();
+        let growth = effect.concrete::<Thermal>()?.clone();
         Some(Box::new(Thermal { lag: Some(value), lag_range: range, ..growth }))
     }
 
     fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        Some(Nonlinear::new(concrete::<Thermal>(effect)?.second_lag?, Refinement::Grid))
+        Some(Nonlinear::new(effect.concrete::<Thermal>()?.second_lag?, Refinement::Grid))
     }
 
     // A second part of the body, five times as slow.
     fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
-        let Some(growth) = concrete::<Thermal>(effect) else { return Vec::new() };
+        let Some(growth) = effect.concrete::<Thermal>() else { return Vec::new() };
         let Some(lag) = growth.lag else { return Vec::new() };
         let grid = setting.data.schema.channels.iter().filter_map(|channel| setting.data.late(&channel.name));
         let own = |(source, _): &(usize, f64)| setting.data.schema.channels[*source].name == growth.channel;
@@ -120,7 +120,7 @@ impl Hypothesis for Growth {
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        let Some(growth) = concrete::<Thermal>(effect) else { return Vec::new() };
+        let Some(growth) = effect.concrete::<Thermal>() else { return Vec::new() };
         of_spot(growth.spot, growth.components.as_deref(), |axes| {
             Thermal { components: Some(axes), ..growth.clone() }.boxed()
         })

@@ -4,7 +4,7 @@ use crate::hypotheses::components::of_spot;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
@@ -93,7 +93,7 @@ impl Hypothesis for Slow {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let constant = concrete::<Drift>(effect)?.time_constant?;
+        let constant = effect.concrete::<Drift>()?.time_constant?;
         Some(Nonlinear::new(constant, Refinement::Scale([0.4, 2.5])))
     }
 
@@ -103,12 +103,12 @@ impl Hypothesis for Slow {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let drift = concrete::<Drift>(effect)?.clone();
+        let drift = effect.concrete::<Drift>()?.clone();
         Some(Box::new(Drift { time_constant: Some(value), time_constant_range: range, ..drift }))
     }
 
     fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let constant = concrete::<Drift>(effect)?.second_time_constant?;
+        let constant = effect.concrete::<Drift>()?.second_time_constant?;
         Some(Nonlinear::new(constant, Refinement::Scale([0.4, 2.5])))
     }
 
@@ -118,14 +118,14 @@ impl Hypothesis for Slow {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let drift = concrete::<Drift>(effect)?.clone();
+        let drift = effect.concrete::<Drift>()?.clone();
         let (second_time_constant, second_time_constant_range) = (Some(value), range);
         Some(Box::new(Drift { second_time_constant, second_time_constant_range, ..drift }))
     }
 
     // Housings and castings: a second time constant, on either side of the first.
     fn richer_in(&self, effect: &dyn AnyEffect, _: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
-        let Some(drift) = concrete::<Drift>(effect) else { return Vec::new() };
+        let Some(drift) = effect.concrete::<Drift>() else { return Vec::new() };
         let Some(constant) = drift.time_constant else { return Vec::new() };
         let of = |factor: f64| {
             let second_time_constant = Some(factor * constant);
@@ -135,7 +135,7 @@ impl Hypothesis for Slow {
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        let Some(drift) = concrete::<Drift>(effect) else { return Vec::new() };
+        let Some(drift) = effect.concrete::<Drift>() else { return Vec::new() };
         of_spot(drift.spot, drift.components.as_deref(), |axes| {
             Drift { components: Some(axes), ..drift.clone() }.boxed()
         })
@@ -180,7 +180,7 @@ impl Hypothesis for Jump {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let jump = concrete::<Shift>(effect)?;
+        let jump = effect.concrete::<Shift>()?;
         Some(Nonlinear::new(jump.at, Refinement::Instant { gap: jump.gap }))
     }
 
@@ -190,12 +190,12 @@ impl Hypothesis for Jump {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let jump = concrete::<Shift>(effect)?.clone();
+        let jump = effect.concrete::<Shift>()?.clone();
         Some(Box::new(Shift { at: value, at_range: range, ..jump }))
     }
 
     fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let jump = concrete::<Shift>(effect)?;
+        let jump = effect.concrete::<Shift>()?;
         match (jump.until, jump.settling) {
             (Some(until), _) => Some(Nonlinear::new(until, Refinement::Instant { gap: None })),
             (None, settling) => Some(Nonlinear::new(settling?, Refinement::Scale([0.4, 2.5]))),
@@ -208,7 +208,7 @@ impl Hypothesis for Jump {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let jump = concrete::<Shift>(effect)?.clone();
+        let jump = effect.concrete::<Shift>()?.clone();
         Some(match jump.until {
             Some(_) => Box::new(Shift { until: Some(value), until_range: range, ..jump }),
             None => Box::new(Shift { settling: Some(value), settling_range: range, ..jump }),
@@ -217,7 +217,7 @@ impl Hypothesis for Jump {
 
     // It was put right later, or it happened before and was put right here; or a part of it settles.
     fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
-        let Some(jump) = concrete::<Shift>(effect) else { return Vec::new() };
+        let Some(jump) = effect.concrete::<Shift>() else { return Vec::new() };
         let Some([_, last]) = setting.record_range() else { return Vec::new() };
         if jump.until.is_some() || jump.settling.is_some() {
             return Vec::new();
@@ -238,12 +238,12 @@ impl Hypothesis for Jump {
     }
 
     fn between(&self, effect: &dyn AnyEffect, [before, after]: [f64; 2]) -> Option<Box<dyn AnyEffect>> {
-        let jump = concrete::<Shift>(effect)?.clone();
+        let jump = effect.concrete::<Shift>()?.clone();
         Some(Box::new(Shift { at: 0.5 * (before + after), gap: Some([before, after]), ..jump }))
     }
 
     fn neighbours(&self, effect: &dyn AnyEffect) -> Vec<Box<dyn AnyEffect>> {
-        let Some(jump) = concrete::<Shift>(effect) else { return Vec::new() };
+        let Some(jump) = effect.concrete::<Shift>() else { return Vec::new() };
         of_spot(jump.spot, jump.components.as_deref(), |axes| {
             Shift { components: Some(axes), ..jump.clone() }.boxed()
         })

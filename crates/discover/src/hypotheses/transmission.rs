@@ -5,7 +5,7 @@ use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::limits::Limit;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
 use crate::hypotheses::variant::Variant;
@@ -74,7 +74,7 @@ impl Hypothesis for Drive {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let wave = concrete::<Transmission>(effect)?;
+        let wave = effect.concrete::<Transmission>()?;
         Some(Nonlinear::new(free_period(wave)?, Refinement::Period(wave.joint)))
     }
 
@@ -84,19 +84,19 @@ impl Hypothesis for Drive {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let wave = concrete::<Transmission>(effect)?.clone();
+        let wave = effect.concrete::<Transmission>()?.clone();
         Some(Box::new(Transmission { period: Some(value), period_range: range, ..wave }))
     }
 
     // The same harmonics with an amplitude that follows the load.
     fn richer(&self, effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
-        let wave = concrete::<Transmission>(effect)?.clone();
+        let wave = effect.concrete::<Transmission>()?.clone();
         Some(Box::new(Transmission { by_load: true, ..wave }))
     }
 
     // The same in a part of the travel: local wear.
     fn richer_in(&self, effect: &dyn AnyEffect, setting: &Setting<'_>) -> Vec<Box<dyn AnyEffect>> {
-        let Some(wave) = concrete::<Transmission>(effect) else { return Vec::new() };
+        let Some(wave) = effect.concrete::<Transmission>() else { return Vec::new() };
         let mut all: Vec<Box<dyn AnyEffect>> = self.richer(effect).into_iter().collect();
         if wave.between.is_none() {
             let worn = |part| Transmission { between: Some(part), ..wave.clone() }.boxed();

@@ -6,7 +6,6 @@ use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::loaded;
-use crate::hypotheses::nonlinear::concrete;
 use crate::hypotheses::penalty::Penalty;
 use crate::hypotheses::place::Place;
 use crate::hypotheses::setting::Setting;
@@ -54,7 +53,7 @@ impl Hypothesis for Unmodelled {
 
     fn drivers(&self, place: &Place, effects: &[Box<dyn AnyEffect>]) -> Vec<Driver> {
         let factors =
-            effects.iter().filter_map(|effect| concrete::<Expansion>(&**effect)).flat_map(|e| &e.factors);
+            effects.iter().filter_map(|effect| effect.concrete::<Expansion>()).flat_map(|e| &e.factors);
         let covariates = [&place.covariate, &place.covariate2].into_iter().flatten();
         covariates
             .zip(factors)
@@ -75,7 +74,7 @@ impl Hypothesis for Unmodelled {
     // Of frames that move along curves, and of whatever follows the time or a load.
     fn penalty(&self, effects: &[Box<dyn AnyEffect>]) -> Penalty {
         let [effect] = effects else { return Penalty::Number };
-        let Some(series) = concrete::<Expansion>(&**effect) else { return Penalty::Number };
+        let Some(series) = effect.concrete::<Expansion>() else { return Penalty::Number };
         let moves = matches!(&series.at, At::Frame { components, .. } if components.len() > 1);
         let follows = series.factors.first().is_some_and(|f| matches!(f.of, Input::Time | Input::Load(_)));
         if moves || follows { Penalty::MarginalLikelihood } else { Penalty::Number }
@@ -87,7 +86,7 @@ impl Hypothesis for Unmodelled {
 
     // The same dependence on two inputs with everything up to the third degree.
     fn richer(&self, effect: &dyn AnyEffect) -> Option<Box<dyn AnyEffect>> {
-        let mut series = concrete::<Expansion>(effect)?.clone();
+        let mut series = effect.concrete::<Expansion>()?.clone();
         if series.factors.len() != 2 {
             return None;
         }

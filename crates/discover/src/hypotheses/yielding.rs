@@ -6,7 +6,7 @@ use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
 use crate::hypotheses::hypothesis::Hypothesis;
 use crate::hypotheses::limits::Limit;
-use crate::hypotheses::nonlinear::{Nonlinear, Refinement, concrete};
+use crate::hypotheses::nonlinear::{Nonlinear, Refinement};
 use crate::hypotheses::place::Place;
 use crate::hypotheses::self_heating::clock;
 use crate::hypotheses::setting::Setting;
@@ -125,7 +125,7 @@ impl Hypothesis for Creep {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        Some(Nonlinear::new(concrete::<JointCompliance>(effect)?.lag?, Refinement::Scale([0.4, 2.5])))
+        Some(Nonlinear::new(effect.concrete::<JointCompliance>()?.lag?, Refinement::Scale([0.4, 2.5])))
     }
 
     fn with_value(
@@ -134,7 +134,7 @@ impl Hypothesis for Creep {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let creep = concrete::<JointCompliance>(effect)?.clone();
+        let creep = effect.concrete::<JointCompliance>()?.clone();
         Some(Box::new(JointCompliance { lag: Some(value), lag_range: range, ..creep }))
     }
 }
@@ -228,7 +228,7 @@ impl Hypothesis for Counterbalance {
     }
 
     fn nonlinear(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let offset = concrete::<JointCompliance>(effect)?.offset?;
+        let offset = effect.concrete::<JointCompliance>()?.offset?;
         Some(Nonlinear::new(offset, Refinement::Within([offset - FRAC_PI_4, offset + FRAC_PI_4])))
     }
 
@@ -238,12 +238,12 @@ impl Hypothesis for Counterbalance {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let spring = concrete::<JointCompliance>(effect)?.clone();
+        let spring = effect.concrete::<JointCompliance>()?.clone();
         Some(Box::new(JointCompliance { offset: Some(value), offset_range: range, ..spring }))
     }
 
     fn second(&self, effect: &dyn AnyEffect) -> Option<Nonlinear> {
-        let ratio = concrete::<JointCompliance>(effect)?.ratio?;
+        let ratio = effect.concrete::<JointCompliance>()?.ratio?;
         Some(Nonlinear::new(ratio, Refinement::Within([0.2, 0.98])))
     }
 
@@ -253,7 +253,7 @@ impl Hypothesis for Counterbalance {
         value: f64,
         range: Option<[f64; 2]>,
     ) -> Option<Box<dyn AnyEffect>> {
-        let spring = concrete::<JointCompliance>(effect)?.clone();
+        let spring = effect.concrete::<JointCompliance>()?.clone();
         Some(Box::new(JointCompliance { ratio: Some(value), ratio_range: range, ..spring }))
     }
 }

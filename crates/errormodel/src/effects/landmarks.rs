@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! l_k = l⁰_k + δ_k                     δ_k free                              a landmark of its own
-//! l_k = l_j + d u(τ),  |u| = 1          u ≈ u⁰ + τ_1 e_1 + τ_2 e_2            one at a known distance d from landmark j
+//! l_k = l_j + d u(τ),  |u| = 1          u ≈ u⁰ + τ_1 e_1 + τ_2 e_2            one at distance d, known or held, from landmark j
 //! 0 = l_k − p                          what a row says; p the touching target
 //! ```
 //!
@@ -34,7 +34,7 @@ pub struct Point {
     pub tied: Option<Tied>,
 }
 
-/// At a known distance from an earlier landmark.
+/// At a known distance from an earlier landmark, or at that of the nominal robot.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tied {
@@ -44,6 +44,9 @@ pub struct Tied {
     pub direction: [f64; 3],
     /// m.
     pub distance: f64,
+    /// Whether nobody knows the distance, and nothing else holds the scale: it is then that of the nominal robot.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub held: bool,
 }
 
 impl Tied {
@@ -69,6 +72,24 @@ const OFF: f64 = 1e-2;
 const TURNED: f64 = 0.1;
 
 impl Landmarks {
+    /// Whether a distance that nobody knows holds the scale.
+    pub fn hold_scale(&self) -> bool {
+        self.points.iter().any(|point| point.tied.is_some_and(|tied| tied.held))
+    }
+
+    /// Holds the scale by the distance between those of these landmarks that are farthest apart; `at`: places, m, measurement frame. Which ones;
+    /// none of fewer than two places.
+    pub fn held_between(&mut self, of: &[usize], at: &[Vector3<f64>]) -> Option<[usize; 2]> {
+        self.points.iter_mut().for_each(|point| point.tied = point.tied.filter(|tied| !tied.held));
+        let pairs = of.iter().flat_map(|&j| of.iter().filter(move |&&k| k > j).map(move |&k| [j, k]));
+        let apart = |[j, k]: &[usize; 2]| (at[*k] - at[*j]).norm();
+        let [to, k] = pairs.max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+        let way = at[k] - at[to];
+        let direction = way.try_normalize(1e-9)?.into();
+        self.points[k].tied = Some(Tied { to, direction, distance: way.norm(), held: true });
+        Some([to, k])
+    }
+
     /// Where the coefficients of each landmark begin.
     fn first(&self, point: usize) -> usize {
         self.points[..point].iter().map(|point| if point.tied.is_some() { 2 } else { 3 }).sum()
@@ -180,7 +201,7 @@ mod tests {
     fn three() -> Landmarks {
         let point = |name: &str, tied: Option<Tied>| Point { name: name.into(), tied };
         let along = Vector3::new(0.6, 0.0, 0.8);
-        let tied = Tied { to: 0, direction: along.into(), distance: 0.05 };
+        let tied = Tied { to: 0, direction: along.into(), distance: 0.05, held: false };
         Landmarks { points: vec![point("A", None), point("B", Some(tied)), point("C", None)] }
     }
 
@@ -222,7 +243,7 @@ mod tests {
         assert_eq!(columns(2.0), [0, 1, 2, 3, 4]);
         assert_eq!(columns(3.0), [5, 6, 7]);
         let mut wrong = three();
-        wrong.points[1].tied = Some(Tied { to: 1, direction: [1.0, 0.0, 0.0], distance: 0.1 });
+        wrong.points[1].tied = Some(Tied { to: 1, direction: [1.0, 0.0, 0.0], distance: 0.1, held: false });
         assert!(Effect::validate(&wrong, &chain).is_err());
     }
 }

@@ -7,16 +7,17 @@ use crate::dataset::of_observation;
 use crate::effects::{Landmarks, Observed};
 use crate::{AnyEffect, Effect, ErrorModel, LANDMARK, ModelError};
 use nalgebra::{DMatrix, Vector3};
-use std::any::Any;
 use truepose_kinematics::{ChainError, TargetId};
 
 impl FittedModel {
     /// By how much each landmark is displaced from where the data has it, m, measurement frame; none without landmarks.
     pub fn landmarks_displaced(&self) -> Option<Vec<Vector3<f64>>> {
         let model = self.model();
-        let (at, effect) = model.effects().iter().enumerate().find_map(|(k, effect)| {
-            (&**effect as &dyn Any).downcast_ref::<Landmarks>().map(|effect| (k, effect))
-        })?;
+        let (at, effect) = model
+            .effects()
+            .iter()
+            .enumerate()
+            .find_map(|(k, effect)| effect.concrete::<Landmarks>().map(|effect| (k, effect)))?;
         let own = &self.coefficients()[model.columns_of(at)];
         Some((0..effect.points.len()).map(|point| effect.displaced(point, own)).collect())
     }
@@ -24,9 +25,11 @@ impl FittedModel {
     /// The unknowns of each sensor, as the fit has moved them from where the data has them; none without sensors.
     pub fn sensors_moved(&self) -> Option<Vec<Vec<f64>>> {
         let model = self.model();
-        let (at, effect) = model.effects().iter().enumerate().find_map(|(k, effect)| {
-            (&**effect as &dyn Any).downcast_ref::<Observed>().map(|effect| (k, effect))
-        })?;
+        let (at, effect) = model
+            .effects()
+            .iter()
+            .enumerate()
+            .find_map(|(k, effect)| effect.concrete::<Observed>().map(|effect| (k, effect)))?;
         let own = &self.coefficients()[model.columns_of(at)];
         Some((0..effect.sensors.len()).map(|sensor| own[effect.columns_of(sensor)].to_vec()).collect())
     }
@@ -34,9 +37,11 @@ impl FittedModel {
     /// Standard deviations of the unknowns of each sensor, in their units; zero of those that the fit leaves where they are. None without sensors.
     pub fn sensors_uncertain(&self) -> Option<Vec<Vec<f64>>> {
         let model = self.model();
-        let (at, effect) = model.effects().iter().enumerate().find_map(|(k, effect)| {
-            (&**effect as &dyn Any).downcast_ref::<Observed>().map(|effect| (k, effect))
-        })?;
+        let (at, effect) = model
+            .effects()
+            .iter()
+            .enumerate()
+            .find_map(|(k, effect)| effect.concrete::<Observed>().map(|effect| (k, effect)))?;
         let first = model.columns_of(at).start;
         let sd = |k: usize| self.covariance()[(first + k, first + k)].max(0.0).sqrt();
         Some((0..effect.sensors.len()).map(|sensor| effect.columns_of(sensor).map(sd).collect()).collect())

@@ -11,7 +11,6 @@ use super::model::{Fallback, FittedModel};
 use super::sample::Sample;
 use crate::effects::Session;
 use crate::{AnyEffect, Effect, ErrorModel, ModelError, SESSION};
-use std::any::Any;
 use truepose_kinematics::{Placed, Pose, Target, TargetId};
 
 /// The name of a session's own target.
@@ -46,8 +45,10 @@ impl FittedModel {
                 reason: error.to_string(),
             })?;
         let chosen = |effect: &dyn AnyEffect| -> Box<dyn AnyEffect> {
-            match (effect as &dyn Any).downcast_ref::<Session>() {
-                Some(session) => Box::new(Session { chosen: Some(number), ..session.clone() }),
+            match effect.concrete::<Session>() {
+                Some(session) => {
+                    effect.replaced(Box::new(Session { chosen: Some(number), ..session.clone() }))
+                }
                 None => effect.boxed(),
             }
         };

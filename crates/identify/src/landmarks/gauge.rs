@@ -30,10 +30,14 @@ impl Gauge<'_> {
         self.outside || self.distances || metric
     }
 
-    /// Whether a robot that is as small as a point would agree with every row: with the planes, or the camera, as small as itself. Points that
-    /// were touched without a known distance shrink by as much as the prior lets them, which is little.
+    /// Whether a robot that is as small as a point would agree with every row: with the planes, or the camera, as small as itself.
     pub fn may_shrink(&self) -> bool {
         !self.has_scale() && !self.has_base() && !self.touched && !self.sensors.is_empty()
+    }
+
+    /// The same where points were touched: then one distance between them can be held.
+    pub fn lets_landmarks_shrink(&self) -> bool {
+        self.touched && !self.has_scale() && !self.has_base()
     }
 
     /// Sentences.

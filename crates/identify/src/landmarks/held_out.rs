@@ -11,8 +11,8 @@ use super::found_in::found_in;
 use crate::{CrossValidation, Fit, FitOptions, Folds, IdentifyError, Residuals, fit};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
-use truepose_errormodel::effects::Observed;
-use truepose_errormodel::{Dataset, FittedModel, Visits, own_channel};
+use truepose_errormodel::effects::{Landmarks, Observed};
+use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits, own_channel};
 use truepose_kinematics::Conditions;
 use truepose_solvers::Solver;
 
@@ -26,7 +26,8 @@ pub struct LandmarkFold {
 }
 
 /// Leaves out one group of landmarks after the other, `groups` being that of each landmark. Rows without a landmark are left out in as many
-/// parts, in their order. None with fewer than two groups.
+/// parts, in their order. None with fewer than two groups, or fewer than three landmarks where a distance of the nominal robot holds the scale:
+/// without the rows of one of them, two others hold it where the whole fit has them.
 ///
 /// # Errors
 /// When a fit fails.
@@ -37,7 +38,8 @@ pub fn landmark_cross_validation(
     (solver, options): (&dyn Solver, &FitOptions),
 ) -> Result<Option<(CrossValidation, Vec<LandmarkFold>)>, IdentifyError> {
     let count = groups.iter().max().map_or(0, |last| last + 1);
-    if count < 2 {
+    let landmarks = found_in::<Landmarks>(known.fitted.model().effects()).filter(|of| of.hold_scale());
+    if count < 2 || landmarks.is_some_and(|of| of.points.len() < 3) {
         return Ok(None);
     }
     let visits = Visits::of(data);
@@ -57,12 +59,38 @@ pub fn landmark_cross_validation(
     for left_out in 0..count {
         let (out, rest): (Vec<usize>, Vec<usize>) =
             (0..data.len()).partition(|&row| folds.of_visit[data.visit[row]] == left_out);
-        let again = fit(known.fitted.model(), &data.select(&rest), solver, options)?;
+        let rest = data.select(&rest);
+        let again = match landmarks {
+            Some(landmarks) => fit(&with_scale(known, landmarks, &rest)?, &rest, solver, options)?,
+            None => fit(known.fitted.model(), &rest, solver, options)?,
+        };
         let part = judged(&again.fitted.without_landmarks()?, data, &out, &mut residuals)?;
         fold_rms.push(residuals.positions_of(&out).rms);
         places.push(part);
     }
     Ok(Some((CrossValidation { residuals, folds, fold_rms, refitted: count }, places)))
+}
+
+/// The model with its scale held between landmarks that the rows have.
+fn with_scale(known: &Fit, landmarks: &Landmarks, rows: &Dataset) -> Result<ErrorModel, IdentifyError> {
+    let moved = known.fitted.landmarks_displaced().unwrap_or_default();
+    let mut at: BTreeMap<usize, Vector3<f64>> = BTreeMap::new();
+    for row in 0..rows.len() {
+        if let Some(k) = rows.landmark(row) {
+            at.insert(k, Vector3::from(rows.position[row]) + moved.get(k).copied().unwrap_or_default());
+        }
+    }
+    let here: Vec<usize> = at.keys().copied().collect();
+    let places: Vec<Vector3<f64>> =
+        (0..landmarks.points.len()).map(|k| at.get(&k).copied().unwrap_or_default()).collect();
+    let mut held = landmarks.clone();
+    held.held_between(&here, &places);
+    let model = known.fitted.model();
+    let effects = model.effects().iter().map(|effect| match effect.concrete::<Landmarks>() {
+        Some(_) => effect.replaced(Box::new(held.clone())),
+        None => effect.clone(),
+    });
+    Ok(ErrorModel::new(model.chain().clone(), effects.collect())?)
 }
 
 /// Residuals of the rows of a sensor, its own unknowns being fitted to them: nothing else knows these.

@@ -7,7 +7,9 @@
 //!
 //! A row says that its target was at the landmark, and where that is nobody knows: three unknowns a landmark, beside those of the robot. A
 //! known distance fixes the scale; it is taken as exact and keeps one landmark on a sphere around the other. Directions on that sphere are
-//! angles, in which the fit is not linear: it is made again with the landmarks where it has found them, until they rest.
+//! angles, in which the fit is not linear: it is made again with the landmarks where it has found them, until they rest. Where nothing says how
+//! long anything is, a robot as small as a point would agree with every row: the distance between the two landmarks that are farthest apart is
+//! held where the nominal robot has it.
 //!
 //! A row of another kind measured a number that depends on where its target was: the distance to an anchor, the height above a plane. Such rows are
 //! linearised at the robot and the sensors as they are, fitted, and linearised anew until nothing moves.
@@ -33,8 +35,7 @@ use gauge::Gauge;
 use hand_eye::with_base;
 use nalgebra::Vector3;
 use sensors::Sensors;
-use std::any::Any;
-use ties::tied;
+use ties::{Structure, tied};
 use truepose_errormodel::effects::{AllTargets, Geometric, Landmarks, Observed, Where};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Surroundings, Visits};
 use truepose_kinematics::nalgebra::DMatrix;
@@ -98,7 +99,7 @@ pub fn touched(
     // Points of known place that a carried camera sees are as good as measured positions.
     let outside = measured || carried.spans();
     let mut remarks = Vec::new();
-    let structure = tied(&of_row, surroundings, &mut remarks)?;
+    let mut structure = tied(&of_row, surroundings, &mut remarks)?;
     for at in &mut of_row {
         *at = at.and_then(|k| structure.number[k]);
     }
@@ -111,6 +112,7 @@ pub fn touched(
         let names: Vec<&str> = sensors.found.iter().map(|found| found.name.as_str()).collect();
         return Err(IdentifyError::Landmark { name: names.join(", "), why: words.join("; ") });
     }
+    let scale_is_open = gauge.lets_landmarks_shrink();
     remarks.extend(words);
     let (described, has_base) = (chain, gauge.has_base());
     let chain = if outside { chain.clone() } else { all_known(chain)? };
@@ -136,6 +138,9 @@ pub fn touched(
     }
     sensors.start(&poses, &carried)?;
     let mut at = start(&poses, &data, structure.points.len(), surroundings, &structure.declared);
+    if scale_is_open {
+        remarks.push(structure.hold_scale(&at).ok_or_else(|| alone(&structure, &remarks))?);
+    }
     let length = chain.characteristic_length();
     let mut last = declared.clone();
     let mut seen = carried.with_targets(&placed, &poses)?;
@@ -181,6 +186,13 @@ pub fn touched(
     Ok(Touched { data, chain, effects: last, names, positions: at, distances, groups, sensors, remarks })
 }
 
+/// The only landmark of a campaign that says nothing of lengths.
+fn alone(structure: &Structure, remarks: &[String]) -> IdentifyError {
+    let names: Vec<&str> = structure.points.iter().map(|point| point.name.as_str()).collect();
+    let why = format!("a robot as small as a point would agree with every row: {}", remarks.join("; "));
+    IdentifyError::Landmark { name: names.join(", "), why }
+}
+
 /// With fewer groups nothing but the rows of another landmark would be left to judge a landmark by: then rows are left out one by one.
 const FEWEST_GROUPS: usize = 3;
 
@@ -192,7 +204,8 @@ pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
     let mut groups: Vec<usize> = Vec::new();
     let next = |groups: &[usize]| groups.iter().max().map_or(0, |last| last + 1);
     for point in landmarks.iter().flat_map(|landmarks| &landmarks.points) {
-        groups.push(point.tied.map_or(next(&groups), |tied| groups[tied.to]));
+        let known = point.tied.filter(|tied| !tied.held);
+        groups.push(known.map_or(next(&groups), |tied| groups[tied.to]));
     }
     for _ in 0..sensors {
         groups.push(next(&groups));
@@ -251,7 +264,7 @@ fn all_known(chain: &Chain) -> Result<Chain, IdentifyError> {
 /// The effects without errors of the base.
 fn without_base(effects: Vec<Box<dyn AnyEffect>>, chain: &Chain) -> Vec<Box<dyn AnyEffect>> {
     let one = |effect: Box<dyn AnyEffect>| -> Option<Box<dyn AnyEffect>> {
-        let Some(geometric) = (&*effect as &dyn Any).downcast_ref::<Geometric>() else { return Some(effect) };
+        let Some(geometric) = effect.concrete::<Geometric>() else { return Some(effect) };
         let all = || {
             let targets = (!chain.targets().is_empty()).then_some(Where::Targets(AllTargets::All));
             chain.frames().map(Where::Frame).chain(targets).collect::<Vec<_>>()
@@ -271,7 +284,7 @@ fn without_base(effects: Vec<Box<dyn AnyEffect>>, chain: &Chain) -> Vec<Box<dyn 
 fn unknown_tool(described: &Chain, declared: &[Box<dyn AnyEffect>]) -> Option<Box<dyn AnyEffect>> {
     let has = |wanted: &dyn Fn(&Where) -> bool| {
         declared.iter().any(|effect| {
-            let geometric = (&**effect as &dyn Any).downcast_ref::<Geometric>();
+            let geometric = effect.concrete::<Geometric>();
             geometric.is_some_and(|of| of.frames.as_ref().is_none_or(|frames| frames.iter().any(wanted)))
         })
     };

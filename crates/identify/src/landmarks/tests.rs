@@ -135,6 +135,32 @@ fn without_a_distance_the_scale_is_said_to_be_unknown() {
         "{told}"
     );
     assert_eq!(made.groups.iter().max(), Some(&11));
+    // The scale of the robot as described is kept: with nothing to hold it the whole arm would shrink to a point.
+    assert!(told.contains("the fit keeps the scale of the robot as described"), "{told}");
+    let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
+    let found = fit(&model, &made.data, &solver, &options).unwrap();
+    let (held, places) =
+        landmark_cross_validation(&found, &made.data, &made.groups, (&solver, &options)).unwrap().unwrap();
+    let rms = held.residuals.positions().rms;
+    assert!((2e-5..4e-4).contains(&rms), "{rms}");
+    let size = |at: &[Vector3<f64>]| (0..12).map(|k| (at[k] - at[(k + 5) % 12]).norm()).sum::<f64>();
+    let relative = size(&made.positions) / size(&of.sockets);
+    assert!((relative - 1.0).abs() < 0.02, "{relative}");
+    // In every fold, whichever landmarks it lacks: an arm that shrinks has no spread.
+    assert_eq!(places.len(), 12);
+    assert!(held.fold_rms.iter().all(|&rms| rms > 1e-5), "{:?}", held.fold_rms);
+}
+
+#[test]
+fn one_landmark_without_any_distance_is_refused() {
+    let of = cell(5);
+    let (data, mut surroundings) = campaign(&of, 8, 2e-5, 3);
+    surroundings.distances.clear();
+    let one = data.select(&(0..8).collect::<Vec<_>>());
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    let error = touched(&of.chain, &geometric(), &one, &surroundings, (&solver, &options)).unwrap_err();
+    let said = error.to_string();
+    assert!(said.contains("landmark L0: a robot as small as a point would agree with every row"), "{said}");
 }
 
 #[test]

@@ -19,6 +19,21 @@ pub(super) struct Structure {
 }
 
 impl Structure {
+    /// Holds the scale by the distance between the two landmarks that are farthest apart; a sentence. None of fewer than two.
+    pub fn hold_scale(&mut self, at: &[Vector3<f64>]) -> Option<String> {
+        let mut landmarks = Landmarks { points: std::mem::take(&mut self.points) };
+        let all: Vec<usize> = (0..landmarks.points.len()).collect();
+        let pair = landmarks.held_between(&all, at);
+        self.points = landmarks.points;
+        let [a, b] = pair?;
+        Some(format!(
+            "the fit keeps the scale of the robot as described: {} and {} stay {:.1} mm apart, as it has them",
+            self.points[a].name,
+            self.points[b].name,
+            (at[b] - at[a]).norm() * 1e3
+        ))
+    }
+
     /// The landmarks with directions as they are now; those at known distances are brought there.
     pub fn placed(&self, at: &mut [Vector3<f64>]) -> Landmarks {
         let mut points = self.points.clone();
@@ -79,7 +94,7 @@ pub(super) fn tied(
             of.groups.push(groups);
             let tied = tie.map(|(to, distance): (usize, f64)| {
                 of.distances.push(([to, here], distance));
-                Tied { to, direction: [1.0, 0.0, 0.0], distance }
+                Tied { to, direction: [1.0, 0.0, 0.0], distance, held: false }
             });
             of.points.push(Point { name: name(k).into(), tied });
             for distance in &surroundings.distances {
