@@ -49,7 +49,8 @@ pub use identification::{
     AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
 };
 pub use landmarks::{
-    LandmarkFold, SensorFound, Touched, landmark_cross_validation, landmark_groups, leverages, touched,
+    Contact, LandmarkFold, SensorFound, Touched, landmark_cross_validation, landmark_groups, leverages,
+    touched,
 };
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};

@@ -4,7 +4,7 @@ use crate::layout::{Alignment, table};
 use crate::{PositionStatistics, significant};
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
-use truepose_identify::{LandmarkFold, Residuals, Touched};
+use truepose_identify::{Contact, LandmarkFold, Residuals, Touched};
 use truepose_kinematics::nalgebra::Vector3;
 
 /// A campaign at landmarks.
@@ -12,10 +12,15 @@ use truepose_kinematics::nalgebra::Vector3;
 pub struct LandmarksSummary {
     /// Each landmark of unknown place.
     pub points: Vec<LandmarkSummary>,
+    /// Points of the robot that met each other.
+    #[serde(default)]
+    pub contacts: Vec<ContactSummary>,
     /// Spread of the rows of all landmarks about their own mean, each group of landmarks predicted without its rows.
     pub held_out: Option<PositionStatistics>,
     /// Known distances that the fit keeps.
     pub distances: Vec<KnownDistanceSummary>,
+    /// Whether some row says how long anything is: a known distance, a measured position.
+    pub scale_known: bool,
     /// RMS of the error of these distances where their landmarks were left out, mm; null where nothing was left out.
     pub distance_rms_mm: Option<f64>,
     /// What the data leaves open.
@@ -34,6 +39,19 @@ pub struct LandmarkSummary {
     /// Spread of its rows with the fit.
     pub train: PositionStatistics,
     /// The same by a fit without them.
+    pub held_out: Option<PositionStatistics>,
+}
+
+/// Two points of the robot that met in several rows: the gap between them, or the error of their distance where one is stated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ContactSummary {
+    /// The points.
+    pub between: [String; 2],
+    /// Rows in which they met.
+    pub rows: usize,
+    /// With the fit.
+    pub train: PositionStatistics,
+    /// By a fit without them.
     pub held_out: Option<PositionStatistics>,
 }
 
@@ -64,7 +82,9 @@ impl LandmarksSummary {
         let rows_of = |k: usize| -> Vec<usize> {
             (0..data.len()).filter(|&row| data.landmark(row) == Some(k)).collect()
         };
-        let points = (0..found.names.len()).map(|k| {
+        let met: Vec<usize> = found.contacts.iter().flat_map(|contact| contact.rows).collect();
+        let touched = |k: &usize| rows_of(*k).iter().all(|row| !met.contains(row));
+        let points = (0..found.names.len()).filter(touched).map(|k| {
             let rows = rows_of(k);
             let at = found.positions[k] + moved.get(k).copied().unwrap_or_default();
             LandmarkSummary {
@@ -83,6 +103,7 @@ impl LandmarksSummary {
         let distances: Vec<KnownDistanceSummary> = found
             .distances
             .iter()
+            .filter(|([a, b], _)| touched(a) && touched(b))
             .map(|&([a, b], metres)| KnownDistanceSummary {
                 between: [found.names[a].clone(), found.names[b].clone()],
                 stated_mm: 1e3 * metres,
@@ -95,8 +116,10 @@ impl LandmarksSummary {
             (!errors.is_empty()).then(|| (errors.iter().sum::<f64>() / errors.len() as f64).sqrt());
         LandmarksSummary {
             points: points.collect(),
+            contacts: contacts(&found.contacts, residuals, held_out),
             held_out: held_out.map(|of| of.positions_of(&all).into()),
             distances,
+            scale_known: found.has_scale,
             distance_rms_mm,
             remarks: found.remarks.clone(),
         }
@@ -110,7 +133,11 @@ impl LandmarksSummary {
         };
         let each = |(rms, name): &(f64, &str)| format!("{} mm ({name})", significant(*rms, 3));
         let stages: Vec<String> = stages.iter().map(each).collect();
-        format!("Spread at the landmarks (3-D RMS), {rows}: {}.", stages.join(" → "))
+        let what = match self.points.is_empty() {
+            true => "Half of the gap between points that meet",
+            false => "Spread at the landmarks",
+        };
+        format!("{what} (3-D RMS), {rows}: {}.", stages.join(" → "))
     }
 
     /// The landmarks of a group whose spread is out of line with the others: its rows, or its socket, are bad.
@@ -126,8 +153,13 @@ impl LandmarksSummary {
     pub fn sentences(&self) -> String {
         let mut text = match &self.held_out {
             Some(spread) => format!(
-                "{} mm RMS (3-D) at landmarks that are left out of the fit in turn is precision at these places, not accuracy in the workspace.",
-                significant(spread.rms_mm, 3)
+                "{} mm RMS (3-D) at landmarks that are left out of the fit in turn is precision at these places, not accuracy in the workspace.{}",
+                significant(spread.rms_mm, 3),
+                if self.contacts.is_empty() {
+                    ""
+                } else {
+                    " Of points that meet each counts with half of the gap."
+                }
             ),
             None => {
                 "All landmarks are of one group: nothing could be left out, and no figure here is held out."
@@ -147,7 +179,7 @@ impl LandmarksSummary {
                 spreads.join(", ")
             );
         }
-        match (self.distance_rms_mm, self.distances.is_empty()) {
+        match (self.distance_rms_mm, self.scale_known) {
             (Some(rms), _) => {
                 text += &format!(
                     "\nKnown distances, of landmarks that were left out: {} mm RMS of error over {}.",
@@ -155,10 +187,28 @@ impl LandmarksSummary {
                     crate::count(self.distances.len(), "distance")
                 );
             }
-            (None, true) => text += "\nNo distance is known: the spread says nothing about lengths.",
-            (None, false) => {}
+            (None, false) => text += "\nNo distance is known: the spread says nothing about lengths.",
+            (None, true) => {}
         }
         text
+    }
+
+    pub(crate) const CONTACT_HEAD: [&str; 6] =
+        ["points that meet", "rows", "RMS, mm", "max, mm", "held out: RMS, mm", "max, mm"];
+
+    /// A row a pair of points, under [`Self::CONTACT_HEAD`].
+    pub(crate) fn contact_cells(&self) -> Vec<Vec<String>> {
+        let two = |gap: Option<PositionStatistics>| match gap {
+            Some(gap) => [gap.rms_mm, gap.max_mm].map(|mm| significant(mm, 3)),
+            None => ["-".into(), "-".into()],
+        };
+        let row = |contact: &ContactSummary| {
+            let mut cells = vec![contact.between.join(" – "), contact.rows.to_string()];
+            cells.extend(two(Some(contact.train)));
+            cells.extend(two(contact.held_out));
+            cells
+        };
+        self.contacts.iter().map(row).collect()
     }
 
     pub(crate) const HEAD: [&str; 7] =
@@ -177,9 +227,43 @@ impl LandmarksSummary {
         self.points.iter().map(row).collect()
     }
 
-    /// A table of all landmarks.
+    /// Tables of all landmarks and of points that met, with their titles.
     pub(crate) fn text(&self) -> String {
         use Alignment::{Left, Right};
-        table(&Self::HEAD, &[Left, Right, Right, Right, Right, Right, Right], &self.cells())
+        let mut text = String::new();
+        if !self.points.is_empty() {
+            text += "\nlandmarks, RMS of the 3-D distance from their mean\n";
+            text += &table(&Self::HEAD, &[Left, Right, Right, Right, Right, Right, Right], &self.cells());
+        }
+        if !self.contacts.is_empty() {
+            let columns = [Left, Right, Right, Right, Right, Right];
+            text += &format!("\n{}\n", Self::CONTACT_TITLE);
+            text += &table(&Self::CONTACT_HEAD, &columns, &self.contact_cells());
+        }
+        text
     }
+
+    pub(crate) const CONTACT_TITLE: &str = "gap between points that meet, or error of their stated distance";
+}
+
+/// Gaps, pair by pair.
+fn contacts(all: &[Contact], residuals: &Residuals, held_out: Option<&Residuals>) -> Vec<ContactSummary> {
+    let mut pairs: Vec<&[String; 2]> = Vec::new();
+    for contact in all {
+        if !pairs.contains(&&contact.between) {
+            pairs.push(&contact.between);
+        }
+    }
+    let summary = |between: &&[String; 2]| {
+        let own: Vec<&Contact> = all.iter().filter(|contact| contact.between == **between).collect();
+        let gaps = |of: &Residuals| -> PositionStatistics {
+            // Each side has its part of the gap.
+            let gap = |contact: &&Contact| of.position[contact.rows[1]] - of.position[contact.rows[0]];
+            let position: Vec<Vector3<f64>> = own.iter().map(gap).collect();
+            Residuals { orientation: vec![None; position.len()], position }.positions().into()
+        };
+        let (train, held_out) = (gaps(residuals), held_out.map(gaps));
+        ContactSummary { between: (*between).clone(), rows: own.len(), train, held_out }
+    };
+    pairs.iter().map(summary).collect()
 }

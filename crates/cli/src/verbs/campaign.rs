@@ -5,14 +5,16 @@ use crate::terminal;
 use std::any::Any;
 use std::path::Path;
 use truepose_discover::Diagnosis;
-use truepose_errormodel::observation::{Camera, KINDS, Sphere, unknown};
-use truepose_errormodel::{AnyEffect, Dataset, FittedModel, Installed, Landmark, SessionRules, Surroundings};
+use truepose_errormodel::observation::{Camera, FRAMES, KINDS, Sphere, unknown};
+use truepose_errormodel::{
+    AnyEffect, Dataset, FittedModel, Installed, Landmark, RobotPoint, SessionRules, Surroundings,
+};
 use truepose_identify::{
     Fit, FitOptions, Identification, LandmarkFold, Residuals, Touched, landmark_cross_validation,
     landmark_groups, leverages, touched, unify,
 };
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
-use truepose_kinematics::Chain;
+use truepose_kinematics::{Chain, TargetId, ToolId};
 use truepose_report::{
     DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary,
     session_summaries,
@@ -73,7 +75,7 @@ impl Campaign {
                 return Err(Failure::Input(format!("{}: {words}", file.display())));
             }
             let mut data = data;
-            let surroundings = declared(surroundings, file, &mut data, info)?;
+            let surroundings = declared(surroundings, file, &chain, &mut data, info)?;
             let found = touched(&chain, &effects, &data, &surroundings, fit).map_err(about)?;
             let (chain, effects, data) = (found.chain.clone(), found.effects.clone(), found.data.clone());
             let (installed, placed, remarks) = (Vec::new(), Vec::new(), found.remarks.clone());
@@ -200,15 +202,23 @@ impl Campaign {
 fn declared(
     mut known: Surroundings,
     file: &Path,
+    chain: &Chain,
     data: &mut Dataset,
     info: &CsvInfo,
 ) -> Result<Surroundings, Failure> {
+    let frames = |row: usize| data.kind(row).is_some_and(|kind| KINDS[kind] == FRAMES);
+    let met = |k: usize| {
+        let mut rows = (0..data.len()).filter(|&row| data.landmark(row) == Some(k)).peekable();
+        rows.peek().is_some() && rows.all(frames)
+    };
     let undeclared = known.landmarks.is_empty();
     if undeclared {
         let point = |name: &String| Landmark { name: name.clone(), ..Landmark::default() };
-        known.landmarks = info.landmarks.iter().map(point).collect();
+        let names = info.landmarks.iter().enumerate().filter(|(k, _)| !met(*k));
+        known.landmarks = names.map(|(_, name)| point(name)).collect();
     }
     let mut numbers = Vec::new();
+    let mut meets = vec![None; data.len()];
     for (k, name) in info.landmarks.iter().enumerate() {
         let rows = (0..data.len()).filter(|&row| data.landmark(row) == Some(k));
         let first = rows.clone().next().unwrap_or(0);
@@ -216,6 +226,12 @@ fn declared(
             let line = data.line.get(row).map_or(String::new(), |line| format!("{line}: "));
             Failure::Input(format!("{}:{line}{words}", file.display()))
         };
+        if met(k) {
+            let point = robot_point(chain, name).map_err(|words| refused(first, words))?;
+            rows.for_each(|row| meets[row] = Some(point));
+            numbers.push(None);
+            continue;
+        }
         let Some(number) = known.landmarks.iter().position(|landmark| landmark.name == *name) else {
             let names: Vec<&str> = known.landmarks.iter().map(|landmark| landmark.name.as_str()).collect();
             let words = format!(
@@ -225,7 +241,7 @@ fn declared(
             return Err(refused(first, words));
         };
         if rows.clone().next().is_none() && (0..data.len()).any(|row| data.point(row) == Some(k)) {
-            numbers.push(number);
+            numbers.push(Some(number));
             continue;
         }
         let word = |row: usize| data.kind(row).map_or("same_point", |kind| KINDS[kind]);
@@ -276,15 +292,33 @@ fn declared(
                 }
             }
         }
-        numbers.push(number);
+        numbers.push(Some(number));
     }
     let of_row: Vec<Option<usize>> =
-        (0..data.len()).map(|row| data.landmark(row).map(|k| numbers[k])).collect();
+        (0..data.len()).map(|row| data.landmark(row).and_then(|k| numbers[k])).collect();
     data.set_landmarks(Some(&of_row));
     if (0..data.len()).any(|row| data.point(row).is_some()) {
         let points: Vec<Option<usize>> =
-            (0..data.len()).map(|row| data.point(row).map(|k| numbers[k])).collect();
+            (0..data.len()).map(|row| data.point(row).and_then(|k| numbers[k])).collect();
         data.set_points(Some(&points));
     }
+    if meets.iter().any(Option::is_some) {
+        data.set_meets(Some(&meets));
+    }
     Ok(known)
+}
+
+/// The target or the tool of a name.
+fn robot_point(chain: &Chain, name: &str) -> Result<RobotPoint, String> {
+    let target = chain.targets().iter().position(|target| target.name == *name);
+    let tool = || chain.tools().iter().position(|tool| tool.name == *name);
+    let point = target.map(|k| RobotPoint::Target(TargetId(k)));
+    point.or_else(|| tool().map(|k| RobotPoint::Tool(ToolId(k)))).ok_or_else(|| {
+        let targets = chain.targets().iter().map(|target| target.name.as_str());
+        let all: Vec<&str> = targets.chain(chain.tools().iter().map(|tool| tool.name.as_str())).collect();
+        format!(
+            "`{name}` is no point of the robot: a row of kind `frames` names the target or tool that its own met, one of {}",
+            all.join(", ")
+        )
+    })
 }

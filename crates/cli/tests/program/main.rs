@@ -9,6 +9,7 @@
 mod acceptance;
 mod bad_input;
 mod columns;
+mod contacts;
 mod coupled;
 mod determinism;
 mod dwell;

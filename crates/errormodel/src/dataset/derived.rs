@@ -8,6 +8,7 @@
 //! | `tau_3~lag=600`, `work_3~lag=600`, `travel_3~lag=600`, `working_300~lag=600` | what was carried, done, moved and paused ([`History`](super::History)) | joints, load and `time` of all poses |
 //! | `session~` ([`SESSION`]) | number of the installation, 0… | the column `session` |
 //! | `landmark~` ([`LANDMARK`]) | number of the landmark that was touched, 1…; 0: none | the columns `kind`, `landmark` |
+//! | `meets~` ([`MEETS`](super::MEETS)) | the point of the robot that the row's target met; 0: none | the columns `kind`, `landmark` |
 //! | `tool~` ([`TOOL`]) | number of the tool, 0… | the columns `tool`, `target` |
 //! | `kind~`, `value~…`, `ray~…`, `sensor~`, `own~…` | observation of one number ([`Ray`](super::Ray)) | `kind`, `landmark` and measured scalars |
 //! | `payload` ([`CARRIED`]) | the mass that is declared to be carried, kg; none is zero | the load |

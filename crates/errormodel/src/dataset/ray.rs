@@ -14,6 +14,7 @@
 //! Where such a row is linearised, and with what weight, is worked out before a fit; all that a fit has to know of it is a direction. So
 //! effects, solvers and reduction are the same for every kind of measurement.
 
+use super::meets::MEETS;
 use super::table::Dataset;
 use nalgebra::Vector3;
 
@@ -39,7 +40,7 @@ pub fn own_channel(k: usize) -> String {
 pub(crate) fn of_observation(channel: &str) -> bool {
     RAY.contains(&channel)
         || VALUE.contains(&channel)
-        || [SENSOR, KIND, POINT].contains(&channel)
+        || [SENSOR, KIND, POINT, MEETS].contains(&channel)
         || channel.starts_with(OWN)
 }
 
@@ -119,6 +120,19 @@ impl Dataset {
     pub fn set_kinds(&mut self, kinds: Option<Vec<f64>>, scalars: [Option<Vec<f64>>; 3]) {
         self.set_numbers(KIND, kinds);
         VALUE.into_iter().zip(scalars).for_each(|(name, column)| self.set_numbers(name, column));
+    }
+
+    /// Rows of which this is true touched a point: they measured no number.
+    pub fn touch(&mut self, rows: impl Fn(usize) -> bool) {
+        for name in [KIND].into_iter().chain(VALUE) {
+            if let Some(k) = self.schema.channel(name) {
+                self.channels[k]
+                    .iter_mut()
+                    .enumerate()
+                    .filter(|(row, _)| rows(*row))
+                    .for_each(|(_, v)| *v = 0.0);
+            }
+        }
     }
 
     /// With these directions, one a row; without any where they are none.

@@ -36,9 +36,12 @@ pub use surroundings::{KnownDistance, Landmark, Surroundings};
 
 use nalgebra::Vector3;
 
-/// Words of the kinds whose rows measure single numbers.
-pub const KINDS: [&str; 6] =
-    [Distance::KIND, Plane::KIND, Sphere::KIND, Linear::KIND, Camera::KIND, Relative::KIND];
+/// Word of the rows in which two points of the robot met.
+pub const FRAMES: &str = "frames";
+
+/// Words of the kinds whose rows measure something else than a place or that a point was touched.
+pub const KINDS: [&str; 7] =
+    [Distance::KIND, Plane::KIND, Sphere::KIND, Linear::KIND, Camera::KIND, Relative::KIND, FRAMES];
 
 /// A thing that is observed in this kind, by its place in [`KINDS`], of which nothing is known but, maybe, a point (exactly, where `known`).
 pub fn unknown(kind: usize, position: Option<Vector3<f64>>, known: bool) -> Option<Box<dyn Observation>> {
@@ -48,7 +51,7 @@ pub fn unknown(kind: usize, position: Option<Vector3<f64>>, known: bool) -> Opti
         Sphere::KIND => Box::new(Sphere { centre: position, known, radius: None, free_radius: true }),
         Linear::KIND => Box::new(Linear::default()),
         Relative::KIND => Box::new(Relative::default()),
-        // A camera is nothing without its focal length.
+        // A camera is nothing without its focal length; where two points meet is no thing.
         _ => return None,
     })
 }

@@ -18,6 +18,7 @@
 //! frame of its base.
 
 mod carried;
+mod contacts;
 mod found_in;
 mod gauge;
 mod hand_eye;
@@ -25,6 +26,7 @@ mod held_out;
 mod sensors;
 mod ties;
 
+pub use contacts::Contact;
 pub use held_out::{LandmarkFold, landmark_cross_validation};
 pub use sensors::{SensorFound, leverages};
 
@@ -57,8 +59,10 @@ pub struct Touched {
     pub positions: Vec<Vector3<f64>>,
     /// Known distances that the fit keeps: which landmarks, m.
     pub distances: Vec<([usize; 2], f64)>,
-    /// The group of each landmark: those that known distances join are left out of a fit together.
-    pub groups: Vec<usize>,
+    /// Rows in which two points of the robot met.
+    pub contacts: Vec<Contact>,
+    /// Whether some row says how long anything is.
+    pub has_scale: bool,
     /// What measured numbers: sensors, anchors, planes and spheres, by their number.
     pub sensors: Vec<SensorFound>,
     /// What a user has to know, in sentences.
@@ -87,6 +91,11 @@ pub fn touched(
     (solver, options): (&dyn Solver, &FitOptions),
 ) -> Result<Touched, IdentifyError> {
     data.validate(chain)?;
+    let sides = contacts::apart(chain, data, surroundings)?;
+    let (data, surroundings, contacts) = match &sides {
+        Some((data, surroundings, contacts)) => (data, surroundings, contacts.clone()),
+        None => (data, surroundings, Vec::new()),
+    };
     let mut data = sensors::one_number_a_row(data, surroundings);
     let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
     let mut sensors = Sensors::of(&data, &of_row, surroundings)?;
@@ -112,7 +121,7 @@ pub fn touched(
         let names: Vec<&str> = sensors.found.iter().map(|found| found.name.as_str()).collect();
         return Err(IdentifyError::Landmark { name: names.join(", "), why: words.join("; ") });
     }
-    let scale_is_open = gauge.lets_landmarks_shrink();
+    let (has_scale, scale_is_open) = (gauge.has_scale(), gauge.lets_landmarks_shrink());
     remarks.extend(words);
     let (described, has_base) = (chain, gauge.has_base());
     let chain = if outside { chain.clone() } else { all_known(chain)? };
@@ -179,11 +188,22 @@ pub fn touched(
         }
     }
     let names = structure.points.iter().map(|point| point.name.clone()).collect();
-    let (distances, groups) = (structure.distances.clone(), structure.groups.clone());
+    let distances = structure.distances.clone();
     let sensors = sensors.found;
     // What stands outside of the robot as described is the fit's to find.
     let chain = if carried.is_empty() { chain } else { seen };
-    Ok(Touched { data, chain, effects: last, names, positions: at, distances, groups, sensors, remarks })
+    Ok(Touched {
+        data,
+        chain,
+        effects: last,
+        names,
+        positions: at,
+        distances,
+        contacts,
+        has_scale,
+        sensors,
+        remarks,
+    })
 }
 
 /// The only landmark of a campaign that says nothing of lengths.
@@ -196,6 +216,9 @@ fn alone(structure: &Structure, remarks: &[String]) -> IdentifyError {
 /// With fewer groups nothing but the rows of another landmark would be left to judge a landmark by: then rows are left out one by one.
 const FEWEST_GROUPS: usize = 3;
 
+/// Contacts are each a landmark: they are left out in so many parts.
+const CONTACT_GROUPS: usize = 10;
+
 /// The group of each landmark of a model, which known distances join, and behind these of each sensor; none without landmarks, or where there
 /// are sensors and too few groups to leave out whole ones.
 pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
@@ -203,9 +226,15 @@ pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
     let sensors = found_in::<Observed>(effects).map_or(0, |observed| observed.sensors.len());
     let mut groups: Vec<usize> = Vec::new();
     let next = |groups: &[usize]| groups.iter().max().map_or(0, |last| last + 1);
+    let mut contacts = Vec::new();
     for point in landmarks.iter().flat_map(|landmarks| &landmarks.points) {
-        let known = point.tied.filter(|tied| !tied.held);
-        groups.push(known.map_or(next(&groups), |tied| groups[tied.to]));
+        let known = point.tied.filter(|tied| !tied.held).map(|tied| groups[tied.to]);
+        let again = contacts.len().checked_sub(CONTACT_GROUPS).filter(|_| point.contact);
+        let group = known.or_else(|| again.map(|k| contacts[k])).unwrap_or_else(|| next(&groups));
+        if point.contact && known.is_none() {
+            contacts.push(group);
+        }
+        groups.push(group);
     }
     for _ in 0..sensors {
         groups.push(next(&groups));
@@ -346,5 +375,7 @@ fn put(data: &mut Dataset, at: &[Vector3<f64>]) {
     }
 }
 
+#[cfg(test)]
+mod contact_tests;
 #[cfg(test)]
 mod tests;

@@ -100,14 +100,15 @@ fn an_arm_is_calibrated_with_nothing_but_sockets_at_known_distances() {
     let solver = PivotedQr::default();
     let options = FitOptions::default();
     let made = touched(&of.chain, &geometric(), &data, &surroundings, (&solver, &options)).unwrap();
-    assert_eq!((made.distances.len(), made.groups[2], made.groups[11]), (6, 1, 5));
+    let groups = landmark_groups(&made.effects).unwrap();
+    assert_eq!((made.distances.len(), groups[2], groups[11]), (6, 1, 5));
     let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
     let found = fit(&model, &made.data, &solver, &options).unwrap();
     let spread = Residuals::of(&found.fitted, &made.data).unwrap().positions().rms;
     assert!(spread < 1.1 * 2e-5 * 1.7, "{spread}");
     // Distances between sockets that nothing told, up to 0.9 m: the scale is right, at sockets that the fit has not seen as well.
     let (held, places) =
-        landmark_cross_validation(&found, &made.data, &made.groups, (&solver, &options)).unwrap().unwrap();
+        landmark_cross_validation(&found, &made.data, &groups, (&solver, &options)).unwrap().unwrap();
     let rms = held.residuals.positions().rms;
     assert!(rms < 2.0 * 2e-5 * 1.7, "{rms}");
     let robot = found.fitted.without_landmarks().unwrap();
@@ -134,13 +135,14 @@ fn without_a_distance_the_scale_is_said_to_be_unknown() {
         told.contains("the base is not determined") && told.contains("the scale is not determined"),
         "{told}"
     );
-    assert_eq!(made.groups.iter().max(), Some(&11));
+    let groups = landmark_groups(&made.effects).unwrap();
+    assert_eq!(groups.iter().max(), Some(&11));
     // The scale of the robot as described is kept: with nothing to hold it the whole arm would shrink to a point.
     assert!(told.contains("the fit keeps the scale of the robot as described"), "{told}");
     let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
     let found = fit(&model, &made.data, &solver, &options).unwrap();
     let (held, places) =
-        landmark_cross_validation(&found, &made.data, &made.groups, (&solver, &options)).unwrap().unwrap();
+        landmark_cross_validation(&found, &made.data, &groups, (&solver, &options)).unwrap().unwrap();
     let rms = held.residuals.positions().rms;
     assert!((2e-5..4e-4).contains(&rms), "{rms}");
     let size = |at: &[Vector3<f64>]| (0..12).map(|k| (at[k] - at[(k + 5) % 12]).norm()).sum::<f64>();

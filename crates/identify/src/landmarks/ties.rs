@@ -14,8 +14,6 @@ pub(super) struct Structure {
     pub number: Vec<Option<usize>>,
     /// Distances that are kept: points, m.
     pub distances: Vec<([usize; 2], f64)>,
-    /// The group of each point.
-    pub groups: Vec<usize>,
 }
 
 impl Structure {
@@ -59,7 +57,7 @@ pub(super) fn tied(
     let mut rows = vec![0usize; landmarks.len()];
     of_row.iter().flatten().for_each(|&k| rows[k] += 1);
     for (landmark, &rows) in landmarks.iter().zip(&rows) {
-        if rows == 1 {
+        if rows == 1 && !landmark.contact {
             return Err(IdentifyError::Landmark {
                 name: landmark.name.clone(),
                 why: "one row touched it, which says nothing where its place is unknown: touch it from other postures as well, or leave the row out".into(),
@@ -75,9 +73,7 @@ pub(super) fn tied(
         declared: Vec::new(),
         number: vec![None; landmarks.len()],
         distances: Vec::new(),
-        groups: Vec::new(),
     };
-    let mut groups = 0;
     for root in (0..landmarks.len()).filter(|&k| rows[k] > 0) {
         if of.number[root].is_some() {
             continue;
@@ -91,12 +87,11 @@ pub(super) fn tied(
             let here = of.points.len();
             of.number[k] = Some(here);
             of.declared.push(k);
-            of.groups.push(groups);
             let tied = tie.map(|(to, distance): (usize, f64)| {
                 of.distances.push(([to, here], distance));
                 Tied { to, direction: [1.0, 0.0, 0.0], distance, held: false }
             });
-            of.points.push(Point { name: name(k).into(), tied });
+            of.points.push(Point { name: name(k).into(), tied, contact: landmarks[k].contact });
             for distance in &surroundings.distances {
                 let other = match distance.between {
                     [a, b] if a == k => b,
@@ -108,7 +103,6 @@ pub(super) fn tied(
                 }
             }
         }
-        groups += 1;
     }
     for distance in &surroundings.distances {
         let [a, b] = distance.between;

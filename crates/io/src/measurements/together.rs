@@ -5,7 +5,7 @@ use super::row::{Kind, RowReader};
 use super::scalars::{SCALARS, usual_unit};
 use super::visits::in_session;
 use crate::IoError;
-use truepose_errormodel::observation::{Camera, Distance, KINDS, Linear, Relative};
+use truepose_errormodel::observation::{Camera, Distance, FRAMES, KINDS, Linear, Relative};
 use truepose_kinematics::nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Load, Payload, Pose, Wrench, rotation_vector};
 
@@ -117,6 +117,11 @@ impl RowReader {
                 (Some(slot), true) if value.is_nan() => {
                     return error(*slot, format!("is empty; a row of kind `{word}` has a measured number"));
                 }
+                // Where two points touched there is none.
+                (Some(_), false) if word == FRAMES && k == 0 && (value.is_nan() || value >= 0.0) => {}
+                (Some(slot), false) if word == FRAMES && k == 0 => {
+                    return error(*slot, "a distance is not negative".into());
+                }
                 (Some(slot), false) if !value.is_nan() => {
                     return error(
                         *slot,
@@ -133,12 +138,19 @@ impl RowReader {
                 return error(landmark.unwrap_or(kind), message.into());
             }
             (_, None, None) => {
-                let what = if word == "same_point" { "which point was touched" } else { "what was observed" };
+                let what = match word {
+                    "same_point" => "which point was touched",
+                    FRAMES => "which target or tool the row's own met",
+                    _ => "what was observed",
+                };
                 return error(kind, format!("`{word}` needs a column `landmark`: {what}"));
             }
             (_, None, Some(landmark)) => {
-                let what =
-                    if word == "same_point" { "the point that was touched" } else { "what was observed" };
+                let what = match word {
+                    "same_point" => "the point that was touched",
+                    FRAMES => "the target or tool that the row's own met",
+                    _ => "what was observed",
+                };
                 return error(landmark, format!("is empty; a row of kind `{word}` names {what}"));
             }
             _ => {}

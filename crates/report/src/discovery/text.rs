@@ -32,8 +32,8 @@ impl fmt::Display for DiscoverySummary {
             )?;
         }
         if let Some(landmarks) = &self.landmarks {
-            writeln!(f, "\n{} The effects were chosen with these rows.\n", landmarks.sentences())?;
-            write!(f, "landmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;
+            writeln!(f, "\n{} The effects were chosen with these rows.", landmarks.sentences())?;
+            f.write_str(&landmarks.text())?;
         }
         if !self.sessions.is_empty() {
             write!(

@@ -142,7 +142,7 @@ impl IdentificationSummary {
         header[1] = "rows";
         write!(f, "{}", table(&header, &[Left, Right, Right, Right, Right, Right], &parts))?;
         if let Some(landmarks) = &self.landmarks {
-            write!(f, "\nlandmarks, RMS of the 3-D distance from their mean\n{}", landmarks.text())?;
+            f.write_str(&landmarks.text())?;
         }
         if let Some(kinds) = &self.kinds {
             write!(f, "\nkinds of observation, RMS\n{}", kinds.text())?;

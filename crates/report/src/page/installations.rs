@@ -17,7 +17,13 @@ impl Page {
         if let Some(landmarks) = landmarks {
             landmarks.sentences().lines().for_each(|sentence| self.text(sentence));
             let caption = "Landmarks, RMS of the 3-D distance from their mean";
-            self.table(caption, &LandmarksSummary::HEAD, &landmarks.cells(), true);
+            if !landmarks.points.is_empty() {
+                self.table(caption, &LandmarksSummary::HEAD, &landmarks.cells(), true);
+            }
+            if !landmarks.contacts.is_empty() {
+                let caption = LandmarksSummary::CONTACT_TITLE;
+                self.table(caption, &LandmarksSummary::CONTACT_HEAD, &landmarks.contact_cells(), true);
+            }
         }
     }
 }

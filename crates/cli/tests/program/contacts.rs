@@ -1,0 +1,122 @@
+//! Two arms of one robot that touch each other: planar arms, whose angles at a contact this test works out by the law of cosines.
+
+use crate::folder::Folder;
+
+/// Exit code of what is wrong with an input.
+const INPUT: i32 = 2;
+
+/// Two arms of two links, 0.6 m apart, as their description has them.
+const ROBOT: &str = r#"
+name = "pair"
+units = { length = "mm", angle = "deg" }
+
+[[joints]]
+name = "l1"
+type = "revolute"
+origin = { xyz = [0, 0, 0], rpy = [0, 0, 0], axis = [0, 0, 1] }
+[[joints]]
+name = "l2"
+type = "revolute"
+origin = { xyz = [400, 0, 0], rpy = [0, 0, 0], axis = [0, 0, 1] }
+[[joints]]
+name = "r1"
+type = "revolute"
+parent = "base"
+origin = { xyz = [600, 0, 0], rpy = [0, 0, 0], axis = [0, 0, 1] }
+[[joints]]
+name = "r2"
+type = "revolute"
+origin = { xyz = [400, 0, 0], rpy = [0, 0, 0], axis = [0, 0, 1] }
+
+[[tools]]
+name = "left"
+joint = "l2"
+xyz = [300, 0, 0]
+[[tools]]
+name = "right"
+joint = "r2"
+xyz = [300, 0, 0]
+"#;
+
+/// What the description has wrong, mm and rad: second links, and zeros of the second joints.
+const LINKS: [f64; 2] = [401.0, 399.2];
+const ZEROS: [f64; 2] = [0.004, -0.003];
+
+/// Rows in which the hands are so far apart, mm; their noise is 0.02 mm and follows no law of the fit.
+fn table(distances: impl Iterator<Item = f64>) -> String {
+    let mut text = String::from("kind,landmark,tool,distance[mm],visit,l1[rad],l2[rad],r1[rad],r2[rad]\n");
+    let mut state = 12345u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+    };
+    let mut visit = 0;
+    for distance in distances {
+        loop {
+            let (l1, l2) = (1.5 * random() + 0.8, 2.4 * random() + 1.0);
+            let bent = l1 + l2 + ZEROS[0];
+            let (x, y) = (LINKS[0] * l1.cos() + 300.0 * bent.cos(), LINKS[0] * l1.sin() + 300.0 * bent.sin());
+            let turn = 6.3 * random();
+            let (x, y) = (x + distance * turn.cos() - 600.0, y + distance * turn.sin());
+            let (x, y) = (x + 0.07 * random(), y + 0.07 * random());
+            let cosine = (x * x + y * y - LINKS[1].powi(2) - 300f64.powi(2)) / (2.0 * LINKS[1] * 300.0);
+            if cosine.abs() > 0.95 {
+                continue;
+            }
+            let bend = cosine.acos() * if random() > 0.0 { 1.0 } else { -1.0 };
+            let r1 = y.atan2(x) - (300.0 * bend.sin()).atan2(LINKS[1] + 300.0 * bend.cos());
+            let stated = if distance > 0.0 { distance.to_string() } else { String::new() };
+            text += &format!("frames,right,left,{stated},{visit},{l1},{l2},{r1},{}\n", bend - ZEROS[1]);
+            visit += 1;
+            break;
+        }
+    }
+    text
+}
+
+#[test]
+fn two_arms_that_meet_are_calibrated_against_each_other() {
+    let folder = Folder::empty();
+    folder.write("robot.toml", ROBOT);
+    folder.write("data.csv", &table((0..40).map(|k| if k % 4 == 3 { 120.0 } else { 0.0 })));
+    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"];
+    let text = folder.run(&words).ended(0);
+    assert!(text.out.contains("Half of the gap between points that meet"), "{}", text.out);
+    assert!(text.out.contains("left – right"), "{}", text.out);
+    assert!(!text.log.contains("scale is not determined"), "{}", text.log);
+    assert!(!text.out.contains("No distance is known"), "{}", text.out);
+    let found = folder.run(&[&words[..5], &["--json"]].concat()).ended(0).out;
+    let found: serde_json::Value = serde_json::from_str(&found).unwrap();
+    let contact = &found["landmarks"]["contacts"][0];
+    assert_eq!(contact["rows"], 40, "{contact}");
+    // 0.02 mm an axis; nominally some millimetres.
+    let gap = contact["held_out"]["rms_mm"].as_f64().unwrap();
+    assert!((0.02..0.05).contains(&gap), "{gap}");
+    assert!(found["landmarks"]["points"].as_array().unwrap().is_empty());
+    // A row of a contact is predicted where its own target is.
+    folder.run(&["predict", "--fit", "fit.json", "--data", "data.csv", "--out", "p.csv"]).ended(0);
+    assert_eq!(folder.read("p.csv").lines().filter(|line| !line.starts_with('#')).count(), 41);
+}
+
+#[test]
+fn what_is_wrong_with_a_contact_is_told_where_it_stands() {
+    let table = table([0.0; 12].into_iter());
+    let third = table.lines().nth(2).unwrap();
+    let broken = |from: &str, to: &str| table.replacen(third, &third.replacen(from, to, 1), 1);
+    for (table, words) in [
+        (broken(",right,", ",middle,"), "data.csv:3: `middle` is no point of the robot"),
+        (broken(",right,", ",,"), "data.csv:3: column `landmark` (2): is empty"),
+        (broken(",right,", ",left,"), "line 3: left and left are on one tool"),
+        (broken(",left,,", ",left,-5,"), "data.csv:3: column `distance[mm]` (4): a distance is not negative"),
+        (table.replacen("landmark", "why", 1), "`frames` needs a column `landmark`"),
+    ] {
+        let folder = Folder::empty();
+        folder.write("robot.toml", ROBOT);
+        folder.write("data.csv", &table);
+        let run =
+            folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]);
+        assert!(!folder.file("fit.json").exists());
+        let log = run.ended(INPUT).log;
+        assert!(log.contains(words), "{words}\n{log}");
+    }
+}

@@ -1,0 +1,147 @@
+//! Two arms on a torso that touch each other, or hold a bar of known length between them. Where they meet is found on the true robot by Newton's
+//! method, so that the law is not that of the fit.
+
+use super::*;
+use crate::{Residuals, fit};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use truepose_errormodel::observation::{FRAMES, KINDS};
+use truepose_errormodel::{DatasetBuilder, Measurement, RobotPoint};
+use truepose_kinematics::{Conditions, TargetId, samples};
+use truepose_solvers::PivotedQr;
+
+const LEFT: TargetId = TargetId(0);
+const RIGHT: TargetId = TargetId(1);
+const BAR: f64 = 0.15;
+const NOISE: f64 = 3e-5;
+
+/// A robot whose joints, and nothing else, have errors.
+fn truth(chain: &Chain, rng: &mut ChaCha8Rng) -> FittedModel {
+    let frames: Vec<FrameId> = chain.frames().collect();
+    let arms = Geometric {
+        frames: Some(frames[1..=chain.joints().len()].iter().map(|&frame| Where::Frame(frame)).collect()),
+        components: None,
+    };
+    let model = ErrorModel::new(chain.clone(), vec![Box::new(arms)]).unwrap();
+    let coefficients: Vec<f64> =
+        model.columns().iter().map(|c| c.scale * rng.random_range(-3.0..3.0)).collect();
+    let count = coefficients.len();
+    FittedModel::new(model, coefficients, DMatrix::zeros(count, count)).unwrap()
+}
+
+/// From one hand to the other, m.
+fn way(robot: &FittedModel, q: &[f64]) -> Vector3<f64> {
+    let mut predictor = robot.bind(&Default::default()).unwrap();
+    let mut at = |target: TargetId| {
+        let tool = robot.chain().targets()[target.0].tool;
+        let conditions = Conditions { joints: q.to_vec(), tool, ..Conditions::default() };
+        predictor.predict(&conditions, Some(target)).translation
+    };
+    at(RIGHT) - at(LEFT)
+}
+
+/// Joints with which the hands are this way apart.
+fn meeting(robot: &FittedModel, apart: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let joints = robot.chain().movable().len();
+    loop {
+        let mut q: Vec<f64> = (0..joints).map(|_| rng.random_range(-1.5..1.5)).collect();
+        for _ in 0..40 {
+            let here = way(robot, &q) - apart;
+            if here.norm() < 1e-10 {
+                return q;
+            }
+            let jacobian = DMatrix::from_fn(3, joints, |row, k| {
+                let mut moved = q.clone();
+                moved[k] += 1e-6;
+                (way(robot, &moved) - apart - here)[row] / 1e-6
+            });
+            let Ok(inverse) = jacobian.pseudo_inverse(1e-6) else { break };
+            let step = inverse * DMatrix::from_column_slice(3, 1, here.as_slice());
+            q.iter_mut().zip(step.iter()).for_each(|(q, s)| *q -= s.clamp(-0.4, 0.4));
+        }
+    }
+}
+
+/// Rows of these distances between the hands, m; zero: they touch.
+fn campaign(robot: &FittedModel, distances: &[f64], rng: &mut ChaCha8Rng) -> Dataset {
+    let chain = robot.chain();
+    let mut builder = DatasetBuilder::new(chain);
+    for (visit, &distance) in distances.iter().enumerate() {
+        let direction = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0)).normalize();
+        let noise =
+            Vector3::from_fn(|_, _| NOISE * (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>());
+        let q = meeting(robot, &(direction * distance + noise), rng);
+        builder.push(Measurement::at(q).target(LEFT).visit(visit as u64)).unwrap();
+    }
+    let mut data = builder.finish();
+    let kind = KINDS.iter().position(|kind| *kind == FRAMES).unwrap() + 1;
+    let values = [Some(distances.to_vec()), None, None];
+    data.set_kinds(Some(vec![kind as f64; data.len()]), values);
+    data.set_meets(Some(&vec![Some(RobotPoint::Target(RIGHT)); data.len()]));
+    data.set_tools(chain, &vec![ToolId::FIRST; data.len()]);
+    data
+}
+
+fn errors_of_arms() -> Vec<Box<dyn AnyEffect>> {
+    vec![Box::new(Geometric::default())]
+}
+
+#[test]
+fn two_arms_that_touch_and_hold_a_bar_are_calibrated_against_each_other() {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let chain = samples::dual();
+    let robot = truth(&chain, &mut rng);
+    let distances: Vec<f64> = (0..50).map(|k| if k % 2 == 0 { 0.0 } else { BAR }).collect();
+    let data = campaign(&robot, &distances, &mut rng);
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    let made =
+        touched(&chain, &errors_of_arms(), &data, &Surroundings::default(), (&solver, &options)).unwrap();
+    assert_eq!((made.data.len(), made.contacts.len()), (100, 50));
+    assert_eq!((made.contacts[1].rows, made.contacts[1].distance.to_bits()), ([2, 3], BAR.to_bits()));
+    // A bar of known length fixes the scale.
+    assert!(!made.remarks.iter().any(|remark| remark.contains("scale")), "{:?}", made.remarks);
+    let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
+    let found = fit(&model, &made.data, &solver, &options).unwrap();
+    // Gaps of contacts that the fit has not seen: of the touching ones all three coordinates, of the bar its length.
+    let groups = landmark_groups(&made.effects).unwrap();
+    assert_eq!(groups.iter().max(), Some(&9));
+    let (held, _) =
+        landmark_cross_validation(&found, &made.data, &groups, (&solver, &options)).unwrap().unwrap();
+    let gap = |of: &Residuals, k: usize| {
+        let [a, b] = made.contacts[k].rows;
+        (of.position[b] - of.position[a]).norm_squared()
+    };
+    let rms = |bar: usize| ((bar..50).step_by(2).map(|k| gap(&held.residuals, k)).sum::<f64>() / 25.0).sqrt();
+    assert!((0.9..1.6).contains(&(rms(0) / (3f64.sqrt() * NOISE))), "{}", rms(0));
+    assert!((0.8..1.6).contains(&(rms(1) / NOISE)), "{}", rms(1));
+    // And anywhere: how far apart the hands are, which errors of the torso do not change.
+    let fitted = found.fitted.without_landmarks().unwrap();
+    let nominal = bare(&chain).unwrap();
+    let (mut left, mut before) = (0.0, 0.0);
+    for _ in 0..200 {
+        let q: Vec<f64> = (0..8).map(|_| rng.random_range(-1.2..1.2)).collect();
+        let apart = way(&robot, &q).norm();
+        left += (way(&fitted, &q).norm() - apart).powi(2);
+        before += (way(&nominal, &q).norm() - apart).powi(2);
+    }
+    assert!(left.sqrt() < 0.05 * before.sqrt(), "{} of {}", left.sqrt(), before.sqrt());
+}
+
+#[test]
+fn contacts_alone_leave_the_scale_open_and_points_of_one_tool_say_nothing() {
+    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let chain = samples::dual();
+    let robot = truth(&chain, &mut rng);
+    let mut data = campaign(&robot, &[0.0; 40], &mut rng);
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    let surroundings = Surroundings::default();
+    let made = touched(&chain, &errors_of_arms(), &data, &surroundings, (&solver, &options)).unwrap();
+    let told = made.remarks.join("; ");
+    assert!(
+        told.contains("the scale is not determined") && told.contains("the fit keeps the scale"),
+        "{told}"
+    );
+    data.set_meets(Some(&[Some(RobotPoint::Tool(ToolId::FIRST)); 40]));
+    let error = touched(&chain, &errors_of_arms(), &data, &surroundings, (&solver, &options)).unwrap_err();
+    assert!(error.to_string().contains("L and left are on one tool"), "{error}");
+}
