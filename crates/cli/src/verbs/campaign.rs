@@ -211,11 +211,12 @@ fn declared(
         let mut rows = (0..data.len()).filter(|&row| data.landmark(row) == Some(k)).peekable();
         rows.peek().is_some() && rows.all(frames)
     };
-    let undeclared = known.landmarks.is_empty();
-    if undeclared {
+    if known.open || known.landmarks.is_empty() {
         let point = |name: &String| Landmark { name: name.clone(), ..Landmark::default() };
         let names = info.landmarks.iter().enumerate().filter(|(k, _)| !met(*k));
-        known.landmarks = names.map(|(_, name)| point(name)).collect();
+        let further = names.filter(|(_, name)| known.landmarks.iter().all(|known| known.name != **name));
+        let further: Vec<Landmark> = further.map(|(_, name)| point(name)).collect();
+        known.landmarks.extend(further);
     }
     let mut numbers = Vec::new();
     let mut meets = vec![None; data.len()];

@@ -86,6 +86,22 @@ fn panda(folder: &Folder, name: &str) -> bool {
 }
 
 #[test]
+fn a_distance_may_name_points_of_the_data() {
+    let folder = Folder::empty();
+    folder.write("data.csv", TABLE);
+    let distance =
+        |a: &str, b: &str| format!("{ROBOT}\n[[distances]]\nbetween = [\"{a}\", \"{b}\"]\nvalue = 50\n");
+    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv"];
+    folder.write("robot.toml", &distance("A", "B"));
+    let run = folder.run(&words).ended(0);
+    assert!(!run.log.contains("the scale is not determined"), "{}", run.log);
+    folder.write("robot.toml", &distance("A", "C"));
+    let run = folder.run(&words).ended(0);
+    assert!(run.log.contains("the distance from A to C is not used"), "{}", run.log);
+    assert!(run.log.contains("no row touched landmark C"), "{}", run.log);
+}
+
+#[test]
 fn a_measured_arm_without_an_instrument() {
     let folder = Folder::empty();
     if !panda(&folder, "mukca-panda-3") {

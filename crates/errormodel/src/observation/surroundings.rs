@@ -40,4 +40,6 @@ pub struct Surroundings {
     pub landmarks: Vec<Landmark>,
     /// Distances between them.
     pub distances: Vec<KnownDistance>,
+    /// Whether the landmarks are not listed, so that the data may name further ones.
+    pub open: bool,
 }

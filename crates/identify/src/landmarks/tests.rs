@@ -86,7 +86,7 @@ fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Sur
     let landmark = |k: usize| Landmark { name: format!("L{k}"), ..Landmark::default() };
     let landmarks = (0..of.sockets.len()).map(landmark).collect();
     let distance = |k: usize| KnownDistance { between: [2 * k, 2 * k + 1], value: 0.05, sd: 0.0 };
-    (data, Surroundings { landmarks, distances: (0..6).map(distance).collect() })
+    (data, Surroundings { landmarks, distances: (0..6).map(distance).collect(), open: false })
 }
 
 fn geometric() -> Vec<Box<dyn AnyEffect>> {

@@ -54,9 +54,10 @@ pub(super) fn read(root: &Table<'_>, length: &Unit, angle: &Unit) -> Result<Surr
         }
         all.landmarks.push(found);
     }
+    all.open = landmarks.is_none();
     let distances = root.get("distances").map(|value| value.tables("[[distances]]")).transpose()?;
     for table in distances.iter().flatten() {
-        let found = distance(table, length, &all.landmarks)?;
+        let found = distance(table, length, &mut all)?;
         all.distances.push(found);
     }
     Ok(all)
@@ -195,14 +196,14 @@ impl Numbers<'_> {
     }
 }
 
-fn distance(table: &Table<'_>, length: &Unit, landmarks: &[Landmark]) -> Result<KnownDistance, IoError> {
+fn distance(table: &Table<'_>, length: &Unit, all: &mut Surroundings) -> Result<KnownDistance, IoError> {
     table.only(&["between", "value", "sd"])?;
     let between = table.require("between")?;
     let names = between.elements("an array of the names of two landmarks")?;
     let [first, second] = names.as_slice() else {
         return Err(between.error("`between` names two landmarks"));
     };
-    let pair = [number(first, landmarks)?, number(second, landmarks)?];
+    let pair = [number(first, all)?, number(second, all)?];
     if pair[0] == pair[1] {
         return Err(between.error("`between` names one landmark twice"));
     }
@@ -219,8 +220,17 @@ fn distance(table: &Table<'_>, length: &Unit, landmarks: &[Landmark]) -> Result<
     Ok(KnownDistance { between: pair, value: metres, sd })
 }
 
-fn number(name: &Value<'_>, landmarks: &[Landmark]) -> Result<usize, IoError> {
+/// The landmark of a name; where the file lists none it is one.
+fn number(name: &Value<'_>, all: &mut Surroundings) -> Result<usize, IoError> {
     let text = name.string()?;
+    let landmarks = &all.landmarks;
+    if all.open && landmarks.iter().all(|landmark| landmark.name != text) {
+        if let Some(problem) = cell_problem(text) {
+            return Err(name.error(problem));
+        }
+        all.landmarks.push(Landmark { name: text.into(), ..Landmark::default() });
+        return Ok(all.landmarks.len() - 1);
+    }
     let known = || landmarks.iter().map(|landmark| landmark.name.as_str());
     known().position(|known| known == text).ok_or_else(|| {
         let (hint, known) = (meant(text, known()), listed(known()));
