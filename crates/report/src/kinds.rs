@@ -1,6 +1,7 @@
 //! Kinds of observation: what each leaves in its own unit, and how much of the fit it determines.
 
 use crate::layout::{Alignment, table};
+use crate::observers::{SuspectSummary, sentences};
 use crate::significant;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
@@ -15,6 +16,9 @@ pub struct KindsSummary {
     pub sensors: Vec<SensorSummary>,
     /// What the data leaves open.
     pub remarks: Vec<String>,
+    /// Sensors, tables and anchors that are not what they were taken for.
+    #[serde(default)]
+    pub suspects: Vec<SuspectSummary>,
 }
 
 /// One kind of observation.
@@ -151,6 +155,7 @@ impl KindsSummary {
             kinds: kinds.collect(),
             sensors: found.sensors.iter().enumerate().map(sensor).collect(),
             remarks: found.remarks.clone(),
+            suspects: Vec::new(),
         }
     }
 
@@ -166,9 +171,12 @@ impl KindsSummary {
         format!("Residual by kind of observation (RMS), {rows}: {}.", kinds.join(", "))
     }
 
-    /// Tables of kinds and of what was observed.
-    pub(crate) fn text(&self) -> String {
-        use Alignment::{Left, Right};
+    pub(crate) const HEAD: [&str; 8] =
+        ["kind", "rows", "unit", "installation", "fit", "held out", "noise", "share"];
+    pub(crate) const LEGEND: &str = "share: of the unknowns, determined by the rows of the kind (leverage); noise: standard deviation of one number";
+
+    /// A row a kind, under [`Self::HEAD`].
+    pub(crate) fn cells(&self) -> Vec<Vec<String>> {
         let number = |value: Option<f64>| value.map_or_else(|| "-".into(), |v| significant(v, 3));
         let row = |kind: &KindSummary| {
             vec![
@@ -182,10 +190,15 @@ impl KindsSummary {
                 format!("{:.0} %", 100.0 * kind.share),
             ]
         };
-        let rows: Vec<Vec<String>> = self.kinds.iter().map(row).collect();
-        let header = ["kind", "rows", "unit", "installation", "fit", "held out", "noise", "share"];
-        let mut text = table(&header, &[Left, Right, Left, Right, Right, Right, Right, Right], &rows);
-        text += " share: of the unknowns, determined by the rows of the kind (leverage); noise: standard deviation of one number\n";
+        self.kinds.iter().map(row).collect()
+    }
+
+    /// Tables of kinds and of what was observed.
+    pub(crate) fn text(&self) -> String {
+        use Alignment::{Left, Right};
+        let columns = [Left, Right, Left, Right, Right, Right, Right, Right];
+        let mut text = table(&Self::HEAD, &columns, &self.cells());
+        text += &format!(" {}\n", Self::LEGEND);
         for sensor in &self.sensors {
             let value = |(name, value, unit): &(String, f64, String)| match unit.as_str() {
                 "1" => format!("{name} {value:.5}"),
@@ -201,6 +214,7 @@ impl KindsSummary {
                 text += &format!("   95 %: {}\n", within.join(", "));
             }
         }
+        text += &sentences(&self.suspects);
         text
     }
 }

@@ -1,6 +1,7 @@
 //! Spread at landmarks, and distances between them.
 
 use crate::layout::{Alignment, table};
+use crate::observers::{SuspectSummary, sentences};
 use crate::{PositionStatistics, significant};
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::Dataset;
@@ -25,6 +26,9 @@ pub struct LandmarksSummary {
     pub distance_rms_mm: Option<f64>,
     /// What the data leaves open.
     pub remarks: Vec<String>,
+    /// Landmarks that did not stay where they were.
+    #[serde(default)]
+    pub suspects: Vec<SuspectSummary>,
 }
 
 /// One landmark.
@@ -122,6 +126,7 @@ impl LandmarksSummary {
             scale_known: found.has_scale,
             distance_rms_mm,
             remarks: found.remarks.clone(),
+            suspects: Vec::new(),
         }
     }
 
@@ -189,6 +194,9 @@ impl LandmarksSummary {
             }
             (None, false) => text += "\nNo distance is known: the spread says nothing about lengths.",
             (None, true) => {}
+        }
+        if !self.suspects.is_empty() {
+            text += &format!("\n{}", sentences(&self.suspects).trim_end());
         }
         text
     }

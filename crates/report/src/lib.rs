@@ -10,6 +10,7 @@ mod kinds;
 mod landmarks;
 mod largest;
 mod layout;
+mod observers;
 mod page;
 mod parameters;
 mod plan;
@@ -40,9 +41,10 @@ pub use identification::{
     StageSummary,
 };
 pub use kinds::{KindSummary, KindsSummary, SensorSummary};
-pub use landmarks::{KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
+pub use landmarks::{ContactSummary, KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
+pub use observers::SuspectSummary;
 pub use page::{
     CommandView, CommandsView, CorrectionView, MapView, PlaceView, PlanView, PlannedView, PredictionView,
     ProgramView, Report, acceptance_report, commands_report, comparison_report, discovery_report,

@@ -10,13 +10,13 @@ use truepose_errormodel::{
     AnyEffect, Dataset, FittedModel, Installed, Landmark, RobotPoint, SessionRules, Surroundings,
 };
 use truepose_identify::{
-    Fit, FitOptions, Identification, LandmarkFold, Residuals, Touched, landmark_cross_validation,
-    landmark_groups, leverages, touched, unify,
+    Fit, FitOptions, Identification, LandmarkFold, Residuals, SensorFound, Suspect, Touched,
+    landmark_cross_validation, landmark_groups, leverages, suspects, touched, unify,
 };
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
 use truepose_kinematics::{Chain, TargetId, ToolId};
 use truepose_report::{
-    DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary,
+    DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary, SuspectSummary,
     session_summaries,
 };
 use truepose_solvers::Solver;
@@ -111,11 +111,13 @@ impl Campaign {
         let held_out = found.declared.held_out.as_ref().filter(|_| found.test_set.is_none());
         let held_out = held_out.map(|cv| &cv.residuals);
         summary.sessions = self.sessions(&found.fit.fitted, held_out)?;
-        let landmarks = self.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
-        summary = summary.with_landmarks(landmarks);
+        let mut landmarks = self.landmarks(&found.fit.fitted, held_out, &found.landmark_folds)?;
         let before = Some(&found.frames_only.train);
         let whole = landmark_groups(&self.effects).is_some();
-        Ok(summary.with_kinds(self.kinds(&found.fit, before, held_out)?, whole))
+        let mut kinds = self.kinds(&found.fit, before, held_out)?;
+        self.suspected(&found.fit, landmarks.as_mut(), kinds.as_mut())?;
+        summary = summary.with_landmarks(landmarks);
+        Ok(summary.with_kinds(kinds, whole))
     }
 
     /// What a discovery says of the same.
@@ -135,7 +137,7 @@ impl Campaign {
             left_out = held_out;
         }
         summary.kinds = self.kinds(&found.fit, None, left_out.as_ref())?;
-        Ok(())
+        self.suspected(&found.fit, summary.landmarks.as_mut(), summary.kinds.as_mut())
     }
 
     /// A fit as it is used: it knows its sessions; landmarks and the order of the record are no part of it.
@@ -162,6 +164,29 @@ impl Campaign {
         let residuals = Residuals::of(fitted, &self.data)?;
         let names: Vec<&str> = self.installed.iter().map(|session| session.name.as_str()).collect();
         Ok(session_summaries(&names, &self.placed, &self.data, &residuals, held_out))
+    }
+
+    /// What is wrong with a landmark or a sensor, each where it is reported.
+    fn suspected(
+        &self,
+        fit: &Fit,
+        landmarks: Option<&mut LandmarksSummary>,
+        kinds: Option<&mut KindsSummary>,
+    ) -> Result<(), Failure> {
+        let Some(found) = &self.touched else { return Ok(()) };
+        let all = suspects(fit, &self.data, found)?;
+        let of = |suspect: &&Suspect| found.sensors.iter().find(|sensor| sensor.name == suspect.name);
+        if let Some(landmarks) = landmarks {
+            let own = all.iter().filter(|suspect| of(suspect).is_none());
+            landmarks.suspects = own.map(|suspect| SuspectSummary::new(suspect, &self.data, false)).collect();
+        }
+        if let Some(kinds) = kinds {
+            let own = all.iter().filter_map(|suspect| Some((suspect, of(&suspect)?)));
+            let pixels = |sensor: &SensorFound| sensor.observation.unit() == "px";
+            let summary = |(suspect, sensor)| SuspectSummary::new(suspect, &self.data, pixels(sensor));
+            kinds.suspects = own.map(summary).collect();
+        }
+        Ok(())
     }
 
     /// Spread at each landmark and known distances: none without landmarks that were touched.

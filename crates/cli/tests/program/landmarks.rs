@@ -112,6 +112,7 @@ fn a_measured_arm_without_an_instrument() {
     let landmarks = &found["landmarks"];
     let spread = landmarks["held_out"]["rms_mm"].as_f64().unwrap();
     let distance = landmarks["distance_rms_mm"].as_f64().unwrap();
+    assert_eq!(landmarks["suspects"], serde_json::json!([]));
     assert!(spread <= 0.235 && distance <= 0.055, "{spread} mm, distances {distance} mm");
     assert!(
         found["verdict"].as_str().unwrap().starts_with("Spread at the landmarks"),

@@ -225,6 +225,11 @@ impl Observation for Camera {
         all
     }
 
+    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
+        let free = Camera { free_intrinsics: true, ..self.clone() };
+        (!self.free_intrinsics).then(|| ("lens", Box::new(free) as Box<dyn Observation>))
+    }
+
     fn metric(&self) -> bool {
         false
     }

@@ -118,6 +118,12 @@ impl Observation for Distance {
         all
     }
 
+    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
+        let free = Distance { free_gain: true, free_offset: true, ..self.clone() };
+        (!(self.free_gain && self.free_offset))
+            .then(|| ("gain and offset", Box::new(free) as Box<dyn Observation>))
+    }
+
     fn metric(&self) -> bool {
         !self.free_gain
     }

@@ -134,6 +134,11 @@ impl Observation for Linear {
         all
     }
 
+    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
+        let free = Linear { free_gain: true, ..self.clone() };
+        (!self.free_gain).then(|| ("gain", Box::new(free) as Box<dyn Observation>))
+    }
+
     fn metric(&self) -> bool {
         !self.free_gain
     }

@@ -92,12 +92,52 @@ impl Observation for Plane {
         all
     }
 
+    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
+        Some(("flatness", Box::new(Warped(self.clone()))))
+    }
+
     fn metric(&self) -> bool {
         false
     }
 
     fn outside(&self) -> bool {
         self.known
+    }
+
+    fn boxed(&self) -> Box<dyn Observation> {
+        Box::new(self.clone())
+    }
+}
+
+/// A flat plane that may have a bend: `h = n·(p − x₀) − (a u² + b u v + c v²)`, u and v along e₁ and e₂; a, b, c (1/m) are unknowns behind its own.
+#[derive(Debug, Clone)]
+struct Warped(Plane);
+
+/// Expected size of a bend, 1/m: 0.25 mm at half a metre.
+const BEND: f64 = 1e-3;
+
+impl Observation for Warped {
+    fn kind(&self) -> &'static str {
+        Plane::KIND
+    }
+
+    fn unknowns(&self, name: &str, length: f64) -> Vec<Column> {
+        let bend = |k: usize| Column::new(format!("bend {k} of {name}"), "1/m", BEND);
+        let mut all = self.0.unknowns(name, length);
+        all.extend((1..=3).map(bend));
+        all
+    }
+
+    fn read(&self, at: &Pose, out: &mut Reading) -> bool {
+        let seen = self.0.read(at, out);
+        let [u, v] = across(&self.0.normal()).map(|e| e.dot(&(at.translation - self.0.point())));
+        out.by_own[0].extend([-u * u, -u * v, -v * v]);
+        seen
+    }
+
+    /// The plane moves; it stays flat.
+    fn moved(&self, by: &[f64]) -> Box<dyn Observation> {
+        self.0.moved(&by[..by.len().saturating_sub(3)])
     }
 
     fn boxed(&self) -> Box<dyn Observation> {
@@ -133,5 +173,17 @@ mod tests {
         }
         let line: Vec<Seen> = (0..9).map(|k| (Pose::trans(0, 0.1 * f64::from(k)), vec![0.0])).collect();
         assert!(Plane::default().started(&line).unwrap_err().contains("on a line"));
+    }
+
+    #[test]
+    fn a_bend_is_seen_where_a_point_is_above_the_plane() {
+        let plane = Plane { normal: Some(Vector3::z()), point: Some(Vector3::zeros()), known: false };
+        let (mut flat, mut bent) = (Reading::default(), Reading::default());
+        let at = Pose::from_xyz_rpy([0.3, -0.2, 0.1], [0.0; 3]);
+        assert!(plane.read(&at, &mut flat) && plane.freed().unwrap().1.read(&at, &mut bent));
+        assert_eq!(bent.by_own[0][..3], flat.by_own[0][..]);
+        // Whatever the axes across: u² + v² is the distance from the middle.
+        assert!((bent.by_own[0][3] + bent.by_own[0][5] + 0.13).abs() < 1e-12, "{bent:?}");
+        assert_eq!(bent.value, flat.value);
     }
 }

@@ -96,6 +96,12 @@ pub trait Observation: Any + Debug + Send + Sync {
         Vec::new()
     }
 
+    /// What it takes as given, in words, and the same with that as further unknowns behind its own: a lens, a gain, that a table is flat. None where it
+    /// takes nothing.
+    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
+        None
+    }
+
     /// Whether what it reads is a known length: then it determines the scale.
     fn metric(&self) -> bool {
         true

@@ -99,6 +99,11 @@ impl Observation for Sphere {
         all
     }
 
+    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
+        let free = Sphere { free_radius: true, ..self.clone() };
+        (!self.free_radius).then(|| ("radius", Box::new(free) as Box<dyn Observation>))
+    }
+
     fn metric(&self) -> bool {
         !self.free_radius
     }

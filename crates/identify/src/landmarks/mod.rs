@@ -20,15 +20,19 @@
 mod carried;
 mod contacts;
 mod found_in;
+mod freed;
 mod gauge;
 mod hand_eye;
 mod held_out;
 mod sensors;
+mod suspects;
 mod ties;
 
 pub use contacts::Contact;
+pub use freed::Freed;
 pub use held_out::{LandmarkFold, landmark_cross_validation};
 pub use sensors::{SensorFound, leverages};
+pub use suspects::{Suspect, suspects};
 
 use crate::{FitOptions, IdentifyError, fit};
 use carried::Carried;
@@ -65,6 +69,8 @@ pub struct Touched {
     pub has_scale: bool,
     /// What measured numbers: sensors, anchors, planes and spheres, by their number.
     pub sensors: Vec<SensorFound>,
+    /// What these take as given.
+    pub freed: Vec<Freed>,
     /// What a user has to know, in sentences.
     pub remarks: Vec<String>,
 }
@@ -189,6 +195,7 @@ pub fn touched(
     }
     let names = structure.points.iter().map(|point| point.name.clone()).collect();
     let distances = structure.distances.clone();
+    let freed = freed::freed(&sensors, &poses, &carried, length);
     let sensors = sensors.found;
     // What stands outside of the robot as described is the fit's to find.
     let chain = if carried.is_empty() { chain } else { seen };
@@ -202,6 +209,7 @@ pub fn touched(
         contacts,
         has_scale,
         sensors,
+        freed,
         remarks,
     })
 }
@@ -377,5 +385,7 @@ fn put(data: &mut Dataset, at: &[Vector3<f64>]) {
 
 #[cfg(test)]
 mod contact_tests;
+#[cfg(test)]
+mod suspect_tests;
 #[cfg(test)]
 mod tests;

@@ -124,6 +124,11 @@ impl Sensors {
         self.which[row] > 0
     }
 
+    /// Which of the numbers of its observation a row stands for.
+    pub fn which(&self, row: usize) -> usize {
+        self.which[row]
+    }
+
     /// All numbers that were measured with a row.
     pub fn numbers(&self, row: usize) -> &[f64] {
         &self.measured[row]

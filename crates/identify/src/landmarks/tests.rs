@@ -9,13 +9,13 @@ use truepose_solvers::PivotedQr;
 
 /// The arm of a light robot with errors, which touches sockets with its tool's origin: joints of touching postures are solved for here, by
 /// Newton's method on the true robot, so that the law is not that of the fit.
-struct Cell {
-    chain: Chain,
-    truth: FittedModel,
-    sockets: Vec<Vector3<f64>>,
+pub(super) struct Cell {
+    pub(super) chain: Chain,
+    pub(super) truth: FittedModel,
+    pub(super) sockets: Vec<Vector3<f64>>,
 }
 
-fn cell(seed: u64) -> Cell {
+pub(super) fn cell(seed: u64) -> Cell {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let chain = samples::ur10();
     let frames: Vec<_> = chain.frames().collect();
@@ -43,7 +43,7 @@ fn cell(seed: u64) -> Cell {
 }
 
 /// Joints with which the true robot touches a point.
-fn touching(of: &Cell, at: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+pub(super) fn touching(of: &Cell, at: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
     let mut predictor = of.truth.bind(&Default::default()).unwrap();
     loop {
         let mut q: Vec<f64> = (0..6).map(|_| rng.random_range(-2.5..2.5)).collect();
@@ -69,7 +69,7 @@ fn touching(of: &Cell, at: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
     }
 }
 
-fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Surroundings) {
+pub(super) fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Surroundings) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut builder = DatasetBuilder::new(&of.chain);
     let mut at = Vec::new();
@@ -89,7 +89,7 @@ fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Sur
     (data, Surroundings { landmarks, distances: (0..6).map(distance).collect(), open: false })
 }
 
-fn geometric() -> Vec<Box<dyn AnyEffect>> {
+pub(super) fn geometric() -> Vec<Box<dyn AnyEffect>> {
     vec![Box::new(Geometric::default())]
 }
 
@@ -183,18 +183,18 @@ fn a_landmark_that_was_touched_once_is_refused_and_one_that_was_not_is_told() {
 }
 
 /// What an instrument reads of a target at a point.
-type Reads = Box<dyn Fn(&Vector3<f64>) -> f64>;
+pub(super) type Reads = Box<dyn Fn(&Vector3<f64>) -> f64>;
 
 /// What one row of a mixed campaign is: where the target shall be, none: anywhere; and what the instrument of a landmark then reads.
-struct Shot {
-    landmark: usize,
-    at: Option<Vector3<f64>>,
-    reads: Reads,
-    sd: f64,
+pub(super) struct Shot {
+    pub(super) landmark: usize,
+    pub(super) at: Option<Vector3<f64>>,
+    pub(super) reads: Reads,
+    pub(super) sd: f64,
 }
 
 /// Rows of these shots; positions with noise where the landmark is none of `landmarks`.
-fn shots(of: &Cell, landmarks: usize, shots: &[Shot], seed: u64) -> Dataset {
+pub(super) fn shots(of: &Cell, landmarks: usize, shots: &[Shot], seed: u64) -> Dataset {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut predictor = of.truth.bind(&Default::default()).unwrap();
     let mut builder = DatasetBuilder::new(&of.chain);
@@ -243,7 +243,7 @@ fn accuracy(of: &Cell, fitted: &FittedModel) -> f64 {
     (squares / pairs.len() as f64).sqrt()
 }
 
-fn fitted(of: &Cell, data: &Dataset, landmarks: Vec<Landmark>) -> (Touched, crate::Fit) {
+pub(super) fn fitted(of: &Cell, data: &Dataset, landmarks: Vec<Landmark>) -> (Touched, crate::Fit) {
     let (solver, options) = (PivotedQr::default(), FitOptions::default());
     let surroundings = Surroundings { landmarks, ..Surroundings::default() };
     let made = touched(&of.chain, &geometric(), data, &surroundings, (&solver, &options)).unwrap();
@@ -252,7 +252,7 @@ fn fitted(of: &Cell, data: &Dataset, landmarks: Vec<Landmark>) -> (Touched, crat
     (made, found)
 }
 
-fn seen_by(name: &str, observation: impl Observation + 'static) -> Landmark {
+pub(super) fn seen_by(name: &str, observation: impl Observation + 'static) -> Landmark {
     Landmark { name: name.into(), observed: Some(Box::new(observation)), ..Landmark::default() }
 }
 

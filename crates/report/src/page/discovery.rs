@@ -32,6 +32,7 @@ pub fn discovery_report(
     residual(&mut page, summary);
     let rows = rows(found, data, labels);
     page.section("Position errors");
+    page.kinds(summary.kinds.as_ref());
     page.landmarks(summary.landmarks.as_ref());
     page.sessions(&summary.sessions);
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));

@@ -53,6 +53,7 @@ pub fn identification_report(
         Some(_) => "Each error is the prediction error of a model that was fitted without this row.",
         None => "Errors on the rows of the fit: no rows were held out.",
     });
+    page.kinds(summary.kinds.as_ref());
     page.landmarks(summary.landmarks.as_ref());
     page.sessions(&summary.sessions);
     page.space(&rows, TITLES, summary.specification.map(|s| s.limit_mm));

@@ -1,7 +1,8 @@
-//! Sessions and landmarks on a page: as in the terminal.
+//! Sessions, kinds of observation and landmarks on a page: as in the terminal.
 
 use super::Page;
-use crate::{LandmarksSummary, SessionSummary, sessions};
+use crate::observers::sentences;
+use crate::{KindsSummary, LandmarksSummary, SessionSummary, sessions};
 
 impl Page {
     /// What each session leaves; nothing without sessions.
@@ -9,6 +10,15 @@ impl Page {
         if !sessions.is_empty() {
             let caption = "Sessions, RMS of the 3-D position error";
             self.table(caption, &sessions::HEAD, &sessions::cells(sessions), true);
+        }
+    }
+
+    /// What each kind of observation leaves, and what is wrong with what observed; nothing where all rows are positions.
+    pub(crate) fn kinds(&mut self, kinds: Option<&KindsSummary>) {
+        if let Some(kinds) = kinds {
+            let caption = format!("Kinds of observation, RMS. {}", KindsSummary::LEGEND);
+            self.table(&caption, &KindsSummary::HEAD, &kinds.cells(), true);
+            sentences(&kinds.suspects).lines().for_each(|sentence| self.text(sentence));
         }
     }
 

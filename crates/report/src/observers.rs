@@ -1,0 +1,134 @@
+//! What is wrong with a landmark or a sensor, and not with the robot.
+
+use crate::significant;
+use serde::{Deserialize, Serialize};
+use truepose_errormodel::Dataset;
+use truepose_identify::Suspect;
+
+/// A landmark or a sensor that is not what it was taken for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SuspectSummary {
+    /// Its name.
+    pub name: String,
+    /// `moved`, or what was taken as given: `flatness`, `lens`, `radius`, `gain`, `gain and offset`.
+    pub what: String,
+    /// The line of the data from which on it has moved; null of what is wrong throughout.
+    pub from_line: Option<u64>,
+    /// By how much: name, value, half its 95 % interval, unit (mm, mrad, px, 1, 1/m).
+    pub values: Vec<(String, f64, f64, String)>,
+    /// RMS over its rows of what that explains, in `unit`.
+    pub rms: f64,
+    /// `mm` or `px`.
+    pub unit: String,
+    /// Of all such tests together.
+    pub p_value: f64,
+}
+
+/// Of a normal distribution, 95 % lie within so many standard deviations.
+const WITHIN_95: f64 = 1.96;
+
+impl SuspectSummary {
+    /// Of rows that measured pixels, or lengths.
+    pub fn new(found: &Suspect, data: &Dataset, pixels: bool) -> Self {
+        let value = |(name, value, sd, unit): &(String, f64, f64, String)| {
+            let (scale, unit) = match unit.as_str() {
+                "m" => (1e3, "mm"),
+                "rad" => (1e3, "mrad"),
+                unit => (1.0, unit),
+            };
+            (name.clone(), scale * value, WITHIN_95 * scale * sd, unit.to_owned())
+        };
+        SuspectSummary {
+            name: found.name.clone(),
+            what: found.what.into(),
+            from_line: found.from.map(|row| data.line.get(row).map_or(row as u64 + 1, |&line| line)),
+            values: found.values.iter().map(value).collect(),
+            rms: if pixels { found.size } else { 1e3 * found.size },
+            unit: if pixels { "px" } else { "mm" }.into(),
+            p_value: found.p_value,
+        }
+    }
+
+    /// What is wrong, and what to do about it, in two sentences.
+    pub fn sentence(&self) -> String {
+        let name = &self.name;
+        let (what, advice) = match self.what.as_str() {
+            "moved" => (
+                format!(
+                    "rows of {name} from about line {} on lie elsewhere than those before",
+                    self.from_line.unwrap_or(0)
+                ),
+                "It may have moved, or been touched otherwise: look at its mount, name it differently from there on, and compare. Where several are told, the robot's base or its tool may have moved.",
+            ),
+            "flatness" => (
+                format!("{name} is not flat"),
+                "Measure its shape, or probe a smaller part of it; its rows count little as they are.",
+            ),
+            "lens" => (
+                format!("{name} has another lens than stated"),
+                "Look whether values are exchanged; calibrate its intrinsics, or free them (free = [\"intrinsics\"]).",
+            ),
+            "radius" => {
+                (format!("{name} has another radius than stated"), "Measure it, or leave `radius` out.")
+            }
+            other => (format!("{other} of {name} are not as stated"), "Calibrate it, or free them (`free`)."),
+        };
+        let value = |(name, value, half, unit): &(String, f64, f64, String)| {
+            let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+            format!("{name} {} ± {}{unit}", significant(*value, 3), significant(*half, 2))
+        };
+        // The three numbers of a bend are none that a person can picture.
+        let values: Vec<String> = match self.what.as_str() {
+            "flatness" => Vec::new(),
+            _ => self.values.iter().map(value).collect(),
+        };
+        let by = if values.is_empty() { String::new() } else { format!(", by {}", values.join(", ")) };
+        format!(
+            "{what}{by}: {} {} RMS at its rows (p = {}). {advice}",
+            significant(self.rms, 2),
+            self.unit,
+            significant(self.p_value, 2)
+        )
+    }
+}
+
+/// All of them, a line each.
+pub(crate) fn sentences(suspects: &[SuspectSummary]) -> String {
+    suspects.iter().map(|suspect| format!("Suspect: {}\n", suspect.sentence())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(what: &str, from_line: Option<u64>, values: &[(&str, f64, f64, &str)]) -> SuspectSummary {
+        let value =
+            |&(name, value, half, unit): &(&str, f64, f64, &str)| (name.into(), value, half, unit.into());
+        SuspectSummary {
+            name: "A".into(),
+            what: what.into(),
+            from_line,
+            values: values.iter().map(value).collect(),
+            rms: 0.123,
+            unit: "mm".into(),
+            p_value: 1e-9,
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_size() {
+        let moved = of("moved", Some(47), &[("x@A", 0.3, 0.02, "mm")]).sentence();
+        assert!(
+            moved.starts_with(
+                "rows of A from about line 47 on lie elsewhere than those before, by x@A 0.300 ± 0.020 mm: 0.12 mm RMS"
+            ),
+            "{moved}"
+        );
+        let flat = of("flatness", None, &[("bend 1 of A", 1.0, 0.1, "1/m")]).sentence();
+        assert!(flat.starts_with("A is not flat: 0.12 mm RMS"), "{flat}");
+        assert!(
+            of("gain", None, &[("gain of A", 0.01, 0.001, "1")]).sentence().contains("gain of A"),
+            "{flat}"
+        );
+    }
+}
