@@ -22,9 +22,11 @@ pub(super) fn one_point(chain: &Chain, data: &Dataset, info: &CsvInfo, file: &Pa
     let limit = APART * chain.characteristic_length();
     let of_visit = configurations(data);
     let mut groups: std::collections::BTreeMap<_, Vec<usize>> = std::collections::BTreeMap::new();
-    for row in (0..data.len()).filter(|&row| data.position[row].iter().all(|v| v.is_finite())) {
-        let target = data.target[row].map(|target| target.0);
-        let at = (of_visit[data.visit[row]], target, data.session(row));
+    // What was measured along one direction is no position.
+    let whole = |row: &usize| data.position[*row].iter().all(|v| v.is_finite()) && data.ray(*row).is_none();
+    for row in (0..data.len()).filter(whole) {
+        let point = (data.target[row].map(|target| target.0), data.tool(row));
+        let at = (of_visit[data.visit[row]], point, data.session(row));
         groups.entry(at).or_default().push(row);
     }
     groups.retain(|_, rows| rows.len() > 1);

@@ -83,6 +83,7 @@ fn two_arms_that_meet_are_calibrated_against_each_other() {
     let text = folder.run(&words).ended(0);
     assert!(text.out.contains("Half of the gap between points that meet"), "{}", text.out);
     assert!(text.out.contains("left – right"), "{}", text.out);
+    assert!(text.log.contains("where l1 and r1 stand to each other is taken as described"), "{}", text.log);
     assert!(!text.log.contains("scale is not determined"), "{}", text.log);
     assert!(!text.out.contains("No distance is known"), "{}", text.out);
     let found = folder.run(&[&words[..5], &["--json"]].concat()).ended(0).out;

@@ -107,6 +107,62 @@ fn the_measured_robot_is_explained_down_to_its_repeatability() {
     assert!(rms("after") < 0.2 * rms("before"), "{} {}", rms("before"), rms("after"));
 }
 
+/// An identification of an example as JSON.
+fn identified(example: &str) -> serde_json::Value {
+    let folder = copied();
+    let at = |file: &str| format!("examples/{example}/{file}");
+    let (robot, data) = (at("robot.toml"), at("measurements.csv"));
+    serde_json::from_str(
+        &folder.run(&["identify", "--robot", &robot, "--data", &data, "--json"]).ended(0).out,
+    )
+    .unwrap()
+}
+
+/// Their data is from a script that shares nothing with this workspace; the sizes are those that it puts in.
+#[test]
+fn arms_without_a_tracker() {
+    let sockets = identified("09_sockets");
+    let spread = sockets["landmarks"]["held_out"]["rms_mm"].as_f64().unwrap();
+    assert!((0.1..0.2).contains(&spread), "{spread}");
+    assert!(sockets["landmarks"]["distance_rms_mm"].as_f64().unwrap() < 0.04, "{sockets}");
+    let found = discovered("09_sockets");
+    assert_eq!(
+        (&found["effects"][0]["family"], &found["effects"][0]["joint"]),
+        (&"transmission".into(), &"j2".into())
+    );
+    assert_eq!(found["effects"].as_array().unwrap().len(), 1);
+    // 0.02 mm an axis.
+    let after = found["after"]["holdout"]["rms_mm"].as_f64().unwrap();
+    assert!(after < 1.25 * 0.02 * 3f64.sqrt(), "{after}");
+
+    let camera = identified("10_hand_eye");
+    let pixel = &camera["kinds"]["kinds"][0];
+    assert!(pixel["before"].as_f64().unwrap() > 1.0 && pixel["held_out"].as_f64().unwrap() < 0.17, "{pixel}");
+    let place = &camera["kinds"]["sensors"][0];
+    for (k, truth) in [40.0, -50.0, 60.0].into_iter().enumerate() {
+        let (value, within) = (&place["values"][k][1], &place["within_95"][k][1]);
+        let off = (value.as_f64().unwrap() - truth).abs();
+        assert!(off < 1.5 * within.as_f64().unwrap(), "{value} ± {within}, not {truth}");
+    }
+    assert_eq!(camera["kinds"]["suspects"], serde_json::json!([]));
+
+    let arms = identified("11_two_arms");
+    let gap = arms["landmarks"]["contacts"][0]["held_out"]["rms_mm"].as_f64().unwrap();
+    assert!(gap < 1.25 * 0.02 * 3f64.sqrt(), "{gap}");
+    assert_eq!(arms["landmarks"]["scale_known"], true);
+}
+
+#[test]
+fn a_camera_that_no_image_agrees_with_is_refused() {
+    let folder = copied();
+    let robot = folder.read("examples/10_hand_eye/robot.toml").replace("cx = 640", "cx = 64000");
+    folder.write("robot.toml", &robot);
+    let data = "examples/10_hand_eye/measurements.csv";
+    let log = folder.run(&["identify", "--robot", "robot.toml", "--data", data]).ended(2).log;
+    assert!(log.contains("eye: in 36 of 36 images: no place of the camera explains its pixels"), "{log}");
+    assert!(!log.contains("--map \"target=point\""), "{log}");
+}
+
 /// Numbers with two significant digits: platforms differ in the last ones, and the text is what is compared.
 fn rounded(value: &serde_json::Value) -> serde_json::Value {
     use serde_json::Value;

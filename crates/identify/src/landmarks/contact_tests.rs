@@ -98,6 +98,8 @@ fn two_arms_that_touch_and_hold_a_bar_are_calibrated_against_each_other() {
         touched(&chain, &errors_of_arms(), &data, &Surroundings::default(), (&solver, &options)).unwrap();
     assert_eq!((made.data.len(), made.contacts.len()), (100, 50));
     assert_eq!((made.contacts[1].rows, made.contacts[1].distance.to_bits()), ([2, 3], BAR.to_bits()));
+    // Both arms stand on fixed joints, whose frames have errors.
+    assert!(!made.remarks.iter().any(|remark| remark.contains("as described")), "{:?}", made.remarks);
     // A bar of known length fixes the scale.
     assert!(!made.remarks.iter().any(|remark| remark.contains("scale")), "{:?}", made.remarks);
     let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();

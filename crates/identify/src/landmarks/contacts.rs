@@ -11,13 +11,15 @@
 use crate::IdentifyError;
 use truepose_errormodel::observation::{FRAMES, KINDS};
 use truepose_errormodel::{Dataset, KnownDistance, Landmark, RobotPoint, Surroundings};
-use truepose_kinematics::{Chain, Load, ToolId};
+use truepose_kinematics::{Chain, Joint, JointKind, Load, ToolId};
 
 /// A row in which two points met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
     /// The names of the points.
     pub between: [String; 2],
+    /// The tools that carry them.
+    pub tools: [ToolId; 2],
     /// Their rows.
     pub rows: [usize; 2],
     /// How far apart they were, m; zero where they touched.
@@ -80,7 +82,12 @@ pub(super) fn apart(
         tools[at + 1] = tool(chain, other);
         // What the row carries is on its own tool.
         both.load[at + 1] = Load::None;
-        contacts.push(Contact { between, rows: [at, at + 1], distance });
+        contacts.push(Contact {
+            between,
+            tools: [tool(chain, own), tool(chain, other)],
+            rows: [at, at + 1],
+            distance,
+        });
         at += 2;
     }
     both.set_landmarks(Some(&landmark));
@@ -89,6 +96,37 @@ pub(super) fn apart(
     let frames = KINDS.iter().position(|kind| *kind == FRAMES);
     both.touch(|row| data.kind(source[row]) == frames);
     Ok(Some((both, around, contacts)))
+}
+
+/// Branches of the robot whose place on what carries both is taken as described, in a sentence: an error behind their first joint is none in
+/// front of it.
+pub(super) fn mounts(chain: &Chain, contacts: &[Contact]) -> Option<String> {
+    let mut taken: Vec<&str> = Vec::new();
+    for contact in contacts {
+        let tools = contact.tools.map(|tool| chain.frame_of_tool(tool));
+        let [Some(a), Some(b)] = tools.map(|frame| chain.path(frame)) else { continue };
+        let first =
+            |own: &[bool], other: &[bool]| (0..chain.joints().len()).find(|&k| own[k + 1] && !other[k + 1]);
+        let both: Vec<&Joint> =
+            [first(a, b), first(b, a)].into_iter().flatten().map(|k| &chain.joints()[k]).collect();
+        // One mount with errors is enough: the other may be taken for where the first is.
+        if both.iter().all(|joint| joint.kind != JointKind::Fixed) {
+            taken.extend(both.iter().map(|joint| joint.name.as_str()));
+        }
+    }
+    taken.dedup();
+    let unique: Vec<&str> = taken
+        .iter()
+        .enumerate()
+        .filter(|(k, name)| !taken[..*k].contains(name))
+        .map(|(_, name)| *name)
+        .collect();
+    (!unique.is_empty()).then(|| {
+        format!(
+            "where {} stand to each other is taken as described: put a joint of type `fixed` in front of one of them, whose frame then has errors",
+            unique.join(" and ")
+        )
+    })
 }
 
 fn tool(chain: &Chain, point: RobotPoint) -> ToolId {

@@ -49,19 +49,27 @@ pub(super) fn with_base(
             images.entry(carried.images[row]).or_default().push(row);
         }
         let mut pairs: Vec<(Pose, Pose)> = Vec::new();
+        let (mut many, mut refused) = (0, None);
         let free = Camera { place: None, known: false, free_intrinsics: false, ..camera.clone() };
         for rows in images.values().filter(|rows| rows.len() >= POINTS) {
             let point = |row: usize| Pose::new(Matrix3::identity(), carried.point(row).unwrap_or_default());
             let seen: Vec<Seen> =
                 rows.iter().map(|&row| (point(row), sensors.numbers(row).to_vec())).collect();
-            if let Ok(found) = free.started(&seen)
-                && let Some(place) =
-                    (&*found as &dyn Any).downcast_ref::<Camera>().and_then(|camera| camera.place)
-            {
-                pairs.push((place, from * at[rows[0]]));
+            many += 1;
+            match free.started(&seen) {
+                Ok(found) => {
+                    let camera = (&*found as &dyn Any).downcast_ref::<Camera>();
+                    pairs.extend(
+                        camera.and_then(|camera| camera.place).map(|place| (place, from * at[rows[0]])),
+                    );
+                }
+                Err(reason) => refused = Some(reason),
             }
         }
         let why = |why: &str| IdentifyError::Landmark { name: found.name.clone(), why: why.into() };
+        if let Some(reason) = refused.filter(|_| 2 * pairs.len() < many) {
+            return Err(why(&format!("in {} of {many} images: {reason}", many - pairs.len())));
+        }
         let (mount, base) = hand_eye(&pairs).ok_or_else(|| {
             why("where camera and base are is not determined: three images of four known points each at least, with the camera turned about two axes between them")
         })?;

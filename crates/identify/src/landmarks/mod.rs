@@ -129,6 +129,7 @@ pub fn touched(
     }
     let (has_scale, scale_is_open) = (gauge.has_scale(), gauge.lets_landmarks_shrink());
     remarks.extend(words);
+    remarks.extend(contacts::mounts(chain, &contacts));
     let (described, has_base) = (chain, gauge.has_base());
     let chain = if outside { chain.clone() } else { all_known(chain)? };
     let mut declared = effects.to_vec();

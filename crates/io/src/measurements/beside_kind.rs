@@ -7,6 +7,11 @@ use truepose_kinematics::Chain;
 /// The column of what a camera on the robot saw, beside a column `kind`.
 const POINT_COLUMN: &str = "point";
 
+/// Whether a column of this name has a meaning beside a column `kind`.
+pub(super) fn is_numbered(name: &str) -> bool {
+    name == POINT_COLUMN || SCALARS.contains(&name)
+}
+
 /// A column as it was read; beside a column `kind`, one of measured numbers where its name is one of theirs.
 pub(super) fn numbered(
     (column, warning): (Column, Option<String>),

@@ -1,5 +1,6 @@
 //! A column as far as it shows without knowing what it is: the words of its header, its unit, its first values.
 
+use super::super::beside_kind::is_numbered;
 use super::super::cells::number;
 use super::super::columns::Role;
 use super::super::names::{Named, Names};
@@ -86,6 +87,10 @@ pub(super) fn see<'a>(headers: &[&'a str], sample: &'a Sample, names: &Names<'_>
                 && !header.starts_with("command_"),
             cells: sample.cells(k).collect(),
         });
+    }
+    if all.iter().any(|column| column.role == Some(Role::Kind)) {
+        let meant = |column: &&mut Seen<'_>| is_numbered(split_unit(column.header).0);
+        all.iter_mut().filter(meant).for_each(|column| column.free = false);
     }
     all
 }
