@@ -31,7 +31,7 @@ impl Page {
                 self.table(caption, &LandmarksSummary::HEAD, &landmarks.cells(), true);
             }
             if !landmarks.contacts.is_empty() {
-                let caption = LandmarksSummary::CONTACT_TITLE;
+                let caption = "Gap between points that meet, or error of their stated distance";
                 self.table(caption, &LandmarksSummary::CONTACT_HEAD, &landmarks.contact_cells(), true);
             }
         }
