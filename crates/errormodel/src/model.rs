@@ -93,6 +93,11 @@ impl ErrorModel {
         self.first[effect]..self.first[effect + 1]
     }
 
+    /// The first effect that is an E, whatever its scale and bounds, and its place among the effects.
+    pub fn find<E: 'static>(&self) -> Option<(usize, &E)> {
+        self.effects.iter().enumerate().find_map(|(k, effect)| Some((k, effect.concrete::<E>()?)))
+    }
+
     /// The effect to which a column belongs.
     pub fn effect_of(&self, column: usize) -> usize {
         self.first.partition_point(|&first| first <= column) - 1

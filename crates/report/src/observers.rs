@@ -71,7 +71,10 @@ impl SuspectSummary {
             "radius" => {
                 (format!("{name} has another radius than stated"), "Measure it, or leave `radius` out.")
             }
-            other => (format!("{other} of {name} are not as stated"), "Calibrate it, or free them (`free`)."),
+            other => (
+                format!("{name} has another {other} than stated"),
+                "Calibrate it, or declare what is unknown of it (`free`).",
+            ),
         };
         let value = |(name, value, half, unit): &(String, f64, f64, String)| {
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
@@ -126,9 +129,8 @@ mod tests {
         );
         let flat = of("flatness", None, &[("bend 1 of A", 1.0, 0.1, "1/m")]).sentence();
         assert!(flat.starts_with("A is not flat: 0.12 mm RMS"), "{flat}");
-        assert!(
-            of("gain", None, &[("gain of A", 0.01, 0.001, "1")]).sentence().contains("gain of A"),
-            "{flat}"
-        );
+        let gain = of("gain and offset", None, &[("gain of A", 0.01, 0.001, "1")]).sentence();
+        let words = "A has another gain and offset than stated, by gain of A 0.0100 ± 0.0010: ";
+        assert!(gain.starts_with(words), "{gain}");
     }
 }

@@ -28,8 +28,7 @@ impl Multiplicity {
             Some(null) => null,
             None => screen.null(linearisation, options.rotations, options.seed)?,
         };
-        // Where the model leaves hardly a number, rotations tell nothing, and nothing is significant.
-        let p_value = Some(p_value(&null)).filter(|p| !p.is_nan()).unwrap_or(1.0);
+        let p_value = p_value(&null);
         Ok((Multiplicity { counts: screen.test_counts().clone(), null }, p_value))
     }
 }

@@ -142,10 +142,13 @@ impl NullDistribution {
         NullDistribution { sorted: surprisals, tests, freedom }
     }
 
-    /// Family-wise p of a candidate with this surprisal.
+    /// Family-wise p of a candidate with this surprisal; 1 where the model leaves hardly a number, so that there is none.
     pub fn p_value(&self, surprisal: f64) -> f64 {
         /// With fewer minima beyond it the tail's estimate is more precise than their count.
         const COUNTED: usize = 20;
+        if surprisal.is_nan() {
+            return 1.0;
+        }
         let n = self.sorted.len();
         let beyond = n - self.sorted.partition_point(|&s| s < surprisal);
         if beyond >= COUNTED {
@@ -169,5 +172,17 @@ impl NullDistribution {
             if surprisal(middle, 1, self.freedom) < critical { low = middle } else { high = middle }
         }
         -(observations as f64) * (1.0 - low).max(1e-12).ln()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_is_no_evidence() {
+        let null = NullDistribution::new((1..200).map(|k| 0.05 * f64::from(k)).collect(), 30);
+        assert!(null.p_value(30.0) < 1e-6 && null.p_value(0.01) > 0.9);
+        assert_eq!(null.p_value(f64::NAN).to_bits(), 1f64.to_bits());
     }
 }

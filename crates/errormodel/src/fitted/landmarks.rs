@@ -13,11 +13,7 @@ impl FittedModel {
     /// By how much each landmark is displaced from where the data has it, m, measurement frame; none without landmarks.
     pub fn landmarks_displaced(&self) -> Option<Vec<Vector3<f64>>> {
         let model = self.model();
-        let (at, effect) = model
-            .effects()
-            .iter()
-            .enumerate()
-            .find_map(|(k, effect)| effect.concrete::<Landmarks>().map(|effect| (k, effect)))?;
+        let (at, effect) = model.find::<Landmarks>()?;
         let own = &self.coefficients()[model.columns_of(at)];
         Some((0..effect.points.len()).map(|point| effect.displaced(point, own)).collect())
     }
@@ -25,11 +21,7 @@ impl FittedModel {
     /// The unknowns of each sensor, as the fit has moved them from where the data has them; none without sensors.
     pub fn sensors_moved(&self) -> Option<Vec<Vec<f64>>> {
         let model = self.model();
-        let (at, effect) = model
-            .effects()
-            .iter()
-            .enumerate()
-            .find_map(|(k, effect)| effect.concrete::<Observed>().map(|effect| (k, effect)))?;
+        let (at, effect) = model.find::<Observed>()?;
         let own = &self.coefficients()[model.columns_of(at)];
         Some((0..effect.sensors.len()).map(|sensor| own[effect.columns_of(sensor)].to_vec()).collect())
     }
@@ -37,11 +29,7 @@ impl FittedModel {
     /// Standard deviations of the unknowns of each sensor, in their units; zero of those that the fit leaves where they are. None without sensors.
     pub fn sensors_uncertain(&self) -> Option<Vec<Vec<f64>>> {
         let model = self.model();
-        let (at, effect) = model
-            .effects()
-            .iter()
-            .enumerate()
-            .find_map(|(k, effect)| effect.concrete::<Observed>().map(|effect| (k, effect)))?;
+        let (at, effect) = model.find::<Observed>()?;
         let first = model.columns_of(at).start;
         let sd = |k: usize| self.covariance()[(first + k, first + k)].max(0.0).sqrt();
         Some((0..effect.sensors.len()).map(|sensor| effect.columns_of(sensor).map(sd).collect()).collect())

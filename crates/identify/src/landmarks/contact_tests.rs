@@ -143,6 +143,16 @@ fn contacts_alone_leave_the_scale_open_and_points_of_one_tool_say_nothing() {
         told.contains("the scale is not determined") && told.contains("the fit keeps the scale"),
         "{told}"
     );
+    // Folds hold the scale as well: either side of a contact that was left out has half of its gap.
+    let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
+    let found = fit(&model, &made.data, &solver, &options).unwrap();
+    let groups = landmark_groups(&made.effects).unwrap();
+    let (held, _) =
+        landmark_cross_validation(&found, &made.data, &groups, (&solver, &options)).unwrap().unwrap();
+    for contact in &made.contacts {
+        let [a, b] = contact.rows.map(|row| held.residuals.position[row]);
+        assert!((a + b).norm() < 1e-12 && a.norm() > 1e-7, "{a} {b}");
+    }
     data.set_meets(Some(&[Some(RobotPoint::Tool(ToolId::FIRST)); 40]));
     let error = touched(&chain, &errors_of_arms(), &data, &surroundings, (&solver, &options)).unwrap_err();
     assert!(error.to_string().contains("L and left are on one tool"), "{error}");

@@ -162,7 +162,7 @@ fn judged(
         fold.positions.push(mean);
     }
     for (k, point) in points.iter().enumerate() {
-        let Some(tied) = point.tied.filter(|_| point.contact) else { continue };
+        let Some(tied) = point.tied.filter(|tied| point.contact && !tied.held) else { continue };
         let (Some(a), Some(b)) = (of_landmark.get(&tied.to), of_landmark.get(&k)) else { continue };
         about_distance([&a[0], &b[0]], tied.distance, residuals);
     }

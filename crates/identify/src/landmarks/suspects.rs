@@ -48,7 +48,7 @@ const SHARE: f64 = 0.25;
 const INSTANTS: usize = 24;
 /// Share of a column that the robot must leave for a test.
 const LEFT: f64 = 1e-4;
-/// Numbers of a design matrix, at most.
+/// Numbers of a design matrix, at most: beyond, nothing is tested.
 const LARGEST: usize = 50_000_000;
 
 /// Tests every landmark and every sensor of a fit of these rows.
@@ -91,11 +91,12 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
         all.extend(design.moved(named, &rows, &column, &of_kind, &mut tests));
         for freed in touched.freed.iter().filter(|freed| freed.sensor == k) {
             tests += 1;
-            let a = design.columns(freed.columns.len(), |i| {
-                let own = freed.rows.iter().find(|(row, _)| *row == design.row[i]);
-                own.map_or_else(|| vec![0.0; freed.columns.len()], |(_, by)| by.clone())
+            let own = design.own(&rows);
+            let a = own.columns(freed.columns.len(), |i| {
+                let at = freed.rows.binary_search_by_key(&design.row[i], |(row, _)| *row);
+                at.map_or_else(|_| vec![0.0; freed.columns.len()], |at| freed.rows[at].1.clone())
             });
-            if let Some(tested) = design.test(&a, &rows, &of_kind) {
+            if let Some(tested) = own.test(&a, design.left(&of_kind)) {
                 let named = (found.name.as_str(), freed.columns.as_slice(), found.weight);
                 all.extend(tested.suspect(named, freed.what, None));
             }
@@ -175,13 +176,19 @@ impl<'f> Design<'f> {
         Ok(Design { covariance, x, residual: DVector::from_vec(residual), leverage, noise, row, component })
     }
 
-    /// Further columns: what a unit of each does to a number.
-    fn columns(&self, count: usize, of: impl Fn(usize) -> Vec<f64>) -> DMatrix<f64> {
-        let mut a = DMatrix::zeros(self.row.len(), count);
-        for i in 0..self.row.len() {
-            of(i).into_iter().enumerate().for_each(|(k, v)| a[(i, k)] = v / self.noise[i]);
-        }
-        a
+    /// The numbers of some rows, ascending.
+    fn own(&self, rows: &[usize]) -> Own<'_> {
+        let numbers: Vec<usize> =
+            (0..self.row.len()).filter(|&i| rows.binary_search(&self.row[i]).is_ok()).collect();
+        Own { design: self, x: self.x.select_rows(&numbers), numbers }
+    }
+
+    /// Squares and degrees of freedom that are left to the numbers of a kind.
+    fn left(&self, of_kind: &dyn Fn(usize) -> bool) -> (f64, f64) {
+        let numbers = (0..self.row.len()).filter(|&i| of_kind(self.row[i]));
+        numbers.fold((0.0, 0.0), |(squares, freedom), i| {
+            (squares + self.residual[i].powi(2), freedom + 1.0 - self.leverage[i])
+        })
     }
 
     /// Whether what these rows share changed from one of them on: the instant that explains most.
@@ -201,13 +208,13 @@ impl<'f> Design<'f> {
         }
         let places = rows.len() - 2 * least + 1;
         let instants = (0..INSTANTS.min(places)).map(|k| least + k * places / INSTANTS.min(places));
+        let (own, left) = (self.own(rows), self.left(of_kind));
         let mut best: Option<(Tested, usize)> = None;
         for instant in instants {
             *tests += 1;
             let from = rows[instant];
-            let inside = |i: usize| self.row[i] >= from && rows.binary_search(&self.row[i]).is_ok();
-            let a = self.columns(width, |i| if inside(i) { column(i) } else { vec![0.0; width] });
-            if let Some(tested) = self.test(&a, rows, of_kind)
+            let a = own.columns(width, |i| if self.row[i] >= from { column(i) } else { vec![0.0; width] });
+            if let Some(tested) = own.test(&a, left)
                 && best.as_ref().is_none_or(|(best, _)| tested.p_value < best.p_value)
             {
                 best = Some((tested, from));
@@ -215,42 +222,50 @@ impl<'f> Design<'f> {
         }
         best.and_then(|(tested, from)| tested.suspect(named, "moved", Some(from)))
     }
+}
 
-    fn test(&self, a: &DMatrix<f64>, rows: &[usize], of_kind: &dyn Fn(usize) -> bool) -> Option<Tested> {
-        let left = a - &self.x * (self.covariance * self.x.tr_mul(a));
-        let (g, matrix) = (a.tr_mul(&self.residual), a.tr_mul(&left));
+/// The numbers of one landmark or sensor: further columns are zero in all others.
+struct Own<'d> {
+    design: &'d Design<'d>,
+    numbers: Vec<usize>,
+    x: DMatrix<f64>,
+}
+
+impl Own<'_> {
+    /// Further columns: what a unit of each does to a number of the design.
+    fn columns(&self, count: usize, of: impl Fn(usize) -> Vec<f64>) -> DMatrix<f64> {
+        let mut a = DMatrix::zeros(self.numbers.len(), count);
+        for (at, &i) in self.numbers.iter().enumerate() {
+            of(i).into_iter().enumerate().for_each(|(k, v)| a[(at, k)] = v / self.design.noise[i]);
+        }
+        a
+    }
+
+    /// The test of these columns, `left` being the squares and degrees of freedom of their kind.
+    fn test(&self, a: &DMatrix<f64>, (squares, freedom): (f64, f64)) -> Option<Tested> {
+        let Design { covariance, residual, noise, .. } = self.design;
+        let residual = residual.select_rows(&self.numbers);
+        let left = a - &self.x * (*covariance * self.x.tr_mul(a));
+        let (g, matrix) = (a.tr_mul(&residual), a.tr_mul(&left));
         let whole: Vec<f64> = a.column_iter().map(|column| column.norm_squared()).collect();
         if (0..whole.len()).any(|k| matrix[(k, k)] <= LEFT * whole[k]) {
             return None;
         }
         let inverse = matrix.cholesky()?.inverse();
         let by = &inverse * &g;
-        let explained = g.dot(&by);
-        let (mut squares, mut freedom, mut own, mut size, mut count) = (0.0, 0.0, 0.0, 0.0, 0usize);
-        let fitted = &left * &by;
-        for i in 0..self.row.len() {
-            let square = self.residual[i] * self.residual[i];
-            if of_kind(self.row[i]) {
-                squares += square;
-                freedom += 1.0 - self.leverage[i];
-            }
-            if rows.binary_search(&self.row[i]).is_ok() {
-                own += square;
-                size += (fitted[i] * self.noise[i]).powi(2);
-                count += 1;
-            }
-        }
-        let k = a.ncols() as f64;
+        let (explained, k) = (g.dot(&by), a.ncols() as f64);
         if freedom < k + 2.0 || squares <= explained {
             return None;
         }
-        let noise = (squares - explained) / (freedom - k);
-        let p_value = FisherSnedecor::new(k, freedom - k).ok()?.sf(explained / k / noise);
-        let values = by.iter().enumerate().map(|(j, v)| (*v, (noise * inverse[(j, j)]).sqrt()));
+        let scatter = (squares - explained) / (freedom - k);
+        let p_value = FisherSnedecor::new(k, freedom - k).ok()?.sf(explained / k / scatter);
+        let fitted = left * &by;
+        let size: f64 = self.numbers.iter().zip(fitted.iter()).map(|(&i, v)| (v * noise[i]).powi(2)).sum();
+        let values = by.iter().enumerate().map(|(j, v)| (*v, (scatter * inverse[(j, j)]).sqrt()));
         Some(Tested {
             p_value,
-            share: explained / own.max(f64::MIN_POSITIVE),
-            size: (size / count.max(1) as f64).sqrt(),
+            share: explained / residual.norm_squared().max(f64::MIN_POSITIVE),
+            size: (size / self.numbers.len().max(1) as f64).sqrt(),
             values: values.collect(),
         })
     }
