@@ -104,8 +104,7 @@ fn scores(
         let linearisation = blocks.linearised(&all.at, block, options)?;
         let (_, residual) = whitened(&linearisation, &all.fit);
         let whitener = linearisation.whitener(linearisation.noise);
-        let nothing = DMatrix::zeros(linearisation.len(), 0);
-        let tables = Tables::new(&linearisation, &whitener, (&nothing, &residual));
+        let tables = Tables::new(&linearisation, &whitener, &residual);
         let stations = || tables.stations.iter().copied();
         let mut sums = Vec::with_capacity(single.len());
         for candidate in &single {

@@ -15,7 +15,7 @@ use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::policy::{Policy, penalty_per_coefficient};
 use crate::problem::linearisation::Linearisation;
-use crate::problem::projection::{Accumulated, Projection};
+use crate::problem::projection::Projection;
 use crate::screen::candidates::{Cause, Screen};
 use rayon::prelude::*;
 use truepose_errormodel::Visits;
@@ -65,13 +65,9 @@ fn partner(
     partners: &[(&Candidate, f64)],
 ) -> Result<Option<Partner>, DiscoverError> {
     let projection = Projection::under(linearisation, competitor.likelihood.noise);
-    let accumulated: Vec<Accumulated> = partners
-        .iter()
-        .map(|(partner, _)| projection.accumulate(linearisation, partner))
-        .collect::<Result<_, _>>()?;
-    let Some(gains) = projection.beside(&competitor.columns, &accumulated.iter().collect::<Vec<_>>()) else {
-        return Ok(None);
-    };
+    let candidates: Vec<&Candidate> = partners.iter().map(|(partner, _)| *partner).collect();
+    let accumulated = projection.accumulate(linearisation, &candidates)?;
+    let Some(gains) = projection.beside(&competitor.columns, &accumulated) else { return Ok(None) };
     let penalty = penalty_per_coefficient(linearisation.len());
     let worth = |((partner, alone), gain): (&(&Candidate, f64), Option<(f64, usize)>)| {
         let (gain, freedom) = gain?;

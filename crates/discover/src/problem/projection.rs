@@ -20,7 +20,7 @@ use crate::problem::tables::{Sums, Tables};
 use crate::problem::whitening::Whitener;
 use crate::statistics::beta::surprisal;
 use crate::statistics::product::{cross, gram_matrix, orthonormal};
-use nalgebra::{DMatrix, DVector, Dyn, Matrix, Storage, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn, Matrix, Scalar, Storage, SymmetricEigen};
 
 /// The present model, projected out.
 pub(crate) struct Projection {
@@ -42,14 +42,11 @@ pub(crate) struct Projection {
     pub tables: Tables,
 }
 
-/// A candidate, heard once.
+/// Whitened columns of a candidate, m × k, with what is needed of them to ask for its gain beside others, again and again.
 #[derive(Debug, Clone)]
 pub(crate) struct Accumulated {
+    columns: DMatrix<f64>,
     sums: Sums,
-    /// (visit, column, site, value).
-    emitted: Vec<(usize, usize, usize, f64)>,
-    /// Whitened columns of what is no effect.
-    dense: Option<DMatrix<f64>>,
 }
 
 /// How a candidate does against what is left.
@@ -89,7 +86,7 @@ impl Projection {
         let first = q.ncols() - held.len();
         let in_prior: f64 = held.iter().enumerate().map(|(k, h)| (h * along[first + k]).powi(2)).sum();
         let rss = residual.norm_squared() + in_prior;
-        let tables = Tables::new(linearisation, &whitener, (&q, &residual));
+        let tables = Tables::new(linearisation, &whitener, &residual);
         let freedom = linearisation.len().saturating_sub(first);
         Projection {
             absorbed: linearisation.policy.absorbed,
@@ -117,7 +114,7 @@ impl Projection {
             rss: self.rss - explained.norm_squared(),
             freedom: self.freedom.saturating_sub(k),
             held: self.held.clone(),
-            tables: self.tables.with(&new, &residual),
+            tables: self.tables.with(&residual),
             q,
             y: self.y.clone(),
             residual,
@@ -142,57 +139,59 @@ impl Projection {
         Some((x - &self.q * along) * basis)
     }
 
-    /// What is needed of a candidate to ask for its gain beside others, again and again.
+    /// Candidates to be asked for their gains beside others.
     pub fn accumulate(
         &self,
         linearisation: &Linearisation<'_>,
-        candidate: &Candidate,
-    ) -> Result<Accumulated, DiscoverError> {
-        let mut accumulated =
-            Accumulated { sums: self.sums(linearisation, candidate)?, emitted: Vec::new(), dense: None };
-        match &candidate.change {
-            Change::Add(effects) => {
-                let stations = self.tables.stations.iter().copied();
-                linearisation.evaluate(effects)?.each(stations, &mut |visit, entries| {
-                    accumulated
-                        .emitted
-                        .extend(entries.iter().map(|&(column, site, value)| (visit, column, site, value)));
-                })?;
-            }
-            Change::CorrectLoad { .. } | Change::Exclude { .. } => {
-                accumulated.dense = Some(self.whitener.of(&linearisation.columns_of(candidate)?));
-            }
-        }
-        Ok(accumulated)
+        candidates: &[&Candidate],
+    ) -> Result<Vec<Accumulated>, DiscoverError> {
+        let columns = candidates.iter().map(|candidate| self.columns(linearisation, candidate));
+        let columns = columns.collect::<Result<Vec<_>, _>>()?;
+        let sums = self.sums_of(&columns);
+        Ok(columns.into_iter().zip(sums).map(|(columns, sums)| Accumulated { columns, sums }).collect())
     }
 
-    /// Whitened columns of a candidate, m × k.
+    /// Whitened columns of a candidate, m × k, with Φ of each visit's first row.
     pub fn columns(
         &self,
         linearisation: &Linearisation<'_>,
         candidate: &Candidate,
-    ) -> Result<DMatrix<f32>, DiscoverError> {
-        let accumulated = self.accumulate(linearisation, candidate)?;
-        Ok(match accumulated.dense {
-            Some(columns) => columns.map(|v| v as f32),
-            None => self.tables.whitened(&accumulated.emitted, accumulated.sums.raw.ncols()),
-        })
+    ) -> Result<DMatrix<f64>, DiscoverError> {
+        let Change::Add(effects) = &candidate.change else {
+            return Ok(self.whitener.of(&linearisation.columns_of(candidate)?));
+        };
+        let evaluated = linearisation.evaluate(effects)?;
+        let mut columns = DMatrix::zeros(self.len(), evaluated.width());
+        let stations = self.tables.stations.iter().copied();
+        evaluated.each(stations, &mut |visit, entries| self.tables.put(visit, entries, &mut columns))?;
+        Ok(columns)
+    }
+
+    /// What is needed of each of these candidates' whitened columns: their products with Q_1 are one of two matrices.
+    pub fn sums_of(&self, candidates: &[DMatrix<f64>]) -> Vec<Sums> {
+        if candidates.is_empty() {
+            return Vec::new();
+        }
+        let along = cross(&self.q, &side_by_side(candidates, |v| v));
+        let mut first = 0;
+        let of = |x: &DMatrix<f64>| {
+            let along = along.columns(first, x.ncols()).into_owned();
+            first += x.ncols();
+            Sums { along, raw: gram_matrix(x), score: x.tr_mul(&self.residual) }
+        };
+        candidates.iter().map(of).collect()
     }
 
     /// The gain of candidates beside further raw columns (m × k): (gain, freedom) of each; none where nothing is left.
     pub fn beside(
         &self,
         more: &DMatrix<f64>,
-        accumulated: &[&Accumulated],
+        accumulated: &[Accumulated],
     ) -> Option<Vec<Option<(f64, usize)>>> {
         let (new, explained) = self.directions(more)?;
-        let projected = self.tables.projected_sites(&new);
         let rss = self.rss - explained.norm_squared();
-        let gain = |accumulated: &&Accumulated| {
-            let along = match &accumulated.dense {
-                Some(columns) => cross(&new, columns),
-                None => projected.along(&accumulated.emitted, accumulated.sums.raw.ncols()),
-            };
+        let gain = |accumulated: &Accumulated| {
+            let along = cross(&new, &accumulated.columns);
             let Sums { along: before, raw, score } = &accumulated.sums;
             let left = raw - gram_matrix(before) - gram_matrix(&along);
             let basis = basis(raw, &left, self.absorbed)?;
@@ -252,16 +251,8 @@ impl Projection {
         linearisation: &Linearisation<'_>,
         candidate: &Candidate,
     ) -> Result<Sums, DiscoverError> {
-        let Change::Add(effects) = &candidate.change else {
-            let x = self.whitener.of(&linearisation.columns_of(candidate)?);
-            let score = x.tr_mul(&self.residual);
-            return Ok(Sums { along: cross(&self.q, &x), raw: gram_matrix(&x), score });
-        };
-        let evaluated = linearisation.evaluate(effects)?;
-        let mut sums = Sums::zeros(self.q.ncols(), evaluated.width());
-        let stations = self.tables.stations.iter().copied();
-        evaluated.each(stations, &mut |visit, entries| self.tables.add(visit, entries, &mut sums))?;
-        Ok(sums)
+        let x = self.columns(linearisation, candidate)?;
+        Ok(Sums { along: cross(&self.q, &x), raw: gram_matrix(&x), score: x.tr_mul(&self.residual) })
     }
 
     /// The score of a candidate; none when nothing of it is left.
@@ -295,6 +286,13 @@ impl Projection {
             basis: basis.map(|v| v as f32),
         })
     }
+}
+
+/// Matrices of equally many rows side by side, each number `of` what it was.
+pub(crate) fn side_by_side<T: Scalar>(parts: &[DMatrix<f64>], of: impl Fn(f64) -> T) -> DMatrix<T> {
+    let rows = parts.first().map_or(0, DMatrix::nrows);
+    let all: Vec<T> = parts.iter().flat_map(|part| part.iter().map(|&v| of(v))).collect();
+    DMatrix::from_vec(rows, all.len() / rows.max(1), all)
 }
 
 /// Orthonormal directions of `[A; W]`: those that the data estimates, free of the prior, then those that the prior holds, with the length

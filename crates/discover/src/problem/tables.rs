@@ -1,19 +1,18 @@
-//! The data compressed, visit by visit, to what an error at a site does there: a candidate then costs a few look-ups a visit, not a product
-//! over all measured numbers.
+//! What an error at a site does, visit by visit: the columns of every candidate are put together from it.
 //!
 //! | symbol | here | shape |
 //! | --- | --- | --- |
-//! | J̃ | whitened error Jacobian of a visit | numbers × sites |
-//! | H = Q_1ᵀ J̃ | `along` | r × sites |
-//! | M = J̃ᵀ J̃ | `squares` | sites × sites |
-//! | c = J̃ᵀ r̃ | `scores` | sites |
+//! | J̃ | `jacobian`: whitened error Jacobian | m × sites |
+//! | M = J̃ᵀ J̃ of a visit | `squares` | sites × sites |
+//! | c = J̃ᵀ r̃ of a visit | `scores` | sites |
 //!
-//! With a candidate's Φ of each visit: `Q_1ᵀX = Σ H Φ`, `XᵀX = Σ Φᵀ M Φ`, `X_uᵀ r̃ = Σ_{v in u} Φᵀ c`. A visit is one standstill of the
-//! robot: Φ is taken at its first row, though its targets were measured some seconds apart. The contest, which decides, takes
-//! every row for itself.
+//! With a candidate's Φ of each visit: `X̃ = J̃ Φ`, `X_uᵀ r̃ = Σ_{v in u} Φᵀ c`, and for functions φ of the visit at one site
+//! `XᵀX = Σ φᵀ M φ`. A visit is one standstill of the robot: Φ is taken at its first row, though its targets were measured some seconds
+//! apart. The contest, which decides, takes every row for itself.
 //!
-//! Tables are ordered by site, then by visit: a candidate asks for few sites, visit after visit.
+//! Scores and squares are ordered by site, then by visit: a candidate asks for few sites, visit after visit.
 
+use crate::problem::evaluated::Entry;
 use crate::problem::linearisation::Linearisation;
 use crate::problem::whitening::Whitener;
 use crate::statistics::product::cross;
@@ -25,27 +24,20 @@ use std::sync::{Arc, OnceLock};
 #[derive(Debug)]
 pub(crate) struct Tables {
     sites: usize,
-    rank: usize,
     /// The first station of each visit.
     pub stations: Vec<usize>,
     /// J̃ of all visits.
     jacobian: Arc<DMatrix<f64>>,
     /// The numbers of each visit.
     observations: Vec<Range<usize>>,
-    /// H, in bands of its rows.
-    along: Vec<Arc<ProjectedSites>>,
     /// Once they are asked for.
     squares: Arc<OnceLock<Vec<f64>>>,
     scores: Vec<f64>,
 }
 
 impl Tables {
-    pub fn new(
-        linearisation: &Linearisation<'_>,
-        whitener: &Whitener,
-        (q, residual): (&DMatrix<f64>, &DVector<f64>),
-    ) -> Self {
-        let (sites, rank) = (linearisation.site_count(), q.ncols());
+    pub fn new(linearisation: &Linearisation<'_>, whitener: &Whitener, residual: &DVector<f64>) -> Self {
+        let sites = linearisation.site_count();
         let mut jacobian =
             DMatrix::from_fn(linearisation.len(), sites, |at, site| linearisation.sites(at)[site]);
         whitener.apply(&mut jacobian);
@@ -57,30 +49,17 @@ impl Tables {
             station += visit.len();
         }
         let scores = scores(&jacobian, residual, &observations);
-        let along = ProjectedSites::new(q, &jacobian, &observations);
-        Tables {
-            sites,
-            rank,
-            stations,
-            squares: Arc::new(OnceLock::new()),
-            jacobian: Arc::new(jacobian),
-            observations,
-            along: vec![Arc::new(along)],
-            scores,
-        }
+        let (jacobian, squares) = (Arc::new(jacobian), Arc::new(OnceLock::new()));
+        Tables { sites, stations, jacobian, observations, squares, scores }
     }
 
-    /// With further columns of Q_1 (m × k), which leave this of r̃.
-    pub fn with(&self, new: &DMatrix<f64>, residual: &DVector<f64>) -> Self {
-        let mut along = self.along.clone();
-        along.push(Arc::new(self.projected_sites(new)));
+    /// With further columns of Q_1, which leave this of r̃.
+    pub fn with(&self, residual: &DVector<f64>) -> Self {
         Tables {
             sites: self.sites,
-            rank: self.rank + new.ncols(),
             stations: self.stations.clone(),
             jacobian: Arc::clone(&self.jacobian),
             observations: self.observations.clone(),
-            along,
             squares: Arc::clone(&self.squares),
             scores: scores(&self.jacobian, residual, &self.observations),
         }
@@ -97,27 +76,13 @@ impl Tables {
         squares[(a * self.sites + b) * self.observations.len() + visit]
     }
 
-    /// H of further columns of Q_1 (m × k): what [`Tables::with`] appends.
-    pub fn projected_sites(&self, new: &DMatrix<f64>) -> ProjectedSites {
-        ProjectedSites::new(new, &self.jacobian, &self.observations)
-    }
-
-    /// Adds what a visit's entries (column, site, value) say.
-    pub fn add(&self, visit: usize, entries: &[(usize, usize, f64)], sums: &mut Sums) {
-        for (k, &(column, site, value)) in entries.iter().enumerate() {
-            let mut along = &mut sums.along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
-            for projected in &self.along {
-                let (own, rest) = along.split_at_mut(projected.rank);
-                own.iter_mut().zip(projected.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
-                along = rest;
-            }
-            sums.score[column] += value * self.score(visit, site);
-            sums.raw[(column, column)] += value * value * self.square(visit, site, site);
-            for &(other, there, further) in &entries[k + 1..] {
-                let both = value * further * self.square(visit, site, there);
-                sums.raw[(column, other)] += both;
-                sums.raw[(other, column)] += both;
-            }
+    /// Adds to whitened columns (m × k) what a visit's entries say.
+    pub fn put(&self, visit: usize, entries: &[Entry], columns: &mut DMatrix<f64>) {
+        let own = self.observations[visit].clone();
+        for &(column, site, value) in entries {
+            let sees = self.jacobian.column(site);
+            let mut column = columns.column_mut(column);
+            own.clone().for_each(|at| column[at] += value * sees[at]);
         }
     }
 
@@ -138,74 +103,26 @@ impl Tables {
         products
     }
 
-    /// What one function of the visit does that acts at these sites (site, share).
-    pub fn unit_response(&self, shares: &[(usize, f64)]) -> UnitResponse {
+    /// What one function of the visit does that acts at these sites (site, share), with Q_1 projected out.
+    pub fn unit_response(&self, q: &DMatrix<f64>, shares: &[(usize, f64)]) -> UnitResponse {
         let visits = self.stations.len();
-        let mut along = vec![0.0; visits * self.rank];
-        let mut response =
-            UnitResponse { along: DMatrix::zeros(0, 0), score: vec![0.0; visits], square: vec![0.0; visits] };
-        for visit in 0..visits {
-            for &(site, share) in shares {
-                let h = self.along.iter().flat_map(|projected| projected.at(visit, site));
-                for (sum, h) in along[visit * self.rank..(visit + 1) * self.rank].iter_mut().zip(h) {
-                    *sum += share * h;
-                }
-                response.score[visit] += share * self.score(visit, site);
-                response.square[visit] += shares
-                    .iter()
-                    .map(|&(other, more)| share * more * self.square(visit, site, other))
-                    .sum::<f64>();
+        let mut pulse = DVector::zeros(q.nrows());
+        shares.iter().for_each(|&(site, share)| pulse.axpy(share, &self.jacobian.column(site), 1.0));
+        let mut along = DMatrix::zeros(visits, q.ncols());
+        for (mut along, column) in along.column_iter_mut().zip(q.column_iter()) {
+            for (sum, own) in along.iter_mut().zip(&self.observations) {
+                *sum = own.clone().map(|at| pulse[at] * column[at]).sum();
             }
         }
-        response.along = DMatrix::from_vec(self.rank, visits, along);
-        response
-    }
-}
-
-/// H of some columns of Q_1.
-#[derive(Debug)]
-pub(crate) struct ProjectedSites {
-    visits: usize,
-    rank: usize,
-    along: Vec<f64>,
-}
-
-impl ProjectedSites {
-    /// Of columns of Q_1 (m × k).
-    fn new(columns: &DMatrix<f64>, jacobian: &DMatrix<f64>, observations: &[Range<usize>]) -> Self {
-        let (visits, rank, sites) = (observations.len(), columns.ncols(), jacobian.ncols());
-        let mut along = vec![0.0; sites * visits * rank];
-        if rank > 0 {
-            for (visit, own) in observations.iter().enumerate() {
-                let sees = jacobian.rows(own.start, own.len());
-                let of_visit = cross(&columns.rows(own.start, own.len()), &sees);
-                for (site, of_site) in of_visit.as_slice().chunks_exact(rank).enumerate() {
-                    let first = (site * visits + visit) * rank;
-                    along[first..first + rank].copy_from_slice(of_site);
-                }
-            }
+        let score = |visit: usize| shares.iter().map(|&(site, share)| share * self.score(visit, site)).sum();
+        let square = |own: &Range<usize>| own.clone().map(|at| pulse[at] * pulse[at]).sum();
+        UnitResponse {
+            along: along.transpose(),
+            score: (0..visits).map(score).collect(),
+            square: self.observations.iter().map(square).collect(),
         }
-        ProjectedSites { visits, rank, along }
     }
 
-    /// Of one site of a visit.
-    fn at(&self, visit: usize, site: usize) -> &[f64] {
-        let first = (site * self.visits + visit) * self.rank;
-        &self.along[first..first + self.rank]
-    }
-
-    /// The product of these columns with a candidate's, k × width, from its entries (visit, column, site, value).
-    pub fn along(&self, emitted: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f64> {
-        let mut along = DMatrix::zeros(self.rank, width);
-        for &(visit, column, site, value) in emitted {
-            let own = &mut along.as_mut_slice()[column * self.rank..(column + 1) * self.rank];
-            own.iter_mut().zip(self.at(visit, site)).for_each(|(sum, h)| *sum += value * h);
-        }
-        along
-    }
-}
-
-impl Tables {
     /// J̃ᵀz of every visit for each of several z (m × n), site by site: visits × n.
     pub fn at_sites(&self, z: &DMatrix<f32>) -> Vec<DMatrix<f32>> {
         let jacobian = self.jacobian.map(|v| v as f32);
@@ -217,17 +134,6 @@ impl Tables {
             }
         }
         sites
-    }
-
-    /// Whitened columns of a candidate's entries (visit, column, site, value), m × width.
-    pub fn whitened(&self, entries: &[(usize, usize, usize, f64)], width: usize) -> DMatrix<f32> {
-        let mut columns = DMatrix::<f64>::zeros(self.jacobian.nrows(), width);
-        for &(visit, column, site, value) in entries {
-            for at in self.observations[visit].clone() {
-                columns[(at, column)] += value * self.jacobian[(at, site)];
-            }
-        }
-        columns.map(|v| v as f32)
     }
 }
 
@@ -285,6 +191,18 @@ impl UnitResponse {
         products
     }
 
+    /// XᵀX of a sine and a cosine of the same angles, visits × 2.
+    pub fn of_wave<S: Storage<f64, Dyn, Dyn>>(&self, wave: &Matrix<f64, Dyn, Dyn, S>) -> DMatrix<f64> {
+        let (mut sines, mut mixed) = (0.0, 0.0);
+        for ((sine, cosine), square) in wave.column(0).iter().zip(wave.column(1).iter()).zip(&self.square) {
+            let weighed = square * sine;
+            sines += weighed * sine;
+            mixed += weighed * cosine;
+        }
+        let cosines = self.square.iter().sum::<f64>() - sines;
+        DMatrix::from_row_slice(2, 2, &[sines, mixed, mixed, cosines])
+    }
+
     /// Q_1ᵀX and Xᵀr̃ of functions of the visit, visits × k.
     pub fn through(&self, columns: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
         let score = DVector::from_column_slice(&self.score);
@@ -304,11 +222,6 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Of no visit: r columns of the model, k of the candidate.
-    pub fn zeros(r: usize, k: usize) -> Self {
-        Sums { along: DMatrix::zeros(r, k), raw: DMatrix::zeros(k, k), score: DVector::zeros(k) }
-    }
-
     /// Adds those of other visits.
     pub fn merge(&mut self, other: &Sums) {
         self.along += &other.along;

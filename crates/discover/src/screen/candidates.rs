@@ -15,6 +15,7 @@ use crate::screen::periodogram;
 use crate::screen::periodogram::Periodogram;
 use crate::screen::screened::Screened;
 use crate::significance::rotation::{Largest, NullDistribution, Rotations};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -64,6 +65,9 @@ fn is_declared(candidate: &Candidate, linearisation: &Linearisation<'_>) -> bool
     !effects.is_empty() && effects.iter().all(|effect| known(&**effect))
 }
 
+/// Candidates whose columns stand side by side, so that what is asked of them is one product of matrices.
+const TOGETHER: usize = 64;
+
 impl Screen {
     /// Of a whole library; `found` is in the data and the model already.
     pub fn new(linearisation: &Linearisation<'_>, library: &Library, found: &[Candidate]) -> Self {
@@ -99,16 +103,33 @@ impl Screen {
         // Without them every candidate is taken for itself.
         let functions = Functions::new(linearisation, &projection, &candidates).ok();
         let candidates = candidates
-            .into_par_iter()
-            .map(|candidate| {
-                if let Some(score) =
-                    functions.as_ref().and_then(|functions| functions.score(linearisation, &candidate))
-                {
-                    return Screened { candidate, acts: true, score };
-                }
-                let sums = projection.sums(linearisation, &candidate).ok();
-                let acts = sums.as_ref().is_some_and(|sums| sums.raw.trace() > 0.0);
-                Screened { candidate, score: sums.and_then(|sums| projection.score(&sums)), acts }
+            .par_chunks(TOGETHER)
+            .flat_map_iter(|chunk| {
+                let at_site: Vec<Option<Option<Score>>> = chunk
+                    .iter()
+                    .map(|candidate| functions.as_ref()?.score(linearisation, candidate))
+                    .collect();
+                let columns: Vec<Option<DMatrix<f64>>> = chunk
+                    .iter()
+                    .zip(&at_site)
+                    .map(|(candidate, at_site)| match at_site {
+                        Some(_) => None,
+                        None => projection.columns(linearisation, candidate).ok(),
+                    })
+                    .collect();
+                let has_columns: Vec<bool> = columns.iter().map(Option::is_some).collect();
+                let mut sums =
+                    projection.sums_of(&columns.into_iter().flatten().collect::<Vec<_>>()).into_iter();
+                let screened = |((candidate, at_site), has_columns): ((&Candidate, _), bool)| {
+                    let candidate = candidate.clone();
+                    if let Some(score) = at_site {
+                        return Screened { candidate, acts: true, score };
+                    }
+                    let sums = if has_columns { sums.next() } else { None };
+                    let acts = sums.as_ref().is_some_and(|sums| sums.raw.trace() > 0.0);
+                    Screened { candidate, score: sums.and_then(|sums| projection.score(&sums)), acts }
+                };
+                chunk.iter().zip(at_site).zip(has_columns).map(screened).collect::<Vec<_>>()
             })
             .collect();
         let periods = linearisation
@@ -164,12 +185,15 @@ impl Screen {
             .filter(|(candidate, _)| functions.and_then(|f| f.place(linearisation, candidate)).is_none())
             .collect();
         let parts: Vec<Largest> = others
-            .par_chunks(64)
+            .par_chunks(TOGETHER)
             .map(|chunk| -> Result<Largest, DiscoverError> {
-                let mut largest = rotations.nothing();
-                for (candidate, score) in chunk {
-                    let columns = self.projection.columns(linearisation, candidate)?;
-                    rotations.add(&mut largest, &columns.tr_mul(&rotations.directions), &score.basis);
+                let columns = chunk.iter().map(|(c, _)| self.projection.columns(linearisation, c));
+                let columns = columns.collect::<Result<Vec<_>, _>>()?;
+                let through = rotations.along(&columns);
+                let (mut largest, mut first) = (rotations.nothing(), 0);
+                for ((_, score), own) in chunk.iter().zip(&columns) {
+                    rotations.add(&mut largest, &through.rows(first, own.ncols()), &score.basis);
+                    first += own.ncols();
                 }
                 Ok(largest)
             })

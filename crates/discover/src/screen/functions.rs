@@ -81,7 +81,7 @@ impl Functions {
             .map(|frame| {
                 let sites = Axis::ALL.map(|axis| linearisation.chain().site_index(Site::Frame(frame, axis)));
                 let unit_response: [_; 6] = std::array::from_fn(|k| {
-                    projection.tables.unit_response(&[(sites[k], turned(Axis::ALL[k]))])
+                    projection.tables.unit_response(&projection.q, &[(sites[k], turned(Axis::ALL[k]))])
                 });
                 let through = unit_response.each_ref().map(|unit_response| unit_response.through(&values));
                 let part =

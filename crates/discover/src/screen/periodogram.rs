@@ -59,7 +59,7 @@ pub(crate) fn scan(
     periods: &[f64],
 ) -> Option<Periodogram> {
     let shares = linearisation.motion(joint)?;
-    let response = projection.tables.unit_response(&shares);
+    let response = projection.tables.unit_response(&projection.q, &shares);
     let stations = projection.tables.stations.iter();
     let values: Vec<f64> = stations.map(|&at| linearisation.joint_at(at, joint)).collect::<Option<_>>()?;
     if periods.is_empty() || response.square.iter().sum::<f64>() <= 0.0 {
@@ -71,7 +71,7 @@ pub(crate) fn scan(
             let waves = waves(&values, batch);
             let (along, scores) = response.through(&waves);
             let judged = |k: usize| {
-                let raw = response.products(&waves.columns(2 * k, 2));
+                let raw = response.of_wave(&waves.columns(2 * k, 2));
                 projection.judged(&raw, &along.columns(2 * k, 2), &scores.rows(2 * k, 2).into_owned())
             };
             (0..batch.len()).map(judged).collect::<Vec<_>>()
@@ -95,14 +95,31 @@ pub(crate) fn scan(
     Some(whole)
 }
 
-/// Sine and cosine of each period, visits × 2 periods.
+/// Sine and cosine of each period, visits × 2 periods. Where frequencies are evenly spaced each angle is the one before turned by a step.
 fn waves(values: &[f64], periods: &[f64]) -> DMatrix<f64> {
+    /// Turns by which a frequency may miss the even spacing.
+    const EVEN: f64 = 1e-12;
+    let frequency = |k: usize| 1.0 / periods[k];
+    let step = if periods.len() > 1 { frequency(1) - frequency(0) } else { 0.0 };
+    let even = |k: usize| (frequency(k) - frequency(0) - k as f64 * step).abs() <= EVEN * frequency(k);
     let mut waves = DMatrix::zeros(values.len(), 2 * periods.len());
-    for (k, period) in periods.iter().enumerate() {
-        for (at, &value) in values.iter().enumerate() {
-            let (sine, cosine) = (TAU * value / period).sin_cos();
-            waves[(at, 2 * k)] = sine;
-            waves[(at, 2 * k + 1)] = cosine;
+    if periods.is_empty() || !(0..periods.len()).all(even) {
+        for (k, period) in periods.iter().enumerate() {
+            for (at, &value) in values.iter().enumerate() {
+                (waves[(at, 2 * k)], waves[(at, 2 * k + 1)]) = (TAU * value / period).sin_cos();
+            }
+        }
+        return waves;
+    }
+    let angles = |frequency: f64| values.iter().map(move |value| (TAU * value * frequency).sin_cos());
+    let mut now: Vec<(f64, f64)> = angles(frequency(0)).collect();
+    let turns: Vec<(f64, f64)> = angles(step).collect();
+    for pair in waves.column_iter_mut().collect::<Vec<_>>().chunks_exact_mut(2) {
+        let [sines, cosines] = pair else { continue };
+        for (at, ((sine, cosine), (sine_step, cosine_step))) in now.iter_mut().zip(&turns).enumerate() {
+            (sines[at], cosines[at]) = (*sine, *cosine);
+            (*sine, *cosine) =
+                (*sine * cosine_step + *cosine * sine_step, *cosine * cosine_step - *sine * sine_step);
         }
     }
     waves
@@ -139,8 +156,8 @@ impl Periodogram {
             .into_par_iter()
             .map(|first| {
                 let last = (first + BATCH).min(self.periods.len());
-                let scores =
-                    waves(&self.values, &self.periods[first..last]).map(|v| v as f32).tr_mul(&motion);
+                let waves = waves(&self.values, &self.periods[first..last]).map(|v| v as f32);
+                let scores = waves.transpose() * &motion;
                 let mut largest = rotations.nothing();
                 for k in first..last {
                     if let Some(basis) = &self.bases[k] {
@@ -164,5 +181,28 @@ impl Periodogram {
         peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
         peaks.truncate(count);
         peaks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_are_sines_and_cosines_of_any_periods() {
+        let values: Vec<f64> = (0..40).map(|k| 0.17 * f64::from(k) - 3.0).collect();
+        let even: Vec<f64> = (0..64).map(|k| TAU / (200.0 + 0.25 * f64::from(k))).collect();
+        let uneven = [0.5, 0.3, 0.29];
+        for periods in [&even[..], &uneven, &even[..1], &[]] {
+            let waves = waves(&values, periods);
+            assert_eq!(waves.shape(), (40, 2 * periods.len()));
+            for (k, period) in periods.iter().enumerate() {
+                for (at, value) in values.iter().enumerate() {
+                    let (sine, cosine) = (TAU * value / period).sin_cos();
+                    assert!((waves[(at, 2 * k)] - sine).abs() < 1e-11);
+                    assert!((waves[(at, 2 * k + 1)] - cosine).abs() < 1e-11);
+                }
+            }
+        }
     }
 }

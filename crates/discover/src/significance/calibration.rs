@@ -86,7 +86,7 @@ fn null(
     for candidate in candidates {
         if let Some(score) = projection.judge(linearisation, candidate) {
             let columns = projection.columns(linearisation, candidate).unwrap();
-            rotations.add(&mut largest, &columns.tr_mul(&rotations.directions), &score.basis);
+            rotations.add(&mut largest, &rotations.along(&[columns]), &score.basis);
         }
     }
     largest.distribution(projection.freedom)
@@ -107,7 +107,7 @@ fn the_fraction_of_a_rotated_residual_has_a_beta_distribution() {
         let Some(score) = projection.judge(&linearisation, candidate) else { continue };
         let columns = projection.columns(&linearisation, candidate).unwrap();
         let mut largest = rotations.nothing();
-        rotations.add(&mut largest, &columns.tr_mul(&rotations.directions), &score.basis);
+        rotations.add(&mut largest, &rotations.along(&[columns]), &score.basis);
         let (k, freedom) = (score.freedom as f64, projection.freedom as f64);
         let beta = Beta::new(0.5 * k, 0.5 * (freedom - k)).unwrap();
         let values: Vec<f64> =

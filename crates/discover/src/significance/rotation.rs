@@ -10,7 +10,7 @@
 //! independent tests, `p_FW = 1 − (1 − p)^M`, with M from the lower tail of the sampled minima.
 //! Source: Langsrud (2005), *Rotation tests*; Solari, Finos and Goeman (2014), *Rotation-based multiple testing*; Westfall and Young (1993).
 
-use crate::problem::projection::Projection;
+use crate::problem::projection::{Projection, side_by_side};
 use crate::statistics::beta::surprisal;
 use nalgebra::{DMatrix, Dyn, Matrix, Storage};
 use rand::SeedableRng;
@@ -58,6 +58,11 @@ impl Rotations {
     /// No candidate yet.
     pub fn nothing(&self) -> Largest {
         Largest { fractions: Vec::new(), count: self.inverse.len() }
+    }
+
+    /// Xᵀz* of the whitened columns of several candidates, one below the other.
+    pub fn along(&self, candidates: &[DMatrix<f64>]) -> DMatrix<f32> {
+        side_by_side(candidates, |v| v as f32).transpose() * &self.directions
     }
 
     /// Takes in a candidate: Xᵀz* (k × n) and the basis T of its projected columns (k × freedom).
