@@ -4,7 +4,7 @@
 //! | --- | --- | --- | --- | --- |
 //! | R_i | `before(i).rotation` | 3×3 | 1 | measurement |
 //! | ω_ik | `axes(i)` | 3×3 | 1 | measurement |
-//! | p | `point` | 3 | m | measurement |
+//! | p | `point`; of two points that met (p_a − p_b)/√2 ([`Aim`]), and so its derivatives | 3 | m | measurement |
 //! | J_e | [`ErrorJacobian::matrix`] | 6 × sites | m or rad per m or rad | measurement |
 //!
 //! ```text
@@ -15,7 +15,7 @@
 //! At zero error ω_ik = R_i e_k and the block of frame i is `[R_i, −R_i [p_i]×; 0, R_i]`, Eq. (7). Elsewhere it is
 //! the exact derivative of the product of exact error matrices.
 
-use crate::{GeneralizedErrors, RealPosture};
+use crate::{Aim, GeneralizedErrors, RealPosture};
 use nalgebra::{DMatrix, Vector3};
 use truepose_kinematics::{Chain, FrameId, Site, TargetId};
 
@@ -23,61 +23,62 @@ use truepose_kinematics::{Chain, FrameId, Site, TargetId};
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorJacobian<'a> {
     real: &'a RealPosture,
+    own: Side<'a>,
+    /// The point that it met, where the position is the difference of both.
+    met: Option<Side<'a>>,
+    point: Vector3<f64>,
+}
+
+/// A point of the robot, and what carries it.
+#[derive(Debug, Clone, Copy)]
+struct Side<'a> {
+    tool: FrameId,
     target: Option<TargetId>,
     point: Vector3<f64>,
-    /// Whether each frame carries the tool that is looked at; none where all do.
+    /// Whether each frame carries the tool; none where all do.
     path: Option<&'a [bool]>,
 }
 
 impl<'a> ErrorJacobian<'a> {
-    /// At this real posture, for this target (none: the tool's origin).
+    /// At this real posture, for this target (none: the tool's origin), or for this and the point that it met.
     pub fn new(
         chain: &'a Chain,
         real: &'a RealPosture,
         errors: &GeneralizedErrors,
-        target: Option<TargetId>,
+        aim: impl Into<Aim>,
     ) -> Self {
-        let path = chain.path(real.tool_frame());
-        ErrorJacobian { real, target, point: real.point(chain, errors, target), path }
+        let Aim { target, met } = aim.into();
+        let side = |tool: FrameId, target: Option<TargetId>| {
+            let point = real.point_of(tool, target, chain, errors);
+            Side { tool, target, point, path: chain.path(tool) }
+        };
+        let own = side(real.tool_frame(), target);
+        let met = met.map(|met| met.on(chain)).map(|(tool, target)| side(tool, target));
+        let point = met.as_ref().map_or(own.point, |met| (own.point - met.point) * Aim::CONTRAST);
+        ErrorJacobian { real, own, met, point }
     }
 
-    /// The target's real position in the measurement frame, m.
+    /// The target's real position in the measurement frame, m; of two points that met the difference of [`Aim`].
     pub fn point(&self) -> &Vector3<f64> {
         &self.point
     }
 
-    /// How the target's position moves with a site's error, in the measurement frame: m per m, or m per rad.
+    /// How that position moves with a site's error, in the measurement frame: m per m, or m per rad.
     #[inline]
     pub fn position(&self, site: Site) -> Vector3<f64> {
-        match site {
-            Site::Frame(frame, _) if self.apart(frame) => Vector3::zeros(),
-            Site::Frame(frame, axis) if axis.is_rotation() => {
-                let about: Vector3<f64> = self.real.axes(frame).column(axis.direction()).into();
-                about.cross(&(self.point - self.real.after(frame).translation))
-            }
-            Site::Frame(frame, axis) => self.real.before(frame).rotation.column(axis.direction()).into(),
-            Site::Target(target, axis) if Some(target) == self.target => {
-                self.real.tool().rotation.column(axis.direction()).into()
-            }
-            Site::Target(..) => Vector3::zeros(),
-        }
+        let own = self.own.position(self.real, site);
+        self.met.as_ref().map_or(own, |met| (own - met.position(self.real, site)) * Aim::CONTRAST)
     }
 
     /// How the tool turns with a site's error, in the measurement frame: rad per m, or rad per rad.
     #[inline]
     pub fn rotation(&self, site: Site) -> Vector3<f64> {
         match site {
-            Site::Frame(frame, axis) if axis.is_rotation() && !self.apart(frame) => {
+            Site::Frame(frame, axis) if axis.is_rotation() && !self.own.apart(frame) => {
                 self.real.axes(frame).column(axis.direction()).into()
             }
             _ => Vector3::zeros(),
         }
-    }
-
-    /// Whether a frame stands on another branch than the tool.
-    #[inline]
-    fn apart(&self, frame: FrameId) -> bool {
-        self.path.is_some_and(|path| !path[frame.0])
     }
 
     /// The whole matrix, rows `[x y z rx ry rz]`, one column a site in the order of [`Chain::site_index`].
@@ -92,20 +93,39 @@ impl<'a> ErrorJacobian<'a> {
     }
 }
 
+impl Side<'_> {
+    #[inline]
+    fn position(&self, real: &RealPosture, site: Site) -> Vector3<f64> {
+        match site {
+            Site::Frame(frame, _) if self.apart(frame) => Vector3::zeros(),
+            Site::Frame(frame, axis) if axis.is_rotation() => {
+                let about: Vector3<f64> = real.axes(frame).column(axis.direction()).into();
+                about.cross(&(self.point - real.after(frame).translation))
+            }
+            Site::Frame(frame, axis) => real.before(frame).rotation.column(axis.direction()).into(),
+            Site::Target(target, axis) if Some(target) == self.target => {
+                real.after(self.tool).rotation.column(axis.direction()).into()
+            }
+            Site::Target(..) => Vector3::zeros(),
+        }
+    }
+
+    /// Whether a frame stands on another branch than the tool.
+    #[inline]
+    fn apart(&self, frame: FrameId) -> bool {
+        self.path.is_some_and(|path| !path[frame.0])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::RobotPoint;
     use proptest::prelude::*;
     use truepose_kinematics::{Conditions, PostureBuffer, ToolId, rotation_log, samples};
 
     /// Position and orientation of a target with these errors, through the exact chain.
-    fn real(
-        chain: &Chain,
-        joints: &[f64],
-        values: &[f64],
-        target: Option<TargetId>,
-        tool: ToolId,
-    ) -> RealParts {
+    fn real(chain: &Chain, joints: &[f64], values: &[f64], aim: Aim, tool: ToolId) -> RealParts {
         let conditions = Conditions { tool, ..Conditions::at(chain, joints) };
         let mut buffer = PostureBuffer::new(chain);
         let nominal = buffer.update(chain, &conditions);
@@ -115,20 +135,20 @@ mod tests {
         }
         let mut real = RealPosture::new(chain);
         real.update(&nominal, &errors);
-        RealParts { real, errors, target }
+        RealParts { real, errors, aim }
     }
 
     struct RealParts {
         real: RealPosture,
         errors: GeneralizedErrors,
-        target: Option<TargetId>,
+        aim: Aim,
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(48))]
         #[test]
         fn agrees_with_central_differences(
-            robot in 0usize..8,
+            robot in 0usize..10,
             seed in prop::collection::vec(-1.0..1.0f64, 80),
             size in prop::sample::select(vec![0.0, 1e-3, 0.2]),
         ) {
@@ -136,15 +156,22 @@ mod tests {
             let joints: Vec<f64> = chain.movable().iter().enumerate().map(|(k, _)| 2.0 * seed[k]).collect();
             let values: Vec<f64> = (0..chain.site_count()).map(|k| size * seed[79 - k % 70]).collect();
             let target = if chain.targets().is_empty() { None } else { Some(TargetId(1)) };
-            let tool = ToolId(robot / 7);
-            let at = real(&chain, &joints, &values, target, tool);
-            let jacobian = ErrorJacobian::new(&chain, &at.real, &at.errors, at.target).matrix(&chain);
+            let tool = ToolId(usize::from(robot == 7));
+            let met = match robot {
+                8 => Some(RobotPoint::Tool(ToolId(1))),
+                9 => Some(RobotPoint::Target(TargetId(0))),
+                _ => None,
+            };
+            let (target, tool) = if robot == 9 { (None, ToolId(1)) } else { (target, tool) };
+            let aim = Aim { target, met };
+            let at = real(&chain, &joints, &values, aim, tool);
+            let jacobian = ErrorJacobian::new(&chain, &at.real, &at.errors, at.aim).matrix(&chain);
             for column in 0..chain.site_count() {
                 let moved = |d: f64| {
                     let mut v = values.clone();
                     v[column] += d;
-                    let r = real(&chain, &joints, &v, target, tool);
-                    (r.real.point(&chain, &r.errors, target), r.real.tool().rotation)
+                    let r = real(&chain, &joints, &v, aim, tool);
+                    (r.real.point(&chain, &r.errors, aim), r.real.tool().rotation)
                 };
                 let h = 1e-6;
                 let (plus, minus) = (moved(h), moved(-h));
@@ -162,7 +189,7 @@ mod tests {
     fn is_the_papers_block_at_zero_error() {
         let chain = samples::ur10();
         let joints = [0.3, -1.0, 0.7, 0.2, -0.5, 1.1];
-        let at = real(&chain, &joints, &[], None, ToolId::FIRST);
+        let at = real(&chain, &joints, &[], Aim::default(), ToolId::FIRST);
         let jacobian = ErrorJacobian::new(&chain, &at.real, &at.errors, None).matrix(&chain);
         for frame in chain.frames() {
             let pose = at.real.after(frame);

@@ -6,7 +6,7 @@
 //! | o_i | `after(i).translation` | 3 | m | measurement, behind `E_i` |
 //! | ω_ik | `axes(i)` columns | 3×3 | 1 | measurement: about what a growing rx, ry, rz turns |
 
-use crate::{GeneralizedErrors, error_matrix, rotation_axes};
+use crate::{Aim, GeneralizedErrors, error_matrix, rotation_axes};
 use nalgebra::{Matrix3, Vector3};
 use truepose_kinematics::{Chain, FrameId, Pose, Posture, TargetId};
 
@@ -83,11 +83,29 @@ impl RealPosture {
         self.tool
     }
 
-    /// The real position of a target (none: the tool's origin) in the measurement frame, m.
-    pub fn point(&self, chain: &Chain, errors: &GeneralizedErrors, target: Option<TargetId>) -> Vector3<f64> {
+    /// The real position of a target (none: the tool's origin) in the measurement frame, m; of two points that met the difference of
+    /// [`Aim`].
+    pub fn point(&self, chain: &Chain, errors: &GeneralizedErrors, aim: impl Into<Aim>) -> Vector3<f64> {
+        let Aim { target, met } = aim.into();
+        let own = self.point_of(self.tool, target, chain, errors);
+        met.map_or(own, |met| {
+            let (tool, target) = met.on(chain);
+            (own - self.point_of(tool, target, chain, errors)) * Aim::CONTRAST
+        })
+    }
+
+    /// A target of a tool (none: its origin), m.
+    pub(crate) fn point_of(
+        &self,
+        tool: FrameId,
+        target: Option<TargetId>,
+        chain: &Chain,
+        errors: &GeneralizedErrors,
+    ) -> Vector3<f64> {
+        let tool = self.after(tool);
         match target {
-            None => self.tool().translation,
-            Some(t) => self.tool().apply(&(chain.targets()[t.0].position + errors.target(t))),
+            None => tool.translation,
+            Some(t) => tool.apply(&(chain.targets()[t.0].position + errors.target(t))),
         }
     }
 }

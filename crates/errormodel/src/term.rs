@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn places_of_landmarks_are_read_from_a_model_whose_effects_are_scaled() {
         let chain = samples::ur10();
-        let points = vec![Point { name: "A".into(), tied: None, contact: false }];
+        let points = vec![Point { name: "A".into(), tied: None }];
         let landmarks: Box<dyn AnyEffect> = Box::new(Landmarks { points });
         let moved = |effect: Box<dyn AnyEffect>| {
             let model = ErrorModel::new(chain.clone(), vec![effect]).unwrap();

@@ -3,7 +3,7 @@
 use crate::Residuals;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use truepose_errormodel::{Dataset, Visits};
+use truepose_errormodel::{Aim, Dataset, Visits};
 
 /// Whether a row measured a whole position: what was measured along one direction is no repeat of what was measured along another.
 pub(crate) fn repeatable(residuals: &Residuals, data: &Dataset, row: usize) -> bool {
@@ -27,11 +27,10 @@ pub(crate) fn without_gross(
 ) -> Vec<Vec<usize>> {
     let mut deviations: Vec<Vec<f64>> = Vec::new();
     for group in groups {
-        let mut values: BTreeMap<Option<usize>, Vec<(usize, Vector3<f64>)>> = BTreeMap::new();
+        let mut values: BTreeMap<Aim, Vec<(usize, Vector3<f64>)>> = BTreeMap::new();
         for (at, &visit) in group.iter().enumerate() {
             for &row in visits.rows[visit].iter().filter(|&&row| repeatable(residuals, data, row)) {
-                let target = data.target[row].map(|t| t.0);
-                values.entry(target).or_default().push((at, residuals.position[row]));
+                values.entry(data.aim(row)).or_default().push((at, residuals.position[row]));
             }
         }
         let (mut squares, mut counts) = (vec![0.0; group.len()], vec![0.0; group.len()]);

@@ -158,7 +158,7 @@ fn steps(
     } else {
         None
     };
-    let frames_model = ErrorModel::new(placed.clone(), installation(placed, effects))?;
+    let frames_model = ErrorModel::new(placed.clone(), installation(placed, effects, train))?;
     let frames_fit = fit(&frames_model, train, solver, &options.fit)?;
     begin(Step::Fitting)?;
     let model = ErrorModel::new(placed.clone(), effects.to_vec())?;
@@ -272,9 +272,10 @@ pub fn as_found(
 }
 
 /// Errors of the installation, and of the further ones that sessions have.
-fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>]) -> Vec<Box<dyn AnyEffect>> {
+fn installation(placed: &Chain, effects: &[Box<dyn AnyEffect>], data: &Dataset) -> Vec<Box<dyn AnyEffect>> {
     let own = [Landmarks::FAMILY, Observed::FAMILY];
-    let touched = effects.iter().any(|effect| own.contains(&effect.kind()));
+    let met = (0..data.len()).any(|row| data.meets(row).is_some());
+    let touched = met || effects.iter().any(|effect| own.contains(&effect.kind()));
     let base = effects.iter().any(|effect| {
         let geometric = effect.concrete::<Geometric>();
         geometric

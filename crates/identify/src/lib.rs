@@ -49,8 +49,8 @@ pub use identification::{
     AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
 };
 pub use landmarks::{
-    Contact, Freed, LandmarkFold, SensorFound, Suspect, Touched, landmark_cross_validation, landmark_groups,
-    leverages, suspects, touched,
+    Contact, ContactRows, Freed, LandmarkFold, SensorFound, Suspect, Touched, landmark_cross_validation,
+    landmark_groups, leverages, suspects, touched,
 };
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};

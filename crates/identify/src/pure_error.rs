@@ -31,7 +31,7 @@ use crate::Residuals;
 use crate::gross_repeats::{repeatable, without_gross};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap};
-use truepose_errormodel::{Dataset, Visits, configurations};
+use truepose_errormodel::{Aim, Dataset, Visits, configurations};
 use truepose_kinematics::Load;
 
 /// c²: relative variance of the noise variance between configurations. Of a robot that repeats in joint space the variance at the tool is
@@ -145,7 +145,7 @@ pub fn within_dwell(residuals: &Residuals, data: &Dataset) -> Option<(f64, usize
     for rows in &Visits::of(data).rows {
         let mut of_target: BTreeMap<_, Vec<Vector3<f64>>> = BTreeMap::new();
         for &row in rows.iter().filter(|&&row| repeatable(residuals, data, row)) {
-            of_target.entry(data.target[row]).or_default().push(residuals.position[row]);
+            of_target.entry(data.aim(row)).or_default().push(residuals.position[row]);
         }
         for values in of_target.values() {
             let mean = values.iter().sum::<Vector3<f64>>() / values.len() as f64;
@@ -228,13 +228,13 @@ pub fn near_repeats(data: &Dataset, tolerance: &[f64]) -> Vec<Vec<usize>> {
 
 fn of_group(residuals: &Residuals, data: &Dataset, visits: &Visits, group: &[usize]) -> Vec<Contrast> {
     /// (pose measurements, their mean) of a target so far.
-    type Known = BTreeMap<Option<usize>, (f64, Vector3<f64>)>;
+    type Known = BTreeMap<Aim, (f64, Vector3<f64>)>;
     let mut known = Known::new();
     let mut contrasts = Vec::new();
     for &visit in group {
-        let mut here: BTreeMap<Option<usize>, (f64, Vector3<f64>)> = BTreeMap::new();
+        let mut here = Known::new();
         for &row in visits.rows[visit].iter().filter(|&&row| repeatable(residuals, data, row)) {
-            let own = here.entry(data.target[row].map(|t| t.0)).or_insert((0.0, Vector3::zeros()));
+            let own = here.entry(data.aim(row)).or_insert((0.0, Vector3::zeros()));
             own.0 += 1.0;
             own.1 += residuals.position[row];
         }

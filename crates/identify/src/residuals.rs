@@ -9,7 +9,8 @@ use truepose_errormodel::{Dataset, FittedModel, Visits};
 use truepose_kinematics::{Conditions, rotation_log};
 use truepose_solvers::order::{quantile, sorted};
 
-/// Residuals of each row: measured − predicted, in the measurement frame; of a row that measured one number the part along its direction.
+/// Residuals of each row: measured − predicted, in the measurement frame; of a row that measured one number the part along its direction,
+/// of one in which two points met that of their difference ([`truepose_errormodel::Aim`]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Residuals {
     /// m; NaN for a component that was not measured.
@@ -49,7 +50,7 @@ impl Residuals {
         let mut residuals = Residuals::default();
         for row in 0..data.len() {
             data.conditions_into(row, &mut conditions);
-            let pose = predictor.predict(&conditions, data.target[row]);
+            let pose = predictor.predict(&conditions, data.aim(row));
             residuals.position.push(data.away(row, &pose.translation));
             residuals
                 .orientation

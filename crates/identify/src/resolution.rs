@@ -30,7 +30,7 @@ pub(crate) fn position_step(data: &Dataset) -> f64 {
     let stride = data.len().div_ceil(LOOKED_AT / 3).max(1);
     let numbers: Vec<f64> = (0..data.len())
         .step_by(stride)
-        .filter(|&row| data.ray(row).is_none())
+        .filter(|&row| data.ray(row).is_none() && data.meets(row).is_none())
         .flat_map(|row| data.position[row])
         .filter(|v| v.is_finite() && v.abs() > 0.0)
         .collect();

@@ -6,7 +6,7 @@ mod text;
 pub use nonlinear_parameter::NonlinearParameterSummary;
 
 use crate::largest::{LargestError, largest_errors};
-use crate::{OrientationStatistics, PositionStatistics, advice_text, warning_text};
+use crate::{LandmarksSummary, OrientationStatistics, PositionStatistics, advice_text, warning_text};
 use serde::Serialize;
 use truepose_errormodel::{Dataset, Visits, configurations};
 use truepose_identify::reduction::{Cause, group_words};
@@ -284,10 +284,11 @@ impl IdentificationSummary {
             return self;
         }
         let mut summary = IdentificationSummary { landmarks, ..self };
-        if let Some(first) = summary.stages.first_mut() {
+        let places = summary.landmarks.as_ref().is_some_and(LandmarksSummary::has_places);
+        if let Some(first) = summary.stages.first_mut().filter(|_| places) {
             first.name = "tool and landmarks".into();
         }
-        if summary.held_out_by.is_some() {
+        if places && summary.held_out_by.is_some() {
             summary.held_out_by = Some("each group of landmarks in turn, judged about their own mean".into());
         }
         let verdict = summary.sentence();

@@ -18,6 +18,9 @@ pub struct LandmarksSummary {
     pub contacts: Vec<ContactSummary>,
     /// Spread of the rows of all landmarks about their own mean, each group of landmarks predicted without its rows.
     pub held_out: Option<PositionStatistics>,
+    /// Rows of the data in which they stand.
+    #[serde(default)]
+    pub contact_rows: usize,
     /// Known distances that the fit keeps.
     pub distances: Vec<KnownDistanceSummary>,
     /// Whether some row says how long anything is: a known distance, a measured position.
@@ -86,7 +89,7 @@ impl LandmarksSummary {
         let rows_of = |k: usize| -> Vec<usize> {
             (0..data.len()).filter(|&row| data.landmark(row) == Some(k)).collect()
         };
-        let met: Vec<usize> = found.contacts.iter().flat_map(|contact| contact.rows).collect();
+        let met: Vec<usize> = found.contacts.iter().flat_map(Contact::rows).collect();
         let touched = |k: &usize| rows_of(*k).iter().all(|row| !met.contains(row));
         let points = (0..found.names.len()).filter(touched).map(|k| {
             let rows = rows_of(k);
@@ -99,7 +102,8 @@ impl LandmarksSummary {
                 held_out: held_out.map(|of| of.positions_of(&rows).into()),
             }
         });
-        let all: Vec<usize> = (0..data.len()).filter(|&row| data.landmark(row).is_some()).collect();
+        let own = |row: &usize| data.landmark(*row).is_some() && !met.contains(row);
+        let all: Vec<usize> = (0..data.len()).filter(own).collect();
         let place = |k: usize| {
             let mut of = folds.iter().flat_map(|fold| fold.landmarks.iter().zip(&fold.positions));
             of.find(|(landmark, _)| **landmark == k).map(|(_, at)| *at)
@@ -121,7 +125,8 @@ impl LandmarksSummary {
         LandmarksSummary {
             points: points.collect(),
             contacts: contacts(&found.contacts, residuals, held_out),
-            held_out: held_out.map(|of| of.positions_of(&all).into()),
+            contact_rows: met.len(),
+            held_out: held_out.filter(|_| !all.is_empty()).map(|of| of.positions_of(&all).into()),
             distances,
             scale_known: found.has_scale,
             distance_rms_mm,
@@ -130,19 +135,36 @@ impl LandmarksSummary {
         }
     }
 
-    /// Spread before and after, in one sentence: RMS of each stage, mm, with its name.
-    pub(crate) fn verdict(&self, stages: &[(f64, &str)]) -> String {
-        let rows = match self.held_out {
-            Some(_) => "each group of landmarks predicted without its rows",
-            None => "on the rows of the fit (no rows were held out)",
+    /// Whether the fit has unknown places: landmarks, or those of contacts between which it holds a distance.
+    pub(crate) fn has_places(&self) -> bool {
+        let contacts: usize = self.contacts.iter().map(|contact| contact.rows).sum();
+        !self.points.is_empty() || self.contact_rows > contacts
+    }
+
+    /// Spread before and after, in one sentence: RMS of each stage over so many rows, mm, with its name. None where neither landmarks nor contacts
+    /// alone were measured.
+    pub(crate) fn verdict(&self, stages: &[(f64, &str)], rows: usize) -> Option<String> {
+        let contacts: usize = self.contacts.iter().map(|contact| contact.rows).sum();
+        // Whether it stands as one row or as two, the squares of a contact add up to half of that of its gap.
+        let (what, factor, held_out, left_out) = match self.points.is_empty() {
+            true if self.contact_rows < rows => return None,
+            true => (
+                "Gap between points that meet",
+                (2.0 * rows as f64 / contacts.max(1) as f64).sqrt(),
+                self.contacts.iter().any(|contact| contact.held_out.is_some()),
+                "each predicted without its row",
+            ),
+            false => (
+                "Spread at the landmarks",
+                1.0,
+                self.held_out.is_some(),
+                "each group of landmarks predicted without its rows",
+            ),
         };
-        let each = |(rms, name): &(f64, &str)| format!("{} mm ({name})", significant(*rms, 3));
+        let on = if held_out { left_out } else { "on the rows of the fit (no rows were held out)" };
+        let each = |(rms, name): &(f64, &str)| format!("{} mm ({name})", significant(rms * factor, 3));
         let stages: Vec<String> = stages.iter().map(each).collect();
-        let what = match self.points.is_empty() {
-            true => "Half of the gap between points that meet",
-            false => "Spread at the landmarks",
-        };
-        format!("{what} (3-D RMS), {rows}: {}.", stages.join(" → "))
+        Some(format!("{what} (3-D RMS), {on}: {}.", stages.join(" → ")))
     }
 
     /// The landmarks of a group whose spread is out of line with the others: its rows, or its socket, are bad.
@@ -158,19 +180,20 @@ impl LandmarksSummary {
     pub fn sentences(&self) -> String {
         let mut text = match &self.held_out {
             Some(spread) => format!(
-                "{} mm RMS (3-D) at landmarks that are left out of the fit in turn is precision at these places, not accuracy in the workspace.{}",
+                "{} mm RMS (3-D) at landmarks that are left out of the fit in turn is precision at these places, not accuracy in the workspace.",
                 significant(spread.rms_mm, 3),
-                if self.contacts.is_empty() {
-                    ""
-                } else {
-                    " Of points that meet each counts with half of the gap."
-                }
             ),
+            None if self.points.is_empty() => String::new(),
             None => {
                 "All landmarks are of one group: nothing could be left out, and no figure here is held out."
                     .into()
             }
         };
+        if !self.contacts.is_empty() {
+            let space = if text.is_empty() { "" } else { " " };
+            text += space;
+            text += "The gap between points that meet is how well these find each other, not accuracy in the workspace. Among position errors a contact counts with its gap over √2, which has the noise of the position of one point.";
+        }
         let strange = self.strange();
         if !strange.is_empty() {
             let names: Vec<&str> = strange.iter().map(|point| point.name.as_str()).collect();
@@ -265,9 +288,7 @@ fn contacts(all: &[Contact], residuals: &Residuals, held_out: Option<&Residuals>
     let summary = |between: &&[String; 2]| {
         let own: Vec<&Contact> = all.iter().filter(|contact| contact.between == **between).collect();
         let gaps = |of: &Residuals| -> PositionStatistics {
-            // Each side has its part of the gap.
-            let gap = |contact: &&Contact| of.position[contact.rows[1]] - of.position[contact.rows[0]];
-            let position: Vec<Vector3<f64>> = own.iter().map(gap).collect();
+            let position: Vec<Vector3<f64>> = own.iter().map(|contact| contact.gap(of)).collect();
             Residuals { orientation: vec![None; position.len()], position }.positions().into()
         };
         let (train, held_out) = (gaps(residuals), held_out.map(gaps));

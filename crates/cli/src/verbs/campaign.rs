@@ -10,8 +10,9 @@ use truepose_errormodel::{
     AnyEffect, Dataset, FittedModel, Installed, Landmark, RobotPoint, SessionRules, Surroundings,
 };
 use truepose_identify::{
-    Fit, FitOptions, Identification, LandmarkFold, Residuals, SensorFound, Suspect, Touched,
-    landmark_cross_validation, landmark_groups, leverages, suspects, touched, unify,
+    CrossValidation, Fit, FitOptions, Folds, Identification, LandmarkFold, Method, Residuals, SensorFound,
+    Split, Suspect, Touched, cross_validate, landmark_cross_validation, landmark_groups, leverages, suspects,
+    touched, unify,
 };
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
 use truepose_kinematics::{Chain, TargetId, ToolId};
@@ -129,8 +130,12 @@ impl Campaign {
     ) -> Result<(), Failure> {
         summary.sessions = self.sessions(&found.fit.fitted, None)?;
         let mut left_out = None;
-        if let Some(groups) = landmark_groups(&self.effects) {
-            let judged = landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?;
+        let groups = landmark_groups(&self.effects);
+        if groups.is_some() || self.touched.as_ref().is_some_and(|found| !found.contacts.is_empty()) {
+            let judged = match groups {
+                Some(groups) => landmark_cross_validation(&found.fit, &found.data, &groups, of_fit)?,
+                None => contacts_left_out(found, of_fit.0)?.map(|of| (of, Vec::new())),
+            };
             let (held_out, folds) =
                 judged.map_or((None, Vec::new()), |(of, folds)| (Some(of.residuals), folds));
             summary.landmarks = self.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
@@ -196,7 +201,9 @@ impl Campaign {
         held_out: Option<&Residuals>,
         folds: &[LandmarkFold],
     ) -> Result<Option<LandmarksSummary>, Failure> {
-        let Some(found) = self.touched.as_ref().filter(|found| !found.names.is_empty()) else {
+        let Some(found) =
+            self.touched.as_ref().filter(|found| !found.names.is_empty() || !found.contacts.is_empty())
+        else {
             return Ok(None);
         };
         let residuals = Residuals::of(fitted, &self.data)?;
@@ -221,6 +228,16 @@ impl Campaign {
         let unknowns = (moved.as_slice(), uncertain.as_slice());
         Ok(Some(KindsSummary::new(found, unknowns, &self.data, (before, &residuals, held_out), &shares)))
     }
+}
+
+/// Contacts, which are rows like any other, in folds; none of too few.
+fn contacts_left_out(found: &Diagnosis, solver: &dyn Solver) -> Result<Option<CrossValidation>, Failure> {
+    /// As in an identification.
+    const FOLDS: usize = 10;
+    let Ok(folds) = Folds::new(&found.data, &Split::Random { folds: FOLDS, seed: 0 }) else {
+        return Ok(None);
+    };
+    Ok(Some(cross_validate(&found.fit, &found.data, &folds, solver, Method::Auto)?))
 }
 
 /// What the robot file says of the landmarks of a table; where it names none, all of them are unknown. The rows count as it does.

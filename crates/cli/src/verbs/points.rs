@@ -23,7 +23,7 @@ pub(super) fn one_point(chain: &Chain, data: &Dataset, info: &CsvInfo, file: &Pa
     let of_visit = configurations(data);
     let mut groups: std::collections::BTreeMap<_, Vec<usize>> = std::collections::BTreeMap::new();
     // What was measured along one direction is no position.
-    let whole = |row: &usize| data.position[*row].iter().all(|v| v.is_finite()) && data.ray(*row).is_none();
+    let whole = |row: &usize| data.whole_position(*row);
     for row in (0..data.len()).filter(whole) {
         let point = (data.target[row].map(|target| target.0), data.tool(row));
         let at = (of_visit[data.visit[row]], point, data.session(row));

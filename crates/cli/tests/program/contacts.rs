@@ -81,7 +81,11 @@ fn two_arms_that_meet_are_calibrated_against_each_other() {
     folder.write("data.csv", &table((0..40).map(|k| if k % 4 == 3 { 120.0 } else { 0.0 })));
     let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"];
     let text = folder.run(&words).ended(0);
-    assert!(text.out.contains("Half of the gap between points that meet"), "{}", text.out);
+    assert!(
+        text.out.contains("Gap between points that meet (3-D RMS), each predicted without its row"),
+        "{}",
+        text.out
+    );
     assert!(text.out.contains("left – right"), "{}", text.out);
     assert!(text.log.contains("where l1 and r1 stand to each other is taken as described"), "{}", text.log);
     assert!(!text.log.contains("scale is not determined"), "{}", text.log);

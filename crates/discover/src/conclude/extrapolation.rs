@@ -98,9 +98,9 @@ fn judged(
         parted.predicted.iter().zip(&parted.left_out).map(|(predicted, out)| !predicted && !out).collect();
     let mut of_target = BTreeMap::<_, BTreeSet<usize>>::new();
     for row in (0..data.len()).filter(|&row| kept[data.visit[row]]) {
-        of_target.entry(data.target[row]).or_default().insert(data.visit[row]);
+        of_target.entry(data.aim(row)).or_default().insert(data.visit[row]);
     }
-    let known = |row: usize| of_target.get(&data.target[row]).is_some_and(|visits| visits.len() >= OF_TARGET);
+    let known = |row: usize| of_target.get(&data.aim(row)).is_some_and(|visits| visits.len() >= OF_TARGET);
     let configuration = configurations(data);
     let part: Vec<usize> =
         (0..data.len()).filter(|&row| parted.predicted[data.visit[row]] && known(row)).collect();

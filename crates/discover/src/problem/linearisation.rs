@@ -22,7 +22,7 @@ use crate::problem::noise::{Levers, Noise};
 use crate::problem::normal::Normal;
 use crate::problem::observation::{Observation, typical_sd};
 use crate::problem::whitening::Whitener;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -120,7 +120,7 @@ impl<'a> Linearisation<'a> {
                     });
                 }
                 let (real, errors) = (rest.real(), rest.errors());
-                let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
+                let jacobian = ErrorJacobian::new(chain, real, errors, data.aim(row));
                 let matrix = jacobian.matrix(chain);
                 let difference = data.measured_position(row) - jacobian.point();
                 let ray = data.ray(row);
@@ -332,10 +332,12 @@ impl<'a> Linearisation<'a> {
             };
             let mut at = station.observations.start;
             for row in self.observations[station.observations.clone()].chunk_by(|a, b| a.row == b.row) {
-                let target = self.data.target[row[0].row];
-                let before = predictor.predict(&station.conditions, target);
-                let after = predictor.predict(&changed, target);
+                let aim = self.data.aim(row[0].row);
+                let before = predictor.predict(&station.conditions, aim);
+                let after = predictor.predict(&changed, aim);
                 let moved = (after.translation - before.translation) / STEP;
+                let moved =
+                    self.data.ray(row[0].row).map_or(moved, |w| Vector3::new(w.dot(&moved), 0.0, 0.0));
                 let turned = rotation_log(&(after.rotation * before.rotation.transpose())) / STEP;
                 for o in row {
                     column[(at, 0)] =

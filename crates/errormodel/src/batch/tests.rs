@@ -4,7 +4,7 @@ use crate::effects::{
     Observed, OwnWeight, Place, Polynomial, Section, Sensor, Transmission, Unknown, WrenchComponent,
 };
 use crate::lanes::LANES;
-use crate::{AnyEffect, Dataset, Equilibrium, ErrorJacobian, ErrorModel, Ray, Schema};
+use crate::{AnyEffect, Dataset, Equilibrium, ErrorJacobian, ErrorModel, Ray, RobotPoint, Schema};
 use nalgebra::Vector3;
 use truepose_kinematics::lanes::levels;
 use truepose_kinematics::pulp::Arch;
@@ -68,7 +68,7 @@ fn check(model: &ErrorModel, data: &Dataset, coefficients: &[f64], arch: Arch) {
     for row in rows {
         let conditions = data.conditions(row);
         rest.settle(&bound, &conditions, coefficients);
-        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.target[row]);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.aim(row));
         let mut want = vec![[0.0; 6]; model.columns().len() + 1];
         for entry in rest.emission().entries() {
             let (p, r) = (jacobian.position(entry.site), jacobian.rotation(entry.site));
@@ -161,7 +161,7 @@ fn rows_along_a_direction_agree_with_single_rows() {
             row.is_multiple_of(3).then(|| Ray {
                 direction: Vector3::new(turn.cos(), turn.sin(), 0.3) * 0.7,
                 position: Vector3::new(0.4, 0.01 * turn, 0.2),
-                sensor: row % 2,
+                sensor: Some(row % 2),
                 own: vec![0.3 + turn, -1.0],
             })
         };
@@ -182,6 +182,40 @@ fn rows_along_a_direction_agree_with_single_rows() {
             vec![Box::new(Geometric::default()), Box::new(JointCompliance::default()), Box::new(observed)];
         let model = ErrorModel::new(chain.clone(), effects).unwrap();
         for size in [0.0, 0.1] {
+            let coefficients: Vec<f64> = model.columns().iter().map(|column| size * column.scale).collect();
+            levels().into_iter().for_each(|arch| check(&model, &data, &coefficients, arch));
+        }
+    }
+}
+
+/// Rows of two points that met beside rows of one: either arm first, with and without a direction, targets and origins of tools.
+#[test]
+fn rows_of_two_points_agree_with_single_rows() {
+    let chain = samples::dual();
+    let left = |row: usize| chain.targets().iter().position(|t| t.tool == ToolId(row % 2)).map(TargetId);
+    let mut data = data(&chain, 24);
+    let tools: Vec<ToolId> = (0..data.len()).map(|row| ToolId((row + 1) % 2)).collect();
+    let mut met = vec![None; data.len()];
+    let mut rays = vec![None; data.len()];
+    for row in (0..data.len()).filter(|row| row % 5 != 0) {
+        data.orientation[row] = None;
+        data.target[row] = left(row + 1).filter(|_| row % 2 == 0);
+        met[row] = match left(row).filter(|_| row % 3 != 0) {
+            Some(target) => Some(RobotPoint::Target(target)),
+            None => Some(RobotPoint::Tool(ToolId(row % 2))),
+        };
+        rays[row] = (row % 4 == 0).then(|| Ray {
+            direction: Vector3::new(0.6, -0.3, 0.2 + 0.01 * row as f64),
+            position: Vector3::new(0.1, 0.2, -0.1),
+            sensor: None,
+            own: Vec::new(),
+        });
+    }
+    data.set_tools(&chain, &tools);
+    data.set_rays(Some(&rays));
+    data.set_meets(Some(&met));
+    for model in models(&chain) {
+        for size in [0.0, 0.03] {
             let coefficients: Vec<f64> = model.columns().iter().map(|column| size * column.scale).collect();
             levels().into_iter().for_each(|arch| check(&model, &data, &coefficients, arch));
         }

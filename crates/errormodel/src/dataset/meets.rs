@@ -3,19 +3,11 @@
 //! Which point the target of a row met is a channel, [`MEETS`]: 0 where it met none, 2 t + 1 for target t, 2 k + 2 for the origin of tool k.
 
 use super::table::Dataset;
+use crate::aim::{Aim, RobotPoint};
 use truepose_kinematics::{TargetId, ToolId};
 
 /// The channel of the point that was met. No file can have a column of this name, and no cause is looked for in it.
 pub const MEETS: &str = "meets~";
-
-/// A point of the robot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RobotPoint {
-    /// A target.
-    Target(TargetId),
-    /// The origin of a tool.
-    Tool(ToolId),
-}
 
 impl Dataset {
     /// The point that the target of a row met; none where it met none.
@@ -26,6 +18,22 @@ impl Dataset {
             0 => RobotPoint::Target(TargetId(number / 2)),
             _ => RobotPoint::Tool(ToolId(number / 2)),
         })
+    }
+
+    /// Whether points met in some row.
+    pub(crate) fn any_met(&self) -> bool {
+        self.schema.channel(MEETS).is_some()
+    }
+
+    /// What the position of a row is of.
+    #[inline]
+    pub fn aim(&self, row: usize) -> Aim {
+        Aim { target: self.target[row], met: self.meets(row) }
+    }
+
+    /// Whether a row measured all of the position of one point.
+    pub fn whole_position(&self, row: usize) -> bool {
+        self.seen(row).position == [true; 3] && self.meets(row).is_none()
     }
 
     /// With these points, one a row; none where nothing met anything.

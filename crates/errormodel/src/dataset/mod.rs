@@ -34,7 +34,7 @@ pub use history::{History, follow, history_channel, history_of};
 pub use landmark::LANDMARK;
 pub use late::late_channel;
 pub use measurement::Measurement;
-pub use meets::{MEETS, RobotPoint};
+pub use meets::MEETS;
 pub use presliding::{presliding, presliding_channel, presliding_of};
 pub(crate) use ray::of_observation;
 pub use ray::{KIND, POINT, RAY, Ray, SENSOR, VALUE, own_channel};

@@ -51,8 +51,8 @@ pub struct Ray {
     pub direction: Vector3<f64>,
     /// P, m.
     pub position: Vector3<f64>,
-    /// Number of the sensor from zero.
-    pub sensor: usize,
+    /// Number of the sensor from zero; none where nothing but the robot is unknown.
+    pub sensor: Option<usize>,
     /// For each unknown of the sensor: by how much a unit of it moves P against the target, in units of w.
     pub own: Vec<f64>,
 }
@@ -145,7 +145,7 @@ impl Dataset {
         for (k, name) in RAY.into_iter().enumerate() {
             self.set_numbers(name, column(&|ray| ray.direction[k]));
         }
-        self.set_numbers(SENSOR, column(&|ray| (ray.sensor + 1) as f64));
+        self.set_numbers(SENSOR, column(&|ray| ray.sensor.map_or(0.0, |k| (k + 1) as f64)));
         for k in 0..widest.max(unknowns) {
             let values = column(&|ray| ray.own.get(k).copied().unwrap_or(0.0));
             self.set_numbers(&own_channel(k), values.filter(|_| k < widest));
@@ -182,7 +182,7 @@ mod tests {
         let ray = Ray {
             direction: Vector3::new(0.0, 0.0, 2.0),
             position: Vector3::new(0.1, 0.2, 0.4),
-            sensor: 1,
+            sensor: Some(1),
             own: vec![0.5, -1.0],
         };
         data.set_rays(Some(&[None, Some(ray), None]));

@@ -32,9 +32,6 @@ pub struct Point {
     /// Where it is relative to an earlier one, where the distance is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tied: Option<Tied>,
-    /// Whether it is where two points of the robot met, once.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub contact: bool,
 }
 
 /// At a known distance from an earlier landmark, or at that of the nominal robot.
@@ -202,7 +199,7 @@ mod tests {
     use truepose_kinematics::{Conditions, samples};
 
     fn three() -> Landmarks {
-        let point = |name: &str, tied: Option<Tied>| Point { name: name.into(), tied, contact: false };
+        let point = |name: &str, tied: Option<Tied>| Point { name: name.into(), tied };
         let along = Vector3::new(0.6, 0.0, 0.8);
         let tied = Tied { to: 0, direction: along.into(), distance: 0.05, held: false };
         Landmarks { points: vec![point("A", None), point("B", Some(tied)), point("C", None)] }

@@ -99,7 +99,7 @@ impl<'m> Coverage<'m> {
 
     /// The prediction under these conditions, and what of them lies beyond the data of the fit.
     pub fn judge(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Judged {
-        let Predicted { pose, covariance, open, .. } = self.predictor.judged(conditions, target);
+        let Predicted { pose, covariance, open, .. } = self.predictor.judged(conditions, target.into());
         let mut beyond = self.out_of_range(conditions);
         if let Some(widest) = self.widest
             && open > widest * (1.0 + 1e-9)
@@ -165,7 +165,7 @@ fn widest(fitted: &FittedModel) -> Result<Option<f64>, ModelError> {
     let mut widest: f64 = 0.0;
     for row in (0..rows.len()).filter(|&row| rows.seen(row).position.contains(&true)) {
         rows.conditions_into(row, &mut conditions);
-        let variance = predictor.judged(&conditions, rows.target[row]).open;
+        let variance = predictor.judged(&conditions, rows.target[row].into()).open;
         let leverage = if noise > 0.0 { (variance / noise).min(MOST_LEVERAGE) } else { 0.0 };
         widest = widest.max(variance / (1.0 - leverage));
     }

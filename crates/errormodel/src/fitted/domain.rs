@@ -1,7 +1,7 @@
 //! The inputs on which a model was fitted: beyond them it extrapolates.
 
 use super::sample::Sample;
-use crate::Dataset;
+use crate::{Dataset, RobotPoint};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Conditions, Load, TargetId};
 
@@ -69,7 +69,8 @@ impl Domain {
             targets: sorted(
                 (0..data.len())
                     .filter(|&row| data.seen(row).position.contains(&true))
-                    .map(|row| data.target[row])
+                    .flat_map(|row| [Some(data.target[row]), data.meets(row).map(RobotPoint::target)])
+                    .flatten()
                     .collect(),
             ),
             sample: Sample::of(data),

@@ -1,5 +1,6 @@
 //! A fit without the landmarks that it was made with: the robot alone.
 
+use super::both_sides::both_sides;
 use super::domain::Domain;
 use super::model::{Fallback, FittedModel};
 use super::sample::Sample;
@@ -36,7 +37,7 @@ impl FittedModel {
     }
 
     /// The robot alone: landmarks and sensors are no part of it, and no channel is read for them. The covariance of what stays is the marginal
-    /// one; rows of the sample stand where their landmark is.
+    /// one; rows of the sample stand where their landmark is, those of a contact where the robot has its points.
     ///
     /// # Errors
     /// When the remaining effects do not fit the robot, which cannot be where they did.
@@ -48,6 +49,7 @@ impl FittedModel {
         let hidden = |name: &str| name == LANDMARK || of_observation(name);
         if !model.effects().iter().any(|effect| own.contains(&effect.kind()))
             && !self.channels.iter().any(|channel| hidden(&channel.name))
+            && !self.domain.sample.rows().any_met()
         {
             return Ok(self.clone());
         }
@@ -65,7 +67,7 @@ impl FittedModel {
                 alone.domain.channels.remove(k);
             }
         }
-        let mut rows = self.domain.sample.rows().clone();
+        let mut rows = both_sides(&alone, self.domain.sample.rows())?;
         if let Some(displaced) = self.landmarks_displaced() {
             for row in 0..rows.len() {
                 if let Some(by) = rows.landmark(row).and_then(|k| displaced.get(k)) {

@@ -1,5 +1,6 @@
 //! Fitted models: evaluation, the data of the fit, and whether a prediction lies within it.
 
+mod both_sides;
 mod coverage;
 mod domain;
 mod fallback;

@@ -8,7 +8,7 @@ use super::spread::position_covariance;
 use crate::effects::Instrument;
 use crate::noise::NoiseModel;
 use crate::{
-    BoundModel, Channel, Effect, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError,
+    Aim, BoundModel, Channel, Effect, Equilibrium, ErrorJacobian, ErrorModel, GeneralizedErrors, ModelError,
     Schema,
 };
 use nalgebra::{DMatrix, Matrix3, Matrix6};
@@ -283,26 +283,27 @@ pub struct Predictor<'m> {
 
 impl Predictor<'_> {
     /// The real robot under these conditions: orientation of the tool, position of the target (none: of the tool's
-    /// origin), in the measurement frame. Beyond the data of the fit it falls back to the declared model, where the fit has one.
-    pub fn predict(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Pose {
+    /// origin), in the measurement frame; of two points that met the difference of [`Aim`]. Beyond the data of the fit it falls back to the declared model, where the fit has one.
+    pub fn predict(&mut self, conditions: &Conditions, aim: impl Into<Aim>) -> Pose {
+        let aim = aim.into();
         if self.fitted.fallback.is_some() {
-            return self.judged(conditions, target).pose;
+            return self.judged(conditions, aim).pose;
         }
         self.settle(conditions);
-        self.found(target)
+        self.found(aim)
     }
 
     /// With every finding, at the last conditions.
-    fn found(&self, target: Option<TargetId>) -> Pose {
+    fn found(&self, aim: Aim) -> Pose {
         let real = self.rest.real();
-        let point = real.point(self.fitted.chain(), self.rest.errors(), target);
+        let point = real.point(self.fitted.chain(), self.rest.errors(), aim);
         Pose::new(real.tool().rotation, point)
     }
 
     /// The prediction with its covariance, and what the coefficients leave open of it with every finding.
-    pub(super) fn judged(&mut self, conditions: &Conditions, target: Option<TargetId>) -> Predicted {
-        self.differentiate(conditions, target);
-        let found = self.found(target);
+    pub(super) fn judged(&mut self, conditions: &Conditions, aim: Aim) -> Predicted {
+        self.differentiate(conditions, aim);
+        let found = self.found(aim);
         let covariance = position_covariance(&self.rows, &self.fitted.covariance);
         let open = covariance.trace();
         let weight = self.fitted.fallback.as_ref().map_or(1.0, |fallback| fallback.weight(open));
@@ -312,7 +313,7 @@ impl Predictor<'_> {
         if weight >= 1.0 {
             return Predicted { pose: found, covariance, open, weight };
         }
-        let pose = between(&declared.predict(conditions, target), &found, weight);
+        let pose = between(&declared.predict(conditions, aim), &found, weight);
         let missed = (1.0 - weight).powi(2) * fallback.size / 3.0;
         let covariance = covariance * (weight * weight) + Matrix3::identity() * missed;
         Predicted { pose, covariance, open, weight }
@@ -320,7 +321,7 @@ impl Predictor<'_> {
 
     /// The share of the findings in the prediction under these conditions: one within the data of the fit.
     pub fn share_of_findings(&mut self, conditions: &Conditions, target: Option<TargetId>) -> f64 {
-        if self.fitted.fallback.is_some() { self.judged(conditions, target).weight } else { 1.0 }
+        if self.fitted.fallback.is_some() { self.judged(conditions, target.into()).weight } else { 1.0 }
     }
 
     /// The same pose as the nominal robot has it.
@@ -335,15 +336,15 @@ impl Predictor<'_> {
     /// How the prediction with every finding moves with each coefficient: `J_e Φ`, rows `[x y z rx ry rz]`, m or rad (measurement frame) per unit
     /// of the coefficient; 6 × p.
     pub fn sensitivity(&mut self, conditions: &Conditions, target: Option<TargetId>) -> DMatrix<f64> {
-        self.differentiate(conditions, target);
+        self.differentiate(conditions, target.into());
         self.rows.clone()
     }
 
     /// Fills `rows`, without allocating.
-    fn differentiate(&mut self, conditions: &Conditions, target: Option<TargetId>) {
+    fn differentiate(&mut self, conditions: &Conditions, aim: Aim) {
         self.settle(conditions);
         let (chain, rest) = (self.fitted.chain(), &self.rest);
-        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), target);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), aim);
         let rows = &mut self.rows;
         rows.fill(0.0);
         for entry in rest.emission().entries() {
@@ -366,12 +367,8 @@ impl Predictor<'_> {
 
     /// [`Predictor::predict`], and the covariance of its position (m²) that comes from the coefficients, and from the findings that it lacks
     /// where it falls back.
-    pub fn with_covariance(
-        &mut self,
-        conditions: &Conditions,
-        target: Option<TargetId>,
-    ) -> (Pose, Matrix3<f64>) {
-        let Predicted { pose, covariance, .. } = self.judged(conditions, target);
+    pub fn with_covariance(&mut self, conditions: &Conditions, aim: impl Into<Aim>) -> (Pose, Matrix3<f64>) {
+        let Predicted { pose, covariance, .. } = self.judged(conditions, aim.into());
         (pose, covariance)
     }
 

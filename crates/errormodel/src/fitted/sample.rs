@@ -4,7 +4,7 @@
 //! other, the order of the rows plays no part, and the sample of a whole is the sample of its parts' samples (bottom-k sampling, Cohen
 //! and Kaplan 2007).
 
-use crate::{BoundModel, Dataset, ErrorModel, Schema, Signal};
+use crate::{BoundModel, Dataset, ErrorModel, MEETS, Schema, Signal};
 use std::collections::HashSet;
 use std::sync::Arc;
 use truepose_kinematics::Load;
@@ -53,13 +53,14 @@ impl Sample {
         self.of
     }
 
-    /// Without the channels that a model does not read.
+    /// Without the channels that a model does not read; which points met stays known.
     pub fn for_model(mut self, model: &ErrorModel) -> Self {
         let read: HashSet<String> = model
             .effects()
             .iter()
             .flat_map(|effect| effect.needs())
             .filter_map(|need| if let Signal::Channel(name) = need { Some(name) } else { None })
+            .chain([MEETS.to_owned()])
             .collect();
         if self.rows.schema.channels.iter().all(|channel| read.contains(&channel.name)) {
             return self;

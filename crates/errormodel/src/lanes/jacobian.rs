@@ -11,6 +11,7 @@ use truepose_kinematics::{Chain, Site, three};
 impl Store {
     /// The targets' real positions and the levers of the frames that are asked for.
     pub fn reach(&mut self, chain: &Chain, errors: &LaneErrors, frames: &[bool], lanes: usize) {
+        self.rejoin();
         if errors.of_targets() {
             for direction in 0..3 {
                 let row = self.aimed() + direction;
@@ -29,20 +30,21 @@ impl Store {
         self.arch.dispatch(Reach { store: self, frames, lanes });
         if self.branches() {
             self.part(chain);
+            self.part_from_met(chain, errors, frames);
         }
     }
 
     /// The tool's axes where a target is measured, zero where it is not.
     pub fn carry(&mut self, target: usize) {
-        let (from, to) = (self.tool().0, self.carried(target));
-        for k in 0..9 {
-            for lane in 0..self.target.len() {
-                let here = self.target[lane].is_some_and(|t| t.0 == target);
-                let value = if here { self.numbers[(from + k) * LANES + lane] } else { 0.0 };
-                self.numbers[(to + k) * LANES + lane] = value;
+        let to = self.carried(target);
+        for lane in 0..self.target.len() {
+            let axes = self.carried_in(target, lane);
+            for (k, value) in axes.iter().enumerate() {
+                self.numbers[(to + k) * LANES + lane] = *value;
             }
-            self.numbers[(to + k) * LANES..][self.target.len()..LANES].fill(0.0);
         }
+        let lanes = self.target.len();
+        (0..9).for_each(|k| self.row_mut(to + k)[lanes..].fill(0.0));
     }
 
     /// The row of a site's component (0…2 position, 3…5 rotation); none where it is zero by its nature.

@@ -2,6 +2,7 @@
 //!
 //! [`crate::batch`] evaluates a model in such a block; an effect that supports it emits into one ([`crate::Effect::eval_lanes`]).
 
+mod contact;
 mod emission;
 mod errors;
 mod jacobian;

@@ -8,7 +8,7 @@
 //! | `place(i, c)` | of the origin behind `E_i`, m | measurement |
 //! | `point(c)` | of the target, m | measurement |
 //! | `lever(i, k, c)` | of ω_ik × (p − o_i), m per rad | measurement |
-//! | `carried(t, k, c)` | of column k of the tool's rotation, where target t is measured | measurement |
+//! | `carried(t, k, c)` | of column k of the tool's rotation, where target t is measured; of what `contact` makes of it | measurement |
 //! | `wrench(i, c)`, `load(j)` | what frame i carries, what joint j feels | measurement; the joint's axis |
 
 use super::standing::Standing;
@@ -31,6 +31,10 @@ pub(crate) struct Store {
     /// Whether the robot branches, and the tool of each lane then.
     branches: bool,
     tool: Vec<ToolId>,
+    /// Where some row of the block is of two points that met: of each lane the tool and the target of the other one.
+    pub(super) met: Vec<Option<(FrameId, Option<TargetId>)>>,
+    /// Of lanes in which points met, what stood in `before` of each frame, lane after lane; empty where it stands there.
+    pub(super) parted: Vec<f64>,
     /// The processor's registers.
     pub arch: Arch,
 }
@@ -46,9 +50,11 @@ impl Store {
             target: Vec::with_capacity(LANES),
             branches: !chain.is_serial(),
             tool: Vec::new(),
+            met: Vec::new(),
+            parted: Vec::new(),
             arch: Arch::new(),
         };
-        store.numbers = vec![0.0; (store.hand() + 12) * LANES];
+        store.numbers = vec![0.0; (store.hand() + 21) * LANES];
         store
     }
 
@@ -122,6 +128,16 @@ impl Store {
         self.angle(self.frames, 0)
     }
 
+    /// Axes (nine) of the tool that carries the point that was met.
+    pub(super) fn met_axes(&self) -> usize {
+        self.hand() + 12
+    }
+
+    /// The tool of a lane.
+    pub(super) fn own_tool(&self, lane: usize) -> ToolId {
+        self.tool.get(lane).copied().unwrap_or_default()
+    }
+
     /// Rows of the axes of the tool that is looked at, and of its origin.
     #[inline(always)]
     pub fn tool(&self) -> (usize, usize) {
@@ -135,7 +151,7 @@ impl Store {
     pub fn take_tools(&mut self, chain: &Chain) {
         let hand = self.hand();
         for lane in 0..LANES {
-            let frame = chain.frame_of_tool(self.tool.get(lane).copied().unwrap_or_default()).0;
+            let frame = chain.frame_of_tool(self.own_tool(lane)).0;
             let (axes, place) = (self.behind(frame), self.place(frame));
             for k in 0..12 {
                 let from = if k < 9 { axes + k } else { place + k - 9 };
@@ -146,7 +162,8 @@ impl Store {
 
     /// Takes from each lane the levers of frames that do not carry its tool. Nothing but levers may be asked for after that.
     pub fn part(&mut self, chain: &Chain) {
-        for (lane, tool) in self.tool.iter().enumerate() {
+        let met = |lane: &usize| self.met.get(*lane).is_some_and(Option::is_some);
+        for (lane, tool) in self.tool.iter().enumerate().filter(|(lane, _)| !met(lane)) {
             for frame in (0..self.frames).filter(|frame| !chain.carries(FrameId(*frame), *tool)) {
                 for first in [self.before(frame), self.axes(frame), self.lever(frame)] {
                     (0..9).for_each(|k| self.numbers[(first + k) * LANES + lane] = 0.0);
@@ -222,6 +239,10 @@ impl Store {
         if self.branches {
             self.tool.clear();
             self.tool.extend(rows.iter().map(|&row| data.tool(row)));
+        }
+        self.met.clear();
+        if self.branches && data.any_met() {
+            self.met.extend(rows.iter().map(|&row| Some(data.meets(row)?.on(chain))));
         }
         for direction in 0..3 {
             let at = (self.aimed() + direction) * LANES;

@@ -16,6 +16,7 @@ impl Store {
 
     /// Frames with these errors, of the first lanes.
     pub fn walk(&mut self, chain: &Chain, joints: &[f64], errors: &LaneErrors, lanes: usize) {
+        self.parted.clear();
         self.arch.dispatch(Walk { store: self, chain, joints, errors, lanes });
     }
 }

@@ -16,8 +16,6 @@ pub struct Landmark {
     pub observed: Option<Box<dyn Observation>>,
     /// What of the robot carries it: `tool`, the name of a tool or of a joint; none of what stands in the surroundings.
     pub mount: Option<String>,
-    /// Whether it is where two points of the robot met, once.
-    pub contact: bool,
     /// Standard deviation of such an observation where it is stated, in its unit; none: found from the data.
     pub sd: Option<f64>,
 }

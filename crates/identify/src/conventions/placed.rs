@@ -29,7 +29,7 @@ pub(super) fn flanges(chain: &Chain, rows: &Dataset) -> Vec<Pose> {
 
 /// Rows with a whole position, no more than so many, evenly taken.
 pub(super) fn some(data: &Dataset, most: usize) -> Dataset {
-    let whole = |row: &usize| data.seen(*row).position == [true; 3];
+    let whole = |row: &usize| data.whole_position(*row);
     let measured: Vec<usize> = (0..data.len()).filter(whole).collect();
     let few: Vec<usize> = measured.iter().step_by(measured.len().div_ceil(most).max(1)).copied().collect();
     data.select(&few)

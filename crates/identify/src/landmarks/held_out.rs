@@ -11,7 +11,7 @@ use super::found_in::found_in;
 use crate::{CrossValidation, Fit, FitOptions, Folds, IdentifyError, Residuals, fit};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::collections::BTreeMap;
-use truepose_errormodel::effects::{Landmarks, Observed, Point};
+use truepose_errormodel::effects::{Landmarks, Observed};
 use truepose_errormodel::{Dataset, ErrorModel, FittedModel, Visits, own_channel};
 use truepose_kinematics::Conditions;
 use truepose_solvers::Solver;
@@ -39,7 +39,6 @@ pub fn landmark_cross_validation(
 ) -> Result<Option<(CrossValidation, Vec<LandmarkFold>)>, IdentifyError> {
     let count = groups.iter().max().map_or(0, |last| last + 1);
     let landmarks = found_in::<Landmarks>(known.fitted.model().effects());
-    let declared = landmarks.map_or(&[][..], |of| &of.points);
     let landmarks = landmarks.filter(|of| of.hold_scale());
     if count < 2 || landmarks.is_some_and(|of| of.points.len() < 3) {
         return Ok(None);
@@ -66,7 +65,7 @@ pub fn landmark_cross_validation(
             Some(landmarks) => fit(&with_scale(known, landmarks, &rest)?, &rest, solver, options)?,
             None => fit(known.fitted.model(), &rest, solver, options)?,
         };
-        let part = judged(&again.fitted.without_landmarks()?, declared, data, &out, &mut residuals)?;
+        let part = judged(&again.fitted.without_landmarks()?, data, &out, &mut residuals)?;
         fold_rms.push(residuals.positions_of(&out).rms);
         places.push(part);
     }
@@ -117,22 +116,9 @@ fn about_own(data: &Dataset, rows: &[(usize, Vector3<f64>)], residuals: &mut Res
     }
 }
 
-/// Two points that were at a known distance, once: each has half of the error of that.
-fn about_distance(
-    [(a, from), (b, to)]: [&(usize, Vector3<f64>); 2],
-    distance: f64,
-    residuals: &mut Residuals,
-) {
-    let way = to - from;
-    let half = way.try_normalize(0.0).unwrap_or_default() * (0.5 * (distance - way.norm()));
-    residuals.position[*a] = -half;
-    residuals.position[*b] = half;
-}
-
 /// Residuals of rows, those at a landmark about their own mean.
 fn judged(
     robot: &FittedModel,
-    points: &[Point],
     data: &Dataset,
     rows: &[usize],
     residuals: &mut Residuals,
@@ -144,7 +130,7 @@ fn judged(
     let mut of_sensor = BTreeMap::<usize, Vec<(usize, Vector3<f64>)>>::new();
     for &row in rows {
         data.conditions_into(row, &mut conditions);
-        let at = predictor.predict(&conditions, data.target[row]).translation;
+        let at = predictor.predict(&conditions, data.aim(row)).translation;
         match (data.landmark(row), data.sensor(row)) {
             (Some(k), _) => of_landmark.entry(k).or_default().push((row, at)),
             (None, Some(k)) => of_sensor.entry(k).or_default().push((row, at)),
@@ -160,11 +146,6 @@ fn judged(
         touches.iter().for_each(|&(row, at)| residuals.position[row] = mean - at);
         fold.landmarks.push(landmark);
         fold.positions.push(mean);
-    }
-    for (k, point) in points.iter().enumerate() {
-        let Some(tied) = point.tied.filter(|tied| point.contact && !tied.held) else { continue };
-        let (Some(a), Some(b)) = (of_landmark.get(&tied.to), of_landmark.get(&k)) else { continue };
-        about_distance([&a[0], &b[0]], tied.distance, residuals);
     }
     Ok(fold)
 }

@@ -14,6 +14,8 @@
 //! A row of another kind measured a number that depends on where its target was: the distance to an anchor, the height above a plane. Such rows are
 //! linearised at the robot and the sensors as they are, fitted, and linearised anew until nothing moves.
 //!
+//! Where two points of the robot met ([`contacts`]), once, the place is eliminated: a row measured their difference.
+//!
 //! Where nothing outside of the robot was measured, its base has no place: errors of the base are left out, and the arm is described in the
 //! frame of its base.
 
@@ -24,26 +26,26 @@ mod freed;
 mod gauge;
 mod hand_eye;
 mod held_out;
+mod prepared;
 mod sensors;
 mod suspects;
 mod ties;
 
-pub use contacts::Contact;
+pub use contacts::{Contact, ContactRows};
 pub use freed::Freed;
 pub use held_out::{LandmarkFold, landmark_cross_validation};
 pub use sensors::{SensorFound, leverages};
 pub use suspects::{Suspect, suspects};
 
 use crate::{FitOptions, IdentifyError, fit};
-use carried::Carried;
 use found_in::found_in;
-use gauge::Gauge;
 use hand_eye::with_base;
 use nalgebra::Vector3;
-use sensors::Sensors;
-use ties::{Structure, tied};
+use prepared::Prepared;
+use std::collections::BTreeSet;
+use ties::Structure;
 use truepose_errormodel::effects::{AllTargets, Geometric, Landmarks, Observed, Where};
-use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Surroundings, Visits};
+use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel, Surroundings};
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, FrameId, Placed, Pose, Target, ToolId};
 use truepose_solvers::Solver;
@@ -63,7 +65,7 @@ pub struct Touched {
     pub positions: Vec<Vector3<f64>>,
     /// Known distances that the fit keeps: which landmarks, m.
     pub distances: Vec<([usize; 2], f64)>,
-    /// Rows in which two points of the robot met.
+    /// Where two points of the robot met.
     pub contacts: Vec<Contact>,
     /// Whether some row says how long anything is.
     pub has_scale: bool,
@@ -97,40 +99,20 @@ pub fn touched(
     (solver, options): (&dyn Solver, &FitOptions),
 ) -> Result<Touched, IdentifyError> {
     data.validate(chain)?;
-    let sides = contacts::apart(chain, data, surroundings)?;
-    let (data, surroundings, contacts) = match &sides {
-        Some((data, surroundings, contacts)) => (data, surroundings, contacts.clone()),
-        None => (data, surroundings, Vec::new()),
-    };
-    let mut data = sensors::one_number_a_row(data, surroundings);
-    let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
-    let mut sensors = Sensors::of(&data, &of_row, surroundings)?;
-    let carried = Carried::of(chain, &data, &of_row, (surroundings, &|row| sensors.follows(row)))?;
-    data.set_points(None);
-    for (at, sensor) in of_row.iter_mut().zip(&sensors.of_row) {
-        *at = at.filter(|_| sensor.is_none());
+    let contacts = contacts::contacts(chain, data)?;
+    let whole = (chain, data, surroundings);
+    let mut prepared = Prepared::of(whole, &contacts, &BTreeSet::new())?;
+    if prepared.scale_is_open && !contacts.is_empty() {
+        // A distance between places is held, which contacts need a place for.
+        let nominal = bare(chain)?;
+        let at = contacts::places(chain, data, &contacts, |rows| sensors::poses(&nominal, rows))?;
+        prepared = Prepared::of(whole, &contacts, &contacts::spread(&at))?;
     }
-    let measured = settle_known(&mut data, &mut of_row, (surroundings, &sensors));
-    // Points of known place that a carried camera sees are as good as measured positions.
-    let outside = measured || carried.spans();
-    let mut remarks = Vec::new();
-    let mut structure = tied(&of_row, surroundings, &mut remarks)?;
-    for at in &mut of_row {
-        *at = at.and_then(|k| structure.number[k]);
-    }
-    data.set_landmarks(Some(&of_row));
-    apart(&mut data, &sensors);
-    let (distances, touched) = (!structure.distances.is_empty(), !structure.points.is_empty());
-    let gauge = Gauge { outside, distances, touched, sensors: &sensors };
-    let words = gauge.words(surroundings);
-    if gauge.may_shrink() {
-        let names: Vec<&str> = sensors.found.iter().map(|found| found.name.as_str()).collect();
-        return Err(IdentifyError::Landmark { name: names.join(", "), why: words.join("; ") });
-    }
-    let (has_scale, scale_is_open) = (gauge.has_scale(), gauge.lets_landmarks_shrink());
-    remarks.extend(words);
-    remarks.extend(contacts::mounts(chain, &contacts));
-    let (described, has_base) = (chain, gauge.has_base());
+    let Prepared { measured, outside, has_base, has_scale, scale_is_open, .. } = prepared;
+    let Prepared {
+        mut data, surroundings, contacts, mut sensors, carried, mut structure, mut remarks, ..
+    } = prepared;
+    let described = chain;
     let chain = if outside { chain.clone() } else { all_known(chain)? };
     let mut declared = effects.to_vec();
     if !has_base {
@@ -153,7 +135,7 @@ pub fn touched(
         poses = sensors::poses(&bare(&placed)?, &plain)?;
     }
     sensors.start(&poses, &carried)?;
-    let mut at = start(&poses, &data, structure.points.len(), surroundings, &structure.declared);
+    let mut at = start(&poses, &data, structure.points.len(), &surroundings, &structure.declared);
     if scale_is_open {
         remarks.push(structure.hold_scale(&at).ok_or_else(|| alone(&structure, &remarks))?);
     }
@@ -164,8 +146,10 @@ pub fn touched(
         let points = structure.placed(&mut at);
         put(&mut data, &at);
         let own = sensors.effect(length);
-        if !sensors.is_empty() {
-            data.set_rays(Some(&sensors.linearised(&poses, &data, &carried)?));
+        if !sensors.is_empty() || !contacts.is_empty() {
+            let mut rays = sensors.linearised(&poses, &data, &carried)?;
+            contacts::measured(&contacts, &poses, &mut data, &mut rays);
+            data.set_rays(rays.iter().any(Option::is_some).then_some(&rays));
             seen = carried.with_targets(&placed, &poses)?;
         }
         last = with(&declared, points, own);
@@ -174,7 +158,7 @@ pub fn touched(
         let moved = found.fitted.landmarks_displaced().unwrap_or_default();
         at.iter_mut().zip(&moved).for_each(|(at, by)| *at += by);
         let mut rests = moved.iter().all(|by| by.norm() < STILL);
-        if !sensors.is_empty() {
+        if data.rays().is_some() {
             let weighed = sensors.weigh(&found, &data)?;
             let turned = sensors.moved(&found.fitted.sensors_moved().unwrap_or_default(), length);
             let next = sensors::poses(&found.fitted.without_landmarks()?, &plain)?;
@@ -184,8 +168,7 @@ pub fn touched(
                 }
                 None => (next[row].translation - poses[row].translation).norm(),
             };
-            let far =
-                (0..data.len()).filter(|&row| sensors.of_row[row].is_some()).map(away).fold(0.0, f64::max);
+            let far = (0..data.len()).filter(|&row| data.ray(row).is_some()).map(away).fold(0.0, f64::max);
             poses = next;
             rests =
                 moved.iter().all(|by| by.norm() < NEAR) && turned < NEAR && far < NEAR && weighed < WEIGHED;
@@ -225,9 +208,6 @@ fn alone(structure: &Structure, remarks: &[String]) -> IdentifyError {
 /// With fewer groups nothing but the rows of another landmark would be left to judge a landmark by: then rows are left out one by one.
 const FEWEST_GROUPS: usize = 3;
 
-/// Contacts are each a landmark: they are left out in so many parts.
-const CONTACT_GROUPS: usize = 10;
-
 /// The group of each landmark of a model, which known distances join, and behind these of each sensor; none without landmarks, or where there
 /// are sensors and too few groups to leave out whole ones.
 pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
@@ -235,15 +215,9 @@ pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
     let sensors = found_in::<Observed>(effects).map_or(0, |observed| observed.sensors.len());
     let mut groups: Vec<usize> = Vec::new();
     let next = |groups: &[usize]| groups.iter().max().map_or(0, |last| last + 1);
-    let mut contacts = Vec::new();
     for point in landmarks.iter().flat_map(|landmarks| &landmarks.points) {
         let known = point.tied.filter(|tied| !tied.held).map(|tied| groups[tied.to]);
-        let again = contacts.len().checked_sub(CONTACT_GROUPS).filter(|_| point.contact);
-        let group = known.or_else(|| again.map(|k| contacts[k])).unwrap_or_else(|| next(&groups));
-        if point.contact && known.is_none() {
-            contacts.push(group);
-        }
-        groups.push(group);
+        groups.push(known.unwrap_or_else(|| next(&groups)));
     }
     for _ in 0..sensors {
         groups.push(next(&groups));
@@ -251,42 +225,9 @@ pub fn landmark_groups(effects: &[Box<dyn AnyEffect>]) -> Option<Vec<usize>> {
     (!groups.is_empty() && (sensors == 0 || next(&groups) >= FEWEST_GROUPS)).then_some(groups)
 }
 
-/// Rows that measured a number are pose measurements of their own: what rows share along x they do not share along another direction.
-fn apart(data: &mut Dataset, sensors: &Sensors) {
-    let mut next = data.visit.iter().max().map_or(0, |last| last + 1);
-    let shared = Visits::of(data).rows.iter().map(Vec::len).collect::<Vec<usize>>();
-    let mut again = vec![false; shared.len()];
-    for row in 0..data.len() {
-        let visit = data.visit[row];
-        // The first row of a visit keeps its number, so that no number is left without a row.
-        if shared[visit] > 1 && std::mem::replace(&mut again[visit], true) && sensors.of_row[row].is_some() {
-            data.visit[row] = next;
-            next += 1;
-        }
-    }
-}
-
 /// A robot without errors.
 fn bare(chain: &Chain) -> Result<FittedModel, IdentifyError> {
     Ok(FittedModel::new(ErrorModel::new(chain.clone(), Vec::new())?, Vec::new(), DMatrix::zeros(0, 0))?)
-}
-
-/// Landmarks whose place is known are measured positions; whether anything outside of the robot was measured.
-fn settle_known(
-    data: &mut Dataset,
-    of_row: &mut [Option<usize>],
-    (surroundings, sensors): (&Surroundings, &Sensors),
-) -> bool {
-    let mut outside = false;
-    for (row, at) in of_row.iter_mut().enumerate() {
-        let known = at.and_then(|k| surroundings.landmarks.get(k)).filter(|landmark| landmark.known);
-        if let Some(position) = known.and_then(|landmark| landmark.position) {
-            data.position[row] = position.into();
-            *at = None;
-        }
-        outside |= at.is_none() && sensors.of_row[row].is_none() && data.seen(row).count() > 0;
-    }
-    outside
 }
 
 /// The robot as described: nothing of it can be found.

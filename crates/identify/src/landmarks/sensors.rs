@@ -193,7 +193,7 @@ impl Sensors {
             rays.push(Some(Ray {
                 direction: h * found.weight,
                 position: place + h * (left / square),
-                sensor,
+                sensor: Some(sensor),
                 own: reading.by_own[which].iter().map(|k| k / (found.weight * square)).collect(),
             }));
         }
@@ -334,7 +334,7 @@ pub fn leverages(fit: &Fit, data: &Dataset) -> Result<Vec<f64>, IdentifyError> {
     Ok(of_row)
 }
 
-/// The tool at the measured target in every row, as a robot without landmarks and sensors has it.
+/// The tool at the measured target in every row, as a robot without landmarks and sensors has it; at the difference of two points that met.
 pub(super) fn poses(robot: &FittedModel, data: &Dataset) -> Result<Vec<Pose>, IdentifyError> {
     let data = &*data.derived_for(robot.model())?;
     let mut predictor = robot.bind(&data.schema)?;
@@ -342,7 +342,7 @@ pub(super) fn poses(robot: &FittedModel, data: &Dataset) -> Result<Vec<Pose>, Id
     let mut at = Vec::with_capacity(data.len());
     for row in 0..data.len() {
         data.conditions_into(row, &mut conditions);
-        at.push(predictor.predict(&conditions, data.target[row]));
+        at.push(predictor.predict(&conditions, data.aim(row)));
     }
     Ok(at)
 }

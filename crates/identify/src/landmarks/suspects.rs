@@ -63,10 +63,8 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
     let design = Design::of(fit, derived)?;
     let mut tests = 0usize;
     let mut all = Vec::new();
-    let met: Vec<usize> = touched.contacts.iter().flat_map(|contact| contact.rows).collect();
     for (k, name) in touched.names.iter().enumerate() {
-        let rows: Vec<usize> =
-            (0..data.len()).filter(|row| derived.landmark(*row) == Some(k) && !met.contains(row)).collect();
+        let rows: Vec<usize> = (0..data.len()).filter(|row| derived.landmark(*row) == Some(k)).collect();
         let axes = ["x", "y", "z"].map(|axis| Column::new(format!("{axis}@{name}"), "m", 1.0));
         let column =
             |i: usize| (0..3).map(|axis| if design.component[i] == axis { -1.0 } else { 0.0 }).collect();

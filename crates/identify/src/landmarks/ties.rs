@@ -57,7 +57,7 @@ pub(super) fn tied(
     let mut rows = vec![0usize; landmarks.len()];
     of_row.iter().flatten().for_each(|&k| rows[k] += 1);
     for (landmark, &rows) in landmarks.iter().zip(&rows) {
-        if rows == 1 && !landmark.contact {
+        if rows == 1 {
             return Err(IdentifyError::Landmark {
                 name: landmark.name.clone(),
                 why: "one row touched it, which says nothing where its place is unknown: touch it from other postures as well, or leave the row out".into(),
@@ -91,7 +91,7 @@ pub(super) fn tied(
                 of.distances.push(([to, here], distance));
                 Tied { to, direction: [1.0, 0.0, 0.0], distance, held: false }
             });
-            of.points.push(Point { name: name(k).into(), tied, contact: landmarks[k].contact });
+            of.points.push(Point { name: name(k).into(), tied });
             for distance in &surroundings.distances {
                 let other = match distance.between {
                     [a, b] if a == k => b,

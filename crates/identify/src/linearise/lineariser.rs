@@ -187,8 +187,7 @@ impl<'a> Lineariser<'a> {
         }
         let emission = if self.robot.is_some() { &self.beside } else { self.rest.emission() };
         let (real, errors) = (self.rest.real(), self.rest.errors());
-        let target = self.data.target[row];
-        let jacobian = ErrorJacobian::new(chain, real, errors, target);
+        let jacobian = ErrorJacobian::new(chain, real, errors, self.data.aim(row));
         if width > 1 {
             for (index, site) in self.sites.iter_mut().enumerate() {
                 let at = chain.site_at(index);
@@ -293,7 +292,7 @@ pub(crate) fn stand(
         }
         last = Some(row);
         let (real, errors) = (lineariser.rest.real(), lineariser.rest.errors());
-        let jacobian = ErrorJacobian::new(chain, real, errors, data.target[row]);
+        let jacobian = ErrorJacobian::new(chain, real, errors, data.aim(row));
         sites.extend((0..site_count).map(|index| {
             let at = chain.site_at(index);
             [jacobian.position(at), jacobian.rotation(at)]

@@ -100,7 +100,7 @@ fn sights(chain: &Chain, data: &Dataset, limit: usize) -> Vec<Sight> {
 /// Rows with these flanges (frame 0 ← flange) as sights, at most `limit`, evenly taken.
 pub(super) fn sights_of(data: &Dataset, limit: usize, mut flange: impl FnMut(usize) -> Pose) -> Vec<Sight> {
     let usable: Vec<usize> = (0..data.len())
-        .filter(|&row| data.landmark(row).is_none())
+        .filter(|&row| data.landmark(row).is_none() && data.meets(row).is_none())
         .filter(|&row| data.seen(row).position.iter().all(|&s| s) || data.seen(row).orientation)
         .collect();
     let step = usable.len().div_ceil(limit).max(1);

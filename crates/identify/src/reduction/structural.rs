@@ -53,8 +53,10 @@ pub fn spread_factor(
     if measured.is_empty() {
         return Err(IdentifyError::NothingMeasured { rows: data.len() });
     }
-    // Along which direction a row of one number would measure elsewhere is not known here: those of the data stand for all.
-    let rows: Vec<usize> = measured.into_iter().filter(|&row| data.ray(row).is_none()).collect();
+    // Along which direction a row of one number would measure elsewhere, and where points would meet, is not known here: those of the data stand
+    // for all.
+    let elsewhere = |row: &usize| data.ray(*row).is_none() && data.meets(*row).is_none();
+    let rows: Vec<usize> = measured.into_iter().filter(elsewhere).collect();
     if rows.is_empty() {
         return Ok(own.clone());
     }

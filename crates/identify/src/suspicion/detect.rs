@@ -152,7 +152,7 @@ impl<'a> Sample<'a> {
             chain.clone().with_base(Placed::default()).and_then(|c| c.with_tool(Placed::default())).ok()?;
         let visits = Visits::of(data).rows;
         let q = |row: usize| data.joints.iter().map(|column| column[row]).collect::<Vec<f64>>();
-        let whole = |row: &usize| data.seen(*row).position == [true; 3];
+        let whole = |row: &usize| data.whole_position(*row);
         let usable: Vec<usize> = (0..data.len()).filter(whole).collect();
         let step = usable.len().div_ceil(ROWS).max(1);
         let of_visit = |visit: Option<usize>| {

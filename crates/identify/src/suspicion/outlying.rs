@@ -42,7 +42,7 @@ const BACK: f64 = 8.0;
 pub(super) fn outlying(chain: &Chain, data: &Dataset, gross: &[usize]) -> Option<Vec<Suspicion>> {
     let mut bare = data.clone();
     bare.orientation.fill(None);
-    let whole = |row: &usize| bare.seen(*row).position == [true; 3];
+    let whole = |row: &usize| bare.whole_position(*row);
     let all: Vec<usize> = (0..bare.len()).filter(whole).collect();
     if all.len() < FEWEST {
         return None;

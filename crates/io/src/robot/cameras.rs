@@ -66,15 +66,7 @@ pub(super) fn read(table: &Table<'_>, length: &Unit, angle: &Unit) -> Result<Lan
     };
     let camera = Camera { place, known, intrinsics, distortion, free_intrinsics: !free.is_empty(), size };
     let position = place.map(|place| place.translation);
-    Ok(Landmark {
-        name: text.into(),
-        position,
-        known,
-        observed: Some(Box::new(camera)),
-        mount,
-        sd,
-        contact: false,
-    })
+    Ok(Landmark { name: text.into(), position, known, observed: Some(Box::new(camera)), mount, sd })
 }
 
 /// k1, k2, p1, p2, k3, of which the last ones may be left out.

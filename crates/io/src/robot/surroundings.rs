@@ -109,7 +109,7 @@ fn landmark(table: &Table<'_>, length: &Unit) -> Result<Landmark, IoError> {
         return Err(name.error(format!("landmark `{text}` is known, but has {lacks}")));
     }
     let (observed, sd) = (of.observation(kind, known)?, of.above_zero("sd")?);
-    Ok(Landmark { name: text.into(), position, known, observed, mount: None, sd, contact: false })
+    Ok(Landmark { name: text.into(), position, known, observed, mount: None, sd })
 }
 
 /// A direction as a unit vector.

@@ -144,7 +144,7 @@ impl BudgetSummary {
         let chosen: Vec<usize> = rows.iter().copied().step_by(step).collect();
         for &row in &chosen {
             inputs.conditions_into(row, &mut conditions);
-            let (_, spread) = predictor.with_covariance(&conditions, inputs.target[row]);
+            let (_, spread) = predictor.with_covariance(&conditions, inputs.aim(row));
             (0..3).for_each(|k| model[k] += spread[(k, k)] / chosen.len() as f64);
         }
         let square = each(&|k| mean(&mut errors.position.iter().map(|e| e[k].powi(2))));

@@ -273,7 +273,9 @@ impl IdentificationSummary {
         if let Some(landmarks) = &self.landmarks {
             let stages: Vec<(f64, &str)> =
                 self.stages.iter().map(|stage| (judged(stage).rms_mm, stage.name.as_str())).collect();
-            return prefix_of(self.converged).to_owned() + &landmarks.verdict(&stages);
+            if let Some(verdict) = landmarks.verdict(&stages, self.rows) {
+                return prefix_of(self.converged).to_owned() + &verdict;
+            }
         }
         let rows = match self.stages.last() {
             Some(last) if last.test_set.is_some() => "on the held-out test set",

@@ -5,7 +5,7 @@ use crate::largest::label;
 use std::collections::BTreeSet;
 use truepose_errormodel::{Dataset, is_derived};
 use truepose_identify::Residuals;
-use truepose_kinematics::{Chain, Load};
+use truepose_kinematics::{Chain, Load, PostureBuffer};
 
 /// Rows of a data set with their errors; all columns have one length.
 #[derive(Debug, Clone, Default)]
@@ -65,6 +65,24 @@ impl Input {
     }
 }
 
+/// Where these rows were measured, mm; of two points that met where the first of them nominally is.
+fn places(chain: &Chain, data: &Dataset, rows: &[usize]) -> Vec<[f64; 3]> {
+    let mut buffer = PostureBuffer::new(chain);
+    let mut place = |&row: &usize| -> [f64; 3] {
+        let at: [f64; 3] = match data.meets(row) {
+            None => data.position[row],
+            Some(_) => {
+                let conditions = data.conditions(row);
+                let tool = buffer.update(chain, &conditions).tool();
+                let target = data.target[row].map(|t| chain.targets()[t.0].position);
+                target.map_or(tool.translation, |target| tool.apply(&target)).into()
+            }
+        };
+        at.map(|v| v * 1e3)
+    };
+    rows.iter().map(&mut place).collect()
+}
+
 impl Rows {
     /// Errors and inputs of these rows of the data; residuals are in the order of `rows`.
     pub(crate) fn new(
@@ -84,7 +102,7 @@ impl Rows {
         Rows {
             before,
             after,
-            place: rows.iter().map(|&row| data.position[row].map(|v| v * 1e3)).collect(),
+            place: places(chain, data, rows),
             held_out: held_out.to_vec(),
             row: rows.to_vec(),
             line: rows.iter().map(|&row| data.line.get(row).copied()).collect(),

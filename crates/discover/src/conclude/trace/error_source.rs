@@ -98,7 +98,7 @@ pub(super) fn error_source(
     let mut energy = vec![0.0; chain.site_count()];
     for row in (0..data.len()).step_by(data.len().div_ceil(ASKED).max(1)) {
         rest.settle(&bound, &data.conditions(row), fit.fitted.coefficients());
-        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.target[row]);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.aim(row));
         let mut sites = vec![0.0; chain.site_count()];
         for entry in rest.emission().entries().iter().filter(|e| columns.contains(&e.column)) {
             sites[chain.site_index(entry.site)] += entry.value * fit.fitted.coefficients()[entry.column];

@@ -28,8 +28,8 @@ pub(super) fn load_trace(
         else {
             continue;
         };
-        let here = predictor.predict(&conditions, data.target[row]).translation;
-        let there = predictor.predict(&more, data.target[row]).translation;
+        let here = predictor.predict(&conditions, data.aim(row)).translation;
+        let there = predictor.predict(&more, data.aim(row)).translation;
         let moved = (there - here) / STEP;
         let moved = data.ray(row).map_or(moved, |w| w * (w.dot(&moved) / w.norm_squared()));
         let difference = data.away(row, &here);

@@ -62,7 +62,7 @@ pub(crate) fn trace(
         }
         let conditions = data.conditions(row);
         rest.settle(&bound, &conditions, fit.fitted.coefficients());
-        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.target[row]);
+        let jacobian = ErrorJacobian::new(chain, rest.real(), rest.errors(), data.aim(row));
         let ray = data.ray(row);
         let mask = |v: Vector3<f64>| match ray {
             Some(w) => w * (w.dot(&v) / w.norm_squared()),

@@ -1,0 +1,130 @@
+//! Rows of a campaign by what they touched, met or measured, before anything of the robot is fitted.
+
+use super::carried::Carried;
+use super::contacts::{self, Contact};
+use super::gauge::Gauge;
+use super::sensors::{self, Sensors};
+use super::ties::{Structure, tied};
+use crate::IdentifyError;
+use std::collections::BTreeSet;
+use truepose_errormodel::{Dataset, Surroundings, Visits};
+use truepose_kinematics::Chain;
+
+/// The rows, and what was observed in them.
+pub(super) struct Prepared {
+    pub data: Dataset,
+    pub surroundings: Surroundings,
+    pub contacts: Vec<Contact>,
+    pub sensors: Sensors,
+    pub carried: Carried,
+    pub structure: Structure,
+    /// Whether a position, or a known landmark, was measured.
+    pub measured: bool,
+    /// The same, or points of known place were seen by a carried camera: they are as good as measured positions.
+    pub outside: bool,
+    /// Whether some row says where the base is.
+    pub has_base: bool,
+    /// Whether some row says how long anything is.
+    pub has_scale: bool,
+    /// Whether a robot as small as a point would agree with every row, so that a distance between landmarks has to be held.
+    pub scale_is_open: bool,
+    pub remarks: Vec<String>,
+}
+
+impl Prepared {
+    /// Contacts of these numbers keep a landmark each.
+    pub fn of(
+        (chain, data, surroundings): (&Chain, &Dataset, &Surroundings),
+        contacts: &[Contact],
+        kept: &BTreeSet<usize>,
+    ) -> Result<Self, IdentifyError> {
+        let described = surroundings.landmarks.len();
+        let (data, surroundings) = match contacts.is_empty() {
+            true => (data.clone(), surroundings.clone()),
+            false => contacts::prepared((chain, data, surroundings), contacts, kept),
+        };
+        let mut data = sensors::one_number_a_row(&data, &surroundings);
+        let mut of_row: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
+        let sensors = Sensors::of(&data, &of_row, &surroundings)?;
+        let carried = Carried::of(chain, &data, &of_row, (&surroundings, &|row| sensors.follows(row)))?;
+        data.set_points(None);
+        for (at, sensor) in of_row.iter_mut().zip(&sensors.of_row) {
+            *at = at.filter(|_| sensor.is_none());
+        }
+        let measured = settle_known(&mut data, &mut of_row, (&surroundings, &sensors));
+        let outside = measured || carried.spans();
+        let mut remarks = Vec::new();
+        let structure = tied(&of_row, &surroundings, &mut remarks)?;
+        for at in &mut of_row {
+            *at = at.and_then(|k| structure.number[k]);
+        }
+        data.set_landmarks(Some(&of_row));
+        apart(&mut data, &sensors);
+        let mut contacts = contacts.to_vec();
+        contacts::find_rows(&mut contacts, &data, |k| structure.declared[k] >= described);
+        let gauge = Gauge {
+            outside,
+            distances: !structure.distances.is_empty() || contacts.iter().any(|of| of.distance > 0.0),
+            touched: !structure.points.is_empty() || !contacts.is_empty(),
+            sensors: &sensors,
+        };
+        let words = gauge.words(&surroundings);
+        if gauge.may_shrink() {
+            let names: Vec<&str> = sensors.found.iter().map(|found| found.name.as_str()).collect();
+            return Err(IdentifyError::Landmark { name: names.join(", "), why: words.join("; ") });
+        }
+        let (has_base, has_scale) = (gauge.has_base(), gauge.has_scale());
+        let scale_is_open = gauge.lets_landmarks_shrink();
+        remarks.extend(words);
+        remarks.extend(contacts::mounts(chain, &contacts));
+        Ok(Prepared {
+            data,
+            surroundings,
+            contacts,
+            sensors,
+            carried,
+            structure,
+            measured,
+            outside,
+            has_base,
+            has_scale,
+            scale_is_open,
+            remarks,
+        })
+    }
+}
+
+/// Rows that measured a number, or a difference of two positions, are pose measurements of their own: what rows share along x they do not share
+/// along another direction, nor does a difference contain it.
+fn apart(data: &mut Dataset, sensors: &Sensors) {
+    let mut next = data.visit.iter().max().map_or(0, |last| last + 1);
+    let shared = Visits::of(data).rows.iter().map(Vec::len).collect::<Vec<usize>>();
+    let mut again = vec![false; shared.len()];
+    for row in 0..data.len() {
+        let visit = data.visit[row];
+        let own = sensors.of_row[row].is_some() || data.meets(row).is_some();
+        // The first row of a visit keeps its number, so that no number is left without a row.
+        if shared[visit] > 1 && std::mem::replace(&mut again[visit], true) && own {
+            data.visit[row] = next;
+            next += 1;
+        }
+    }
+}
+
+/// Landmarks whose place is known are measured positions; whether anything outside of the robot was measured.
+fn settle_known(
+    data: &mut Dataset,
+    of_row: &mut [Option<usize>],
+    (surroundings, sensors): (&Surroundings, &Sensors),
+) -> bool {
+    let mut outside = false;
+    for (row, at) in of_row.iter_mut().enumerate() {
+        let known = at.and_then(|k| surroundings.landmarks.get(k)).filter(|landmark| landmark.known);
+        if let Some(position) = known.and_then(|landmark| landmark.position) {
+            data.position[row] = position.into();
+            *at = None;
+        }
+        outside |= at.is_none() && sensors.of_row[row].is_none() && data.seen(row).count() > 0;
+    }
+    outside
+}
