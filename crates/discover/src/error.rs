@@ -33,6 +33,9 @@ pub enum DiscoverError {
         /// Fewest poses of a search.
         need: usize,
     },
+    /// Runs that are not those of all folds of one nested cross-validation.
+    #[error("nested cross-validation: {0}")]
+    Folds(String),
 }
 
 impl From<ModelError> for DiscoverError {

@@ -7,7 +7,7 @@ use crate::data::Data;
 use crate::error::{input, of_io};
 use crate::model::registry;
 use crate::packed::{Packer, Unpacker};
-use crate::run::Raised;
+use crate::run::{Raised, on_threads};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::collections::BTreeMap;
@@ -175,11 +175,8 @@ impl Accumulator {
             }
             self.raised.take().map_or(Ok(()), Err)
         };
-        py.detach(|| match threads {
-            0 => work(),
-            // The calling thread, which may have to wait for the interpreter's lock, is none of them.
-            _ => rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(input)?.install(work),
-        })
+        // The calling thread, which may have to wait for the interpreter's lock, is none of them.
+        py.detach(|| on_threads(threads, work))
     }
 
     /// Takes in what another accumulator of the same pass has taken in.

@@ -25,6 +25,7 @@ mod program;
 mod rewrite;
 mod robot;
 mod run;
+mod search;
 mod simulate;
 mod streamed;
 mod table;
@@ -51,7 +52,7 @@ mod _core {
     #[pymodule_export]
     use crate::data::{Data, read_data, take_data};
     #[pymodule_export]
-    use crate::discover::{Discovery, discover};
+    use crate::discover::Discovery;
     #[pymodule_export]
     use crate::error::InputError;
     #[pymodule_export]
@@ -70,6 +71,8 @@ mod _core {
     use crate::rewrite::rewrite;
     #[pymodule_export]
     use crate::robot::Robot;
+    #[pymodule_export]
+    use crate::search::Search;
     #[pymodule_export]
     use crate::simulate::simulate;
     #[pymodule_export]

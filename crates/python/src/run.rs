@@ -65,6 +65,17 @@ impl Working {
     }
 }
 
+/// Runs `work` on so many threads; 0 for all there are.
+///
+/// # Errors
+/// Those of the work; when there can be no more threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+    match threads {
+        0 => work(),
+        _ => rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(input)?.install(work),
+    }
+}
+
 /// Runs `work`. `progress` is called with the words of each step. What Python code raised inside wins over what the work returns.
 ///
 /// # Errors

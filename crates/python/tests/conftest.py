@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import many_rows
 import numpy as np
 import pandas as pd
 import pytest
 
 import truepose as tp
+import truepose.stream
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "01_identify"
 
@@ -54,3 +56,18 @@ def bent(scara: tp.Robot) -> tuple[np.ndarray, np.ndarray]:
         axis=1,
     )
     return q, position + noise.normal(scale=2e-5, size=position.shape)
+
+
+@pytest.fixture(scope="session")
+def arm() -> tp.Robot:
+    return many_rows.arm()
+
+
+@pytest.fixture(scope="session")
+def rows(arm: tp.Robot) -> pd.DataFrame:
+    return many_rows.rows(arm)
+
+
+@pytest.fixture(scope="session")
+def whole(arm: tp.Robot, rows: pd.DataFrame) -> tp.Fit:
+    return truepose.stream.identify(arm, [rows], block=many_rows.BLOCK)

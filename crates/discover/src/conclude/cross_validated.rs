@@ -69,7 +69,7 @@ impl CrossValidated {
 }
 
 /// Share of the freedom of the rows that the unknowns of a fit use up.
-fn used(fit: &Fit) -> f64 {
+pub(crate) fn used(fit: &Fit) -> f64 {
     let unknowns = (fit.reduction.rank() + fit.shapes.len()) as f64;
     unknowns / (unknowns + fit.degrees_of_freedom() as f64)
 }

@@ -174,22 +174,29 @@ class Discovery:
     def figures(self) -> list[tuple[str, str]]: ...
     def write_report(self, folder: str) -> None: ...
 
-def discover(
-    robot: Robot,
-    data: Data,
-    model: _Items,
-    solver_text: str,
-    holdout: float | None,
-    seed: int,
-    alpha: float,
-    rotations: int,
-    most: int,
-    hypotheses: list[Any],
-    without: list[str],
-    rivals: bool,
-    nested: int,
-    progress: _Show,
-) -> Discovery: ...
+class Search:
+    def __new__(
+        cls,
+        robot: Robot,
+        data: Data,
+        model: _Items,
+        solver_text: str,
+        holdout: float | None,
+        seed: int,
+        alpha: float,
+        rotations: int,
+        most: int,
+        hypotheses: list[Any],
+        without: list[str],
+        rivals: bool,
+        nested: int,
+    ) -> Search: ...
+    @property
+    def folds(self) -> int: ...
+    def run(self, validated: bool, threads: int, progress: _Show) -> Discovery: ...
+    def fold(self, fold: int, threads: int) -> bytes: ...
+    def judged(self, found: Discovery, folds: list[bytes]) -> Discovery: ...
+
 def compare(
     robot: Robot,
     data: Data,

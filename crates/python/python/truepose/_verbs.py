@@ -140,13 +140,37 @@ def discover(
     Ctrl-C ends the search with `Interrupted`, which has what was found until then.
     """
     rows = taken(robot, data, arrays, positions_only=positions_only)
+    search = asked(
+        robot, rows, model=model, solver=solver, holdout=holdout, seed=seed, alpha=alpha, rotations=rotations, most=most,
+        hypotheses=hypotheses, without=without, rivals=rivals, nested=nested,
+    )  # fmt: skip
     with Line(progress) as show:
-        core = _core.discover(
-            robot._core, rows._core, items(model), solver, holdout, _count("seed", seed), alpha, _count("rotations", rotations),
-            _count("most", most), list(hypotheses), list(without), rivals, _count("nested", nested), show,
-        )  # fmt: skip
+        core = search.run(True, 0, show)
     warn(core.remarks())
     return Discovery(core)
+
+
+def asked(
+    robot: Robot,
+    rows: Measurements,
+    *,
+    model: Model = None,
+    solver: str = "qr",
+    holdout: float | None = None,
+    seed: int = 0,
+    alpha: float = 0.002,
+    rotations: int = 499,
+    most: int = 24,
+    hypotheses: Iterable[Hypothesis] = (),
+    without: Iterable[str] = (),
+    rivals: bool = False,
+    nested: int = 0,
+) -> _core.Search:
+    """A search with the options of `discover`."""
+    return _core.Search(
+        robot._core, rows._core, items(model), solver, holdout, _count("seed", seed), alpha, _count("rotations", rotations),
+        _count("most", most), list(hypotheses), list(without), rivals, _count("nested", nested),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

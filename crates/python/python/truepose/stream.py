@@ -351,7 +351,7 @@ def identify(
 
     plan = Plan(
         robot,
-        sample(robot, rows, model, lambda part, low, high: cut(rows.parts[part], low, high)),
+        sample(robot, rows, model, lambda wanted: [cut(rows.parts[part], low, high) for part, low, high in wanted]),
         model=model,
         solver=solver,
         folds=folds,
@@ -362,12 +362,16 @@ def identify(
     return run(plan, total, progress)
 
 
-def sample(robot: Robot, rows: Rows, model: Model, read: Callable[[int, int, int], dict[str, Any]]) -> dict[str, Any]:
-    """Rows all over the data, in whole pose measurements."""
+def sample(
+    robot: Robot, rows: Rows, model: Model, read: Callable[[Sequence[tuple[int, int, int]]], Sequence[dict[str, Any]]]
+) -> dict[str, Any]:
+    """Rows all over the data, in whole pose measurements. `read` gets all that is wanted at once: part, first and last row (exclusive)."""
+    ranges = rows.sample_ranges(Plan.wanted(robot, model))
+    places = [rows.around(start, stop) for start, stop in ranges]
+    cuts = iter(read([one for _, overlapping in places for one in overlapping]))
     found = []
-    for start, stop in rows.sample_ranges(Plan.wanted(robot, model)):
-        first, overlapping = rows.around(start, stop)
-        found.append(beginning(robot, joined([read(*one) for one in overlapping]), first, start, stop))
+    for (start, stop), (first, overlapping) in zip(ranges, places):
+        found.append(beginning(robot, joined([next(cuts) for _ in overlapping]), first, start, stop))
     return joined(found)
 
 

@@ -3,7 +3,7 @@
 use super::gain::GainSummary;
 use crate::PositionStatistics;
 use serde::{Deserialize, Serialize};
-use truepose_discover::{Diagnosis, HeldOut, Nested};
+use truepose_discover::{HeldOut, Nested};
 
 /// Nested cross-validation: the whole search, run once for each fold with that fold left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,15 +27,14 @@ pub struct NestedSummary {
 impl NestedSummary {
     /// Summary of nested cross-validation; `folds` names how the folds were made.
     pub fn new(nested: &Nested, folds: String) -> Self {
-        let names = |run: &Diagnosis| run.findings.iter().map(|f| f.candidate.words()).collect();
         let intervals = nested.intervals.as_ref();
         NestedSummary {
             folds,
             before: PositionStatistics::from(nested.before).with_interval(intervals.map(|i| i.before)),
             after: PositionStatistics::from(nested.after).with_interval(intervals.map(|i| i.after)),
             gain: intervals.and_then(|i| GainSummary::new(i, HeldOut::NestedFolds)),
-            found: nested.runs.iter().map(names).collect(),
-            after_by_fold: nested.runs.iter().map(|run| run.after.holdout.positions().into()).collect(),
+            found: nested.runs.iter().map(|run| run.findings.clone()).collect(),
+            after_by_fold: nested.runs.iter().map(|run| run.errors().into()).collect(),
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::discovery::trial::processor_seconds;
 use std::error::Error;
 use std::time::Instant;
 use truepose_compensate::{ExportOptions, corrected_chain};
-use truepose_discover::{Diagnosis, DiscoverOptions, diagnose, nested};
+use truepose_discover::{Diagnosis, DiscoverOptions, FoldRun, diagnose, nested};
 use truepose_errormodel::effects::{AllTargets, Geometric, Where};
 use truepose_errormodel::{AnyEffect, Dataset, ErrorModel, FittedModel};
 use truepose_identify::{FitOptions, IdentificationOptions, Residuals, Split, fit, identify, place};
@@ -117,10 +117,7 @@ pub fn run_nested(robot: &Robot) -> Record {
     if let Some(judged) = judged {
         record.set(Figure::NestedBefore, 1e3 * judged.before.rms);
         record.set(Figure::NestedAfter, 1e3 * judged.after.rms);
-        let words = |run: &Diagnosis| {
-            let finds: Vec<String> = run.findings.iter().map(|finding| finding.candidate.words()).collect();
-            finds.join("; ")
-        };
+        let words = |run: &FoldRun| run.findings.join("; ");
         record.finds = judged.runs.iter().map(words).collect::<Vec<_>>().join(" | ");
     }
     record
