@@ -1,11 +1,12 @@
 //! A data set as a CSV file of measurements.
 
 use crate::commanded::{commanded, commanded_names};
+use crate::export_kinds::{KindColumns, in_kind_columns};
 use crate::poses::si_unit;
 use crate::table::TableWriter;
 use crate::{IoError, Quantity, Unit};
 use std::path::Path;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Channel, Dataset};
 use truepose_kinematics::{Chain, JointKind, Load};
 
 /// Units of a file of measurements.
@@ -23,14 +24,28 @@ impl Default for ExportUnits {
     }
 }
 
-/// Writes a data set as a file of measurements, leaving away the columns that hold nothing.
+/// Writes a data set of positions and poses as a file of measurements, leaving away the columns that hold nothing.
 ///
 /// # Errors
-/// When the file cannot be written, or the data does not fit the robot.
+/// When the file cannot be written, the data does not fit the robot, or a row observed a landmark.
 pub fn write_measurements(
     path: impl AsRef<Path>,
     chain: &Chain,
     data: &Dataset,
+    units: &ExportUnits,
+) -> Result<(), IoError> {
+    write_observations(path, chain, data, &[], units)
+}
+
+/// The same with rows of any kind; their landmarks have these names, by their number.
+///
+/// # Errors
+/// When the file cannot be written, the data does not fit the robot, or a landmark has no name.
+pub fn write_observations(
+    path: impl AsRef<Path>,
+    chain: &Chain,
+    data: &Dataset,
+    landmarks: &[String],
     units: &ExportUnits,
 ) -> Result<(), IoError> {
     let path = path.as_ref();
@@ -41,9 +56,13 @@ pub fn write_measurements(
             return Err(IoError::Write { file: path.into(), message });
         }
     }
+    let kinds = KindColumns::of(data, landmarks, units.length)
+        .map_err(|message| IoError::Write { file: path.into(), message })?;
+    let relative = |row: usize| kinds.as_ref().and_then(|kinds| kinds.relative(row));
     let any = |rows: &[[f64; 3]]| rows.iter().flatten().any(|v| !v.is_nan());
     let (position, position_sd, orientation_sd) =
         (any(&data.position), any(&data.position_sd), any(&data.orientation_sd));
+    let position = position || (0..data.len()).any(|row| relative(row).is_some());
     let orientation = data.orientation.iter().any(Option::is_some);
     let targets = data.target.iter().any(Option::is_some);
     let payload = data.load.iter().any(|load| matches!(load, Load::Payload(_)));
@@ -70,6 +89,7 @@ pub fn write_measurements(
     header.extend(position.then(|| xyz("", length)).into_iter().flatten());
     header.extend(orientation.then_some(["qw", "qx", "qy", "qz"].map(String::from)).into_iter().flatten());
     header.extend(targets.then(|| "target".to_string()));
+    header.extend(kinds.iter().flat_map(KindColumns::header));
     header.push("visit".into());
     header.extend(payload.then(|| "payload[kg]".to_string()));
     header.extend(payload.then(|| xyz("c", length)).into_iter().flatten());
@@ -81,7 +101,11 @@ pub fn write_measurements(
     }
     header.extend(position_sd.then(|| xyz("s", length)).into_iter().flatten());
     header.extend(orientation_sd.then(|| xyz("sr", "rad")).into_iter().flatten());
-    header.extend(data.schema.channels.iter().map(|channel| format!("{}[{}]", channel.name, channel.unit)));
+    let (channels, columns): (Vec<&Channel>, Vec<&Vec<f64>>) =
+        (data.schema.channels.iter().zip(&data.channels))
+            .filter(|(channel, _)| !in_kind_columns(&channel.name))
+            .unzip();
+    header.extend(channels.iter().map(|channel| format!("{}[{}]", channel.name, channel.unit)));
 
     let mut table = TableWriter::create(path, &header)?;
     let mut values = vec![0.0; data.joints.len()];
@@ -95,13 +119,16 @@ pub fn write_measurements(
             table.number(joint_units[k].from_si(values[k]));
         }
         if position {
-            lengths(&mut table, &data.position[row]);
+            lengths(&mut table, &relative(row).unwrap_or(data.position[row]));
         }
         if orientation {
             data.orientation[row].unwrap_or([f64::NAN; 4]).iter().for_each(|&value| table.number(value));
         }
         if targets {
             table.text(data.target[row].map_or("", |target| &chain.targets()[target.0].name));
+        }
+        if let Some(kinds) = &kinds {
+            kinds.cells(&mut table, row);
         }
         table.integer(data.visit[row] as i64);
         if payload {
@@ -131,7 +158,7 @@ pub fn write_measurements(
         if orientation_sd {
             data.orientation_sd[row].iter().for_each(|&value| table.number(value));
         }
-        data.channels.iter().for_each(|column| table.number(column[row]));
+        columns.iter().for_each(|column| table.number(column[row]));
         table.end_row()?;
     }
     table.finish()
@@ -142,7 +169,7 @@ mod tests {
     use super::*;
     use crate::{MeasurementsOptions, MeasurementsReader, read_measurements};
     use proptest::prelude::*;
-    use truepose_errormodel::{Channel, Schema};
+    use truepose_errormodel::Schema;
     use truepose_kinematics::nalgebra::Vector3;
     use truepose_kinematics::{Payload, TargetId, Wrench, samples};
 

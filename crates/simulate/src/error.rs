@@ -79,6 +79,39 @@ pub enum SimulateError {
     /// A campaign in which nothing is measured.
     #[error("the campaign has no visits")]
     NoVisits,
+    /// A thing of the cell that the real robot neither touches nor shows to a camera.
+    #[error(
+        "no posture within the joints' limits of {tries} that were tried touches `{name}`, or is seen by it; check where it is, and the limits"
+    )]
+    OutOfReach {
+        /// Its name.
+        name: String,
+        /// Postures that were tried.
+        tries: usize,
+    },
+    /// A campaign whose joints do not converge where things are touched: each pose depends on the path to it.
+    #[error(
+        "the postures that touch something do not converge: friction or creep of the joints is too strong for them"
+    )]
+    Restless,
+    /// A thing of the cell whose description is not complete.
+    #[error("`{name}`: {why}")]
+    Thing {
+        /// Its name.
+        name: String,
+        /// What is missing, and what to do.
+        why: String,
+    },
+    /// A wrong name in a row that has none.
+    #[error(
+        "row {row} cannot name something else: it is no observation of a landmark (there are {rows} rows)"
+    )]
+    Misnamed {
+        /// The row, from 1.
+        row: usize,
+        /// Rows in all.
+        rows: usize,
+    },
     /// A plant description that cannot be read.
     #[error("line {line}, column {column}: {message}")]
     Description {

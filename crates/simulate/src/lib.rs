@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod campaign;
+mod cell;
 pub mod description;
 mod disturbance;
 mod equilibrium;
@@ -8,14 +9,18 @@ mod error;
 pub mod flaws;
 mod instrument;
 mod measure;
+mod moment;
 mod path;
 pub mod physics;
 mod plant;
+mod reach;
 mod rigid;
 pub mod robots;
+mod stream;
 mod truth;
 
-pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Visit, payload_at_treatment_point};
+pub use campaign::{Campaign, ChannelPlan, POUND, TREATMENT_POINT, Task, Visit, payload_at_treatment_point};
+pub use cell::{Ball, Camera, Cell, Gauge, Misnamed, Move, Name, Plate, Thing, What, Wire};
 pub use description::{PlantDescription, PlantOptions};
 pub use disturbance::{Beam, Disturbances, LogLag, StationMotion, Wander};
 pub use error::SimulateError;

@@ -3,7 +3,7 @@
 use crate::equilibrium::{Assembly, Equilibrium};
 use crate::physics::temperature::Shop;
 use crate::rigid::to_pose;
-use crate::{Blunders, Disturbances, Instrument, Repeatability, SimulateError, Truth};
+use crate::{Blunders, Cell, Disturbances, Instrument, Repeatability, SimulateError, Truth};
 use nalgebra::{Point3, Vector3};
 use truepose_kinematics::{Chain, Conditions, Pose, TargetId};
 
@@ -23,6 +23,8 @@ pub struct Plant {
     pub blunders: Blunders,
     /// What disturbs a campaign.
     pub disturbances: Disturbances,
+    /// What stands around it.
+    pub cell: Cell,
 }
 
 impl Plant {
@@ -52,6 +54,7 @@ impl Plant {
             repeatability: Repeatability::default(),
             blunders: Blunders::default(),
             disturbances: Disturbances::default(),
+            cell: Cell::default(),
         })
     }
 

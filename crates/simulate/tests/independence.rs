@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-/// What the model computes, by name: transforms, frames, statics, Jacobians, its own rotation formulas, evaluation.
-const THE_MODELS: [&str; 13] = [
+/// What the model computes, by name: transforms, frames, statics, Jacobians, its own rotation formulas, evaluation; what a sensor reads, and its
+/// start.
+const THE_MODELS: [&str; 19] = [
     ".transform(",
     ".forward(",
     "PostureBuffer",
@@ -17,6 +18,12 @@ const THE_MODELS: [&str; 13] = [
     ".carried_to(",
     "predict(",
     "gravity_in_measurement_frame",
+    ".read(",
+    "Reading::",
+    ".started(",
+    ".moved(",
+    ".freed(",
+    ".unknowns(",
 ];
 
 fn sources(folder: &Path, into: &mut Vec<PathBuf>) {

@@ -56,12 +56,15 @@ pub struct Effects {
 /// `truepose simulate`
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// Plant (TOML): the robot's file, its error sources, and the measurement campaign
+    /// Plant (TOML): the robot's file, its error sources, what it is measured with, and the measurement campaign
     #[arg(long, value_name = "FILE", value_parser = input())]
     pub plant: PathBuf,
     /// Where to write the measurements (CSV, mm and degrees)
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
+    /// Where to write the true position of every row's target and the true orientation of the tool, without noise (CSV)
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
     /// Seed of every random choice [default: that of the plant]
     #[arg(long, value_parser = parse_whole::<u64>)]
     pub seed: Option<u64>,

@@ -231,7 +231,10 @@ pub fn named(verb: &Verb) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
             list(&[("--fit", Some(&of.fit)), ("--data", Some(&of.data))]),
             list(&[("--history", of.history.as_ref()), ("--page", of.page.as_ref())]),
         ),
-        Verb::Simulate(of) => (list(&[("--plant", Some(&of.plant))]), list(&[("--out", Some(&of.out))])),
+        Verb::Simulate(of) => (
+            list(&[("--plant", Some(&of.plant))]),
+            list(&[("--out", Some(&of.out)), ("--truth", of.truth.as_ref())]),
+        ),
         Verb::Check(of) => (
             list(&[
                 ("--robot", Some(&of.robot.robot)),

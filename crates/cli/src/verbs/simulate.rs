@@ -5,7 +5,8 @@ use crate::failure::Failure;
 use crate::terminal;
 use std::path::Path;
 use truepose_io::{
-    ExportUnits, RobotOptions, Unit, check_writable, read_robot, read_text, robot_files, write_measurements,
+    ExportUnits, RobotOptions, Unit, check_writable, read_robot, read_text, robot_files, robot_surroundings,
+    write_measurements, write_observations,
 };
 use truepose_report::count;
 use truepose_simulate::{PlantDescription, SimulateError};
@@ -13,6 +14,7 @@ use truepose_simulate::{PlantDescription, SimulateError};
 /// Runs the verb.
 pub fn run(args: &Simulate) -> Result<(), Failure> {
     check_writable(&args.out)?;
+    args.truth.as_deref().map_or(Ok(()), check_writable)?;
     let text = read_text(&args.plant)?;
     let file = args.plant.display();
     let located = |error: SimulateError| {
@@ -36,16 +38,24 @@ pub fn run(args: &Simulate) -> Result<(), Failure> {
     let read = robot_files(&robot);
     let read: Vec<_> = read.iter().map(|file| ("the plant's `robot`", file.as_path())).collect();
     super::files::kept("--out", &args.out, &read)?;
+    args.truth.as_deref().map_or(Ok(()), |truth| super::files::kept("--truth", truth, &read))?;
+    let surroundings = robot_surroundings(&robot)?;
     let (chain, warnings) = read_robot(robot, &RobotOptions::default())?;
     terminal::warn(&warnings);
-    let measured = description.plant(&chain).and_then(|plant| {
+    let observed = description.plant_in(&chain, &surroundings).and_then(|plant| {
         let seed = args.campaign_seed.unwrap_or(description.seed);
-        plant.measure(&description.campaign.on(&chain, seed)?, seed)
+        let seen = plant.observe(&description.campaign_of(&plant, seed)?, seed)?;
+        Ok((plant.cell.names, seen))
     });
-    let data = measured.map_err(|error| located(error.located(&text)))?;
+    let (names, seen) = observed.map_err(|error| located(error.located(&text)))?;
     let unit = |word| Unit::named(word).copied().ok_or_else(|| Failure::Input(format!("no unit `{word}`")));
     let units = ExportUnits { length: unit("mm")?, angle: unit("deg")? };
-    write_measurements(&args.out, &chain, &data, &units)?;
-    terminal::print(&format!("{} measured, written to {}\n", count(data.len(), "row"), args.out.display()));
+    write_observations(&args.out, &chain, &seen.data, &names, &units)?;
+    let rows = count(seen.data.len(), "row");
+    terminal::print(&format!("{rows} measured, written to {}\n", args.out.display()));
+    if let Some(truth) = &args.truth {
+        write_measurements(truth, &chain, &seen.truth(), &units)?;
+        terminal::print(&format!("true poses of these rows written to {}\n", truth.display()));
+    }
     Ok(())
 }

@@ -39,6 +39,7 @@ mod programs;
 mod report;
 mod round_trip;
 mod sessions;
+mod simulated;
 mod spoiled;
 mod stream;
 mod surface;

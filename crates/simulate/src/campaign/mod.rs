@@ -23,6 +23,7 @@ mod swept;
 
 pub use channels::ChannelPlan;
 pub use paper::{POUND, TREATMENT_POINT, payload_at_treatment_point};
+pub(crate) use postures::{limits, variables};
 
 use truepose_kinematics::{Load, TargetId};
 
@@ -35,6 +36,23 @@ pub struct Visit {
     pub load: Load,
     /// Direction in which each movable joint last moved; none: from the visit before.
     pub approach: Option<Vec<f64>>,
+    /// What is measured.
+    pub task: Task,
+}
+
+/// What is measured in a visit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Task {
+    /// Positions of the targets, by the instrument.
+    #[default]
+    Positions,
+    /// What a thing of the cell observes. The joints of the visit are found with the real robot: a posture in which it touches or is seen.
+    Observed {
+        /// The thing, by its place in [`crate::Cell::things`].
+        thing: usize,
+        /// The target; none is the tool's origin. A camera in the cell observes all targets of its own.
+        target: Option<TargetId>,
+    },
 }
 
 /// Visits in the order in which they are made.
@@ -59,8 +77,8 @@ pub struct Campaign {
 impl Campaign {
     /// Visits of these postures, unloaded, half a minute each.
     pub fn of(postures: Vec<Vec<f64>>) -> Self {
-        let visits =
-            postures.into_iter().map(|joints| Visit { joints, load: Load::None, approach: None }).collect();
+        let visit = |joints| Visit { joints, load: Load::None, approach: None, task: Task::Positions };
+        let visits = postures.into_iter().map(visit).collect();
         Campaign {
             visits,
             targets: Vec::new(),

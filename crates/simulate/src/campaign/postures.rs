@@ -112,13 +112,13 @@ impl Campaign {
 }
 
 /// Controller's values as the joints' variables.
-pub(super) fn variables(chain: &Chain, mut postures: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn variables(chain: &Chain, mut postures: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     postures.iter_mut().for_each(|posture| chain.joints_from_controller(posture));
     postures
 }
 
 /// Lower and upper limit of the controller's value of each movable joint; a turn without limits has ±π.
-pub(super) fn limits(chain: &Chain) -> Result<Vec<(f64, f64)>, SimulateError> {
+pub(crate) fn limits(chain: &Chain) -> Result<Vec<(f64, f64)>, SimulateError> {
     let range = |&id: &JointId| {
         let joint = chain.joint(id);
         match (chain.controller_limits(id), joint.kind) {

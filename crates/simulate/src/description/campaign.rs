@@ -1,6 +1,6 @@
 //! The campaign's half of a description.
 
-use crate::{Campaign, ChannelPlan, SimulateError};
+use crate::{Campaign, ChannelPlan, SimulateError, Visit};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::Chain;
 
@@ -34,7 +34,7 @@ const MOST_VISITS: f64 = 1e7;
 pub struct CampaignDescription {
     /// How postures are chosen.
     pub postures: Postures,
-    /// How many postures.
+    /// How many postures in which positions are measured.
     pub visits: usize,
     /// Values of each joint on a grid.
     pub points: usize,
@@ -115,7 +115,20 @@ impl CampaignDescription {
     /// [`SimulateError::NoLimits`] for a slide without limits, [`SimulateError::Size`] for more visits than fit into memory, and those
     /// of the paper's sets.
     pub fn on(&self, chain: &Chain, seed: u64) -> Result<Campaign, SimulateError> {
-        let value = self.size(chain);
+        self.with(chain, Vec::new(), seed)
+    }
+
+    /// The campaign, with further visits behind its own: they have the same loads, repeats and order.
+    ///
+    /// # Errors
+    /// Those of [`CampaignDescription::on`].
+    pub(super) fn with(
+        &self,
+        chain: &Chain,
+        further: Vec<Visit>,
+        seed: u64,
+    ) -> Result<Campaign, SimulateError> {
+        let value = self.size(chain, further.len());
         if value > MOST_VISITS {
             return Err(SimulateError::Size {
                 what: "the number of visits",
@@ -132,6 +145,7 @@ impl CampaignDescription {
             Postures::PaperB => Campaign::paper_set_b(chain)?,
             Postures::PaperLinearity => Campaign::paper_linearity(),
         };
+        campaign.visits.extend(further);
         let com = self.com_mm.map(|v| 1e-3 * v);
         if self.each_payload {
             campaign = campaign.with_each_payload(&self.payloads_kg, com);
@@ -149,14 +163,14 @@ impl CampaignDescription {
     }
 
     /// Visits in all; of the paper's sets, which are small, those of one set.
-    fn size(&self, chain: &Chain) -> f64 {
+    fn size(&self, chain: &Chain, further: usize) -> f64 {
         let postures = match self.postures {
             Postures::Random | Postures::Halton | Postures::Returns => self.visits as f64,
             Postures::Grid => (self.points as f64).powf(chain.movable().len() as f64),
             Postures::PaperA | Postures::PaperB | Postures::PaperLinearity => 1.0,
         };
         let loads = if self.each_payload { self.payloads_kg.len().max(1) } else { 1 };
-        postures * loads as f64 * self.repeats as f64
+        (postures + further as f64) * loads as f64 * self.repeats as f64
     }
 }
 

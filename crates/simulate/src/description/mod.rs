@@ -44,16 +44,22 @@
 //! The robot's file is named here and read by the caller. A key that is not known, a wrong type or a name that the
 //! robot lacks is reported with its line and column.
 
+mod cameras;
 mod campaign;
+mod landmarks;
 mod options;
+mod surroundings;
 
+pub use cameras::CameraDescription;
 pub use campaign::{CampaignDescription, ChannelDescription, ChannelKind, Postures};
+pub use landmarks::{LandmarkDescription, LandmarkKind, MoveDescription};
 pub use options::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
+pub use surroundings::MisnamedRow;
 
 use crate::flaws::Flaws;
-use crate::{Plant, SimulateError};
+use crate::{Campaign, Plant, SimulateError};
 use serde::{Deserialize, Serialize};
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, Surroundings};
 use truepose_kinematics::Chain;
 
 /// A robot file, what is wrong with the robot, and how it is measured.
@@ -74,6 +80,12 @@ pub struct PlantDescription {
     pub repeatability: RepeatabilitySize,
     /// What is measured.
     pub campaign: CampaignDescription,
+    /// What the robot touches and is observed with, as it is.
+    pub landmarks: Vec<LandmarkDescription>,
+    /// Cameras as they are.
+    pub cameras: Vec<CameraDescription>,
+    /// Rows that name something else than what was observed.
+    pub misnamed: Vec<MisnamedRow>,
 }
 
 impl PlantDescription {
@@ -88,18 +100,37 @@ impl PlantDescription {
         })
     }
 
-    /// The plant, on this robot.
+    /// The plant, on this robot, of whose surroundings nothing is described.
     ///
     /// # Errors
     /// For places that the robot lacks and sizes that make no sense; see [`SimulateError::located`].
     pub fn plant(&self, chain: &Chain) -> Result<Plant, SimulateError> {
+        self.plant_in(chain, &Surroundings::default())
+    }
+
+    /// The plant, on this robot. Where this description leaves out where a landmark is or what a camera is like, it is as described in the
+    /// surroundings.
+    ///
+    /// # Errors
+    /// Those of [`PlantDescription::plant`].
+    pub fn plant_in(&self, chain: &Chain, described: &Surroundings) -> Result<Plant, SimulateError> {
         let options = PlantOptions {
             errors: self.errors.clone(),
             shop: self.shop.clone(),
             instrument: self.instrument.clone(),
             repeatability: self.repeatability.clone(),
         };
-        Plant::random(chain, &options, self.seed)
+        let mut plant = Plant::random(chain, &options, self.seed)?;
+        plant.cell = self.cell(chain, described)?;
+        Ok(plant)
+    }
+
+    /// The campaign of this plant: visits in which positions are measured, and behind them those with each landmark and each camera.
+    ///
+    /// # Errors
+    /// Those of [`CampaignDescription::on`].
+    pub fn campaign_of(&self, plant: &Plant, seed: u64) -> Result<Campaign, SimulateError> {
+        self.campaign.with(plant.chain(), self.visits(plant)?, seed)
     }
 
     /// The plant's data.
@@ -107,7 +138,8 @@ impl PlantDescription {
     /// # Errors
     /// Those of [`PlantDescription::plant`], of the campaign and of [`Plant::measure`].
     pub fn measure(&self, chain: &Chain) -> Result<Dataset, SimulateError> {
-        self.plant(chain)?.measure(&self.campaign.on(chain, self.seed)?, self.seed)
+        let plant = self.plant(chain)?;
+        plant.measure(&self.campaign_of(&plant, self.seed)?, self.seed)
     }
 }
 
@@ -115,7 +147,9 @@ impl SimulateError {
     /// An error about a name, with the first place of that name in the description.
     pub fn located(self, description: &str) -> SimulateError {
         let name = match &self {
-            SimulateError::Unknown { name, .. } => name,
+            SimulateError::Unknown { name, .. }
+            | SimulateError::OutOfReach { name, .. }
+            | SimulateError::Thing { name, .. } => name,
             SimulateError::JointKind { joint, .. } | SimulateError::NoLimits { joint } => joint,
             _ => return self,
         };

@@ -24,6 +24,7 @@ mod wander;
 pub use beam::Beam;
 pub use log::LogLag;
 pub use station::StationMotion;
+pub(crate) use station::StationPath;
 pub use wander::Wander;
 use wander::normal;
 

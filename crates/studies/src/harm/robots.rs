@@ -12,7 +12,7 @@ use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Load, Payload, Placed, Pose, Target, TargetId};
 use truepose_simulate::description::{InstrumentSize, PlantOptions, RepeatabilitySize, ShopDay};
 use truepose_simulate::flaws::{Flaws, Geometric};
-use truepose_simulate::{Campaign, ChannelPlan, Plant, Visit};
+use truepose_simulate::{Campaign, ChannelPlan, Plant, Task, Visit};
 
 /// Configurations at which a result is compared with the plant.
 const FRESH: usize = 100;
@@ -219,7 +219,12 @@ fn campaign(
             let com = Vector3::new(0.02, -0.01, 0.08) * reach;
             Load::Payload(Payload { mass: masses[draw.below(masses.len())], com })
         };
-        visits.push(Visit { joints: joints.clone(), load, approach: Some(approach.clone()) });
+        visits.push(Visit {
+            joints: joints.clone(),
+            load,
+            approach: Some(approach.clone()),
+            task: Task::Positions,
+        });
         last = Some(joints);
     }
     Campaign { visits, visit_s, row_s: 1.0, channels, ..Campaign::of(Vec::new()) }

@@ -4,7 +4,7 @@ use super::Asked;
 use super::robots::{Robot, identified, noise};
 use std::error::Error;
 use std::fmt::Write;
-use truepose_simulate::{Campaign, Flaws, Visit, flaws};
+use truepose_simulate::{Campaign, Flaws, Task, Visit, flaws};
 use truepose_upkeep::{MonitorOptions, check_poses, monitor};
 
 const CHECKS: usize = 12;
@@ -88,7 +88,7 @@ fn one(number: u64, locked: bool) -> Result<Slipped, Box<dyn Error>> {
     poses.visits = planned
         .poses
         .iter()
-        .map(|at| Visit { joints: at.joints.clone(), load: at.load, approach: None })
+        .map(|at| Visit { joints: at.joints.clone(), load: at.load, approach: None, task: Task::Positions })
         .collect();
     let seed = robot.seed + (9 << 32);
     let look = |mrad: f64| -> Result<_, Box<dyn Error>> {
