@@ -101,7 +101,7 @@ type Described = (String, &'static str, Option<(f64, f64)>);
 impl Robot {
     /// Of a file, `.toml` or `.urdf`.
     #[staticmethod]
-    fn from_file(path: PathBuf, base: Option<String>, tip: Option<String>) -> PyResult<Self> {
+    pub fn from_file(path: PathBuf, base: Option<String>, tip: Option<String>) -> PyResult<Self> {
         let (chain, said) = read_robot(&path, &RobotOptions { base, tip }).map_err(of_io)?;
         let toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
         // What is no regular file can be read once.

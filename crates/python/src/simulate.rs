@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use truepose_errormodel::{Dataset, configurations};
-use truepose_io::{CsvInfo, RobotOptions, read_details, read_robot, read_text};
+use truepose_io::{CsvInfo, read_text};
 use truepose_simulate::{PlantDescription, SimulateError};
 
 /// Of a plant file: the nominal robot and its measurements.
@@ -36,17 +36,18 @@ pub fn simulate(
         return Err(input(format!("{}: names no robot; begin with `robot = \"arm.toml\"`", plant.display())));
     }
     let path = plant.parent().unwrap_or_else(|| Path::new("")).join(&description.robot);
-    let (chain, _) = read_robot(&path, &RobotOptions::default()).map_err(of_io)?;
-    let robot = Robot { details: read_details(&path).map_err(of_io)?, ..Robot::bare(&chain) };
-    let chain = robot.chain.clone();
-    let data: Dataset = supervised(py, None, Vec::new(), move |_| {
-        let measured = description.plant(&chain).and_then(|made| {
+    let robot = Robot::from_file(path, None, None)?;
+    let (chain, surroundings) = (robot.chain.clone(), robot.beside.surroundings.clone());
+    let (data, landmarks) = supervised(py, None, Vec::new(), move |_| {
+        let measured = description.plant_in(&chain, &surroundings).and_then(|made| {
             let seed = campaign_seed.unwrap_or(description.seed);
-            made.measure(&description.campaign.on(&chain, seed)?, seed)
+            let data = made.measure(&description.campaign_of(&made, seed)?, seed)?;
+            Ok(named(data, &made.cell.names))
         });
         measured.map_err(|error| located(error.located(&text)))
     })?;
     let info = CsvInfo {
+        landmarks,
         file: "data".into(),
         rows: data.len(),
         visits: data.visit.iter().max().map_or(0, |last| last + 1),
@@ -55,4 +56,25 @@ pub fn simulate(
     };
     let data = Data::new(Arc::clone(&robot.chain), (data, info, Vec::new()));
     Ok((robot, data))
+}
+
+/// The rows with their landmarks numbered as in a table that was read, and the names of these.
+fn named(mut data: Dataset, names: &[String]) -> (Dataset, Vec<String>) {
+    let mut used: Vec<usize> = Vec::new();
+    let mut number = |landmark: Option<usize>| {
+        let landmark = landmark?;
+        Some(used.iter().position(|known| *known == landmark).unwrap_or_else(|| {
+            used.push(landmark);
+            used.len() - 1
+        }))
+    };
+    let landmarks: Vec<Option<usize>> = (0..data.len()).map(|row| number(data.landmark(row))).collect();
+    let points: Vec<Option<usize>> = (0..data.len()).map(|row| number(data.point(row))).collect();
+    if landmarks.iter().any(Option::is_some) {
+        data.set_landmarks(Some(&landmarks));
+    }
+    if points.iter().any(Option::is_some) {
+        data.set_points(Some(&points));
+    }
+    (data, used.into_iter().map(|landmark| names[landmark].clone()).collect())
 }

@@ -168,3 +168,29 @@ fn what_is_wrong_with_a_plant_s_landmarks_is_told_with_its_place() {
     let over = ["simulate", "--plant", "plant.toml", "--out", "data.csv", "--truth", "robot.toml"];
     folder.run(&over).ended(2);
 }
+
+#[test]
+fn plates_that_are_known_altogether_calibrate_an_arm() {
+    let folder = Folder::empty();
+    let (mut described, mut plant) = (String::new(), String::new());
+    for (name, xyz, normal) in [
+        ("floor", "[400, 0, 100]", "[0, 0, 1]"),
+        ("wall", "[650, 0, 300]", "[1, 0, 0]"),
+        ("side", "[400, 450, 300]", "[0, 1, 0]"),
+    ] {
+        let plate = format!(
+            "\n[[landmarks]]\nname = \"{name}\"\nkind = \"plane\"\nxyz = {xyz}\nnormal = {normal}\nknown = true\n"
+        );
+        described.push_str(&plate);
+        write!(plant, "\n[[landmarks]]\nname = \"{name}\"\nrows = 40\nsd_um = 20\n").unwrap();
+    }
+    folder.write("robot.toml", &robot(&described));
+    let head = "robot = \"robot.toml\"\nseed = 3\n\n[errors.geometric]\nposition_mm = 0.3\nangle_mrad = 0.5\n\n[campaign]\nvisits = 0\n";
+    folder.write("plant.toml", &format!("{head}{plant}"));
+    folder.run(&["simulate", "--plant", "plant.toml", "--out", "data.csv"]).ended(0);
+    let words = ["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json", "--json"];
+    let found: serde_json::Value = serde_json::from_str(&folder.run(&words).ended(0).out).unwrap();
+    // Held out is a whole plate, which the two others say little of.
+    let sd = kind(&found, "plane")["sd"].as_f64().unwrap();
+    assert!((sd / 0.02f64).ln().abs() < 0.4, "{sd} mm");
+}

@@ -106,9 +106,11 @@ fn about_own(data: &Dataset, rows: &[(usize, Vector3<f64>)], residuals: &mut Res
     // Columns of other sensors' unknowns are zero; a direction that these rows hardly show is left where it is.
     let norms: Vec<f64> = a.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, k| a[(i, k)] / norms[k]);
-    let moved = match scaled.clone().svd(true, true).solve(&left, 1e-6) {
-        Ok(x) => &left - scaled * x,
-        Err(_) => left,
+    // What is known altogether has nothing of its own to fit.
+    let own = (!own.is_empty()).then(|| scaled.clone().svd(true, true).solve(&left, 1e-6));
+    let moved = match own {
+        Some(Ok(x)) => &left - scaled * x,
+        _ => left,
     };
     for ((row, _), left) in rows.iter().zip(moved.iter()) {
         let w = w(*row);
