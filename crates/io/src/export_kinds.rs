@@ -102,7 +102,8 @@ mod tests {
 
     /// A position and one row of each kind: number of the kind from one, landmark, point, numbers.
     fn mixed() -> Dataset {
-        let rows: [(f64, Option<usize>, Option<usize>, [f64; 3]); 8] = [
+        type Written = (f64, Option<usize>, Option<usize>, [f64; 3]);
+        let rows: [Written; 8] = [
             (0.0, None, None, [0.0; 3]),
             (0.0, Some(0), None, [0.0; 3]),
             (1.0, Some(1), None, [1.25, 0.0, 0.0]),

@@ -44,9 +44,9 @@ impl Store {
             }
             let [carries_own, carries_met] = [Some(self.own_tool(lane)), chain.tool_of(tool)]
                 .map(|tool| move |frame: usize| tool.is_some_and(|tool| chain.carries(FrameId(frame), tool)));
-            for frame in 0..self.frames {
+            for (frame, &wanted) in frames.iter().enumerate().take(self.frames) {
                 let (a, b) = (carries_own(frame), carries_met(frame));
-                if frames[frame] {
+                if wanted {
                     let origin = self.vector(self.place(frame), lane);
                     let part = |carries: bool, point: &Vector3<f64>| {
                         if carries { point - origin } else { Vector3::zeros() }
