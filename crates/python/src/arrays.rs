@@ -1,14 +1,46 @@
 //! Arrays between numpy and the library.
 
 use crate::error::input;
-use numpy::ndarray::{Array1, Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::ndarray::{Array1, Array2, Array3, Dimension, Ix1, Ix2};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray, PyUntypedArrayMethods};
+use pyo3::Borrowed;
 use pyo3::prelude::*;
+use std::ops::Deref;
 use truepose_kinematics::nalgebra::DMatrix;
 use truepose_kinematics::{Chain, Pose};
 
+/// An array of numpy, to be read. It is copied where its numbers are not aligned, as in buffers that came over a network or in packed records:
+/// `as_array` has no defined behaviour there.
+pub struct Given<'py, T: Element, D: Dimension>(PyReadonlyArray<'py, T, D>);
+
+/// One column of numbers.
+pub type Given1<'py, T> = Given<'py, T, Ix1>;
+
+/// A table of numbers.
+pub type Given2<'py, T> = Given<'py, T, Ix2>;
+
+impl<'a, 'py, T: Element + 'a, D: Dimension + 'a> FromPyObject<'a, 'py> for Given<'py, T, D> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Given<'py, T, D>> {
+        let array: PyReadonlyArray<'py, T, D> = object.extract()?;
+        if object.getattr("flags")?.getattr("aligned")?.is_truthy()? {
+            return Ok(Given(array));
+        }
+        Ok(Given(object.call_method0("copy")?.extract()?))
+    }
+}
+
+impl<'py, T: Element, D: Dimension> Deref for Given<'py, T, D> {
+    type Target = PyReadonlyArray<'py, T, D>;
+
+    fn deref(&self) -> &PyReadonlyArray<'py, T, D> {
+        &self.0
+    }
+}
+
 /// Joint values of rows as the controller has them, n × dof, as variables of the chain.
-pub fn joints(chain: &Chain, q: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
+pub fn joints(chain: &Chain, q: &Given2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
     let wanted = chain.movable().len();
     let found = q.shape()[1];
     if found != wanted {

@@ -1,6 +1,7 @@
 //! Tables through the Arrow PyCapsule interface, in and out: any frame that has `__arrow_c_stream__` (polars, pyarrow, DuckDB, pandas …), without
 //! depending on any.
 
+use crate::arrays::Given1;
 use crate::error::input;
 use crate::texts::texts_of;
 use arrow_array::cast::AsArray;
@@ -13,7 +14,6 @@ use arrow_array::{
     Array, ArrayRef, Float64Array, RecordBatch, RecordBatchIterator, RecordBatchReader, StringArray,
 };
 use arrow_schema::{DataType, Field, Schema};
-use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
@@ -121,7 +121,7 @@ pub fn arrow_stream<'py>(
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
     for (name, column) in columns {
-        let array: ArrayRef = match column.extract::<PyReadonlyArray1<'_, f64>>() {
+        let array: ArrayRef = match column.extract::<Given1<'_, f64>>() {
             Ok(numbers) => Arc::new(Float64Array::from(numbers.as_array().to_vec())),
             Err(_) => Arc::new(StringArray::from(column.extract::<Vec<Option<String>>>()?)),
         };

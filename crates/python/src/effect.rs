@@ -3,11 +3,11 @@
 //! What it reads (joint values, signals, loads) is all that it may depend on, so that its answers are kept: while nothing that it reads changes,
 //! it is asked once. A data set is evaluated in one call before a fit begins; what is not known by then is asked block by block.
 
+use crate::arrays::Given2;
 use crate::error::{at_row, input};
 use crate::postures::Layout;
 use crate::robot::Robot;
 use crate::run::Raised;
-use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde_json::Value;
 use std::collections::HashMap;
@@ -192,7 +192,7 @@ impl PythonEffect {
             let answer = numpy.call_method1("asarray", (&answer, "float64")).map_err(|error| {
                 wrong(format!("`evaluate` has to return an array of numbers, {count} × {columns}: {error}"))
             })?;
-            let Ok(values) = answer.extract::<PyReadonlyArray2<'_, f64>>() else {
+            let Ok(values) = answer.extract::<Given2<'_, f64>>() else {
                 let shape: String = answer.getattr("shape")?.str()?.extract()?;
                 return Err(wrong(format!(
                     "`evaluate` has to return {count} × {columns} numbers and returned the shape {shape}"

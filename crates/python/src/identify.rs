@@ -1,5 +1,6 @@
 //! `identify`: fits the declared model.
 
+use crate::arrays::Given1;
 use crate::data::Data;
 use crate::error::input;
 use crate::fit::{Fit, Source};
@@ -8,7 +9,6 @@ use crate::model::Model;
 use crate::options::{groups, prior, solver, split};
 use crate::robot::Robot;
 use crate::run::supervised;
-use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use truepose_cli::front::{self, Campaign, Fitting};
@@ -49,7 +49,7 @@ pub fn identify(
     linear: bool,
     reduce_once: bool,
     rounds: Option<usize>,
-    fold_labels: Option<PyReadonlyArray1<'_, i64>>,
+    fold_labels: Option<Given1<'_, i64>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Fit, Vec<String>)> {
     let chain = robot.chain.clone();

@@ -1,7 +1,7 @@
 //! Options as Python gives them.
 
+use crate::arrays::Given1;
 use crate::error::input;
-use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use truepose_errormodel::{Dataset, configurations};
 use truepose_identify::{PriorStrength, Split, hold_out};
@@ -74,7 +74,7 @@ pub fn split(
 }
 
 /// Folds that a label of each row numbers.
-pub fn groups(data: &Dataset, labels: &PyReadonlyArray1<'_, i64>) -> PyResult<Split> {
+pub fn groups(data: &Dataset, labels: &Given1<'_, i64>) -> PyResult<Split> {
     let labels = labels.as_array();
     if labels.len() != data.len() {
         return Err(input(format!("groups has {} labels, and the data {} rows", labels.len(), data.len())));

@@ -1,8 +1,8 @@
 //! The nominal robot.
 
-use crate::arrays::{beside, joints, matrix, transforms};
+use crate::arrays::{Given2, beside, joints, matrix, transforms};
 use crate::error::{input, of_io, warnings};
-use numpy::{PyArray2, PyArray3, PyReadonlyArray2};
+use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ impl Robot {
     fn each<T>(
         &self,
         py: Python<'_>,
-        q: &PyReadonlyArray2<'_, f64>,
+        q: &Given2<'_, f64>,
         of: impl Fn(Posture<'_>) -> T + Send + Sync,
     ) -> PyResult<Vec<T>>
     where
@@ -194,17 +194,13 @@ impl Robot {
     }
 
     /// The tool in the measurement frame.
-    fn fk<'py>(&self, py: Python<'py>, q: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    fn fk<'py>(&self, py: Python<'py>, q: Given2<'py, f64>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let poses = self.each(py, &q, |posture| *posture.tool())?;
         Ok(transforms(py, &poses))
     }
 
     /// 6 × dof for each row: [v; ω] of the tool per unit of each joint's variable.
-    fn jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        q: PyReadonlyArray2<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn jacobian<'py>(&self, py: Python<'py>, q: Given2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let all = self.each(py, &q, |posture| joint_jacobian(&posture, &posture.tool().translation))?;
         let dof = self.chain.movable().len();
         // The controller's values, where joints are coupled.

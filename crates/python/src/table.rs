@@ -1,10 +1,10 @@
 //! Tables of Python as tables of the reader: columns are copied once, so that nobody can change them while they are read without the
 //! interpreter's lock.
 
+use crate::arrays::Given1;
 use crate::arrow;
 use crate::error::{input, of_io};
 use crate::texts::texts_of;
-use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use truepose_io::{MemoryColumn, MemoryTable};
 
@@ -49,7 +49,7 @@ pub fn read_table(py: Python<'_>, name: &str, frame: &Bound<'_, PyAny>) -> PyRes
 }
 
 fn of_python(header: &str, column: &Bound<'_, PyAny>) -> PyResult<MemoryColumn> {
-    if let Ok(numbers) = column.extract::<PyReadonlyArray1<'_, f64>>() {
+    if let Ok(numbers) = column.extract::<Given1<'_, f64>>() {
         return Ok(MemoryColumn::Numbers(numbers.as_array().to_vec()));
     }
     let texts: Vec<Option<String>> = column.extract().map_err(|_| {

@@ -145,6 +145,26 @@ def test_hypotheses_go_to_workers(two: tp.Robot, geared: pd.DataFrame, client: A
     assert found.summary["nested"]["found"] == [["acme/sine j1"]] * 3
 
 
+class Fatal(BaseException):
+    """What an `except Exception` lets through, as a panic is."""
+
+
+class Broken(tp.Hypothesis):
+    family = "acme/broken"
+
+    def variants(self, setting: tp.Setting) -> Iterable[tp.Variant]:
+        raise Fatal("no such machine")
+
+    def meaning(self, joint: str) -> str:
+        return ""
+
+
+def test_a_task_that_fails_in_any_way_ends_the_wait(two: tp.Robot, geared: pd.DataFrame, client: Any) -> None:
+    (future,) = truepose.dask.discover_each([(two, geared)], client=client, hypotheses=[Broken()], rotations=99)
+    with pytest.raises(RuntimeError, match=r"Fatal: no such machine"):
+        future.result(timeout=100)
+
+
 def test_what_cannot_be_sent_is_refused(two: tp.Robot, geared: pd.DataFrame, client: Any) -> None:
     read = tp.measurements(two, geared)
     with pytest.raises(tp.InputError, match="stay on this machine"):

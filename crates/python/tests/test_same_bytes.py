@@ -6,6 +6,7 @@ import pickle
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -39,15 +40,40 @@ def test_identify(fit: tp.Fit, by_program: Path, tmp_path: Path) -> None:
     assert (tmp_path / "fit.json").read_bytes() == by_program.read_bytes()
 
 
-@pytest.mark.parametrize("kind", ["polars", "pyarrow", "mapping", "file", "chunks"])
+def unaligned(values: Any) -> Any:
+    """The same numbers, a byte off their natural addresses, as in a buffer that came over a network."""
+    array = np.asarray(values)
+    if array.dtype.kind != "f":
+        return array
+    moved = np.frombuffer(b"-" + array.tobytes(), dtype=array.dtype, offset=1)
+    assert not moved.flags.aligned
+    return moved
+
+
+def off(values: Any) -> Any:
+    """As `unaligned`, for Arrow."""
+    array = np.asarray(values)
+    if array.dtype.kind != "f":
+        return pa.array(array)
+    return pa.Array.from_buffers(pa.float64(), len(array), [None, pa.py_buffer(b"-" + array.tobytes()).slice(1)])
+
+
+@pytest.mark.parametrize("kind", ["polars", "pyarrow", "mapping", "file", "chunks", "unaligned", "packed", "arrow off"])
 def test_every_kind_of_frame(robot: tp.Robot, frame: pd.DataFrame, example: Path, by_program: Path, kind: str) -> None:
     arrow = pa.Table.from_pandas(frame, preserve_index=False)
+    # Records of an odd number of bytes: most of their numbers are not aligned.
+    packed = np.zeros(len(frame), dtype=[("mark", "S1"), *((name, frame[name].to_numpy().dtype) for name in frame)])
+    for name in frame:
+        packed[name] = frame[name]
     data = {
         "polars": lambda: pl.from_arrow(arrow),
         "pyarrow": lambda: arrow,
         "mapping": lambda: {name: frame[name].to_numpy() for name in frame},
         "file": lambda: example / "measurements.csv",
         "chunks": lambda: pa.concat_tables([arrow.slice(0, 7), arrow.slice(7, 200), arrow.slice(207)]),
+        "unaligned": lambda: {name: unaligned(frame[name]) for name in frame},
+        "packed": lambda: {name: packed[name] for name in frame},
+        "arrow off": lambda: pa.table({name: off(frame[name]) for name in frame}),
     }[kind]()
     fit = tp.identify(robot, data, model=example / "model.toml")
     assert fit.to_json() == by_program.read_text()

@@ -7,10 +7,11 @@ costs time: its tasks run again. Needs ``dask[distributed]`` (``pip install true
 
 from __future__ import annotations
 
+import functools
 import importlib
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from truepose import _core
 from truepose._arrays import Arrays, Frame, Path, columns_of
@@ -32,6 +33,9 @@ __all__ = ["discover", "discover_each", "identify", "study"]
 
 TASK = 16
 """Blocks of a task."""
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 def identify(
@@ -98,6 +102,22 @@ def identify(
     return run(plan, total, progress)
 
 
+def _failing(task: Callable[P, T]) -> Callable[P, T]:
+    """A task whose client hears of every end. A panic is no `Exception`: a client would wait for its task forever."""
+
+    @functools.wraps(task)
+    def run(*args: P.args, **options: P.kwargs) -> T:
+        try:
+            return task(*args, **options)
+        except (Exception, KeyboardInterrupt, SystemExit):
+            raise
+        except BaseException as error:
+            raise RuntimeError(f"a task ended with {type(error).__name__}: {error}") from None
+
+    return run
+
+
+@_failing
 def _task(
     pass_bytes: bytes,
     classes: tuple[type[Effect], ...],
@@ -190,15 +210,18 @@ def study(plant: Path, seeds: Iterable[int], *, client: Any = None, **options: A
     return [client.submit(_studied, os.fspath(plant), int(seed), options, pure=False) for seed in seeds]
 
 
+@_failing
 def _studied(plant: str, seed: int, options: dict[str, Any]) -> tuple[dict[str, Any], Fit]:
     return _discovered(*simulate(plant, seed=seed), options)
 
 
+@_failing
 def _discovered(robot: Robot, data: Any, options: dict[str, Any]) -> tuple[dict[str, Any], Fit]:
     found = Discovery(_asked(robot, data, **options).run(True, 1, None))
     return found.summary, found.fit
 
 
+@_failing
 def _without(robot: Robot, data: Any, options: dict[str, Any], fold: int) -> bytes:
     return _asked(robot, data, **options).fold(fold, 1)
 
