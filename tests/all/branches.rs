@@ -77,7 +77,7 @@ fn a_gear_in_the_torso_of_two_arms_is_found_and_both_hands_are_corrected() {
     data.validate(&chain).unwrap();
     assert_eq!((data.tool(0), data.tool(1)), (ToolId(0), ToolId(1)));
     let declared: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric::default())];
-    let options = DiscoverOptions { seed: 1, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { seed: 1, rotations: 199, ..DiscoverOptions::default() };
     let found = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     let words: Vec<String> = found.findings.iter().map(|f| f.candidate.words()).collect();
     assert_eq!(words, ["transmission torso_pitch"]);

@@ -30,7 +30,7 @@ fn found(chain: &Chain, amplitude_mrad: f64, budget: Budget) -> Diagnosis {
     let plant = Plant::random(chain, &options, 11).unwrap();
     let data = plant.observe(&Campaign::random(chain, 2400, 12).unwrap(), 12).unwrap().data;
     let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
-    let options = DiscoverOptions { budget, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { budget, rotations: 199, ..DiscoverOptions::default() };
     diagnose(chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap()
 }
 

@@ -34,7 +34,7 @@ fn measured(chain: &Chain, errors: Flaws, visits: usize, payloads: &[f64], seed:
 }
 
 fn found(chain: &Chain, declared: &[Box<dyn AnyEffect>], data: &Dataset, seed: u64) -> Diagnosis {
-    let options = DiscoverOptions { seed, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { seed, rotations: 199, ..DiscoverOptions::default() };
     diagnose(chain, declared, data, &PivotedQr::default(), &options, &|_| ()).unwrap()
 }
 
@@ -191,7 +191,7 @@ fn a_rival_that_the_data_cannot_refute_is_fitted_for_a_plan() {
     // The last joint slipped on its flange, or the tool was turned: with the flange's axis alone nobody can tell.
     let slip = flaws::Shift { at: "j6".into(), when_s: 700.0, size_mm: 0.0, size_mrad: 0.8 };
     let data = measured(&chain, Flaws { shift: vec![slip], ..constants() }, 60, &[], 9);
-    let options = DiscoverOptions { competing_fits: true, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { competing_fits: true, rotations: 199, ..DiscoverOptions::default() };
     let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
     let found = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     let both = ["shift j6".to_owned(), "shift tool".to_owned()];
@@ -217,7 +217,7 @@ fn a_spring_whose_name_is_not_in_the_library_is_not_told_for_another_without_a_d
     let errors = Flaws { joint_compliance: vec![soft], ..constants() };
     let data = measured(&chain, errors, 60, &[0.0, 40.0, 90.0], 7);
     let library = Library::standard().without(Family::JointCompliance);
-    let options = DiscoverOptions { library, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { library, rotations: 199, ..DiscoverOptions::default() };
     let declared: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric::default())];
     let told = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     let first = &told.findings[0];
@@ -257,7 +257,7 @@ fn a_jump_is_a_jump_and_without_that_word_not_a_drift_without_a_doubt() {
     assert!(data.time.iter().all(|t| *t <= gap[0] || gap[1] <= *t), "{jump}");
 
     let library = Library::standard().without(Family::Shift);
-    let options = DiscoverOptions { library, ..DiscoverOptions::default() };
+    let options = DiscoverOptions { library, rotations: 199, ..DiscoverOptions::default() };
     let without = diagnose(&chain, &declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
     assert!(!without.findings.is_empty());
     assert!(nameless(&without), "{:?}: {:?}", words(&without), without.findings[0].alternatives);

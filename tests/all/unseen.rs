@@ -61,7 +61,7 @@ fn what_was_declared_unknown_is_never_told_to_be_wrong() {
     // Only one joint's own errors are declared: base and targets are unknown all the same.
     let frames = Some(vec![Where::Frame(FrameId(3))]);
     let declared: [Box<dyn AnyEffect>; 1] = [Box::new(Geometric { frames, components: None })];
-    let options = DiscoverOptions::default();
+    let options = DiscoverOptions { rotations: 199, ..DiscoverOptions::default() };
     for declared in [&declared[..], &[Box::new(Geometric::default()) as Box<dyn AnyEffect>][..]] {
         let told = diagnose(&chain, declared, &data, &PivotedQr::default(), &options, &|_| ()).unwrap();
         let wrong = |family: Family, place: &truepose_discover::Place| {
@@ -78,7 +78,7 @@ fn what_was_declared_unknown_is_never_told_to_be_wrong() {
 fn one_wrong_row_does_not_make_the_headline() {
     let chain = with_three_targets(&samples::ur10());
     let mut data = measured(&chain, constants(), 40, 3);
-    let options = DiscoverOptions::default();
+    let options = DiscoverOptions { rotations: 199, ..DiscoverOptions::default() };
     let clean = found(&chain, &data, &options);
     let row = clean.holdout_rows[4];
     data.position[row][2] += 12e-3;

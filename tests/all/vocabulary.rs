@@ -52,7 +52,8 @@ fn wandering(chain: &Chain, poses: usize, seed: u64) -> Campaign {
 }
 
 fn found(chain: &Chain, declared: &[Box<dyn AnyEffect>], data: &Dataset) -> Diagnosis {
-    diagnose(chain, declared, data, &PivotedQr::default(), &DiscoverOptions::default(), &|_| ()).unwrap()
+    let options = DiscoverOptions { rotations: 199, ..DiscoverOptions::default() };
+    diagnose(chain, declared, data, &PivotedQr::default(), &options, &|_| ()).unwrap()
 }
 
 fn words(found: &Diagnosis) -> Vec<String> {

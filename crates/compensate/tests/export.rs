@@ -3,6 +3,7 @@
 mod fits;
 
 use fits::{Draw, elastic, fitted, of};
+use std::cell::OnceCell;
 use truepose_compensate::{
     AxisConvention, AxisLink, AxisTableOptions, CompensateError, ExportOptions, axis_table, corrected_chain,
     error_tables, joint_origins,
@@ -141,13 +142,17 @@ fn agree(chain: &Chain, a: &Pose, b: &Pose) {
 fn files_of_axes_predict_as_the_model_does() {
     for chain in samples::all() {
         for convention in [AxisConvention::Dh, AxisConvention::Mdh] {
+            let once = OnceCell::new();
             geometric_alone(&chain, |fit, q, real| {
-                let table = axis_table(fit, &options(&chain), &AxisTableOptions::default()).expect("a table");
-                let text = table.value.to_csv(convention, &chain, &table.statement());
+                let text = once.get_or_init(|| {
+                    let table =
+                        axis_table(fit, &options(&chain), &AxisTableOptions::default()).expect("a table");
+                    table.value.to_csv(convention, &chain, &table.statement())
+                });
                 assert!(text.starts_with("# carries every effect of the fit\n"), "{text}");
                 let mut at = Pose::IDENTITY;
                 let mut q = q.iter();
-                for row in &cells(&text)[1..] {
+                for row in &cells(text)[1..] {
                     let [theta, d, a, alpha, beta] = std::array::from_fn(|k| number(&row[2 + k]));
                     if row[1].is_empty() {
                         at = at * placed(std::array::from_fn(|k| number(&row[7 + k])));
@@ -172,9 +177,12 @@ fn files_of_axes_predict_as_the_model_does() {
 #[test]
 fn kinematics_files_predict_as_the_model_does() {
     for chain in samples::all() {
+        let once = OnceCell::new();
         geometric_alone(&chain, |fit, q, real| {
-            let origins = joint_origins(fit, &options(&chain)).expect("origins");
-            let text = origins.value.to_ros_yaml(&origins.statement());
+            let text = once.get_or_init(|| {
+                let origins = joint_origins(fit, &options(&chain)).expect("origins");
+                origins.value.to_ros_yaml(&origins.statement())
+            });
             // Two levels of keys; the third one has the numbers.
             let (mut keys, mut values) = ([String::new(), String::new()], Vec::new());
             let mut axes: Vec<Vector3<f64>> = Vec::new();

@@ -168,7 +168,7 @@ fn uncertainties_are_those_of_a_sample() {
         let stated = parameter_table(&fit, &options).expect("a table").value;
         let root: Vec<f64> = fit.covariance().diagonal().iter().map(|v| v.sqrt()).collect();
         let mut draw = Draw(5);
-        let count = if elastic_too { 60 } else { 300 };
+        let count = if elastic_too { 30 } else { 120 };
         let numbers = |table: &ParameterTable| -> Vec<f64> {
             table.parts.iter().flat_map(|p| p.parameters.iter().map(|p| p.calibrated)).collect()
         };
@@ -192,8 +192,8 @@ fn uncertainties_are_those_of_a_sample() {
                 assert!(scatter < 0.03 * expected, "{} {part} {}: {scatter:e}", chain.name(), p.name);
                 continue;
             }
-            // 300 draws: a standard deviation is good to 4 %, four of them 16 %; 60 draws: 37 %.
-            let within = if elastic_too { 0.4 } else { 0.17 };
+            // 120 draws: a standard deviation is good to 6.5 %, four of them 26 %; 30 draws: 52 %.
+            let within = if elastic_too { 0.52 } else { 0.26 };
             assert!(
                 (scatter - u).abs() <= within * u + 1e-9,
                 "{} {part} {}: {scatter:e} in the sample, {u:e} stated",

@@ -120,7 +120,7 @@ fn every_verb_gives_the_same_bytes_on_any_number_of_threads() {
     for (arguments, outputs) in RUNS {
         let one = result(&folder, arguments, outputs, "1");
         assert!(one.len() > outputs.len() && one.values().any(|content| content.len() > 50), "{arguments:?}");
-        for threads in ["1", "2", "4", "7"] {
+        for threads in ["2", "7"] {
             let other = result(&folder, arguments, outputs, threads);
             assert_eq!(one.keys().collect::<Vec<_>>(), other.keys().collect::<Vec<_>>(), "{arguments:?}");
             for (name, content) in &one {

@@ -15,7 +15,9 @@ fn discovered(robot: &str, data: &str) -> (Vec<(String, String)>, String, [f64; 
     let folder = Folder::empty();
     folder.write("robot.toml", robot);
     folder.write("data.csv", data);
-    let ran = folder.run(&["discover", "--robot", "robot.toml", "--data", "data.csv", "--json"]).ended(0);
+    let ran = folder
+        .run(&["discover", "--robot", "robot.toml", "--data", "data.csv", "--rotations", "99", "--json"])
+        .ended(0);
     let found: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
     let word = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     let effects = found["effects"].as_array().unwrap();
@@ -57,18 +59,16 @@ fn units_and_names_change_no_finding() {
         });
         other += &format!("\n{}", cells.collect::<Vec<_>>().join(","));
     }
-    let (in_si, same_verdict, rms_in_si) = discovered(&robot, &(other + "\n"));
-    assert_eq!((&in_si, &same_verdict), (&effects, &verdict));
-    close(rms_in_si, rms);
+    other += "\n";
 
-    // Names whose order is the opposite one.
+    // And names whose order is the opposite one.
     let names = [("j1", "z6"), ("j2", "y5"), ("j3", "x4"), ("j4", "w3"), ("j5", "v2"), ("j6", "u1")];
     let targets = [("R1", "C"), ("R2", "B"), ("R3", "A")];
     let renamed = |text: &str| {
         names.iter().chain(&targets).fold(text.to_owned(), |text, (old, new)| text.replace(old, new))
     };
-    let (other_names, same_verdict, rms_renamed) = discovered(&renamed(&robot), &renamed(&data));
+    let (other_names, same_verdict, other_rms) = discovered(&renamed(&robot), &renamed(&other));
     let expected: Vec<_> = effects.iter().map(|(family, joint)| (family.clone(), renamed(joint))).collect();
     assert_eq!((other_names, same_verdict), (expected, verdict));
-    close(rms_renamed, rms);
+    close(other_rms, rms);
 }

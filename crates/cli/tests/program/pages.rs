@@ -66,15 +66,15 @@ fn every_verb_has_a_page() {
         return;
     };
     let axe = axe().unwrap_or_default();
-    for page in [
-        "i/index.html",
-        "i/summary.html",
-        "compensate/index.html",
-        "map/index.html",
-        "plan/index.html",
-        "predict/index.html",
+    for (page, widths) in [
+        ("i/index.html", &[360, 1280][..]),
+        ("i/summary.html", &[360]),
+        ("compensate/index.html", &[360]),
+        ("map/index.html", &[360, 1280]),
+        ("plan/index.html", &[360]),
+        ("predict/index.html", &[1280]),
     ] {
-        for width in [360, 1280] {
+        for &width in widths {
             let seen = asked(browser, &folder, page, &axe, width);
             let number = |key: &str| seen[key].as_f64().unwrap();
             assert!(number("wanted") <= number("width") + 1.0, "{page} is wider than the window: {seen}");
