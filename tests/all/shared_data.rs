@@ -151,7 +151,7 @@ fn null_pps_paper() {
 #[test]
 fn no_nested_discovery_on_measured_robots_is_worse_than_the_declared_model() {
     let Some(shared) = shared() else { return };
-    // `cargo xtask study` has whole searches of more robots.
+    // Two folds, 99 rotations: five folds take minutes.
     for name in ["irb120-wu", "hl6-qkm"] {
         let folder = shared.join("data").join(name);
         let chain = robot(&folder);

@@ -162,10 +162,10 @@ mod tests {
     use super::*;
     use rayon::prelude::*;
 
-    /// Robots of every kind whose verbs take least time.
+    /// Robots whose verbs take least time.
     const FEW: [u64; 12] = [0, 4, 6, 14, 17, 19, 22, 26, 38, 45, 51, 59];
 
-    /// Harm that is known and not yet mended, with its size: nothing else may be there. Robots 5, 9 and 28 take minutes: the study has them.
+    /// Harm that is known and not yet mended, with its size: nothing else may be there. Robots 5, 9 and 28 are in the study alone.
     const KNOWN: &[(u64, &str)] = &[
         (28, "identify huber(qr)"),   // 1.051
         (0, "identify ridge(map)"),   // 1.172
