@@ -37,7 +37,7 @@ mod tests {
 
     #[test]
     fn the_document_has_its_markers() {
-        for part in ["reliability", "unseen tuning", "unseen locked", "unseen locked-2"] {
+        for part in ["reliability", "unseen tuning", "unseen locked", "unseen locked-2", "unseen locked-5"] {
             assert!(replaced(include_str!("../../../docs/reliability.md"), part, "").is_some(), "{part}");
         }
     }
