@@ -9,6 +9,9 @@ import bench_peers as B
 import resource, time
 import numpy as np
 
+register(B)
+
+
 def from_disk(workload, peer):
     """The peer's fit with reading its table by pandas before it; which columns there are was decided beforehand."""
     f, load, _ = B.PEERS[(workload.replace("-disk", ""), peer)]

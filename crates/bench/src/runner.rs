@@ -69,7 +69,7 @@ fn peer(arguments: &Arguments, workload: &str, peer: &str) -> Result<Process, Fa
     let core = if wide { "Cooperlake" } else { "" };
     Process::start(
         Command::new(&arguments.python)
-            .args(["-c", include_str!("peer.py")])
+            .args(["-c", concat!(include_str!("jacobian_peers.py"), "\n", include_str!("peer.py"))])
             .arg(&arguments.peers)
             .arg(&arguments.data)
             .args([workload, peer, core]),

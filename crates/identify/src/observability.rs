@@ -44,30 +44,27 @@ pub fn observability(fit: &Fit, visits: usize) -> Result<Observability, Identify
     let scales: Vec<f64> = fit.reduction.kept.iter().map(|&c| columns[c].scale).collect();
     let turned = fit.factor.directions(ColumnScale::Given(&scales))?;
     let d = &turned.values;
-    let (Some(&first), Some(&last)) = (d.first(), d.last()) else {
-        return Ok(Observability {
-            o1: 0.0,
-            o2: 0.0,
-            o3: 0.0,
-            o4: 0.0,
-            o5: 0.0,
-            singular_values: Vec::new(),
-            weakest: Vec::new(),
-        });
-    };
-    let logs: f64 = d.iter().map(|v| v.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / d.len() as f64;
+    let [o1, o2, o3, o4, o5] = indices(d, visits);
+    if d.is_empty() {
+        return Ok(Observability { o1, o2, o3, o4, o5, singular_values: Vec::new(), weakest: Vec::new() });
+    }
     let direction = turned.vectors.column(d.len() - 1);
     let mut shares: Vec<(usize, f64)> =
         fit.reduction.kept.iter().zip(direction.iter()).map(|(&c, v)| (c, v * v)).collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     shares.truncate(3);
-    Ok(Observability {
-        o1: logs.exp() / (visits.max(1) as f64).sqrt(),
-        o2: last / first,
-        o3: last,
-        o4: last * last / first,
-        o5: 1.0 / d.iter().map(|v| 1.0 / v).sum::<f64>(),
-        singular_values: turned.values.clone(),
-        weakest: shares,
-    })
+    Ok(Observability { o1, o2, o3, o4, o5, singular_values: turned.values.clone(), weakest: shares })
+}
+
+/// O1 to O5 of singular values, largest first; zero where there are none.
+pub(crate) fn indices(d: &[f64], visits: usize) -> [f64; 5] {
+    let (Some(&first), Some(&last)) = (d.first(), d.last()) else { return [0.0; 5] };
+    let logs: f64 = d.iter().map(|v| v.max(f64::MIN_POSITIVE).ln()).sum::<f64>() / d.len() as f64;
+    [
+        logs.exp() / (visits.max(1) as f64).sqrt(),
+        last / first,
+        last,
+        last * last / first,
+        1.0 / d.iter().map(|v| 1.0 / v).sum::<f64>(),
+    ]
 }

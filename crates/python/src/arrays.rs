@@ -57,6 +57,12 @@ pub fn joints(chain: &Chain, q: &Given2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
     Ok(rows)
 }
 
+/// The same by columns, one a moving joint.
+pub fn columns(chain: &Chain, q: &Given2<'_, f64>) -> PyResult<Vec<Vec<f64>>> {
+    let rows = joints(chain, q)?;
+    Ok((0..chain.movable().len()).map(|joint| rows.iter().map(|row| row[joint]).collect()).collect())
+}
+
 /// Homogeneous transforms, n × 4 × 4.
 pub fn transforms<'py>(py: Python<'py>, poses: &[Pose]) -> Bound<'py, PyArray3<f64>> {
     let mut all = Array3::zeros((poses.len(), 4, 4));
@@ -92,6 +98,12 @@ pub fn beside<'py>(py: Python<'py>, rows: usize, columns: &[Vec<f64>]) -> Bound<
 /// A matrix.
 pub fn matrix<'py>(py: Python<'py>, of: &DMatrix<f64>) -> Bound<'py, PyArray2<f64>> {
     Array2::from_shape_fn(of.shape(), |place| of[place]).into_pyarray(py)
+}
+
+/// Matrices of one size.
+pub fn matrices<'py>(py: Python<'py>, of: &[&DMatrix<f64>]) -> Bound<'py, PyArray3<f64>> {
+    let (rows, columns) = of.first().map_or((0, 0), |first| first.shape());
+    Array3::from_shape_fn((of.len(), rows, columns), |(k, i, j)| of[k][(i, j)]).into_pyarray(py)
 }
 
 /// A vector.

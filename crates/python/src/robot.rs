@@ -1,13 +1,15 @@
 //! The nominal robot.
 
-use crate::arrays::{Given2, beside, joints, matrix, transforms};
+use crate::arrays::{Given2, beside, columns, joints, matrices, matrix, transforms};
 use crate::error::{input, of_io, warnings};
-use numpy::{PyArray2, PyArray3};
+use numpy::{PyArray2, PyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
 use truepose_cli::front;
+use truepose_errormodel::lanes::{JacobianGram, error_variances};
 use truepose_errormodel::{EffectRegistry, ErrorModel, FittedModel, SessionRules, Surroundings};
+use truepose_identify::{PostureScales, posture_observability};
 use truepose_io::{
     ColumnMap, RobotDetails, RobotOptions, fit_json, parse_fit, read_robot, read_text, robot_beside,
     robot_from_text, robot_toml,
@@ -92,6 +94,10 @@ impl Robot {
                 .collect()
         }))
     }
+}
+
+fn slices(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+    columns.iter().map(Vec::as_slice).collect()
 }
 
 /// A moving joint: name, unit, limits of the controller's value.
@@ -182,6 +188,12 @@ impl Robot {
         self.chain.frames().map(|frame| self.chain.frame_word(frame).to_owned()).collect()
     }
 
+    /// How many of them, after the base, are of joints.
+    #[getter]
+    fn joint_frames(&self) -> usize {
+        self.chain.joints().len()
+    }
+
     /// Of each target: name, position in the tool's frame, m, whether it is known.
     #[getter]
     fn targets(&self) -> Vec<(String, [f64; 3], bool)> {
@@ -217,6 +229,53 @@ impl Robot {
             flat.rows_mut(6 * k, 6).copy_from(&(jacobian * &change));
         }
         Ok(matrix(py, &flat))
+    }
+
+    /// Σ JᵀJ of the error Jacobians of these rows: of position and of rotation, 6n × 6n for n joints.
+    fn jacobian_gram<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        let columns = columns(&self.chain, &q)?;
+        let gram = py.detach(|| JacobianGram::of(&self.chain, &slices(&columns))).map_err(input)?;
+        Ok(matrices(py, &[gram.position(), &gram.rotation()]))
+    }
+
+    /// What these rows determine: singular values, O1 to O5, shares of the columns in the weakest direction.
+    fn observability(
+        &self,
+        py: Python<'_>,
+        q: Given2<'_, f64>,
+        (position_sd, rotation_sd): (f64, Option<f64>),
+        (length, angle): (f64, f64),
+    ) -> PyResult<(Vec<f64>, [f64; 5], Vec<f64>)> {
+        let columns = columns(&self.chain, &q)?;
+        let rotation_sd = rotation_sd.unwrap_or(f64::INFINITY);
+        let scales = PostureScales { position_sd, rotation_sd, length, angle };
+        let found = py.detach(|| {
+            let gram = JacobianGram::of(&self.chain, &slices(&columns))?;
+            posture_observability(&gram, scales)
+        });
+        let found = found.map_err(input)?;
+        Ok((found.singular_values, found.indices, found.weakest))
+    }
+
+    /// Variances of position and rotation for each row, n × 6, of the covariance of constant errors of the joints' frames.
+    fn error_variances<'py>(
+        &self,
+        py: Python<'py>,
+        q: Given2<'py, f64>,
+        covariance: Given2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let columns = columns(&self.chain, &q)?;
+        let rows = q.shape()[0];
+        let c = covariance.as_array();
+        let c = DMatrix::from_fn(c.nrows(), c.ncols(), |i, j| c[(i, j)]);
+        let mut variances = vec![0.0; 6 * rows];
+        py.detach(|| error_variances(&self.chain, &slices(&columns), &c, &mut variances)).map_err(input)?;
+        let parts: Vec<Vec<f64>> = (0..6).map(|k| variances[k * rows..(k + 1) * rows].to_vec()).collect();
+        Ok(beside(py, rows, &parts))
     }
 
     fn to_toml(&self) -> String {

@@ -34,6 +34,56 @@ def test_jacobians_are_differences(robot: tp.Robot) -> None:
         np.testing.assert_allclose(jacobian[:, 3:, k], np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1), atol=1e-8)
 
 
+def error_jacobians(scara: tp.Robot, q: np.ndarray) -> np.ndarray:
+    """Of the arm that the fixture has, by its table: n × 6 × 24, Eq. (7) frame by frame."""
+    result = np.zeros((len(q), 6, 24))
+    for row, (first, second, lift, turn) in enumerate(q):
+        angles = [first, first + second, first + second, first + second + turn]
+        elbow = 0.4 * np.array([np.cos(first), np.sin(first), 0.0])
+        wrist = elbow + 0.3 * np.array([np.cos(first + second), np.sin(first + second), 0.0])
+        hand = wrist + [0.0, 0.0, lift]
+        for frame, (angle, origin) in enumerate(zip(angles, (elbow, wrist, hand, hand))):
+            axes = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+            result[row, :3, 6 * frame : 6 * frame + 3] = axes
+            result[row, :3, 6 * frame + 3 : 6 * frame + 6] = np.cross(axes.T, hand - origin).T
+            result[row, 3:, 6 * frame + 3 : 6 * frame + 6] = axes
+    return result
+
+
+def test_error_jacobians_are_used_without_being_kept(scara: tp.Robot) -> None:
+    q = np.random.default_rng(5).uniform(-1.0, 1.0, (300, 4))
+    jacobian = error_jacobians(scara, q)
+    position, rotation = scara.error_gram(q)
+    np.testing.assert_allclose(position, np.einsum("nci,ncj->ij", jacobian[:, :3], jacobian[:, :3]), atol=1e-10)
+    np.testing.assert_allclose(rotation, np.einsum("nci,ncj->ij", jacobian[:, 3:], jacobian[:, 3:]), atol=1e-10)
+    assert scara.error_columns[:7] == ["j1 x", "j1 y", "j1 z", "j1 rx", "j1 ry", "j1 rz", "j2 x"] and len(scara.error_columns) == 24
+
+    root = np.random.default_rng(6).normal(0.0, 1e-4, (24, 30))
+    covariance = root @ root.T
+    variances = scara.error_variances(q, covariance)
+    np.testing.assert_allclose(variances, np.einsum("nci,ij,ncj->nc", jacobian, covariance, jacobian), rtol=1e-9)
+
+    found = scara.observability(q, position_sd=2e-4, orientation_sd=1e-3, length=2e-3, angle=1e-3)
+    scaled = jacobian * np.tile([2e-3] * 3 + [1e-3] * 3, 4) / np.repeat([2e-4, 1e-3], 3)[:, None]
+    singular = np.linalg.svd(scaled.reshape(-1, 24), compute_uv=False)
+    assert found.rank == np.sum(singular > 1e-10 * singular[0]) < 24
+    np.testing.assert_allclose(found.singular_values, singular[: found.rank], rtol=1e-6)
+    np.testing.assert_allclose([found.o2, found.o3], [singular[found.rank - 1] / singular[0], singular[found.rank - 1]], rtol=1e-6)
+    assert scara.observability(q).rank < found.rank
+
+
+def test_scales_and_covariances_that_are_none_are_refused(scara: tp.Robot) -> None:
+    q = scara.spread(3)
+    with pytest.raises(tp.InputError, match="24 × 24"):
+        scara.error_variances(q, np.eye(6))
+    with pytest.raises(tp.InputError, match="negative variance"):
+        scara.error_variances(q, -np.eye(24))
+    with pytest.raises(tp.InputError, match="position_sd"):
+        scara.observability(q, position_sd=0.0)
+    with pytest.raises(tp.InputError, match="not a finite number"):
+        scara.error_gram([[0.0, np.nan, 0.0, 0.0]])
+
+
 def test_a_robot_pickles_to_the_last_bit(robot: tp.Robot, scara: tp.Robot) -> None:
     for one in (robot, scara):
         again = pickle.loads(pickle.dumps(one))

@@ -6,6 +6,7 @@ mod disk;
 mod folds;
 mod paper;
 mod points;
+mod postures;
 
 use crate::workload::{Answer, Bound, Declared, Failure, Way, Workload};
 use std::cell::RefCell;
@@ -26,6 +27,9 @@ pub const ALL: &[Workload] = &[
     arm::W5,
     commands::W6,
     arm::W7,
+    postures::GRAM,
+    postures::VARIANCES,
+    postures::PACKED_JACOBIANS,
 ];
 
 /// A way whose runs leave their answer behind.

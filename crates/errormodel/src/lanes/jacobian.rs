@@ -3,7 +3,6 @@
 use super::errors::LaneErrors;
 use super::store::Store;
 use super::width::LANES;
-use crate::ModelError;
 use truepose_kinematics::lanes::Lane;
 use truepose_kinematics::pulp::{Simd, WithSimd};
 use truepose_kinematics::{Chain, Site, three};
@@ -109,49 +108,4 @@ impl WithSimd for Reach<'_> {
             }
         }
     }
-}
-
-/// Error Jacobians of the tool at many postures of the nominal robot, into memory that is there.
-///
-/// `joints` has one column a movable joint, `into` as many blocks of [`LANES`] postures as are begun, each with
-/// `6 n × 6 × LANES` numbers: site by site of the n joints' frames (x, y, z, rx, ry, rz), in each the components of position
-/// and rotation, in each the postures. Numbers of postures that are not there are those of a robot at zero.
-///
-/// # Errors
-/// When sizes do not fit.
-pub fn error_jacobians(chain: &Chain, joints: &[&[f64]], into: &mut [f64]) -> Result<(), ModelError> {
-    let shape =
-        |what, have, need| if have == need { Ok(()) } else { Err(ModelError::Shape { what, have, need }) };
-    shape("joint columns", joints.len(), chain.movable().len())?;
-    let postures = joints.first().map_or(0, |column| column.len());
-    joints.iter().try_for_each(|column| shape("rows of a column", column.len(), postures))?;
-    let size = 36 * chain.joints().len() * LANES;
-    shape("numbers of the Jacobians", into.len(), postures.div_ceil(LANES) * size)?;
-    let mut store = Store::new(chain);
-    let errors = LaneErrors::new(chain);
-    let mut inputs = vec![0.0; joints.len() * LANES];
-    let mut wanted = vec![true; store.frames];
-    wanted[0] = false;
-    wanted[chain.joints().len() + 1..].fill(false);
-    for (k, into) in into.chunks_exact_mut(size).enumerate() {
-        let first = k * LANES;
-        for (to, from) in inputs.chunks_exact_mut(LANES).zip(joints) {
-            let from = &from[first..(first + LANES).min(postures)];
-            to[..from.len()].copy_from_slice(from);
-            to[from.len()..].fill(0.0);
-        }
-        store.turn(chain, &inputs);
-        store.walk(chain, &inputs, &errors, LANES);
-        store.reach(chain, &errors, &wanted, LANES);
-        for (site, site_numbers) in into.chunks_exact_mut(6 * LANES).enumerate() {
-            let site = chain.site_at(6 + site);
-            for (component, to) in site_numbers.chunks_exact_mut(LANES).enumerate() {
-                match store.of_site(site, component) {
-                    Some(row) => to.copy_from_slice(store.row(row)),
-                    None => to.fill(0.0),
-                }
-            }
-        }
-    }
-    Ok(())
 }

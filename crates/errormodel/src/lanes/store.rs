@@ -160,6 +160,20 @@ impl Store {
         }
     }
 
+    /// Looks at the robot's first tool in all lanes, where it branches.
+    pub fn take_first_tool(&mut self) {
+        if self.branches {
+            self.tool = vec![ToolId::FIRST; LANES];
+        }
+    }
+
+    /// Axes and levers of the first frames behind the base are nothing in the lanes from this one on.
+    pub fn forget(&mut self, frames: usize, lanes: usize) {
+        for row in (9..9 * (frames + 1)).chain(self.lever(1)..self.lever(frames + 1)) {
+            self.row_mut(row)[lanes..].fill(0.0);
+        }
+    }
+
     /// Takes from each lane the levers of frames that do not carry its tool. Nothing but levers may be asked for after that.
     pub fn part(&mut self, chain: &Chain) {
         let met = |lane: &usize| self.met.get(*lane).is_some_and(Option::is_some);
@@ -212,6 +226,11 @@ impl Store {
 
     pub fn row(&self, row: usize) -> &[f64] {
         &self.numbers[row * LANES..][..LANES]
+    }
+
+    /// So many rows that follow each other.
+    pub fn rows(&self, first: usize, count: usize) -> &[f64] {
+        &self.numbers[first * LANES..][..count * LANES]
     }
 
     pub fn row_mut(&mut self, row: usize) -> &mut [f64] {

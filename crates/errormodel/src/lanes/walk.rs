@@ -73,10 +73,10 @@ impl WithSimd for Walk<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Walk { store, chain, joints, errors, lanes } = self;
         let frames = store.frames;
-        for frame in 0..frames {
-            let of = errors.of(FrameId(frame));
-            store.plain[frame] = of == FrameErrors::Plain;
-            if of == FrameErrors::Varying {
+        let of_frames: Vec<FrameErrors> = (0..frames).map(|frame| errors.of(FrameId(frame))).collect();
+        for (frame, of) in of_frames.iter().enumerate() {
+            store.plain[frame] = *of == FrameErrors::Plain;
+            if *of == FrameErrors::Varying {
                 for (k, axis) in Axis::ALL.into_iter().enumerate() {
                     let row = store.angle(frame, k);
                     errors.write(FrameId(frame), axis, store.row_mut(row));
@@ -119,7 +119,7 @@ impl WithSimd for Walk<'_> {
                     }
                 }
                 put(numbers, &pose.rotation, at.before + 9 * frame, width, v);
-                match errors.of(FrameId(frame)) {
+                match of_frames[frame] {
                     FrameErrors::Plain => {}
                     FrameErrors::Same(e) => {
                         let exact = error_matrix(&e);

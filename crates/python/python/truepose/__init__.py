@@ -37,7 +37,7 @@ from truepose._errors import Interrupted
 from truepose._fit import Commands, Fit, HeldOut, Predictions, Residuals, load
 from truepose._recording import Recording, read_mcap
 from truepose._rewriting import Rewritten, rewrite
-from truepose._robot import Joint, Robot, Target
+from truepose._robot import Joint, Observability, Robot, Target
 from truepose._table import Table
 from truepose._verbs import (
     Check,
@@ -90,6 +90,7 @@ __all__ = [
     "LoadNonlinearity",
     "Look",
     "Measurements",
+    "Observability",
     "Plan",
     "Polynomial",
     "Postures",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from truepose import _core
-from truepose._arrays import Floats, Path, joint_values
+from truepose._arrays import Floats, Path, floats, joint_values
 from truepose._core import InputError
 
 
@@ -31,6 +31,26 @@ class Target:
     name: str
     position: tuple[float, float, float]
     known: bool
+
+
+@dataclass(frozen=True)
+class Observability:
+    """What a set of postures determines of constant errors.
+
+    `rank`: number of directions that are determined, with their `singular_values`, largest first. `o1` to `o5`: the usual indices of them (Borm and
+    Menq; Driels and Pathre; Nahvi et al.; Sun and Hollerbach), larger is better. `weakest`: the columns with the largest shares in the direction
+    that is determined worst.
+    """
+
+    postures: int
+    rank: int
+    singular_values: Floats
+    o1: float
+    o2: float
+    o3: float
+    o4: float
+    o5: float
+    weakest: dict[str, float]
 
 
 class Robot:
@@ -161,6 +181,54 @@ class Robot:
         """Joint Jacobians n × 6 × dof: velocity and angular velocity of the nominal tool, in the measurement frame, per unit of each joint value."""
         values = joint_values(self, q)
         return self._core.jacobian(values).reshape(len(values), 6, self.dof)
+
+    def error_gram(self, q: ArrayLike) -> tuple[Floats, Floats]:
+        """Σ JᵀJ over the rows of `q` of the error Jacobian J (Eq. 7 of the paper), of its rows of position and of rotation, each 6k × 6k.
+
+        k joints, the fixed ones included (`error_columns` names the columns). No Jacobian is kept in memory: a million postures take a fraction
+        of a second. Sums of parts add up.
+        """
+        position, rotation = self._core.jacobian_gram(joint_values(self, q))
+        return position, rotation
+
+    @property
+    def error_columns(self) -> list[str]:
+        """Names of the columns of `error_gram`: ``"j1 x"`` … ``"j1 rz"``, ``"j2 x"`` …; m and rad, in the axes of the joint's frame."""
+        return [f"{frame} {axis}" for frame in self.frames[1 : 1 + self._core.joint_frames] for axis in ("x", "y", "z", "rx", "ry", "rz")]
+
+    def observability(
+        self,
+        q: ArrayLike,
+        *,
+        position_sd: float = 1e-4,
+        orientation_sd: float | None = None,
+        length: float = 1e-3,
+        angle: float = 1e-3,
+    ) -> Observability:
+        """How well these postures determine constant errors of all joints' frames, before anything is measured.
+
+        `position_sd` and `orientation_sd`: standard deviations of one measured component, m and rad (None: orientations are not measured). `length`
+        and `angle`: expected sizes of errors, m and rad.
+
+        Examples
+        --------
+        >>> robot = tp.Robot.named("ur10e")
+        >>> robot.observability(robot.spread(50)).rank
+        20
+        """
+        values = joint_values(self, q)
+        found = self._core.observability(values, (position_sd, orientation_sd), (length, angle))
+        singular, indices, weakest = found
+        shares = dict(sorted(zip(self.error_columns, weakest), key=lambda pair: -pair[1])[:3])
+        return Observability(len(values), len(singular), np.array(singular), *indices, weakest=shares)
+
+    def error_variances(self, q: ArrayLike, covariance: ArrayLike) -> Floats:
+        """Variances of the tool's position (x, y, z, m²) and rotation (rx, ry, rz, rad²) for each row of `q`, n × 6.
+
+        `covariance`: of constant errors of the joints' frames in the order of `error_columns`, in m and rad.
+        """
+        size = len(self.error_columns)
+        return self._core.error_variances(joint_values(self, q), floats("covariance", covariance, size, size))
 
     def spread(self, count: int) -> Floats:
         """Joint values spread evenly over the limits, count × dof: poses for a trial, always the same."""
