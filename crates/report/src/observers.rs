@@ -10,10 +10,13 @@ use truepose_identify::Suspect;
 pub struct SuspectSummary {
     /// Its name.
     pub name: String,
-    /// `moved`, or what was taken as given: `flatness`, `lens`, `radius`, `gain`, `gain and offset`.
+    /// `moved`, `row` (one row is elsewhere), or what was taken as given: `place`, `direction`, `flatness`, `lens`, `radius`, `gain`, `gain and offset`.
     pub what: String,
-    /// The line of the data from which on it has moved; null of what is wrong throughout.
+    /// The line of the data from which on it has moved, or that is elsewhere; null of what is wrong throughout.
     pub from_line: Option<u64>,
+    /// The landmark that such a line touched in truth, where one lies there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instead: Option<String>,
     /// By how much: name, value, half its 95 % interval, unit (mm, mrad, px, 1, 1/m).
     pub values: Vec<(String, f64, f64, String)>,
     /// RMS over its rows of what that explains, in `unit`.
@@ -42,6 +45,7 @@ impl SuspectSummary {
             name: found.name.clone(),
             what: found.what.into(),
             from_line: found.from.map(|row| data.line.get(row).map_or(row as u64 + 1, |&line| line)),
+            instead: found.instead.clone(),
             values: found.values.iter().map(value).collect(),
             rms: if pixels { found.size } else { 1e3 * found.size },
             unit: if pixels { "px" } else { "mm" }.into(),
@@ -59,6 +63,23 @@ impl SuspectSummary {
                     self.from_line.unwrap_or(0)
                 ),
                 "It may have moved, or been touched otherwise: look at its mount, name it differently from there on, and compare. Where several are told, the robot's base or its tool may have moved.",
+            ),
+            "row" => {
+                let line = self.from_line.unwrap_or(0);
+                match &self.instead {
+                    Some(other) => (
+                        format!("line {line} names {name} and lies at {other}"),
+                        "Correct the name, or leave the line out.",
+                    ),
+                    None => (
+                        format!("line {line} lies elsewhere than the other rows of {name}"),
+                        "Measure it again, or leave the line out.",
+                    ),
+                }
+            }
+            "place" => (
+                format!("{name} is not where it is said to be"),
+                "Measure its place, or let it be found: leave `known = true` out.",
             ),
             "flatness" => (
                 format!("{name} is not flat"),
@@ -111,6 +132,7 @@ mod tests {
             name: "A".into(),
             what: what.into(),
             from_line,
+            instead: None,
             values: values.iter().map(value).collect(),
             rms: 0.123,
             unit: "mm".into(),

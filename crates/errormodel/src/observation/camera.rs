@@ -16,7 +16,7 @@
 //! Source: D. C. Brown, Close-range camera calibration, *Photogrammetric Engineering* 37 (1971). Unknowns are the centre, turns about the axes of the
 //! measurement frame, and the intrinsics where they are free: from few views these are hardly distinguishable from the place.
 
-use super::seam::{OFF, Observation, Reading, Seen, TURNED, shown};
+use super::seam::{OFF, Observation, Reading, Seen, TURNED, shown, taken};
 use super::start::{centre, descended};
 use crate::Column;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector3};
@@ -225,9 +225,10 @@ impl Observation for Camera {
         all
     }
 
-    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
-        let free = Camera { free_intrinsics: true, ..self.clone() };
-        (!self.free_intrinsics).then(|| ("lens", Box::new(free) as Box<dyn Observation>))
+    fn freed(&self) -> Vec<(&'static str, Box<dyn Observation>)> {
+        let lens = Camera { free_intrinsics: true, ..self.clone() };
+        let place = Camera { known: false, ..self.clone() };
+        taken([(self.known, "place", Box::new(place)), (!self.free_intrinsics, "lens", Box::new(lens))])
     }
 
     fn metric(&self) -> bool {

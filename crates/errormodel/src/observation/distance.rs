@@ -4,7 +4,7 @@
 //! h = g ‖p − a‖ + o        ∂h/∂p = g u,  ∂h/∂a = −g u,  ∂h/∂g = ‖p − a‖,  ∂h/∂o = 1,      u = (p − a)/‖p − a‖
 //! ```
 
-use super::seam::{OFF, Observation, Reading, Seen, TURNED, place, shown, split_place};
+use super::seam::{OFF, Observation, Reading, Seen, TURNED, place, shown, split_place, taken};
 use super::start::{centre, descended, solved};
 use crate::Column;
 use nalgebra::Vector3;
@@ -118,10 +118,11 @@ impl Observation for Distance {
         all
     }
 
-    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
-        let free = Distance { free_gain: true, free_offset: true, ..self.clone() };
-        (!(self.free_gain && self.free_offset))
-            .then(|| ("gain and offset", Box::new(free) as Box<dyn Observation>))
+    fn freed(&self) -> Vec<(&'static str, Box<dyn Observation>)> {
+        let law = Distance { free_gain: true, free_offset: true, ..self.clone() };
+        let place = Distance { known: false, ..self.clone() };
+        let stated = !(self.free_gain && self.free_offset);
+        taken([(self.known, "place", Box::new(place)), (stated, "gain and offset", Box::new(law))])
     }
 
     fn metric(&self) -> bool {

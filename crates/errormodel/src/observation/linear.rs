@@ -5,7 +5,7 @@
 //! ```
 //! x₀ is the middle of the points, so that a turn of the direction and the offset are distinguishable.
 
-use super::seam::{OFF, Observation, Reading, Seen, TURNED, across, shown_direction};
+use super::seam::{OFF, Observation, Reading, Seen, TURNED, across, shown_direction, taken};
 use super::start::{centre, descended, solved};
 use crate::Column;
 use nalgebra::Vector3;
@@ -134,9 +134,10 @@ impl Observation for Linear {
         all
     }
 
-    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
-        let free = Linear { free_gain: true, ..self.clone() };
-        (!self.free_gain).then(|| ("gain", Box::new(free) as Box<dyn Observation>))
+    fn freed(&self) -> Vec<(&'static str, Box<dyn Observation>)> {
+        let law = Linear { free_gain: true, ..self.clone() };
+        let turned = Linear { known: false, ..self.clone() };
+        taken([(self.known, "direction", Box::new(turned)), (!self.free_gain, "gain", Box::new(law))])
     }
 
     fn metric(&self) -> bool {

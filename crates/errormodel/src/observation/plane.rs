@@ -4,7 +4,7 @@
 //! 0 = h = n·(p − x₀)        ∂h/∂p = n,  ∂h/∂τ_k = e_k·(p − x₀),  ∂h/∂s = −1,      n ← n + τ₁ e₁ + τ₂ e₂,  x₀ ← x₀ + s n
 //! ```
 
-use super::seam::{OFF, Observation, Reading, Seen, TURNED, across, shown, shown_direction};
+use super::seam::{OFF, Observation, Reading, Seen, TURNED, across, shown, shown_direction, taken};
 use super::start::{centre, descended, thinnest};
 use crate::Column;
 use nalgebra::Vector3;
@@ -92,8 +92,11 @@ impl Observation for Plane {
         all
     }
 
-    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
-        Some(("flatness", Box::new(Warped(self.clone()))))
+    fn freed(&self) -> Vec<(&'static str, Box<dyn Observation>)> {
+        // A bend lifts and tilts a table that is said to be known: nobody states of which of its points that is true.
+        let place = Plane { known: false, ..self.clone() };
+        let bent = Warped(place.clone());
+        taken([(self.known, "place", Box::new(place)), (true, "flatness", Box::new(bent))])
     }
 
     fn metric(&self) -> bool {
@@ -180,7 +183,7 @@ mod tests {
         let plane = Plane { normal: Some(Vector3::z()), point: Some(Vector3::zeros()), known: false };
         let (mut flat, mut bent) = (Reading::default(), Reading::default());
         let at = Pose::from_xyz_rpy([0.3, -0.2, 0.1], [0.0; 3]);
-        assert!(plane.read(&at, &mut flat) && plane.freed().unwrap().1.read(&at, &mut bent));
+        assert!(plane.read(&at, &mut flat) && plane.freed()[0].1.read(&at, &mut bent));
         assert_eq!(bent.by_own[0][..3], flat.by_own[0][..]);
         // Whatever the axes across: u² + v² is the distance from the middle.
         assert!((bent.by_own[0][3] + bent.by_own[0][5] + 0.13).abs() < 1e-12, "{bent:?}");

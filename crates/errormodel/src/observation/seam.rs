@@ -96,10 +96,10 @@ pub trait Observation: Any + Debug + Send + Sync {
         Vec::new()
     }
 
-    /// What it takes as given, in words, and the same with that as further unknowns behind its own: a lens, a gain, that a table is flat. None where it
-    /// takes nothing.
-    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
-        None
+    /// What it takes as given, in words, each with the observation of which that is further unknowns beside its own: its place where that is
+    /// known, a lens, a gain, that a table is flat. Unknowns of the same name are the same.
+    fn freed(&self) -> Vec<(&'static str, Box<dyn Observation>)> {
+        Vec::new()
     }
 
     /// Whether what it reads is a known length: then it determines the scale.
@@ -146,6 +146,13 @@ pub(super) fn shown(point: Vector3<f64>) -> [(&'static str, f64, &'static str); 
 /// A direction for people.
 pub(super) fn shown_direction(direction: Vector3<f64>) -> [(&'static str, f64, &'static str); 3] {
     [("nx", direction.x, "1"), ("ny", direction.y, "1"), ("nz", direction.z, "1")]
+}
+
+/// What is taken as given, of what may be.
+pub(super) fn taken<const N: usize>(
+    all: [(bool, &'static str, Box<dyn Observation>); N],
+) -> Vec<(&'static str, Box<dyn Observation>)> {
+    all.into_iter().filter(|(taken, ..)| *taken).map(|(_, what, freed)| (what, freed)).collect()
 }
 
 /// The first three of some numbers as a step, where a place is unknown; the rest of them.

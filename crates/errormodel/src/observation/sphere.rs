@@ -5,7 +5,7 @@
 //! ```
 //! R is the distance from the ball's centre to the target: of a probe with a tip of its own, the sum of both radii.
 
-use super::seam::{OFF, Observation, Reading, Seen, place, shown, split_place};
+use super::seam::{OFF, Observation, Reading, Seen, place, shown, split_place, taken};
 use super::start::{centre, descended, solved};
 use crate::Column;
 use nalgebra::Vector3;
@@ -99,9 +99,10 @@ impl Observation for Sphere {
         all
     }
 
-    fn freed(&self) -> Option<(&'static str, Box<dyn Observation>)> {
-        let free = Sphere { free_radius: true, ..self.clone() };
-        (!self.free_radius).then(|| ("radius", Box::new(free) as Box<dyn Observation>))
+    fn freed(&self) -> Vec<(&'static str, Box<dyn Observation>)> {
+        let size = Sphere { free_radius: true, ..self.clone() };
+        let place = Sphere { known: false, ..self.clone() };
+        taken([(self.known, "place", Box::new(place)), (!self.free_radius, "radius", Box::new(size))])
     }
 
     fn metric(&self) -> bool {

@@ -24,21 +24,22 @@ pub(super) fn freed(sensors: &Sensors, poses: &[Pose], carried: &Carried, length
     let mut all = Vec::new();
     let mut reading = Reading::default();
     for (sensor, found) in sensors.found.iter().enumerate() {
-        let Some((what, more)) = found.observation.freed() else { continue };
         let own = found.observation.unknowns(&found.name, length);
-        let columns = more.unknowns(&found.name, length);
-        let further: Vec<usize> =
-            (0..columns.len()).filter(|&k| own.iter().all(|own| own.name != columns[k].name)).collect();
-        let mut rows = Vec::new();
-        for &row in &found.rows {
-            let at = carried.seen_from(row, &poses[row]).unwrap_or(poses[row]);
-            if more.read(&at, &mut reading) {
-                let by = &reading.by_own[sensors.which(row)];
-                rows.push((row, further.iter().map(|&k| found.weight * by[k]).collect()));
+        for (what, more) in found.observation.freed() {
+            let columns = more.unknowns(&found.name, length);
+            let further: Vec<usize> =
+                (0..columns.len()).filter(|&k| own.iter().all(|own| own.name != columns[k].name)).collect();
+            let mut rows = Vec::new();
+            for &row in &found.rows {
+                let at = carried.seen_from(row, &poses[row]).unwrap_or(poses[row]);
+                if more.read(&at, &mut reading) {
+                    let by = &reading.by_own[sensors.which(row)];
+                    rows.push((row, further.iter().map(|&k| found.weight * by[k]).collect()));
+                }
             }
+            let columns = further.iter().map(|&k| columns[k].clone()).collect();
+            all.push(Freed { sensor, what, columns, rows });
         }
-        let columns = further.iter().map(|&k| columns[k].clone()).collect();
-        all.push(Freed { sensor, what, columns, rows });
     }
     all
 }

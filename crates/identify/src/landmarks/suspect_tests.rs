@@ -54,6 +54,73 @@ fn a_socket_that_moved_is_named_with_the_row_and_the_way() {
 }
 
 #[test]
+fn a_row_that_names_another_socket_is_told_with_the_one_it_touched() {
+    let of = cell(40);
+    let (mut data, surroundings) = campaign(&of, 14, 2e-5, 3);
+    let mut at: Vec<Option<usize>> = (0..data.len()).map(|row| data.landmark(row)).collect();
+    let row = at.iter().position(|at| *at == Some(2)).unwrap() + 4;
+    at[row] = Some(5);
+    data.set_landmarks(Some(&at));
+    let found = tested(&of, &data, &surroundings);
+    let told: Vec<_> =
+        found.iter().map(|s| (s.name.as_str(), s.what, s.from, s.instead.as_deref())).collect();
+    assert_eq!(told, [("L5", "row", Some(row), Some("L2"))]);
+}
+
+#[test]
+fn the_partner_of_a_socket_that_moved_is_not_blamed() {
+    let of = cell(41);
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut builder = DatasetBuilder::new(&of.chain);
+    let mut at = Vec::new();
+    for round in 0..18 {
+        for (k, socket) in of.sockets.iter().enumerate() {
+            let off = Vector3::from_fn(|_, _| 2e-5 * rng.random_range(-1.7..1.7));
+            let way = if k == 3 && round >= 9 { Vector3::new(3e-4, 0.0, -1e-4) } else { Vector3::zeros() };
+            let q = touching(&of, &(socket + off + way), &mut rng);
+            builder.push(Measurement::at(q).visit(at.len() as u64)).unwrap();
+            at.push(Some(k));
+        }
+    }
+    let mut data = builder.finish();
+    data.set_landmarks(Some(&at));
+    // The pair of the socket that moves has its distance, too.
+    let (_, surroundings) = campaign(&of, 3, 2e-5, 1);
+    let found = tested(&of, &data, &surroundings);
+    let told: Vec<_> = found.iter().map(|s| (s.name.as_str(), s.what, s.from.map(|row| row / 12))).collect();
+    assert_eq!(told, [("L3", "moved", Some(9))], "{found:?}");
+}
+
+#[test]
+fn a_known_plane_is_told_where_it_lies_elsewhere_and_where_it_is_bent() {
+    let of = cell(42);
+    for (lift, bend, what) in [(2e-4, 0.0, Some("place")), (0.0, 1.5e-3, Some("flatness")), (0.0, 0.0, None)]
+    {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        let mut rows = Vec::new();
+        for _ in 0..60 {
+            let (x, y): (f64, f64) = (rng.random_range(-0.4..0.4), rng.random_range(-0.4..0.4));
+            // Bent upwards in the middle, where nobody touched it when its place was measured.
+            let z = 0.1 + lift + bend * (0.1 - x * x - y * y);
+            rows.push(Shot {
+                landmark: 0,
+                at: Some(Vector3::new(0.5 + x, y, z)),
+                reads: Box::new(|_| 0.0),
+                sd: 2e-5,
+            });
+            rows.push(Shot { landmark: 1, at: None, reads: Box::new(|_| 0.0), sd: 3e-5 });
+        }
+        let data = shots(&of, 1, &rows, 6);
+        let point = Some(Vector3::new(0.5, 0.0, 0.1));
+        let plane = Plane { normal: Some(Vector3::z()), point, known: true };
+        let (made, found) = fitted(&of, &data, vec![seen_by("table", plane)]);
+        let all = suspects(&found, &made.data, &made).unwrap();
+        let told: Vec<&str> = all.iter().map(|suspect| suspect.what).collect();
+        assert_eq!(told, what.into_iter().collect::<Vec<_>>(), "{all:?}");
+    }
+}
+
+#[test]
 fn landmarks_that_stay_are_not_suspected() {
     for seed in 0..8 {
         let of = cell(30 + seed);

@@ -1,0 +1,222 @@
+//! The design matrix of a fit, and the score test of further columns beside it.
+
+use crate::linearise::Lineariser;
+use crate::{Fit, IdentifyError};
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use truepose_errormodel::Dataset;
+
+/// Places in the order of the rows at which a move is looked for, at most.
+const INSTANTS: usize = 24;
+/// Share of a column that the robot must leave for a test.
+const LEFT: f64 = 1e-4;
+/// A row alone is tested where its squares are so many times those of a number of its kind.
+const FAR: f64 = 12.0;
+
+/// The design matrix of a fit, number by number, over their noise.
+pub(super) struct Design {
+    covariance: DMatrix<f64>,
+    x: DMatrix<f64>,
+    residual: DVector<f64>,
+    leverage: Vec<f64>,
+    noise: Vec<f64>,
+    pub(super) row: Vec<usize>,
+    pub(super) component: Vec<usize>,
+}
+
+/// A test: what it explains of its own numbers, and by what.
+pub(super) struct Tested {
+    pub p_value: f64,
+    pub share: f64,
+    /// RMS over its numbers, in metres of the weighted rows.
+    pub size: f64,
+    pub values: Vec<(f64, f64)>,
+    /// Its numbers, and A there.
+    numbers: Vec<usize>,
+    columns: DMatrix<f64>,
+}
+
+impl Design {
+    pub(super) fn of(fit: &Fit, data: &Dataset) -> Result<Self, IdentifyError> {
+        let covariance = fit.fitted.covariance().clone();
+        let mut lineariser = Lineariser::new(fit.fitted.model(), data, fit.noise, fit.fitted.coefficients())?;
+        let width = lineariser.width();
+        let (mut x, mut residual, mut noise) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut row, mut component) = (Vec::new(), Vec::new());
+        for at in 0..data.len() {
+            let block = lineariser.unweighted(&[at]);
+            for (numbers, &(_, which)) in block.rows.chunks_exact(width).zip(block.source) {
+                if which > 2 {
+                    continue;
+                }
+                let sd = fit.noise.position(data.position_sd[at][which]).hypot(fit.noise.visit_sd);
+                x.extend(numbers[..width - 1].iter().map(|v| v / sd));
+                residual.push(numbers[width - 1] / sd);
+                noise.push(sd);
+                row.push(at);
+                component.push(which);
+            }
+        }
+        let x = DMatrix::from_row_iterator(row.len(), width - 1, x);
+        let spread = &x * &covariance;
+        let leverage = (0..row.len()).map(|i| x.row(i).dot(&spread.row(i)).clamp(0.0, 1.0)).collect();
+        Ok(Design { covariance, x, residual: DVector::from_vec(residual), leverage, noise, row, component })
+    }
+
+    /// Takes a suspicion's columns into X, with coefficients of their own; whether that could be done.
+    pub(super) fn join(&mut self, tested: &Tested) -> bool {
+        let (own, a) = (&tested.numbers, &tested.columns);
+        let k = a.ncols();
+        // XᵀA, and A − X C XᵀA in all rows.
+        let across = &self.covariance * self.x.select_rows(own).tr_mul(a);
+        let mut left = -(&self.x * &across);
+        for (at, &i) in own.iter().enumerate() {
+            left.row_mut(i).zip_apply(&a.row(at), |left, a| *left += a);
+        }
+        let matrix = a.tr_mul(&left.select_rows(own));
+        let Some(inverse) = matrix.cholesky().map(|factor| factor.inverse()) else { return false };
+        let by = &inverse * a.tr_mul(&self.residual.select_rows(own));
+        self.residual -= &left * by;
+        let through = &left * &inverse;
+        for (i, leverage) in self.leverage.iter_mut().enumerate() {
+            *leverage = (*leverage + through.row(i).dot(&left.row(i))).clamp(0.0, 1.0);
+        }
+        let before = self.covariance.nrows();
+        let beside = -(&across * &inverse);
+        let own_part = &self.covariance - &beside * across.transpose();
+        let mut covariance = DMatrix::zeros(before + k, before + k);
+        covariance.view_mut((0, 0), (before, before)).copy_from(&own_part);
+        covariance.view_mut((0, before), (before, k)).copy_from(&beside);
+        covariance.view_mut((before, 0), (k, before)).copy_from(&beside.transpose());
+        covariance.view_mut((before, before), (k, k)).copy_from(&inverse);
+        self.covariance = covariance;
+        let x = std::mem::replace(&mut self.x, DMatrix::zeros(0, 0));
+        let mut x = x.insert_columns(before, k, 0.0);
+        for (at, &i) in own.iter().enumerate() {
+            x.view_mut((i, before), (1, k)).copy_from(&a.row(at));
+        }
+        self.x = x;
+        true
+    }
+
+    /// The numbers of some rows, ascending.
+    pub(super) fn own(&self, rows: &[usize]) -> Own<'_> {
+        let numbers: Vec<usize> =
+            (0..self.row.len()).filter(|&i| rows.binary_search(&self.row[i]).is_ok()).collect();
+        Own { design: self, x: self.x.select_rows(&numbers), numbers }
+    }
+
+    /// Whether a row is elsewhere than all others say, each of its numbers by itself.
+    pub(super) fn alone(&self, row: usize, left: (f64, f64)) -> Option<Tested> {
+        let numbers: Vec<usize> = (self.row.partition_point(|&other| other < row)..self.row.len())
+            .take_while(|&i| self.row[i] == row)
+            .collect();
+        let squares: f64 =
+            numbers.iter().map(|&i| self.residual[i].powi(2) / (1.0 - self.leverage[i]).max(1e-3)).sum();
+        if squares * left.1 <= FAR * left.0 {
+            return None;
+        }
+        let own = Own { design: self, x: self.x.select_rows(&numbers), numbers };
+        let count = own.numbers.len();
+        let columns =
+            own.columns(count, |i| own.numbers.iter().map(|&other| f64::from(other == i)).collect());
+        own.test(columns, left)
+    }
+
+    /// Squares and degrees of freedom that are left to the numbers of a kind.
+    pub(super) fn left(&self, of_kind: &dyn Fn(usize) -> bool) -> (f64, f64) {
+        let numbers = (0..self.row.len()).filter(|&i| of_kind(self.row[i]));
+        numbers.fold((0.0, 0.0), |(squares, freedom), i| {
+            (squares + self.residual[i].powi(2), freedom + 1.0 - self.leverage[i])
+        })
+    }
+
+    /// Whether what these rows share changed from one of them on: the instant that explains most.
+    pub(super) fn moved(
+        &self,
+        width: usize,
+        rows: &[usize],
+        column: &dyn Fn(usize) -> Vec<f64>,
+        of_kind: &dyn Fn(usize) -> bool,
+        tests: &mut usize,
+    ) -> Option<(Tested, usize)> {
+        // As many rows on either side as unknowns, and two more.
+        let least = width + 2;
+        if width == 0 || rows.len() < 2 * least {
+            return None;
+        }
+        let places = rows.len() - 2 * least + 1;
+        let stride = places.div_ceil(INSTANTS);
+        let (own, left) = (self.own(rows), self.left(of_kind));
+        let at = |instant: usize| {
+            let from = rows[instant];
+            let a = own.columns(width, |i| if self.row[i] >= from { column(i) } else { vec![0.0; width] });
+            own.test(a, left)
+        };
+        let mut best: Option<(Tested, usize)> = None;
+        let mut take = |instant: usize| {
+            *tests += 1;
+            if let Some(tested) = at(instant)
+                && best.as_ref().is_none_or(|(best, _)| tested.p_value < best.p_value)
+            {
+                best = Some((tested, instant));
+            }
+            best.as_ref().map(|(_, instant)| *instant)
+        };
+        let rough = (0..places).step_by(stride).map(|k| take(least + k)).last().flatten()?;
+        let near = (rough + 1).saturating_sub(stride).max(least)..(rough + stride).min(least + places);
+        near.filter(|&instant| instant != rough).for_each(|instant| {
+            take(instant);
+        });
+        best.map(|(tested, instant)| (tested, rows[instant]))
+    }
+}
+
+/// The numbers of one landmark or sensor: further columns are zero in all others.
+pub(super) struct Own<'d> {
+    design: &'d Design,
+    numbers: Vec<usize>,
+    x: DMatrix<f64>,
+}
+
+impl Own<'_> {
+    /// Further columns: what a unit of each does to a number of the design.
+    pub(super) fn columns(&self, count: usize, of: impl Fn(usize) -> Vec<f64>) -> DMatrix<f64> {
+        let mut a = DMatrix::zeros(self.numbers.len(), count);
+        for (at, &i) in self.numbers.iter().enumerate() {
+            of(i).into_iter().enumerate().for_each(|(k, v)| a[(at, k)] = v / self.design.noise[i]);
+        }
+        a
+    }
+
+    /// The test of these columns, `left` being the squares and degrees of freedom of their kind.
+    pub(super) fn test(&self, a: DMatrix<f64>, (squares, freedom): (f64, f64)) -> Option<Tested> {
+        let Design { covariance, residual, noise, .. } = self.design;
+        let residual = residual.select_rows(&self.numbers);
+        let left = &a - &self.x * (covariance * self.x.tr_mul(&a));
+        let (g, matrix) = (a.tr_mul(&residual), a.tr_mul(&left));
+        let whole: Vec<f64> = a.column_iter().map(|column| column.norm_squared()).collect();
+        if (0..whole.len()).any(|k| matrix[(k, k)] <= LEFT * whole[k]) {
+            return None;
+        }
+        let inverse = matrix.cholesky()?.inverse();
+        let by = &inverse * &g;
+        let (explained, k) = (g.dot(&by), a.ncols() as f64);
+        if freedom < k + 2.0 || squares <= explained {
+            return None;
+        }
+        let scatter = (squares - explained) / (freedom - k);
+        let p_value = FisherSnedecor::new(k, freedom - k).ok()?.sf(explained / k / scatter);
+        let fitted = left * &by;
+        let size: f64 = self.numbers.iter().zip(fitted.iter()).map(|(&i, v)| (v * noise[i]).powi(2)).sum();
+        let values = by.iter().enumerate().map(|(j, v)| (*v, (scatter * inverse[(j, j)]).sqrt()));
+        Some(Tested {
+            p_value,
+            share: explained / residual.norm_squared().max(f64::MIN_POSITIVE),
+            size: (size / self.numbers.len().max(1) as f64).sqrt(),
+            values: values.collect(),
+            numbers: self.numbers.clone(),
+            columns: a,
+        })
+    }
+}

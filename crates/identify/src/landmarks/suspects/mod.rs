@@ -1,0 +1,203 @@
+//! Is it the robot, or what observed it? Score tests of what a landmark or a sensor takes as given: that it stayed where it was, that a table is flat,
+//! that a lens is the stated one.
+//!
+//! ```text
+//! r = (I − X C Xᵀ) y,   g = Aᵀ r,   G = Aᵀ (I − X C Xᵀ) A,   δ = G⁻¹ g
+//! F = (gᵀδ/k) / ((Σ r² − gᵀδ)/(Σ (1 − λ_i) − k)),            sums over the numbers of the same kind
+//! ```
+//!
+//! | symbol | here |
+//! | --- | --- |
+//! | X, r, C | design matrix and residual of the fit, over the noise of each number; covariance of the coefficients |
+//! | A | n × k: what the k further unknowns do to each number: K of a sensor from some row on, or the columns of [`Freed`] |
+//! | λ_i | leverage, x_i C x_iᵀ |
+//!
+//! G allows for all that the robot can take over, so that an arm with errors is not taken for a bent table (Rao 1948; with the prior of the fit as
+//! that of a mixed model). p is multiplied by the number of tests. The most significant suspicion joins X and everything is tested again beside it:
+//! what is wrong with one thing pulls its neighbours along, and they are not to blame (forward selection).
+
+mod design;
+
+use super::Touched;
+use crate::{Fit, IdentifyError};
+use design::{Design, Tested};
+use nalgebra::Vector3;
+use truepose_errormodel::{Column, Dataset, own_channel};
+
+/// What an observation takes as given, and what is wrong with it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Suspect {
+    /// The landmark or sensor.
+    pub name: String,
+    /// What is wrong: `moved`, `row` where one of its rows is elsewhere, or what was taken as given.
+    pub what: &'static str,
+    /// The first row from which on it has moved, or the one that is elsewhere; none of what is wrong throughout.
+    pub from: Option<usize>,
+    /// The landmark that such a row touched, where there is one.
+    pub instead: Option<String>,
+    /// By how much: name, value, standard deviation, SI unit.
+    pub values: Vec<(String, f64, f64, String)>,
+    /// RMS over its rows of what that explains, m, or in the unit of the kind.
+    pub size: f64,
+    /// Of all tests together.
+    pub p_value: f64,
+}
+
+/// A suspicion is reported from this p on, of all tests together. A convention.
+const LEVEL: f64 = 1e-3;
+/// And where it explains so much of the squares of its rows: an arm with errors that the model lacks leaves more than noise, a little of
+/// which looks like anything. A convention.
+const SHARE: f64 = 0.25;
+/// Numbers of a design matrix, at most: beyond, nothing is tested.
+const LARGEST: usize = 50_000_000;
+/// Suspicions of one campaign, at most.
+const MOST: usize = 12;
+/// A suspicion explains at least this share of what the largest before it does: of large faults something is left that is not linear. A
+/// convention.
+const SMALL: f64 = 0.03;
+
+/// Tests every landmark and every sensor of a fit of these rows.
+///
+/// # Errors
+/// When the data does not fit the model.
+pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Suspect>, IdentifyError> {
+    let derived = &*data.derived_for(fit.fitted.model())?;
+    if derived.len() * 3 * fit.fitted.coefficients().len() > LARGEST {
+        return Ok(Vec::new());
+    }
+    let mut design = Design::of(fit, derived)?;
+    let mut found: Vec<Suspect> = Vec::new();
+    while found.len() < MOST {
+        let (tests, best) = worst(&design, derived, touched, &found);
+        let Some(Named { name, columns, what, from, weight, tested }) = best else { break };
+        let p_value = (tested.p_value * tests as f64).min(1.0);
+        if p_value >= LEVEL {
+            break;
+        }
+        let value = |(column, (value, sd)): (&Column, &(f64, f64))| {
+            (column.name.clone(), *value, *sd, column.unit.clone())
+        };
+        let values = columns.iter().zip(&tested.values).map(value).collect();
+        let instead = if what == ROW { touched_instead(derived, touched, from, &tested) } else { None };
+        found.push(Suspect { name, what, from, instead, values, size: tested.size / weight, p_value });
+        if !design.join(&tested) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+/// The word for one row that is elsewhere.
+const ROW: &str = "row";
+
+/// The landmark at which a row was that named another one: the nearest to where the robot says that it was, much nearer than the one it names.
+fn touched_instead(data: &Dataset, touched: &Touched, row: Option<usize>, tested: &Tested) -> Option<String> {
+    /// Of the distance to the landmark that it names, at most so much.
+    const NEAR: f64 = 0.1;
+    let (row, [x, y, z]) = (row?, tested.values.as_slice()) else { return None };
+    let off = Vector3::new(x.0, y.0, z.0);
+    let own = data.landmark(row)?;
+    let was = data.measured_position(row) - off;
+    let place = |k: usize| {
+        let other = (0..data.len()).find(|&other| data.landmark(other) == Some(k))?;
+        Some((k, (data.measured_position(other) - was).norm()))
+    };
+    let others = (0..touched.names.len()).filter(|&k| k != own).filter_map(place);
+    let (k, away) = others.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (away < NEAR * off.norm()).then(|| touched.names[k].clone())
+}
+
+/// A test, and what it says where it is significant.
+struct Named {
+    name: String,
+    columns: Vec<Column>,
+    what: &'static str,
+    from: Option<usize>,
+    weight: f64,
+    tested: Tested,
+}
+
+/// The number of tests, and the most significant one that explains enough and was not found before.
+fn worst(design: &Design, derived: &Dataset, touched: &Touched, found: &[Suspect]) -> (usize, Option<Named>) {
+    let mut tests = 0usize;
+    let mut best: Option<Named> = None;
+    let largest = found.iter().map(|found| found.size).fold(0.0, f64::max);
+    let mut keep = |named: Named| {
+        let better = |known: &Named| named.tested.p_value < known.tested.p_value;
+        // One thing at a time of each; several rows may be elsewhere.
+        let rows = |found: &Suspect| found.what == ROW && named.what == ROW && found.from != named.from;
+        let again = found.iter().any(|found| found.name == named.name && !rows(found));
+        let small = named.tested.size / named.weight < SMALL * largest;
+        if named.tested.share >= SHARE && !again && !small && best.as_ref().is_none_or(better) {
+            best = Some(named);
+        }
+    };
+    for (k, name) in touched.names.iter().enumerate() {
+        let rows: Vec<usize> = (0..derived.len()).filter(|row| derived.landmark(*row) == Some(k)).collect();
+        let columns = ["x", "y", "z"].map(|axis| Column::new(format!("{axis}@{name}"), "m", 1.0)).to_vec();
+        let column =
+            |i: usize| (0..3).map(|axis| if design.component[i] == axis { -1.0 } else { 0.0 }).collect();
+        let kind = |row: usize| derived.landmark(row).is_some();
+        if let Some((tested, from)) = design.moved(columns.len(), &rows, &column, &kind, &mut tests) {
+            let name = name.clone();
+            keep(Named {
+                name,
+                columns: columns.clone(),
+                what: "moved",
+                from: Some(from),
+                weight: 1.0,
+                tested,
+            });
+        }
+        let left = design.left(&kind);
+        for &row in &rows {
+            tests += 1;
+            if let Some(tested) = design.alone(row, left) {
+                let (name, columns) = (name.clone(), columns[..tested.values.len().min(3)].to_vec());
+                keep(Named { name, columns, what: ROW, from: Some(row), weight: 1.0, tested });
+            }
+        }
+    }
+    let own: Vec<&Vec<f64>> =
+        (0..).map_while(|k| derived.schema.channel(&own_channel(k))).map(|k| &derived.channels[k]).collect();
+    for (k, sensor) in touched.sensors.iter().enumerate() {
+        let (name, weight) = (&sensor.name, sensor.weight);
+        let rows: Vec<usize> = (0..derived.len()).filter(|&row| derived.sensor(row) == Some(k)).collect();
+        let columns = sensor.observation.unknowns(name, 1.0);
+        let column = |i: usize| {
+            let row = design.row[i];
+            let square = derived.ray(row).map_or(0.0, |w| w.norm_squared());
+            own.iter().take(columns.len()).map(|own| own[row] * square).collect()
+        };
+        let of_kind = |row: usize| {
+            let observed = derived.sensor(row).map(|k| &touched.sensors[k].observation);
+            observed.is_some_and(|observation| observation.kind() == sensor.observation.kind())
+        };
+        if let Some((tested, from)) = design.moved(columns.len(), &rows, &column, &of_kind, &mut tests) {
+            keep(Named { name: name.clone(), columns, what: "moved", from: Some(from), weight, tested });
+        }
+        let left = design.left(&of_kind);
+        for &row in &rows {
+            tests += 1;
+            if let Some(tested) = design.alone(row, left) {
+                let (unit, count) = (sensor.observation.unit(), tested.values.len());
+                let columns = (1..=count).map(|k| Column::new(format!("number {k} of {name}"), unit, 1.0));
+                let columns = columns.collect();
+                keep(Named { name: name.clone(), columns, what: ROW, from: Some(row), weight, tested });
+            }
+        }
+        for freed in touched.freed.iter().filter(|freed| freed.sensor == k) {
+            tests += 1;
+            let own = design.own(&rows);
+            let a = own.columns(freed.columns.len(), |i| {
+                let at = freed.rows.binary_search_by_key(&design.row[i], |(row, _)| *row);
+                at.map_or_else(|_| vec![0.0; freed.columns.len()], |at| freed.rows[at].1.clone())
+            });
+            if let Some(tested) = own.test(a, design.left(&of_kind)) {
+                let columns = freed.columns.clone();
+                keep(Named { name: name.clone(), columns, what: freed.what, from: None, weight, tested });
+            }
+        }
+    }
+    (tests, best)
+}
