@@ -1,8 +1,12 @@
 //! Derived columns: the order of poses where there is no time, first-order lags of temperatures on a grid of time constants, and the carried
 //! mass.
 
+use crate::data::independent::independent;
 use crate::policy::Policy;
 use truepose_errormodel::{AnyEffect, Dataset, Signal, Visits, is_derived};
+
+/// Thermometers that have lags. Convention: what is proposed of each is as much as joints times time constants.
+pub(crate) const LAGGED: usize = 8;
 
 /// The data with the order of its rows as the time where it has none, so that what drifts or jumps shows; not where a declared effect needs a
 /// time: then it is missing, and not of a small campaign. With the carried mass (kg) and with first-order lags of each temperature channel: [`LAGS`] time
@@ -24,8 +28,10 @@ pub(crate) fn with_derived(data: &Dataset, declared: &[Box<dyn AnyEffect>], poli
     let shortest = (2.0 * length / visits as f64).max(1e-3 * length);
     // Equal channels have equal lags.
     let repeated = data.repeated_channels();
-    let own = data.schema.channels.iter().zip(&repeated).filter(|(_, repeated)| repeated.is_none());
-    for (channel, _) in own.filter(|(channel, _)| channel.temperature) {
+    let channels = &data.schema.channels;
+    let own: Vec<usize> =
+        (0..channels.len()).filter(|&k| channels[k].temperature && repeated[k].is_none()).collect();
+    for channel in independent(data, &own, LAGGED).into_iter().map(|k| &channels[k]) {
         let longest = (policy.longest_lag * length).max(shortest);
         for k in 0..policy.lags {
             let lag = shortest * (longest / shortest).powf(k as f64 / (policy.lags.max(2) - 1) as f64);

@@ -1,7 +1,10 @@
 //! What follows a temperature, at once or late: a place, the whole arm, or the difference of two thermometers.
 //!
-//! Differences are proposed of neighbouring columns and of each with the first one, so that there are as many as channels.
+//! Differences are proposed of neighbouring columns and of each with the first one, so that there are as many as channels; of many thermometers
+//! those that say the most different things take part.
 
+use crate::data::derived::LAGGED;
+use crate::data::independent::independent;
 use crate::hypotheses::components::of_spot;
 use crate::hypotheses::driver::Driver;
 use crate::hypotheses::family::Family;
@@ -138,11 +141,12 @@ impl Hypothesis for Gradient {
 
     fn variants(&self, setting: &Setting<'_>) -> Vec<Variant> {
         let (chain, channels) = (setting.chain, &setting.data.schema.channels);
-        let own: Vec<&str> = (0..channels.len())
+        let own: Vec<usize> = (0..channels.len())
             .filter(|&k| channels[k].temperature && setting.data.late(&channels[k].name).is_none())
             .filter(|&k| setting.channel_range(k).is_some())
-            .map(|k| channels[k].name.as_str())
             .collect();
+        let own: Vec<&str> =
+            independent(setting.data, &own, LAGGED).into_iter().map(|k| channels[k].name.as_str()).collect();
         let mut pairs: Vec<(usize, usize)> = (1..own.len()).map(|k| (k, k - 1)).collect();
         pairs.extend((2..own.len()).map(|k| (k, 0)));
         let mut all = Vec::new();

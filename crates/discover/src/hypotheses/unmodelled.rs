@@ -1,5 +1,6 @@
 //! Unmodelled structure: a smooth dependence of some component of some frame on whatever the data has.
 
+use crate::data::independent::independent;
 use crate::hypotheses::components::of_series;
 use crate::hypotheses::covariate::Covariate;
 use crate::hypotheses::driver::Driver;
@@ -230,17 +231,62 @@ fn of_frames(setting: &Setting<'_>) -> Vec<Variant> {
             }
         }
     }
-    for (k, first) in quantities.iter().enumerate() {
-        for second in quantities[k + 1..].iter().filter(|second| !first.side && !second.side) {
-            for &frame in &frames {
-                for axis in Axis::ALL {
-                    let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
-                    put(frame, vec![axis], product, &[first, second]);
-                    let surface = vec![first.polynomial(vec![1, 2]), second.polynomial(vec![1, 2])];
-                    put(frame, vec![axis], surface, &[first, second]);
-                }
+    for (first, second, frames) in pairs(setting, &quantities) {
+        let (first, second) = (&quantities[first], &quantities[second]);
+        for frame in frames {
+            for axis in Axis::ALL {
+                let product = vec![first.polynomial(vec![1]), second.polynomial(vec![1])];
+                put(frame, vec![axis], product, &[first, second]);
+                let surface = vec![first.polynomial(vec![1, 2]), second.polynomial(vec![1, 2])];
+                put(frame, vec![axis], surface, &[first, second]);
             }
         }
     }
     all
+}
+
+/// Quantities up to which all pairs of them are tried at all frames. Convention: six joints, the load and five channels.
+const FEW: usize = 12;
+/// Of more: joints that are so near to each other on the arm, and so many channels.
+const NEAR: usize = 3;
+const CHANNELS: usize = 4;
+
+/// Which two quantities may act together, and at which frames. Of few all pairs at all frames; of many joints those that are near each other, at
+/// their own frames and both ends of the arm; with the channels that say the most different things, at the joint's frame and the ends: their
+/// number grows with the joints and no faster.
+fn pairs(setting: &Setting<'_>, quantities: &[Quantity]) -> Vec<(usize, usize, Vec<FrameId>)> {
+    let chain = setting.chain;
+    let curves: Vec<usize> = (0..quantities.len()).filter(|&k| !quantities[k].side).collect();
+    let both = curves.iter().flat_map(|&a| curves.iter().filter(move |&&b| b > a).map(move |&b| (a, b)));
+    if curves.len() <= FEW {
+        let frames: Vec<FrameId> = chain.frames().collect();
+        return both.map(|(a, b)| (a, b, frames.clone())).collect();
+    }
+    let channel = |k: usize| match &quantities[k].input {
+        Input::Channel(name) => setting.data.schema.channels.iter().position(|channel| channel.name == *name),
+        _ => None,
+    };
+    let all: Vec<usize> = curves.iter().filter_map(|&k| channel(k)).collect();
+    let different = independent(setting.data, &all, CHANNELS);
+    let place = |k: usize| match quantities[k].input {
+        Input::Joint(joint) => chain.movable().iter().position(|&other| other == joint),
+        _ => None,
+    };
+    let frame = |k: usize| match quantities[k].input {
+        Input::Joint(joint) => Some(chain.frame_after(joint)),
+        _ => None,
+    };
+    let kept = |(a, b): &(usize, usize)| {
+        let near = place(*a).zip(place(*b)).is_none_or(|(a, b)| a.abs_diff(b) <= NEAR);
+        near && [*a, *b].into_iter().filter_map(channel).all(|channel| different.contains(&channel))
+    };
+    both.filter(kept)
+        .map(|(a, b)| {
+            let own = [a, b].into_iter().filter_map(frame);
+            let mut frames: Vec<FrameId> = own.chain([FrameId::BASE, chain.tool_frame()]).collect();
+            frames.sort_unstable();
+            frames.dedup();
+            (a, b, frames)
+        })
+        .collect()
 }

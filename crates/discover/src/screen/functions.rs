@@ -65,13 +65,7 @@ impl Functions {
                 together[set].push(frame);
             }
         }
-        let stations = projection.tables.stations.iter().copied();
-        let mut values = DMatrix::zeros(stations.len(), width);
-        linearisation.evaluate(&effects)?.each(stations, &mut |visit, entries| {
-            for &(column, _, value) in entries {
-                values[(visit, column)] += value;
-            }
-        })?;
+        let values = evaluated(linearisation, &effects, &projection.tables.stations)?;
         let frames: Vec<FrameId> = linearisation.chain().frames().collect();
         // The functions are those of a displacement of the base: a rotation's expected size is that over the length of the robot.
         let length = linearisation.chain().characteristic_length();
@@ -142,13 +136,7 @@ impl Functions {
         linearisation: &Linearisation<'_>,
         tables: &Tables,
     ) -> Result<DMatrix<f64>, DiscoverError> {
-        let mut values = DMatrix::zeros(tables.stations.len(), self.values.ncols());
-        let stations = tables.stations.iter().copied();
-        linearisation.evaluate(&self.effects)?.each(stations, &mut |visit, entries| {
-            for &(column, _, value) in entries {
-                values[(visit, column)] += value;
-            }
-        })?;
+        let values = evaluated(linearisation, &self.effects, &tables.stations)?;
         let at_sites = DMatrix::from_fn(values.nrows(), linearisation.site_count(), |visit, site| {
             tables.score(visit, site)
         });
@@ -243,6 +231,34 @@ impl Functions {
             _ => scores.all.clone(),
         }
     }
+}
+
+/// All functions at these stations, stations × functions. A model holds a limited number of unknowns: they are asked in parts.
+fn evaluated(
+    linearisation: &Linearisation<'_>,
+    effects: &[Box<dyn AnyEffect>],
+    stations: &[usize],
+) -> Result<DMatrix<f64>, DiscoverError> {
+    /// Effects of a part; each has at most some dozens of functions.
+    const PART: usize = 64;
+    let mut parts = Vec::new();
+    for part in effects.chunks(PART) {
+        let of_part = linearisation.evaluate(part)?;
+        let mut values = DMatrix::zeros(stations.len(), of_part.width());
+        of_part.each(stations.iter().copied(), &mut |visit, entries| {
+            for &(column, _, value) in entries {
+                values[(visit, column)] += value;
+            }
+        })?;
+        parts.push(values);
+    }
+    let mut all = DMatrix::zeros(stations.len(), parts.iter().map(DMatrix::ncols).sum());
+    let mut first = 0;
+    for part in parts {
+        all.columns_mut(first, part.ncols()).copy_from(&part);
+        first += part.ncols();
+    }
+    Ok(all)
 }
 
 /// The score of columns that are functions times one factor a component, with a basis for the functions themselves.
