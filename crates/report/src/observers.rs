@@ -10,7 +10,7 @@ use truepose_identify::Suspect;
 pub struct SuspectSummary {
     /// Its name.
     pub name: String,
-    /// `moved`, `row` (one row is elsewhere), or what was taken as given: `place`, `direction`, `flatness`, `lens`, `radius`, `gain`, `gain and offset`.
+    /// `moved`, `mounted` (the tool or the base sits differently), `row` (one row is elsewhere), or what was taken as given: `place`, `direction`, `flatness`, `lens`, `radius`, `gain`, `gain and offset`.
     pub what: String,
     /// The line of the data from which on it has moved, or that is elsewhere; null of what is wrong throughout.
     pub from_line: Option<u64>,
@@ -63,6 +63,10 @@ impl SuspectSummary {
                     self.from_line.unwrap_or(0)
                 ),
                 "It may have moved, or been touched otherwise: look at its mount, name it differently from there on, and compare. Where several are told, the robot's base or its tool may have moved.",
+            ),
+            "mounted" => (
+                format!("{name} sits differently from about line {} on", self.from_line.unwrap_or(0)),
+                "It was mounted again, or struck: look at its seat, and fit the lines before and after apart.",
             ),
             "row" => {
                 let line = self.from_line.unwrap_or(0);

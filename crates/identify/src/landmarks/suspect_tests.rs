@@ -1,6 +1,6 @@
 //! What is wrong is wrong with what observed the arm: a socket that moved, a table that is not flat, a lens that is not the stated one.
 
-use super::tests::{Cell, Shot, campaign, cell, fitted, geometric, seen_by, shots, touching};
+use super::tests::{Cell, Shot, campaign, cell, fitted, geometric, seen_by, shots, touching, touching_with};
 use super::*;
 use crate::fit;
 use rand::{RngExt, SeedableRng};
@@ -89,6 +89,29 @@ fn the_partner_of_a_socket_that_moved_is_not_blamed() {
     let found = tested(&of, &data, &surroundings);
     let told: Vec<_> = found.iter().map(|s| (s.name.as_str(), s.what, s.from.map(|row| row / 12))).collect();
     assert_eq!(told, [("L3", "moved", Some(9))], "{found:?}");
+}
+
+#[test]
+fn a_tool_that_was_mounted_again_is_told_and_no_socket_is_blamed() {
+    let of = cell(43);
+    let mut rng = ChaCha8Rng::seed_from_u64(10);
+    let mut builder = DatasetBuilder::new(&of.chain);
+    let mut at = Vec::new();
+    for round in 0..12 {
+        let tip = if round >= 6 { Vector3::new(4e-4, 0.0, -1e-4) } else { Vector3::zeros() };
+        for (k, socket) in of.sockets.iter().enumerate() {
+            let off = Vector3::from_fn(|_, _| 2e-5 * rng.random_range(-1.7..1.7));
+            let q = touching_with(&of, &tip, &(socket + off), &mut rng);
+            builder.push(Measurement::at(q).visit(at.len() as u64)).unwrap();
+            at.push(Some(k));
+        }
+    }
+    let mut data = builder.finish();
+    data.set_landmarks(Some(&at));
+    let (_, surroundings) = campaign(&of, 3, 2e-5, 1);
+    let found = tested(&of, &data, &surroundings);
+    let told: Vec<_> = found.iter().map(|s| (s.name.as_str(), s.what, s.from.map(|row| row / 12))).collect();
+    assert_eq!(told, [("tool", "mounted", Some(6))], "{found:?}");
 }
 
 #[test]

@@ -44,6 +44,16 @@ pub(super) fn cell(seed: u64) -> Cell {
 
 /// Joints with which the true robot touches a point.
 pub(super) fn touching(of: &Cell, at: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    touching_with(of, &Vector3::zeros(), at, rng)
+}
+
+/// The same with a tip that sits so far from where it is said to be, in the axes of the tool.
+pub(super) fn touching_with(
+    of: &Cell,
+    tip: &Vector3<f64>,
+    at: &Vector3<f64>,
+    rng: &mut ChaCha8Rng,
+) -> Vec<f64> {
     let mut predictor = of.truth.bind(&Default::default()).unwrap();
     loop {
         let mut q: Vec<f64> = (0..6).map(|_| rng.random_range(-2.5..2.5)).collect();
@@ -51,7 +61,7 @@ pub(super) fn touching(of: &Cell, at: &Vector3<f64>, rng: &mut ChaCha8Rng) -> Ve
             let mut at_joints = |q: &[f64]| {
                 predictor
                     .predict(&Conditions { joints: q.to_vec(), ..Conditions::default() }, None)
-                    .translation
+                    .apply(tip)
             };
             let here = at_joints(&q);
             if (here - at).norm() < 1e-10 {

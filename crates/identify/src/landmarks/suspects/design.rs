@@ -99,6 +99,21 @@ impl Design {
         true
     }
 
+    /// What a unit of a column of the fit does to a number, in its unit.
+    pub(super) fn number(&self, i: usize, column: usize) -> f64 {
+        self.x[(i, column)] * self.noise[i]
+    }
+
+    /// The rows to which some of these columns do something, ascending.
+    pub(super) fn rows_of(&self, columns: &[usize]) -> Vec<usize> {
+        let mut rows: Vec<usize> = (0..self.row.len())
+            .filter(|&i| columns.iter().any(|&column| self.x[(i, column)] != 0.0))
+            .map(|i| self.row[i])
+            .collect();
+        rows.dedup();
+        rows
+    }
+
     /// The numbers of some rows, ascending.
     pub(super) fn own(&self, rows: &[usize]) -> Own<'_> {
         let numbers: Vec<usize> =
@@ -107,13 +122,13 @@ impl Design {
     }
 
     /// Whether a row is elsewhere than all others say, each of its numbers by itself.
-    pub(super) fn alone(&self, row: usize, left: (f64, f64)) -> Option<Tested> {
+    pub(super) fn alone(&self, row: usize, left: &Left) -> Option<Tested> {
         let numbers: Vec<usize> = (self.row.partition_point(|&other| other < row)..self.row.len())
             .take_while(|&i| self.row[i] == row)
             .collect();
         let squares: f64 =
             numbers.iter().map(|&i| self.residual[i].powi(2) / (1.0 - self.leverage[i]).max(1e-3)).sum();
-        if squares * left.1 <= FAR * left.0 {
+        if squares * left.freedom <= FAR * left.squares {
             return None;
         }
         let own = Own { design: self, x: self.x.select_rows(&numbers), numbers };
@@ -123,12 +138,12 @@ impl Design {
         own.test(columns, left)
     }
 
-    /// Squares and degrees of freedom that are left to the numbers of a kind.
-    pub(super) fn left(&self, of_kind: &dyn Fn(usize) -> bool) -> (f64, f64) {
-        let numbers = (0..self.row.len()).filter(|&i| of_kind(self.row[i]));
-        numbers.fold((0.0, 0.0), |(squares, freedom), i| {
-            (squares + self.residual[i].powi(2), freedom + 1.0 - self.leverage[i])
-        })
+    /// What is left to the numbers of a kind.
+    pub(super) fn left(&self, of_kind: &dyn Fn(usize) -> bool) -> Left {
+        let numbers: Vec<usize> = (0..self.row.len()).filter(|&i| of_kind(self.row[i])).collect();
+        let squares = numbers.iter().map(|&i| self.residual[i].powi(2)).sum();
+        let freedom = numbers.iter().map(|&i| 1.0 - self.leverage[i]).sum();
+        Left { squares, freedom, numbers }
     }
 
     /// Whether what these rows share changed from one of them on: the instant that explains most.
@@ -151,7 +166,7 @@ impl Design {
         let at = |instant: usize| {
             let from = rows[instant];
             let a = own.columns(width, |i| if self.row[i] >= from { column(i) } else { vec![0.0; width] });
-            own.test(a, left)
+            own.test(a, &left)
         };
         let mut best: Option<(Tested, usize)> = None;
         let mut take = |instant: usize| {
@@ -172,6 +187,13 @@ impl Design {
     }
 }
 
+/// The numbers of a kind, their squares and degrees of freedom.
+pub(super) struct Left {
+    squares: f64,
+    freedom: f64,
+    numbers: Vec<usize>,
+}
+
 /// The numbers of one landmark or sensor: further columns are zero in all others.
 pub(super) struct Own<'d> {
     design: &'d Design,
@@ -189,11 +211,12 @@ impl Own<'_> {
         a
     }
 
-    /// The test of these columns, `left` being the squares and degrees of freedom of their kind.
-    pub(super) fn test(&self, a: DMatrix<f64>, (squares, freedom): (f64, f64)) -> Option<Tested> {
+    /// The test of these columns; `kind` is what is left to the numbers of their kind.
+    pub(super) fn test(&self, a: DMatrix<f64>, kind: &Left) -> Option<Tested> {
         let Design { covariance, residual, noise, .. } = self.design;
         let residual = residual.select_rows(&self.numbers);
-        let left = &a - &self.x * (covariance * self.x.tr_mul(&a));
+        let across = covariance * self.x.tr_mul(&a);
+        let left = &a - &self.x * &across;
         let (g, matrix) = (a.tr_mul(&residual), a.tr_mul(&left));
         let whole: Vec<f64> = a.column_iter().map(|column| column.norm_squared()).collect();
         if (0..whole.len()).any(|k| matrix[(k, k)] <= LEFT * whole[k]) {
@@ -202,11 +225,12 @@ impl Own<'_> {
         let inverse = matrix.cholesky()?.inverse();
         let by = &inverse * &g;
         let (explained, k) = (g.dot(&by), a.ncols() as f64);
-        if freedom < k + 2.0 || squares <= explained {
+        if kind.freedom < k + 2.0 {
             return None;
         }
-        let scatter = (squares - explained) / (freedom - k);
-        let p_value = FisherSnedecor::new(k, freedom - k).ok()?.sf(explained / k / scatter);
+        let squares = self.squares_after(&a, &by, &across, kind);
+        let scatter = squares / (kind.freedom - k);
+        let p_value = FisherSnedecor::new(k, kind.freedom - k).ok()?.sf(explained / k / scatter);
         let fitted = left * &by;
         let size: f64 = self.numbers.iter().zip(fitted.iter()).map(|(&i, v)| (v * noise[i]).powi(2)).sum();
         let values = by.iter().enumerate().map(|(j, v)| (*v, (scatter * inverse[(j, j)]).sqrt()));
@@ -218,5 +242,16 @@ impl Own<'_> {
             numbers: self.numbers.clone(),
             columns: a,
         })
+    }
+
+    /// Squares of the numbers of a kind beside what is tested. What it explains is not taken from them: a fault pulls the whole fit along, and what
+    /// it explains of other kinds and of the prior can be more than all that they have.
+    fn squares_after(&self, a: &DMatrix<f64>, by: &DVector<f64>, across: &DMatrix<f64>, kind: &Left) -> f64 {
+        let (own, pulled) = (a * by, across * by);
+        let after = |&i: &usize| {
+            let moved = self.numbers.binary_search(&i).map_or(0.0, |at| own[at]);
+            self.design.residual[i] - moved + self.design.x.row(i).tr_dot(&pulled)
+        };
+        kind.numbers.iter().map(|i| after(i).powi(2)).sum::<f64>().max(f64::MIN_POSITIVE)
     }
 }

@@ -22,14 +22,15 @@ use super::Touched;
 use crate::{Fit, IdentifyError};
 use design::{Design, Tested};
 use nalgebra::Vector3;
-use truepose_errormodel::{Column, Dataset, own_channel};
+use truepose_errormodel::{Column, Dataset, ErrorModel, own_channel};
+use truepose_kinematics::{FrameId, Site, ToolId};
 
 /// What an observation takes as given, and what is wrong with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suspect {
-    /// The landmark or sensor.
+    /// The landmark, sensor, tool or base.
     pub name: String,
-    /// What is wrong: `moved`, `row` where one of its rows is elsewhere, or what was taken as given.
+    /// What is wrong: `moved`, `mounted` where a tool or the base sits differently, `row` where one of its rows is elsewhere, or what was taken as given.
     pub what: &'static str,
     /// The first row from which on it has moved, or the one that is elsewhere; none of what is wrong throughout.
     pub from: Option<usize>,
@@ -66,9 +67,10 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
         return Ok(Vec::new());
     }
     let mut design = Design::of(fit, derived)?;
+    let ends = ends(fit.fitted.model());
     let mut found: Vec<Suspect> = Vec::new();
     while found.len() < MOST {
-        let (tests, best) = worst(&design, derived, touched, &found);
+        let (tests, best) = worst(&design, derived, (touched, &ends), &found);
         let Some(Named { name, columns, what, from, weight, tested }) = best else { break };
         let p_value = (tested.p_value * tests as f64).min(1.0);
         if p_value >= LEVEL {
@@ -89,6 +91,33 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
 
 /// The word for one row that is elsewhere.
 const ROW: &str = "row";
+/// And for a tool or a base that sits differently from some row on.
+const MOUNTED: &str = "mounted";
+
+/// The base or a tool: columns of the fit that say how it sits, and where they are in it.
+struct End {
+    name: String,
+    columns: Vec<Column>,
+    places: Vec<usize>,
+}
+
+/// Of each tool and of the base its six components, and its three translations alone: what is touched with one point shows no more.
+fn ends(model: &ErrorModel) -> Vec<End> {
+    let chain = model.chain();
+    let tools = (0..chain.tools().len()).map(|tool| chain.frame_of_tool(ToolId(tool)));
+    let of = |frame: FrameId, turns: bool| {
+        let own = |column: &Column| match column.site {
+            Some(Site::Frame(at, axis)) => at == frame && (turns || !axis.is_rotation()),
+            _ => false,
+        };
+        let places: Vec<usize> =
+            model.columns().iter().enumerate().filter(|(_, column)| own(column)).map(|(k, _)| k).collect();
+        let columns = places.iter().map(|&k| model.columns()[k].clone()).collect();
+        End { name: chain.frame_word(frame).to_owned(), columns, places }
+    };
+    let both = tools.chain([FrameId::BASE]).flat_map(|frame| [of(frame, true), of(frame, false)]);
+    both.filter(|end| !end.columns.is_empty()).collect()
+}
 
 /// The landmark at which a row was that named another one: the nearest to where the robot says that it was, much nearer than the one it names.
 fn touched_instead(data: &Dataset, touched: &Touched, row: Option<usize>, tested: &Tested) -> Option<String> {
@@ -118,7 +147,12 @@ struct Named {
 }
 
 /// The number of tests, and the most significant one that explains enough and was not found before.
-fn worst(design: &Design, derived: &Dataset, touched: &Touched, found: &[Suspect]) -> (usize, Option<Named>) {
+fn worst(
+    design: &Design,
+    derived: &Dataset,
+    (touched, ends): (&Touched, &[End]),
+    found: &[Suspect],
+) -> (usize, Option<Named>) {
     let mut tests = 0usize;
     let mut best: Option<Named> = None;
     let largest = found.iter().map(|found| found.size).fold(0.0, f64::max);
@@ -132,6 +166,14 @@ fn worst(design: &Design, derived: &Dataset, touched: &Touched, found: &[Suspect
             best = Some(named);
         }
     };
+    for End { name, columns, places } in ends {
+        let rows = design.rows_of(places);
+        let column = |i: usize| places.iter().map(|&place| design.number(i, place)).collect();
+        if let Some((tested, from)) = design.moved(columns.len(), &rows, &column, &|_| true, &mut tests) {
+            let (name, columns) = (name.clone(), columns.clone());
+            keep(Named { name, columns, what: MOUNTED, from: Some(from), weight: 1.0, tested });
+        }
+    }
     for (k, name) in touched.names.iter().enumerate() {
         let rows: Vec<usize> = (0..derived.len()).filter(|row| derived.landmark(*row) == Some(k)).collect();
         let columns = ["x", "y", "z"].map(|axis| Column::new(format!("{axis}@{name}"), "m", 1.0)).to_vec();
@@ -152,7 +194,7 @@ fn worst(design: &Design, derived: &Dataset, touched: &Touched, found: &[Suspect
         let left = design.left(&kind);
         for &row in &rows {
             tests += 1;
-            if let Some(tested) = design.alone(row, left) {
+            if let Some(tested) = design.alone(row, &left) {
                 let (name, columns) = (name.clone(), columns[..tested.values.len().min(3)].to_vec());
                 keep(Named { name, columns, what: ROW, from: Some(row), weight: 1.0, tested });
             }
@@ -179,7 +221,7 @@ fn worst(design: &Design, derived: &Dataset, touched: &Touched, found: &[Suspect
         let left = design.left(&of_kind);
         for &row in &rows {
             tests += 1;
-            if let Some(tested) = design.alone(row, left) {
+            if let Some(tested) = design.alone(row, &left) {
                 let (unit, count) = (sensor.observation.unit(), tested.values.len());
                 let columns = (1..=count).map(|k| Column::new(format!("number {k} of {name}"), unit, 1.0));
                 let columns = columns.collect();
@@ -193,7 +235,7 @@ fn worst(design: &Design, derived: &Dataset, touched: &Touched, found: &[Suspect
                 let at = freed.rows.binary_search_by_key(&design.row[i], |(row, _)| *row);
                 at.map_or_else(|_| vec![0.0; freed.columns.len()], |at| freed.rows[at].1.clone())
             });
-            if let Some(tested) = own.test(a, design.left(&of_kind)) {
+            if let Some(tested) = own.test(a, &design.left(&of_kind)) {
                 let columns = freed.columns.clone();
                 keep(Named { name: name.clone(), columns, what: freed.what, from: None, weight, tested });
             }
