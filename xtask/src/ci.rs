@@ -12,7 +12,7 @@ struct Step {
     arguments: &'static [&'static str],
 }
 
-const STEPS: [Step; 7] = [
+const STEPS: [Step; 8] = [
     Step { environment: &[], arguments: &["fmt", "--all", "--check"] },
     Step { environment: &[], arguments: &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"] },
     Step { environment: &[], arguments: &["test", "--workspace"] },
@@ -24,6 +24,7 @@ const STEPS: [Step; 7] = [
     Step { environment: &[("RUSTDOCFLAGS", "-D warnings")], arguments: &["doc", "--workspace", "--no-deps"] },
     Step { environment: &[], arguments: &["xtask", "header"] },
     Step { environment: &[], arguments: &["xtask", "tidy"] },
+    Step { environment: &[], arguments: &["xtask", "instructions"] },
 ];
 
 /// With cargo-deny: built where it is not installed, then the sources of all platforms' dependencies, which it looks at; advisories

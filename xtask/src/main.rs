@@ -7,6 +7,7 @@ mod ci;
 mod coverage;
 mod guided;
 mod header;
+mod instructions;
 mod tidy;
 
 use anyhow::{Context, Result, bail};
@@ -33,9 +34,15 @@ enum Verb {
         #[arg(long)]
         write: bool,
     },
+    /// Instructions of the program's main jobs against crates/bench/instructions.toml, where Valgrind is installed.
+    Instructions {
+        /// Write the file instead.
+        #[arg(long)]
+        write: bool,
+    },
     /// A benchmark study, in release; leaves its table and figures in target/studies.
     Study {
-        /// Which: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, solvers.
+        /// Which: closed-loop, discovery, guard-band, harm, kinds, orders, pps, reliability, sensitivity, sessions, solvers.
         name: String,
         /// Passed on to the study, e.g. `--short`.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -96,6 +103,7 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Ci => ci::run(&root),
         Verb::Tidy => tidy::run(&root),
         Verb::Header { write } => header::run(&root, write),
+        Verb::Instructions { write } => instructions::run(&root, write),
         Verb::Study { name, rest } => finished(
             Command::new("cargo")
                 .args(["run", "--release", "--package", "truepose-studies", "--bin", "study", "--"])

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Everything that was typed, and where things are.
 #[derive(Debug, Clone)]
 pub struct Arguments {
-    /// Workloads to run; all when empty. `W3` stands for all that begin so; `growth` or `discover` alone is no workload but how time grows.
+    /// Workloads to run; all when empty. `W3` stands for all that begin so; `growth`, `discover` or `breadth` alone is no workload but how time grows.
     pub only: Vec<String>,
     /// How often both sides are run in turn.
     pub rounds: usize,
@@ -18,6 +18,8 @@ pub struct Arguments {
     pub figure: PathBuf,
     /// Rows up to which `discover` is run.
     pub most_rows: usize,
+    /// Joints up to which `breadth` is run.
+    pub most_joints: usize,
     /// One way of one workload, for a parent process: `W1 gram`.
     pub serve: Option<(String, String)>,
     /// Threads of our side.
@@ -43,6 +45,7 @@ impl Arguments {
             out: target.join("bench").join("results.json"),
             figure: PathBuf::from("docs/figures/growth.svg"),
             most_rows: 1_000_000,
+            most_joints: 30,
             serve: None,
             threads: 1,
             peers: from("TRUEPOSE_PEERS", PathBuf::from("../shared/peers")),
@@ -56,6 +59,7 @@ impl Arguments {
                 "--rounds" => read.rounds = next()?.parse::<usize>()?.max(1),
                 "--threads" => read.threads = next()?.parse::<usize>()?.max(1),
                 "--most-rows" => read.most_rows = next()?.parse()?,
+                "--most-joints" => read.most_joints = next()?.parse()?,
                 "--against" => read.against = Some(PathBuf::from(next()?)),
                 "--out" => read.out = PathBuf::from(next()?),
                 "--figure" => read.figure = PathBuf::from(next()?),

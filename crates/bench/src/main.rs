@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod arguments;
+mod breadth;
 mod child;
 mod clock;
 mod discovery;
@@ -36,6 +37,7 @@ fn run() -> Result<(), Failure> {
     }
     match arguments.only.as_slice() {
         [only] if only == "growth" => growth::run(&arguments.figure),
+        [only] if only == "breadth" => breadth::run(arguments.most_joints, arguments.threads),
         [only] if only == "discover" => discovery::run(arguments.most_rows, arguments.threads),
         _ => runner::run(&arguments),
     }
