@@ -7,6 +7,7 @@ mod document;
 mod guard_band;
 mod harm;
 mod journal;
+mod kinds;
 mod orders;
 mod pps;
 mod reliability;
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         "closed-loop" | "drive" => closed_loop::run(&rest),
         "guard-band" => guard_band::run(&rest),
         "harm" => harm::run(&rest),
+        "kinds" => kinds::run(&rest),
         "orders" => orders::run(),
         "pps" => pps::run(&rest),
         "reliability" if rest.iter().any(|word| word == "--half") => unseen::run(&rest),
@@ -48,7 +50,7 @@ fn main() -> ExitCode {
         "sessions" => sessions::run(&rest),
         "solvers" => solvers::run(),
         _ => Err(format!(
-            "unknown study `{name}`; there are: closed-loop, discovery, guard-band, harm, orders, pps, reliability, sensitivity, sessions, solvers"
+            "unknown study `{name}`; there are: closed-loop, discovery, guard-band, harm, kinds, orders, pps, reliability, sensitivity, sessions, solvers"
         )
         .into()),
     };
