@@ -22,7 +22,9 @@ def register(B):
         i, k = np.mgrid[0:36, 0:36]
         same, moves, moves_too = (i // 6 == k // 6) & (i % 3 == k % 3), i % 6 < 3, k % 6 < 3
         size = np.where(moves & moves_too, 1e-8 * (1 + i // 6), np.where(~moves & ~moves_too, 1e-6, 3e-8))
-        return np.where(same, size, 0.0)
+        # Their rotations of a frame are about its y, z and x.
+        order = np.arange(36).reshape(6, 6)[:, [0, 1, 2, 4, 5, 3]].ravel()
+        return np.where(same, size, 0.0)[np.ix_(order, order)]
 
     def compiled(d):
         """Kernels of the arm: axes and levers packed, sums of products by loops."""
