@@ -247,12 +247,12 @@ impl Robot {
         &self,
         py: Python<'_>,
         q: Given2<'_, f64>,
-        (position_sd, rotation_sd): (f64, Option<f64>),
-        (length, angle): (f64, f64),
+        sds: (f64, Option<f64>),
+        sizes: (f64, f64),
     ) -> PyResult<(Vec<f64>, [f64; 5], Vec<f64>)> {
         let columns = columns(&self.chain, &q)?;
-        let rotation_sd = rotation_sd.unwrap_or(f64::INFINITY);
-        let scales = PostureScales { position_sd, rotation_sd, length, angle };
+        let rotation_sd = sds.1.unwrap_or(f64::INFINITY);
+        let scales = PostureScales { position_sd: sds.0, rotation_sd, length: sizes.0, angle: sizes.1 };
         let found = py.detach(|| {
             let gram = JacobianGram::of(&self.chain, &slices(&columns))?;
             posture_observability(&gram, scales)

@@ -51,21 +51,20 @@ impl Trial {
         let robot = self.found.fitted.without_landmarks()?;
         let mut predictor = robot.bind(&Default::default())?;
         let mut rng = ChaCha8Rng::seed_from_u64(self.asked.3 ^ 0x7071);
-        let mut pairs = Vec::new();
+        let (mut real, mut told) = (Vec::new(), Vec::new());
         for _ in 0..FRESH {
             let joints: Vec<f64> = (0..6).map(|_| rng.random_range(-2.0..2.0)).collect();
             let at = Conditions::at(&self.made.chain, &joints);
-            let truth = self.made.plant.true_position(&at, None)?;
-            pairs.push((truth, predictor.predict(&at, None).translation));
+            real.push(self.made.plant.true_position(&at, None)?);
+            told.push(predictor.predict(&at, None).translation);
         }
         let count = FRESH as f64;
-        let middle = |of: &dyn Fn(&(Vector3<f64>, Vector3<f64>)) -> Vector3<f64>| {
-            pairs.iter().map(of).sum::<Vector3<f64>>() / count
-        };
-        let (a, b) = (middle(&|pair| pair.0), middle(&|pair| pair.1));
-        let cross: Matrix3<f64> = pairs.iter().map(|(p, q)| (p - a) * (q - b).transpose()).sum();
+        let middle = |of: &[Vector3<f64>]| of.iter().sum::<Vector3<f64>>() / count;
+        let (a, b) = (middle(&real), middle(&told));
+        let pairs = || real.iter().zip(&told);
+        let cross: Matrix3<f64> = pairs().map(|(p, q)| (p - a) * (q - b).transpose()).sum();
         let turn = nearest_rotation(&cross).ok_or("the predicted points are no numbers")?;
-        let squares: f64 = pairs.iter().map(|(p, q)| (p - a - turn * (q - b)).norm_squared()).sum();
+        let squares: f64 = pairs().map(|(p, q)| (p - a - turn * (q - b)).norm_squared()).sum();
         Ok(1e3 * (squares / count).sqrt())
     }
 

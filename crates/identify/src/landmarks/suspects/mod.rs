@@ -2,14 +2,14 @@
 //! that a lens is the stated one.
 //!
 //! ```text
-//! r = (I − X C Xᵀ) y,   g = Aᵀ r,   G = Aᵀ (I − X C Xᵀ) A,   δ = G⁻¹ g
-//! F = (gᵀδ/k) / ((Σ r² − gᵀδ)/(Σ (1 − λ_i) − k)),            sums over the numbers of the same kind
+//! r = (I − X C Xᵀ) y,   g = Aᵀ r,   G = Aᵀ (I − X C Xᵀ) A,   δ = G⁻¹ g,   r' = r − (I − X C Xᵀ) A δ
+//! F = (gᵀδ/k) / (Σ r'²/(Σ (1 − λ_i) − k)),                   sums over the numbers of the same kind
 //! ```
 //!
 //! | symbol | here |
 //! | --- | --- |
 //! | X, r, C | design matrix and residual of the fit, over the noise of each number; covariance of the coefficients |
-//! | A | n × k: what the k further unknowns do to each number: K of a sensor from some row on, or the columns of [`Freed`] |
+//! | A | n × k: what the k further unknowns do to each number: K of a sensor from some row on, the columns of [`Freed`](super::Freed), of tool or base, or a row alone |
 //! | λ_i | leverage, x_i C x_iᵀ |
 //!
 //! G allows for all that the robot can take over, so that an arm with errors is not taken for a bent table (Rao 1948; with the prior of the fit as
