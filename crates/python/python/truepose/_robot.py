@@ -214,13 +214,13 @@ class Robot:
         --------
         >>> robot = tp.Robot.named("ur10e")
         >>> robot.observability(robot.spread(50)).rank
-        20
+        21
         """
         values = joint_values(self, q)
         found = self._core.observability(values, (position_sd, orientation_sd), (length, angle))
-        singular, indices, weakest = found
+        singular, (o1, o2, o3, o4, o5), weakest = found
         shares = dict(sorted(zip(self.error_columns, weakest), key=lambda pair: -pair[1])[:3])
-        return Observability(len(values), len(singular), np.array(singular), *indices, weakest=shares)
+        return Observability(len(values), len(singular), np.array(singular), o1, o2, o3, o4, o5, shares)
 
     def error_variances(self, q: ArrayLike, covariance: ArrayLike) -> Floats:
         """Variances of the tool's position (x, y, z, m²) and rotation (rx, ry, rz, rad²) for each row of `q`, n × 6.
