@@ -157,7 +157,11 @@ fn worst(
     let mut best: Option<Named> = None;
     let largest = found.iter().map(|found| found.size).fold(0.0, f64::max);
     let mut keep = |named: Named| {
-        let better = |known: &Named| named.tested.p_value < known.tested.p_value;
+        // Faults so large that no p is left are told apart by what they explain.
+        let better = |known: &Named| {
+            let (p, before) = (named.tested.p_value, known.tested.p_value);
+            p.total_cmp(&before).then(known.tested.share.total_cmp(&named.tested.share)).is_lt()
+        };
         // One thing at a time of each; several rows may be elsewhere.
         let rows = |found: &Suspect| found.what == ROW && named.what == ROW && found.from != named.from;
         let again = found.iter().any(|found| found.name == named.name && !rows(found));
