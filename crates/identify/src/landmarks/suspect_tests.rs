@@ -1,6 +1,6 @@
 //! What is wrong is wrong with what observed the arm: a socket that moved, a table that is not flat, a lens that is not the stated one.
 
-use super::tests::{Cell, Shot, campaign, cell, fitted, geometric, seen_by, shots, touching, touching_with};
+use super::tests::{Cell, Shot, campaign, cell, fitted, geometric, seen_by, shots, touching_with};
 use super::*;
 use crate::fit;
 use rand::{RngExt, SeedableRng};
@@ -18,25 +18,37 @@ fn tested(of: &Cell, data: &Dataset, surroundings: &Surroundings) -> Vec<Suspect
     suspects(&found, &made.data, &made).unwrap()
 }
 
-#[test]
-fn a_socket_that_moved_is_named_with_the_row_and_the_way() {
-    let of = cell(4);
-    let mut rng = ChaCha8Rng::seed_from_u64(8);
-    let way = Vector3::new(3e-4, 0.0, -1e-4);
+/// The landmarks of a cell touched in rounds, all in each: of a round and a landmark how far the tip sits from where it is said to be, in the axes
+/// of the tool, and how far the landmark lies from where it was.
+fn in_rounds(
+    of: &Cell,
+    rounds: usize,
+    seed: u64,
+    off: impl Fn(usize, usize) -> (Vector3<f64>, Vector3<f64>),
+) -> Dataset {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut builder = DatasetBuilder::new(&of.chain);
     let mut at = Vec::new();
-    // Rounds over all sockets; from the tenth on the fourth is elsewhere.
-    for round in 0..18 {
+    for round in 0..rounds {
         for (k, socket) in of.sockets.iter().enumerate() {
-            let off = Vector3::from_fn(|_, _| 2e-5 * rng.random_range(-1.7..1.7));
-            let moved = if k == 3 && round >= 9 { way } else { Vector3::zeros() };
-            let q = touching(&of, &(socket + off + moved), &mut rng);
+            let scatter = Vector3::from_fn(|_, _| 2e-5 * rng.random_range(-1.7..1.7));
+            let (tip, moved) = off(round, k);
+            let q = touching_with(of, &tip, &(socket + scatter + moved), &mut rng);
             builder.push(Measurement::at(q).visit(at.len() as u64)).unwrap();
             at.push(Some(k));
         }
     }
     let mut data = builder.finish();
     data.set_landmarks(Some(&at));
+    data
+}
+
+#[test]
+fn a_socket_that_moved_is_named_with_the_row_and_the_way() {
+    let of = cell(4);
+    // From the tenth round on the fourth is elsewhere.
+    let (way, still) = (Vector3::new(3e-4, 0.0, -1e-4), Vector3::zeros());
+    let data = in_rounds(&of, 18, 8, |round, k| (still, if k == 3 && round >= 9 { way } else { still }));
     let landmark = |k: usize| Landmark { name: format!("L{k}"), ..Landmark::default() };
     let distance = |k: usize| KnownDistance { between: [2 * k, 2 * k + 1], value: 0.05, sd: 0.0 };
     let landmarks = (0..12).map(landmark).collect();
@@ -70,20 +82,8 @@ fn a_row_that_names_another_socket_is_told_with_the_one_it_touched() {
 #[test]
 fn the_partner_of_a_socket_that_moved_is_not_blamed() {
     let of = cell(41);
-    let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let mut builder = DatasetBuilder::new(&of.chain);
-    let mut at = Vec::new();
-    for round in 0..18 {
-        for (k, socket) in of.sockets.iter().enumerate() {
-            let off = Vector3::from_fn(|_, _| 2e-5 * rng.random_range(-1.7..1.7));
-            let way = if k == 3 && round >= 9 { Vector3::new(3e-4, 0.0, -1e-4) } else { Vector3::zeros() };
-            let q = touching(&of, &(socket + off + way), &mut rng);
-            builder.push(Measurement::at(q).visit(at.len() as u64)).unwrap();
-            at.push(Some(k));
-        }
-    }
-    let mut data = builder.finish();
-    data.set_landmarks(Some(&at));
+    let (way, still) = (Vector3::new(3e-4, 0.0, -1e-4), Vector3::zeros());
+    let data = in_rounds(&of, 18, 9, |round, k| (still, if k == 3 && round >= 9 { way } else { still }));
     // The pair of the socket that moves has its distance, too.
     let (_, surroundings) = campaign(&of, 3, 2e-5, 1);
     let found = tested(&of, &data, &surroundings);
@@ -94,20 +94,8 @@ fn the_partner_of_a_socket_that_moved_is_not_blamed() {
 #[test]
 fn a_tool_that_was_mounted_again_is_told_and_no_socket_is_blamed() {
     let of = cell(43);
-    let mut rng = ChaCha8Rng::seed_from_u64(10);
-    let mut builder = DatasetBuilder::new(&of.chain);
-    let mut at = Vec::new();
-    for round in 0..12 {
-        let tip = if round >= 6 { Vector3::new(4e-4, 0.0, -1e-4) } else { Vector3::zeros() };
-        for (k, socket) in of.sockets.iter().enumerate() {
-            let off = Vector3::from_fn(|_, _| 2e-5 * rng.random_range(-1.7..1.7));
-            let q = touching_with(&of, &tip, &(socket + off), &mut rng);
-            builder.push(Measurement::at(q).visit(at.len() as u64)).unwrap();
-            at.push(Some(k));
-        }
-    }
-    let mut data = builder.finish();
-    data.set_landmarks(Some(&at));
+    let (aside, still) = (Vector3::new(4e-4, 0.0, -1e-4), Vector3::zeros());
+    let data = in_rounds(&of, 12, 10, |round, _| (if round >= 6 { aside } else { still }, still));
     let (_, surroundings) = campaign(&of, 3, 2e-5, 1);
     let found = tested(&of, &data, &surroundings);
     let told: Vec<_> = found.iter().map(|s| (s.name.as_str(), s.what, s.from.map(|row| row / 12))).collect();
@@ -189,7 +177,8 @@ fn a_lens_with_exchanged_focal_lengths_is_named_with_the_right_ones() {
         free_intrinsics: false,
         size: None,
     };
-    for (stated, named) in [([800.0, 812.0, 640.0, 480.0], true), ([812.0, 800.0, 640.0, 480.0], false)] {
+    let (exchanged, right) = ([800.0, 812.0, 640.0, 480.0], [812.0, 800.0, 640.0, 480.0]);
+    for (stated, known, named) in [(exchanged, false, true), (right, false, false), (exchanged, true, true)] {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let truth = Camera { place: Some(place), ..eye.clone() };
         let mut builder = DatasetBuilder::new(&of.chain);
@@ -214,10 +203,13 @@ fn a_lens_with_exchanged_focal_lengths_is_named_with_the_right_ones() {
         data.set_landmarks(Some(&at));
         let [u, v] = pixels;
         data.set_kinds(Some(at.iter().map(|at| at.map_or(0.0, |_| 5.0)).collect()), [Some(u), Some(v), None]);
-        let camera = Camera { intrinsics: stated, ..eye.clone() };
+        let place = known.then_some(place);
+        let camera = Camera { intrinsics: stated, place, known, ..eye.clone() };
         let (made, found) = fitted(&of, &data, vec![seen_by("eye", camera)]);
         let all = suspects(&found, &made.data, &made).unwrap();
         assert_eq!(all.iter().any(|s| s.what == "lens"), named, "{all:?}");
+        // A camera that stands where it is said to stand is not said to stand elsewhere.
+        assert!(all.iter().all(|s| s.what == "lens"), "{all:?}");
         if named {
             let lens = all.iter().find(|s| s.what == "lens").unwrap();
             let [fx, fy] = [lens.values[0].1, lens.values[1].1];
