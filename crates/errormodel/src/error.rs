@@ -83,8 +83,10 @@ pub enum ModelError {
         /// What is wrong with which value.
         reason: String,
     },
-    /// A matrix that should be a covariance has a negative variance in some direction, or is not finite.
-    #[error("the covariance has a negative variance in some direction, or a number that is not finite")]
+    /// A matrix that should be a covariance is not symmetric, not finite, or has a negative variance in some direction.
+    #[error(
+        "the covariance is not symmetric, has a negative variance in some direction, or a number that is not finite"
+    )]
     NotACovariance,
     /// A column, coefficient vector or matrix of the wrong size.
     #[error("{what}: {have} where {need} are needed")]

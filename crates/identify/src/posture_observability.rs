@@ -22,7 +22,7 @@ pub struct PostureScales {
     /// Standard deviation of one component of a measured position, m.
     pub position_sd: f64,
     /// Of one component of a measured orientation, rad; infinite where positions alone are measured.
-    pub rotation_sd: f64,
+    pub orientation_sd: f64,
     /// Expected size of an error of length, m.
     pub length: f64,
     /// Expected size of an error of angle, rad.
@@ -32,7 +32,7 @@ pub struct PostureScales {
 impl Default for PostureScales {
     /// Positions to 0.1 mm, no orientations; errors of 1 mm and 1 mrad.
     fn default() -> Self {
-        PostureScales { position_sd: 1e-4, rotation_sd: f64::INFINITY, length: 1e-3, angle: 1e-3 }
+        PostureScales { position_sd: 1e-4, orientation_sd: f64::INFINITY, length: 1e-3, angle: 1e-3 }
     }
 }
 
@@ -57,10 +57,10 @@ pub fn posture_observability(
     gram: &JacobianGram,
     scales: PostureScales,
 ) -> Result<PostureObservability, IdentifyError> {
-    let PostureScales { position_sd, rotation_sd, length, angle } = scales;
+    let PostureScales { position_sd, orientation_sd, length, angle } = scales;
     for (what, value, finite) in [
         ("position_sd", position_sd, true),
-        ("rotation_sd", rotation_sd, false),
+        ("orientation_sd", orientation_sd, false),
         ("length", length, true),
         ("angle", angle, true),
     ] {
@@ -69,7 +69,7 @@ pub fn posture_observability(
         }
     }
     let size = |column: usize| if column % 6 < 3 { length } else { angle };
-    let whitened = gram.whitened(position_sd, rotation_sd);
+    let whitened = gram.whitened(position_sd, orientation_sd);
     let columns = whitened.nrows();
     let scaled = DMatrix::from_fn(columns, columns, |i, j| size(i) * whitened[(i, j)] * size(j));
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
@@ -106,14 +106,14 @@ mod tests {
         let joints = joints(40);
         let slices: Vec<&[f64]> = joints.iter().map(Vec::as_slice).collect();
         let gram = JacobianGram::of(&chain, &slices).expect("sizes fit");
-        for rotation_sd in [f64::INFINITY, 2e-4] {
-            let scales = PostureScales { rotation_sd, ..PostureScales::default() };
+        for orientation_sd in [f64::INFINITY, 2e-4] {
+            let scales = PostureScales { orientation_sd, ..PostureScales::default() };
             let found = posture_observability(&gram, scales).expect("scales are positive");
             let mut into = vec![0.0; 36 * 6 * LANES];
             error_jacobians(&chain, &slices, &mut into).expect("sizes fit");
             // Sizes of lengths and angles are 1e-3 both.
             let stacked = DMatrix::from_fn(6 * 40, 36, |row, site| {
-                let sd = if row % 6 < 3 { 1e-4 } else { rotation_sd };
+                let sd = if row % 6 < 3 { 1e-4 } else { orientation_sd };
                 into[(6 * site + row % 6) * LANES + row / 6] * 1e-3 / sd
             });
             let mut values: Vec<f64> = stacked.singular_values().iter().copied().collect();
@@ -141,8 +141,8 @@ mod tests {
         let joints = joints(1);
         let slices: Vec<&[f64]> = joints.iter().map(Vec::as_slice).collect();
         let gram = JacobianGram::of(&chain, &slices).expect("sizes fit");
-        let of = |rotation_sd| {
-            let scales = PostureScales { rotation_sd, ..PostureScales::default() };
+        let of = |orientation_sd| {
+            let scales = PostureScales { orientation_sd, ..PostureScales::default() };
             posture_observability(&gram, scales).map(|found| found.singular_values.len())
         };
         assert_eq!(of(f64::INFINITY).expect("scales"), 3);

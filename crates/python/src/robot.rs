@@ -251,8 +251,8 @@ impl Robot {
         sizes: (f64, f64),
     ) -> PyResult<(Vec<f64>, [f64; 5], Vec<f64>)> {
         let columns = columns(&self.chain, &q)?;
-        let rotation_sd = sds.1.unwrap_or(f64::INFINITY);
-        let scales = PostureScales { position_sd: sds.0, rotation_sd, length: sizes.0, angle: sizes.1 };
+        let orientation_sd = sds.1.unwrap_or(f64::INFINITY);
+        let scales = PostureScales { position_sd: sds.0, orientation_sd, length: sizes.0, angle: sizes.1 };
         let found = py.detach(|| {
             let gram = JacobianGram::of(&self.chain, &slices(&columns))?;
             posture_observability(&gram, scales)

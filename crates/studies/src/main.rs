@@ -9,6 +9,7 @@ mod harm;
 mod journal;
 mod kinds;
 mod orders;
+mod parts;
 mod pps;
 mod reliability;
 mod sensitivity;

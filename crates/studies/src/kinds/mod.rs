@@ -6,10 +6,8 @@
 mod cell;
 mod trial;
 
-use crate::journal::commit;
-use crate::{folder, print};
+use crate::parts::{self, Asked};
 use cell::{Fault, Kind, Size};
-use rayon::prelude::*;
 use std::error::Error;
 use std::fmt::Write;
 use trial::Trial;
@@ -18,62 +16,18 @@ use truepose_identify::Suspect;
 /// The parts, with the number of robots of each.
 const PARTS: [(&str, u64); 3] = [("together", 20), ("faults", 20), ("eye", 40)];
 
-/// Robots of a part.
-struct Asked {
-    robots: u64,
-    locked: bool,
-}
-
 /// Runs the study.
 pub fn run(arguments: &[String]) -> Result<(), Box<dyn Error>> {
-    let (mut parts, mut robots, mut locked) = (Vec::new(), None, false);
-    let mut rest = arguments.iter();
-    while let Some(word) = rest.next() {
-        match word.as_str() {
-            "--robots" => robots = Some(rest.next().ok_or("--robots lacks its number")?.parse::<u64>()?),
-            "--half" => {
-                locked = match rest.next().map(String::as_str) {
-                    Some("tuning") => false,
-                    Some("locked") => true,
-                    _ => return Err("--half: tuning or locked".into()),
-                }
-            }
-            word => {
-                let known = PARTS.iter().find(|(name, _)| *name == word);
-                parts.push(*known.ok_or_else(|| format!("unknown part or option `{word}`"))?);
-            }
-        }
-    }
-    if parts.is_empty() {
-        parts = PARTS.to_vec();
-    }
-    let half = if locked { "locked" } else { "tuning" };
-    for (part, count) in parts {
-        let asked = Asked { robots: robots.unwrap_or(count), locked };
-        let table = match part {
-            "together" => together(&asked)?,
-            "faults" => faults(&asked)?,
-            _ => eye(&asked)?,
-        };
-        let mut text = String::new();
-        writeln!(text, "{part}, {half} half, {} robots, commit {}\n{table}", asked.robots, commit())?;
-        print(&text);
-        std::fs::write(folder("kinds")?.join(format!("{part}.{half}.txt")), text)?;
-    }
-    Ok(())
+    parts::run("kinds", &PARTS, arguments, |part, asked| match part {
+        "together" => together(asked),
+        "faults" => faults(asked),
+        _ => eye(asked),
+    })
 }
 
-impl Asked {
-    /// One record a robot, of its seed.
-    fn each<T: Send>(
-        &self,
-        one: impl Fn(u64) -> Result<T, Box<dyn Error>> + Sync,
-    ) -> Result<Vec<T>, Box<dyn Error>> {
-        let told = |number: u64| {
-            one(2 * number + u64::from(self.locked)).map_err(|error| format!("robot {number}: {error}"))
-        };
-        Ok((0..self.robots).into_par_iter().map(told).collect::<Result<Vec<T>, String>>()?)
-    }
+/// The seed of a robot.
+fn seed(asked: &Asked, number: u64) -> u64 {
+    2 * number + u64::from(asked.locked)
 }
 
 /// What a kind alone, or all together, came to with one robot.
@@ -93,8 +47,10 @@ fn figures(kinds: &[Kind], seed: u64) -> Result<Figures, Box<dyn Error>> {
 fn together(asked: &Asked) -> Result<String, Box<dyn Error>> {
     let mut sets: Vec<Vec<Kind>> = Kind::ALL.iter().map(|&kind| vec![kind]).collect();
     sets.push(Kind::ALL.to_vec());
-    let of_robots =
-        asked.each(|seed| sets.iter().map(|set| figures(set, seed)).collect::<Result<Vec<_>, _>>())?;
+    let of_robots = asked.each(|number| {
+        let seed = seed(asked, number);
+        sets.iter().map(|set| figures(set, seed)).collect::<Result<Vec<_>, _>>()
+    })?;
     let mut text = String::from(
         "kind                     intervals that hold   accuracy, median mm   better than all together\n",
     );
@@ -146,7 +102,7 @@ fn fell(seed: u64) -> Result<Vec<Fell>, Box<dyn Error>> {
 }
 
 fn faults(asked: &Asked) -> Result<String, Box<dyn Error>> {
-    let of_robots = asked.each(fell)?;
+    let of_robots = asked.each(|number| fell(seed(asked, number)))?;
     let mut text = String::from(
         "fault                                   named   something else   over 5 % worse than the best alone   median ratio\n",
     );
@@ -180,7 +136,8 @@ fn eye(asked: &Asked) -> Result<String, Box<dyn Error>> {
         "20 images            place within its 95 % interval   named lens   named moved   named nothing\n",
     );
     for (word, fault, gear) in EYE {
-        let all = asked.each(|seed| {
+        let all = asked.each(|number| {
+            let seed = seed(asked, number);
             let trial = Trial::of(&[Kind::Eye], fault, Size { gear, ..Size::default() }, seed)?;
             let within = match (fault, gear > 0.0) {
                 (None, false) => Some(trial.eye_within(&trial.quiet()?)?),

@@ -1,7 +1,7 @@
 //! Unchanged robots, looked at fifty times: how many ever raise an alarm at the stated 1 %?
 
-use super::Asked;
 use super::robots::{Robot, identified};
+use crate::parts::Asked;
 use std::error::Error;
 use std::fmt::Write;
 use truepose_errormodel::FittedModel;

@@ -3,7 +3,8 @@
 //! The oracle is told where the bases stand exactly, and fits the same rows as those of one installation.
 
 use super::robots::{Robot, declared, error, identified, noise};
-use super::{Asked, quantile, rms};
+use super::{quantile, rms};
+use crate::parts::Asked;
 use std::error::Error;
 use std::fmt::Write;
 use truepose_errormodel::{Dataset, DatasetBuilder, ErrorModel, FittedModel, Measurement, SessionRules};

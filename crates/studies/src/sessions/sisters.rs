@@ -1,7 +1,8 @@
 //! A fleet of ten as prior of the eleventh: how many poses are its sisters worth?
 
+use super::rms;
 use super::robots::{Robot, error, identified};
-use super::{Asked, rms};
+use crate::parts::Asked;
 use std::error::Error;
 use std::fmt::Write;
 use truepose_kinematics::Chain;

@@ -1,7 +1,7 @@
 //! A joint that is not where it was: is it found at the first look, with twelve planned poses, and named?
 
-use super::Asked;
 use super::robots::{Robot, identified, noise};
+use crate::parts::Asked;
 use std::error::Error;
 use std::fmt::Write;
 use truepose_simulate::{Campaign, Flaws, Task, Visit, flaws};

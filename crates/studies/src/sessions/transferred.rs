@@ -1,7 +1,8 @@
 //! An arm in another installation, from few poses of one target: error at new poses against an identification with all data there.
 
 use super::robots::{Robot, error, identified, noise};
-use super::{Asked, quantile, rms};
+use super::{quantile, rms};
+use crate::parts::Asked;
 use std::error::Error;
 use std::fmt::Write;
 use truepose_kinematics::nalgebra::Vector3;

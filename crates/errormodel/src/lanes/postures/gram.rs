@@ -24,7 +24,11 @@ use truepose_kinematics::{Chain, three};
 /// Registers hold at most so many numbers.
 const WIDEST: usize = 8;
 
-/// Sums over postures, which can be added: of parts of a set of postures, on several threads or machines.
+/// Σ J_eᵀJ_e of the tool over postures of the nominal robot (J_e of Eq. 7), which can be added: of parts of a set of postures, on several threads or
+/// machines.
+///
+/// 6n × 6n for n joints, fixed ones included: of each joint's frame x, y, z (m) and rx, ry, rz (rad), everything in the measurement frame.
+/// Products are sums of squares of m per m, m per rad and rad per rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JacobianGram {
     postures: usize,
@@ -33,7 +37,7 @@ pub struct JacobianGram {
 }
 
 impl JacobianGram {
-    /// Of these postures of the nominal robot's first tool.
+    /// Of the robot's first tool at these values of the joints' variables, rad or m: a column a movable joint, all of one length.
     ///
     /// # Errors
     /// When sizes do not fit.
@@ -80,12 +84,12 @@ impl JacobianGram {
         self.postures
     }
 
-    /// Of the rows of position.
+    /// Σ J_pᵀJ_p, of the rows of position.
     pub fn position(&self) -> &DMatrix<f64> {
         &self.position
     }
 
-    /// Of the rows of rotation.
+    /// Σ J_φᵀJ_φ, of the rows of rotation.
     pub fn rotation(&self) -> DMatrix<f64> {
         let size = self.position.nrows();
         DMatrix::from_fn(size, size, |row, column| match (row % 6, column % 6) {
@@ -94,7 +98,7 @@ impl JacobianGram {
         })
     }
 
-    /// Of both, whitened: positions with this standard deviation of a component, m, and rotations with theirs, rad; infinite where they are
+    /// Σ J_pᵀJ_p/σ_p² + Σ J_φᵀJ_φ/σ_φ²: positions with this standard deviation of a component, m, and rotations with theirs, rad; infinite where they are
     /// not measured.
     pub fn whitened(&self, position_sd: f64, rotation_sd: f64) -> DMatrix<f64> {
         let both = &self.position / position_sd.powi(2);

@@ -10,7 +10,7 @@ pub const PACKED: usize = 18;
 
 /// The numbers of which [`super::error_jacobians`] consists, half as many: no zeros and nothing twice.
 ///
-/// `into` has as many blocks of [`LANES`] postures as are begun, each with `n × 18 × LANES` numbers: of each joint's frame the axes ω_x, ω_y, ω_z
+/// `joints` has a column a movable joint, values of its variable, rad or m; everything is in the measurement frame. `into` has as many blocks of [`LANES`] postures as are begun, each with `n × 18 × LANES` numbers: of each joint's frame the axes ω_x, ω_y, ω_z
 /// and then the levers ω_k × (p − o), m per rad, each by its components x, y, z, in each the postures. With them the frame's six columns are
 ///
 /// ```text

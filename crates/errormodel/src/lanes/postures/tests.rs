@@ -149,5 +149,8 @@ fn what_is_no_covariance_is_refused() {
         (wrong[(row, column)], wrong[(column, row)]) = (value, value);
         assert!(matches!(of(&wrong), Err(ModelError::NotACovariance)), "{row} {column} {value}");
     }
+    let mut lopsided = DMatrix::identity(size, size);
+    lopsided[(0, 5)] = 0.1;
+    assert!(matches!(of(&lopsided), Err(ModelError::NotACovariance)));
     assert!(matches!(of(&DMatrix::identity(6, 6)), Err(ModelError::Shape { .. })));
 }

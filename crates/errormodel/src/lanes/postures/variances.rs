@@ -23,11 +23,16 @@ const ROUNDING: f64 = 1e-12;
 
 /// Variances of position (x, y, z, m²) and rotation (rx, ry, rz, rad²) of the tool at many postures of the nominal robot.
 ///
-/// `covariance` is that of the constant errors of the n joints' frames, each x, y, z, rx, ry, rz, in m and rad. `into` has six parts, one a
-/// component, each with a number a posture.
+/// ```text
+/// diag(J_e C J_eᵀ),    J_e of Eq. 7
+/// ```
+///
+/// `joints` has a column a movable joint, values of its variable, rad or m. C is `covariance`, that of the constant errors of the n joints' frames,
+/// each x, y, z, rx, ry, rz, in m and rad. `into` has six parts, one a component in the measurement frame, each with a number a posture.
 ///
 /// # Errors
-/// When sizes do not fit, or `covariance` is no covariance.
+/// [`ModelError::Shape`] when sizes do not fit, [`ModelError::NotACovariance`] when `covariance` is not symmetric, not finite, or has a negative variance in
+/// some direction.
 pub fn error_variances(
     chain: &Chain,
     joints: &[&[f64]],
@@ -83,6 +88,10 @@ fn factor(covariance: &DMatrix<f64>, sites: &[usize]) -> Result<Vec<[f64; TOGETH
         }
         let by = if pivot > least { pivot.sqrt() } else { 0.0 };
         for row in k..size {
+            let (own, beside) = (covariance[(sites[row], sites[k])], covariance[(sites[k], sites[row])]);
+            if (own - beside).powi(2) > ROUNDING * variance * covariance[(sites[row], sites[row])].abs() {
+                return Err(wrong());
+            }
             let most = 10.0 * least * covariance[(sites[row], sites[row])];
             let below = l[(row, k)];
             if !below.is_finite() || by == 0.0 && row > k && below.powi(2) > most {

@@ -7,6 +7,7 @@ use truepose_kinematics::Chain;
 
 /// Error Jacobians of the tool at many postures of the nominal robot, into memory that is there (Eq. 6–7).
 ///
+/// `joints` has a column a movable joint, values of its variable, rad or m. Everything is in the measurement frame: m per m and per rad, rad per rad.
 /// `into` has as many blocks of [`LANES`] postures as are begun, each with `6 n × 6 × LANES` numbers: site by site of the n joints' frames (x, y,
 /// z, rx, ry, rz), in each the components of position and rotation, in each the postures. Numbers of postures that are not there are those
 /// of a robot at zero.
