@@ -167,7 +167,7 @@ pub struct Commanded {
 /// # Errors
 /// When a signal that the model needs is missing, or the robot has too many joints.
 pub fn command(fitted: &FittedModel, poses: &mut Poses) -> Result<Vec<Commanded>, CompensateError> {
-    let (commands, expected) = compensate::commanded(fitted, poses, &|| ())?;
+    let (commands, expected) = compensate::commanded(fitted, poses, None, &|| ())?;
     let channels = poses.rows.derived_for(fitted.model())?.schema.channels.clone();
     let one = |(command, Expected { within_95, corrected, beyond, .. }): (Command, Expected)| {
         let beyond = beyond::words(&beyond, fitted.chain(), &channels);

@@ -15,6 +15,7 @@ mod beyond;
 mod entry;
 mod find;
 mod many;
+mod relative;
 mod robots;
 mod scale;
 
@@ -56,6 +57,10 @@ pub struct Compensator<'m> {
     timed: bool,
     /// Of a model with findings.
     beyond: Option<Beyond<'m>>,
+    /// Joints that a command does not move.
+    stays: [bool; MOST],
+    /// The other hand, where poses are in its axes.
+    other: Option<RealArm<'m>>,
 }
 
 impl<'m> Compensator<'m> {
@@ -114,8 +119,10 @@ impl<'m> Compensator<'m> {
         let starts = Starts::new(chain, &nominal, &limits, &scale);
         let at = Reached::nowhere();
         let beyond = Beyond::bind(fitted, schema, &options)?;
+        let other = relative::other(fitted, schema, &options)?;
+        let stays = relative::stays(chain, &options);
         let kernel = Kernel::of(fitted, real.constant(), &scale, &limits, &options)
-            .filter(|_| chain.followers().is_empty());
+            .filter(|_| chain.followers().is_empty() && other.is_none());
         Ok(Compensator {
             fitted,
             options,
@@ -132,6 +139,8 @@ impl<'m> Compensator<'m> {
             read,
             timed,
             beyond,
+            stays,
+            other,
         })
     }
 
@@ -155,6 +164,13 @@ impl<'m> Compensator<'m> {
     /// and goes on elsewhere when it leads nowhere. Beyond the data of a fit with findings it falls back to the declared model, as predictions
     /// do. Never allocates, never panics: what are no numbers, or has the wrong length, is answered with [`Status::NotConverged`].
     pub fn command(&mut self, target: &Target, conditions: &Conditions, seed: Option<&[f64]>) -> Command {
+        match self.options.relative_to {
+            Some(_) => self.relative(target, conditions, seed),
+            None => self.absolute(target, conditions, seed),
+        }
+    }
+
+    fn absolute(&mut self, target: &Target, conditions: &Conditions, seed: Option<&[f64]>) -> Command {
         let found = self.found(target, conditions, seed);
         match &mut self.beyond {
             Some(beyond) => beyond.fallen_back(found, target, conditions),

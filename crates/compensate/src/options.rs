@@ -29,6 +29,9 @@ pub struct CompensatorOptions {
     pub approach: Approach,
     /// The tool that is brought to its target; joints that do not carry it stay where the seed has them.
     pub tool: ToolId,
+    /// Poses are those in the axes of this tool, where it really is, and not in the measurement frame: one hand is brought to the other. Joints that carry it stay
+    /// where the seed has them, and a seed is needed.
+    pub relative_to: Option<ToolId>,
 }
 
 impl Default for CompensatorOptions {
@@ -40,6 +43,7 @@ impl Default for CompensatorOptions {
             starts: 24,
             approach: Approach::Stated,
             tool: ToolId::FIRST,
+            relative_to: None,
         }
     }
 }

@@ -170,6 +170,11 @@ pub(crate) fn with_followers(chain: &Chain, scale: &[f64; MOST], columns: &mut C
     }
 }
 
+/// Joints that stay move nothing.
+pub(crate) fn held(stays: &[bool; MOST], columns: &mut Columns) {
+    columns.iter_mut().zip(stays).filter(|(_, stays)| **stays).for_each(|(column, _)| *column = [0.0; 6]);
+}
+
 /// The nominal robot, for starts.
 pub(crate) struct NominalArm<'a> {
     pub arm: &'a crate::arm::Arm,
@@ -177,6 +182,7 @@ pub(crate) struct NominalArm<'a> {
     pub scale: &'a [f64; MOST],
     pub chain: &'a Chain,
     pub at: &'a mut Reached,
+    pub stays: &'a [bool; MOST],
 }
 
 impl Robot for NominalArm<'_> {
@@ -194,6 +200,7 @@ impl Robot for NominalArm<'_> {
     fn columns(&self, task: &Task, columns: &mut Columns) {
         task.columns(self.arm, self.at, columns);
         with_followers(self.chain, self.scale, columns);
+        held(self.stays, columns);
     }
 
     fn joints(&self) -> usize {

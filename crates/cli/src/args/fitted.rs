@@ -135,6 +135,9 @@ pub struct Compensate {
     /// Desired poses (CSV): x y z, optional orientation, target, load, channels, time, approach; joint columns are the start of the search
     #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["joints", "program"])]
     pub poses: Option<PathBuf>,
+    /// Other tool of the robot in whose axes the poses are, where it really is: one hand is brought to the other, whose joints stay where the joint columns have them
+    #[arg(long, value_name = "TOOL", requires = "poses", conflicts_with_all = ["frame", "tcp", "cartesian", "report"])]
+    pub relative_to: Option<String>,
     #[command(flatten)]
     pub named: NamedColumns,
     /// Joint values of a programme for the nominal robot (CSV), instead of poses: each is replaced by the joints that bring the real flange there

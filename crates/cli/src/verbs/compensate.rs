@@ -4,7 +4,7 @@ use super::frames::Placed;
 use super::joint_units::{self, in_units, joint_names};
 use super::reporting::Folder;
 use super::sessions::chosen;
-use super::{about, beyond, print_json, status};
+use super::{about, beyond, print_json, relative, status};
 use crate::args::Compensate;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -47,9 +47,11 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
         form.length = units.length.unwrap_or(form.length);
         form.turn = poses.convention.zip(units.angle.or(Some(*Quantity::Angle.si())));
     }
+    let other =
+        args.relative_to.as_ref().map(|tool| relative::other(tool, &fitted, &poses, file)).transpose()?;
     let progress = Progress::steps(poses.rows.len().div_ceil(CHUNK), watch);
-    let (commands, expected) =
-        commanded(&fitted, &mut poses, &|| progress.begin("commands")).map_err(|error| match error {
+    let (commands, expected) = commanded(&fitted, &mut poses, other, &|| progress.begin("commands"))
+        .map_err(|error| match error {
             CompensateError::Model(error) => about(file)(error),
             error => Failure::Input(format!("{}: {error}", args.fit.display())),
         })?;
@@ -144,19 +146,24 @@ pub fn run(args: &Compensate, watch: &Watch) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Commands for desired poses, in their order, and the expected accuracy of each. `begin` is called at each part of them.
+/// Commands for desired poses, in their order, and the expected accuracy of each; poses are in the axes of another tool where there is one. `begin` is called at
+/// each part of them.
 pub(crate) fn commanded(
     fitted: &FittedModel,
     poses: &mut Poses,
+    other: Option<ToolId>,
     begin: &(dyn Fn() + Sync),
 ) -> Result<(Vec<Command>, Vec<Expected>), CompensateError> {
-    let mut commands = commands(fitted, poses, begin)?;
+    let mut commands = commands(fitted, poses, other, begin)?;
     if winds_up(fitted, poses) {
         // The way of the joints is that of the commands: corrections change it by less than the friction's distance.
         follow(poses, &commands);
-        commands = self::commands(fitted, poses, begin)?;
+        commands = self::commands(fitted, poses, other, begin)?;
     }
-    let expected = expected(fitted, poses, &mut commands)?;
+    let expected = match other {
+        Some(other) => relative::expected(fitted, poses, &commands, other)?,
+        None => expected(fitted, poses, &mut commands)?,
+    };
     Ok((commands, expected))
 }
 
@@ -272,7 +279,7 @@ fn expected(
     let coverage = Coverage::new(fitted, &inputs.schema)?;
     let nothing = ErrorModel::new(fitted.chain().clone(), Vec::new())?;
     let ideal = FittedModel::new(nothing, Vec::new(), DMatrix::zeros(0, 0))?;
-    let nominals = for_tools(&ideal, &inputs.schema)?;
+    let nominals = for_tools(&ideal, &inputs.schema, None)?;
     let noise = Matrix3::identity() * fitted.noise.position_sd.powi(2);
     let parts: Vec<Vec<Expected>> = commands
         .par_chunks_mut(CHUNK)
@@ -347,8 +354,17 @@ fn wanted<'a>(poses: &Poses, conditions: &'a Conditions, row: usize) -> CommandR
 }
 
 /// A compensator for each tool of the robot.
-fn for_tools<'m>(fitted: &'m FittedModel, schema: &Schema) -> Result<Vec<Compensator<'m>>, CompensateError> {
-    let tool = |k| CompensatorOptions { tool: ToolId(k), ..CompensatorOptions::default() };
+fn for_tools<'m>(
+    fitted: &'m FittedModel,
+    schema: &Schema,
+    other: Option<ToolId>,
+) -> Result<Vec<Compensator<'m>>, CompensateError> {
+    let tool = |k| CompensatorOptions {
+        tool: ToolId(k),
+        // None of its own poses is in its own axes.
+        relative_to: other.filter(|other| other.0 != k),
+        ..CompensatorOptions::default()
+    };
     (0..fitted.chain().tools().len()).map(|k| Compensator::bind(fitted, schema, tool(k))).collect()
 }
 
@@ -356,11 +372,12 @@ fn for_tools<'m>(fitted: &'m FittedModel, schema: &Schema) -> Result<Vec<Compens
 fn commands(
     fitted: &FittedModel,
     poses: &Poses,
+    other: Option<ToolId>,
     begin: &(dyn Fn() + Sync),
 ) -> Result<Vec<Command>, CompensateError> {
     let rows: Vec<usize> = (0..poses.rows.len()).collect();
     let inputs = poses.rows.derived_for(fitted.model())?;
-    let compensators = for_tools(fitted, &inputs.schema)?;
+    let compensators = for_tools(fitted, &inputs.schema, other)?;
     // Rows of one tool follow one another.
     let parts: Vec<Vec<Command>> = rows
         .chunk_by(|a, b| inputs.tool(*a) == inputs.tool(*b))

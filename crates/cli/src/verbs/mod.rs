@@ -30,6 +30,7 @@ mod points;
 mod poses_of_fit;
 pub(crate) mod predict;
 pub(crate) mod program;
+mod relative;
 mod repeated;
 mod reporting;
 pub(crate) mod sessions;

@@ -104,6 +104,52 @@ fn two_arms_that_meet_are_calibrated_against_each_other() {
 }
 
 #[test]
+fn one_hand_is_brought_to_the_other() {
+    let folder = Folder::empty();
+    folder.write("robot.toml", ROBOT);
+    folder.write("data.csv", &table((0..40).map(|k| if k % 4 == 3 { 120.0 } else { 0.0 })));
+    folder.run(&["identify", "--robot", "robot.toml", "--data", "data.csv", "--out", "fit.json"]).ended(0);
+    let poses = "tool,x[mm],y[mm],z[mm],l1[rad],l2[rad],r1[rad],r2[rad]\n\
+                 left,0,0,0,0.7,1.2,2.6,0.3\nleft,-10,30,0,0.9,0.8,2.4,0.5\n";
+    folder.write("poses.csv", poses);
+    let words =
+        ["compensate", "--fit", "fit.json", "--poses", "poses.csv", "--out", "q.csv", "--relative-to"];
+    let told = folder.run(&[&words[..], &["right"]].concat()).ended(0).log;
+    assert!(told.contains("how `right` is turned, in whose axes the poses are, is as declared"), "{told}");
+    let table = folder.read("q.csv");
+    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    for (line, wanted, other) in
+        [(lines.next().unwrap(), [0.0, 0.0], [2.6, 0.3]), (lines.next().unwrap(), [-10.0, 30.0], [2.4, 0.5])]
+    {
+        let cells: Vec<&str> = line.split(',').collect();
+        let cell = |name: &str| cells[names.iter().position(|n| *n == name).unwrap()];
+        let joint = |name: &str| cell(name).parse::<f64>().unwrap();
+        let [l1, l2, r1, r2] = ["l1[rad]", "l2[rad]", "r1[rad]", "r2[rad]"].map(joint);
+        assert!([r1, r2].iter().zip(other).all(|(joint, given)| joint.to_bits() == f64::to_bits(given)));
+        // Where the hands of the true robot are.
+        let at = |x: f64, link: f64, (a, b): (f64, f64)| {
+            [x + link * a.cos() + 300.0 * b.cos(), link * a.sin() + 300.0 * b.sin()]
+        };
+        let (left, right) =
+            (at(0.0, LINKS[0], (l1, l1 + l2 + ZEROS[0])), at(600.0, LINKS[1], (r1, r1 + r2 + ZEROS[1])));
+        let turn = r1 + r2 + ZEROS[1];
+        let (x, y) = (left[0] - right[0], left[1] - right[1]);
+        let own = [x * turn.cos() + y * turn.sin(), y * turn.cos() - x * turn.sin()];
+        let off = (own[0] - wanted[0]).hypot(own[1] - wanted[1]);
+        // How the right hand is turned no contact tells: 4 mrad.
+        assert!(off < 0.05 + 4e-3 * wanted[0].hypot(wanted[1]), "{off} mm: {line}");
+        let within: f64 = joint("within_95[m]");
+        assert!((1e-5..2e-4).contains(&within), "{within}");
+    }
+    let refused = |tool: &str| folder.run(&[&words[..], &[tool]].concat()).ended(INPUT).log;
+    assert!(refused("left").contains("poses.csv:2: the pose is one of `left` itself"), "{}", refused("left"));
+    assert!(refused("middle").contains("the robot has no tool `middle` (its tools: left, right)"));
+    folder.write("poses.csv", "tool,x[mm],y[mm],z[mm]\nleft,20,15,0\n");
+    assert!(refused("right").contains("joint columns are needed: they say where the other hand is"));
+}
+
+#[test]
 fn what_is_wrong_with_a_contact_is_told_where_it_stands() {
     let table = table([0.0; 12].into_iter());
     let third = table.lines().nth(2).unwrap();

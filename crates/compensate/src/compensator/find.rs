@@ -65,7 +65,7 @@ impl Compensator<'_> {
         let mut nearest_nominal: Option<Walk> = None;
         let mut stuck = 0;
         for k in 0..self.options.starts {
-            let Some(&start) = self.starts.start(&nearest, k).filter(|_| stuck < self.enough()) else {
+            let Some(start) = self.start(&nearest, k, seed).filter(|_| stuck < self.enough()) else {
                 break;
             };
             let nominal = walk(&mut self.ideal(&point), &rough, &start, &limits, NOMINAL_ROUNDS);
@@ -92,7 +92,7 @@ impl Compensator<'_> {
             best = nearer(best, found);
         }
         let Some(mut best) = best.or_else(|| {
-            let start = self.starts.start(&nearest, 0).copied()?;
+            let start = self.start(&nearest, 0, seed)?;
             Some(walk(&mut self.exact(), task, &start, &limits, most))
         }) else {
             return Found { walk: Walk::nowhere(), status: Status::NotConverged };
@@ -110,7 +110,8 @@ impl Compensator<'_> {
         }
         // Near, but bent the wrong way: the same posture with one joint nudged.
         if best.gap.cost < WORTH_A_TRY {
-            for k in 0..2 * self.nominal.joints() {
+            let stays = self.stays;
+            for k in (0..2 * self.nominal.joints()).filter(|k| !stays[k / 2]) {
                 let mut x = best.x;
                 x[k / 2] += if k.is_multiple_of(2) { NUDGE } else { -NUDGE };
                 let x = self.within(&x);
@@ -122,17 +123,23 @@ impl Compensator<'_> {
             }
         }
         best.rounds = rounds;
-        self.without_limits(task, &rough, &nearest, best)
+        self.without_limits((task, &rough), &nearest, best, seed)
     }
 
     /// Whether joint values beyond their limits would do, where nothing within them did; `best` is the nearest that does not.
-    fn without_limits(&mut self, task: &Task, rough: &Task, nearest: &Nearest, mut best: Walk) -> Found {
+    fn without_limits(
+        &mut self,
+        (task, rough): (&Task, &Task),
+        nearest: &Nearest,
+        mut best: Walk,
+        seed: Option<&[f64; MOST]>,
+    ) -> Found {
         let point = self.nominal_point(task.target);
         let (limits, most) = (self.limits, self.options.rounds);
         let mut rounds = best.rounds;
         let mut stuck = 0;
         for k in 0..=self.options.starts {
-            let start = if k == 0 { Some(best.x) } else { self.starts.start(nearest, k - 1).copied() };
+            let start = if k == 0 { Some(best.x) } else { self.start(nearest, k - 1, seed) };
             let Some(start) = start.filter(|_| stuck < self.enough()) else { break };
             let nominal = walk(&mut self.ideal(&point), rough, &start, &Limits::NONE, NOMINAL_ROUNDS);
             if nominal.gap.cost.is_nan() || nominal.gap.cost > WORTH_A_TRY {
@@ -145,7 +152,7 @@ impl Compensator<'_> {
                 continue;
             }
             // The same posture a turn further may lie within the limits.
-            let turned = self.within(&self.wrapped(&free.x));
+            let turned = self.kept(self.within(&self.wrapped(&free.x)), seed);
             let inside = walk(&mut self.exact(), task, &turned, &limits, most);
             if self.there(&inside) {
                 return Found::ok(inside, rounds);
@@ -157,6 +164,18 @@ impl Compensator<'_> {
         let status = if best.ending == Ending::GaveUp { Status::NotConverged } else { Status::Unreachable };
         best.rounds = rounds;
         Found { walk: best, status }
+    }
+
+    /// The k-th start, in which joints that stay are where the seed has them.
+    fn start(&self, nearest: &Nearest, k: usize, seed: Option<&[f64; MOST]>) -> Option<[f64; MOST]> {
+        self.starts.start(nearest, k).map(|x| self.kept(*x, seed))
+    }
+
+    fn kept(&self, mut x: [f64; MOST], seed: Option<&[f64; MOST]>) -> [f64; MOST] {
+        for (k, seed) in seed.into_iter().flatten().enumerate().filter(|(k, _)| self.stays[*k]) {
+            x[k] = *seed;
+        }
+        x
     }
 
     /// The straight way from a seed, as [`Compensator::commands`] takes it for several at once.

@@ -4,7 +4,7 @@ use super::Compensator;
 use crate::arm::{Arm, Reached};
 use crate::command::MOST;
 use crate::real::RealArm;
-use crate::search::{NominalArm, Robot, with_followers};
+use crate::search::{NominalArm, Robot, held, with_followers};
 use crate::task::{Columns, Gap, Task};
 use nalgebra::Vector3;
 use truepose_kinematics::{Chain, Conditions};
@@ -18,12 +18,13 @@ impl<'m> Compensator<'m> {
             chain: self.fitted.chain(),
             scale: &self.scale,
             at: &mut self.at,
+            stays: &self.stays,
         }
     }
 
     pub(super) fn ideal(&mut self, point: &Vector3<f64>) -> NominalArm<'_> {
         let (arm, scale, chain) = (&self.nominal, &self.scale, self.fitted.chain());
-        NominalArm { arm, point: *point, scale, chain, at: &mut self.at }
+        NominalArm { arm, point: *point, scale, chain, at: &mut self.at, stays: &self.stays }
     }
 }
 
@@ -35,6 +36,7 @@ pub(super) struct ExactArm<'a, 'm> {
     chain: &'m Chain,
     scale: &'a [f64; MOST],
     at: &'a mut Reached,
+    stays: &'a [bool; MOST],
 }
 
 impl Robot for ExactArm<'_, '_> {
@@ -50,6 +52,7 @@ impl Robot for ExactArm<'_, '_> {
     fn columns(&self, task: &Task, columns: &mut Columns) {
         task.columns(self.slides, self.at, columns);
         with_followers(self.chain, self.scale, columns);
+        held(self.stays, columns);
     }
 
     fn joints(&self) -> usize {
