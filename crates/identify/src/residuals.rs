@@ -4,6 +4,7 @@
 
 use crate::IdentifyError;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use truepose_errormodel::{Dataset, FittedModel, Visits};
 use truepose_kinematics::{Conditions, rotation_log};
@@ -34,6 +35,9 @@ pub struct Spread {
     pub max: f64,
 }
 
+/// Rows that one thread predicts one after the other.
+const PART: usize = 4096;
+
 impl Residuals {
     /// Of a fitted model on data.
     ///
@@ -45,16 +49,28 @@ impl Residuals {
         let ordered = (fitted.domain.by_order && !data.schema.time).then(|| data.clone().ordered());
         let data = ordered.as_ref().unwrap_or(data);
         let data = &*data.derived_for(fitted.model())?;
-        let mut predictor = fitted.bind(&data.schema)?;
-        let mut conditions = Conditions::default();
+        fitted.bind(&data.schema)?;
+        let part = |rows: std::ops::Range<usize>| -> Result<Self, IdentifyError> {
+            let mut predictor = fitted.bind(&data.schema)?;
+            let mut conditions = Conditions::default();
+            let mut residuals = Residuals::default();
+            for row in rows {
+                data.conditions_into(row, &mut conditions);
+                let pose = predictor.predict(&conditions, data.aim(row));
+                residuals.position.push(data.away(row, &pose.translation));
+                let turn = |measured| rotation_log(&(measured * pose.rotation.transpose()));
+                residuals.orientation.push(data.measured_rotation(row).map(turn));
+            }
+            Ok(residuals)
+        };
+        // Parts depend on the number of rows alone, and so do their numbers.
+        let parts = (0..data.len().div_ceil(PART)).into_par_iter();
+        let parts: Vec<Self> =
+            parts.map(|k| part(k * PART..((k + 1) * PART).min(data.len()))).collect::<Result<_, _>>()?;
         let mut residuals = Residuals::default();
-        for row in 0..data.len() {
-            data.conditions_into(row, &mut conditions);
-            let pose = predictor.predict(&conditions, data.aim(row));
-            residuals.position.push(data.away(row, &pose.translation));
-            residuals
-                .orientation
-                .push(data.measured_rotation(row).map(|r| rotation_log(&(r * pose.rotation.transpose()))));
+        for part in parts {
+            residuals.position.extend(part.position);
+            residuals.orientation.extend(part.orientation);
         }
         Ok(residuals)
     }

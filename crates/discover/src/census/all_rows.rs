@@ -2,9 +2,11 @@
 
 use crate::census::blocks::Blocks;
 use crate::census::derived::Derived;
+use crate::census::white::White;
 use crate::error::DiscoverError;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
+use crate::problem::whitening::Whitener;
 use crate::statistics::product::gram_matrix;
 use nalgebra::{DMatrix, DVector};
 use truepose_errormodel::Dataset;
@@ -41,15 +43,6 @@ impl Equations {
     }
 }
 
-/// Whitened base of a block, and residual of these coefficients in the linearised problem.
-pub(crate) fn whitened(linearisation: &Linearisation<'_>, of: &Fit) -> (DMatrix<f64>, DVector<f64>) {
-    let whitener = linearisation.whitener(linearisation.noise);
-    let residual = &linearisation.y - &linearisation.base * kept(of);
-    let mut column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
-    whitener.apply(&mut column);
-    (whitener.of(&linearisation.base), column.column(0).into_owned())
-}
-
 /// The coefficients of a fit that the data determines.
 fn kept(fit: &Fit) -> DVector<f64> {
     let kept = &fit.reduction.kept;
@@ -57,6 +50,14 @@ fn kept(fit: &Fit) -> DVector<f64> {
 }
 
 impl AllRows {
+    /// What these coefficients leave of a block that is linearised where they were found, whitened.
+    pub fn residual_of(&self, linearisation: &Linearisation<'_>, whitener: &Whitener) -> DVector<f64> {
+        let residual = &linearisation.y - &linearisation.base * kept(&self.fit);
+        let mut column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+        whitener.apply(&mut column);
+        column.column(0).into_owned()
+    }
+
     /// Gauss–Newton from a fit of some of the rows. Its coefficients are near those of all, so that one step does; what it leaves is computed from a
     /// part of the blocks:
     ///
@@ -126,8 +127,7 @@ fn equations(
         || Equations { gram: DMatrix::zeros(r, r), right: DVector::zeros(r), squares: 0.0, count: 0 };
     let (mut sum, mut some) = (nothing(), nothing());
     let of = |block: &Dataset| -> Result<Equations, DiscoverError> {
-        let linearisation = blocks.linearised(fit, block, options)?;
-        let (base, residual) = whitened(&linearisation, fit);
+        let White { base, residual, .. } = White::of((block, blocks), (fit, fit), &[], options)?;
         Ok(Equations {
             gram: gram_matrix(&base),
             right: base.tr_mul(&residual),

@@ -39,7 +39,7 @@ impl Blocks {
                 _ => rows.push(own),
             }
         }
-        Blocks { data, rows, noise: None }
+        Blocks { data: data.recorded(), rows, noise: None }
     }
 
     /// With the noise of a search in which the joints scatter.
@@ -55,8 +55,18 @@ impl Blocks {
         options: &'a DiscoverOptions,
     ) -> Result<Linearisation<'a>, DiscoverError> {
         let mut linearisation = Linearisation::new(fit, data, options)?;
-        linearisation.noise = self.noise.unwrap_or(linearisation.noise);
+        linearisation.noise = self.noise_of(fit);
         Ok(linearisation)
+    }
+
+    /// The noise of the search where the joints scatter, else that of a fit.
+    pub fn noise_of(&self, fit: &Fit) -> Noise {
+        self.noise.unwrap_or_else(|| fit.noise.into())
+    }
+
+    /// Whether the numbers of a pose share the scatter of its joints.
+    pub fn joints_scatter(&self) -> bool {
+        self.noise.is_some_and(|noise| noise.joints.is_some())
     }
 
     /// How many units the blocks are of.

@@ -61,14 +61,11 @@ pub(crate) fn compared(
         }
     }
     let stride = stride(best, blocks);
-    let shortlist = refined(linearisation, shortlist, (all, blocks, stride), options)?;
     let penalty = (all.count as f64).ln();
-    let of_all = sums(&shortlist, (all, blocks), 1, options)?;
-    let mut competitors: Vec<Competitor> = shortlist
+    let mut competitors: Vec<Competitor> = refined(linearisation, shortlist, (all, blocks, stride), options)?
         .into_iter()
-        .zip(of_all)
-        .filter_map(|(candidate, sums)| {
-            let detail = Detail::of(&sums?, all, 1, &options.policy)?;
+        .filter_map(|(candidate, detail)| {
+            let detail = detail?;
             let counted = penalty * detail.freedom() as f64;
             // All by evidence: at so many numbers a count would favour curves, which the contest of a sample charges so.
             let cost = detail.distribution.penalty.min(counted);
@@ -115,40 +112,83 @@ fn stride(gain: f64, blocks: &Blocks) -> usize {
     ((gain / ENOUGH) as usize).clamp(1, (blocks.units() / 12).max(1))
 }
 
-/// The candidates with their nonlinear parameters refined: the best of a grid about the value, then of a finer one.
+/// A value of a candidate's nonlinear parameter, and what was said of it.
+struct Tried {
+    /// Its part of what the screen leaves open, −1 … 1.
+    at: f64,
+    candidate: Candidate,
+    detail: Detail,
+}
+
+/// The candidates with their nonlinear parameters refined, and what all rows say of each: the best of a grid about the value, then twice the vertex of
+/// the parabola through the best value and its neighbours.
 fn refined(
     linearisation: &Linearisation<'_>,
     candidates: Vec<Candidate>,
     (all, blocks, stride): (&AllRows, &Blocks, usize),
     options: &DiscoverOptions,
-) -> Result<Vec<Candidate>, DiscoverError> {
+) -> Result<Vec<(Candidate, Option<Detail>)>, DiscoverError> {
     /// Values to either side.
     const SIDE: i32 = 4;
-    let mut best = candidates;
-    let mut reach = 1.0;
-    for _ in 0..3 {
-        let mut tried: Vec<(usize, Candidate)> = Vec::new();
-        for (k, candidate) in best.iter().enumerate() {
-            for step in -SIDE..=SIDE {
-                let at = reach * f64::from(step) / f64::from(SIDE);
-                tried.extend(moved(linearisation, candidate, at).map(|other| (k, other)));
+    let details = |tried: &[Candidate], stride: usize| -> Result<Vec<Option<Detail>>, DiscoverError> {
+        let sums = sums(tried, (all, blocks), stride, options)?;
+        Ok(sums.into_iter().map(|sums| Detail::of(&sums?, all, stride, &options.policy)).collect())
+    };
+    let mut known: Vec<Vec<Tried>> = candidates.iter().map(|_| Vec::new()).collect();
+    for round in 0..3 {
+        let mut next: Vec<(usize, f64, Candidate)> = Vec::new();
+        for (k, candidate) in candidates.iter().enumerate() {
+            let before = next.len();
+            let places: Vec<f64> = match round {
+                0 => (-SIDE..=SIDE).map(|step| f64::from(step) / f64::from(SIDE)).collect(),
+                _ => vertex(&known[k]).into_iter().collect(),
+            };
+            let moved = |at: f64| Some((k, at, moved(linearisation, candidate, at)?));
+            next.extend(places.into_iter().filter_map(moved));
+            if round == 0 && next.len() == before {
+                next.push((k, 0.0, candidate.clone()));
             }
         }
-        if tried.is_empty() {
-            break;
-        }
-        let others: Vec<Candidate> = tried.iter().map(|t| t.1.clone()).collect();
-        let mut gains = vec![f64::NEG_INFINITY; best.len()];
-        for ((k, other), sums) in tried.into_iter().zip(sums(&others, (all, blocks), stride, options)?) {
-            let detail = sums.and_then(|sums| Detail::of(&sums, all, stride, &options.policy));
-            if let Some(detail) = detail.filter(|detail| detail.gain > gains[k]) {
-                gains[k] = detail.gain;
-                best[k] = other;
+        let others: Vec<Candidate> = next.iter().map(|next| next.2.clone()).collect();
+        for ((k, at, candidate), detail) in next.into_iter().zip(details(&others, stride)?) {
+            if let Some(detail) = detail {
+                let place = known[k].partition_point(|other| other.at < at);
+                known[k].insert(place, Tried { at, candidate, detail });
             }
         }
-        reach /= f64::from(SIDE);
     }
-    Ok(best)
+    let best = |(candidate, tried): (Candidate, Vec<Tried>)| {
+        let best = tried.into_iter().max_by(|a, b| a.detail.gain.total_cmp(&b.detail.gain));
+        best.map_or((candidate, None), |best| (best.candidate, Some(best.detail)))
+    };
+    let best: Vec<(Candidate, Option<Detail>)> = candidates.into_iter().zip(known).map(best).collect();
+    if stride == 1 {
+        return Ok(best);
+    }
+    let chosen: Vec<Candidate> = best.into_iter().map(|(candidate, _)| candidate).collect();
+    let of_all = details(&chosen, 1)?;
+    Ok(chosen.into_iter().zip(of_all).collect())
+}
+
+/// Where the parabola through the best value and its neighbours has its vertex; in the middle of the last gap where the best value is an end. None where that is the
+/// best value itself.
+fn vertex(tried: &[Tried]) -> Option<f64> {
+    /// Parts of the range nearer than that are one value.
+    const NEAR: f64 = 2e-3;
+    let gain = |k: usize| tried[k].detail.gain;
+    let best = (0..tried.len()).max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
+    let at = |k: usize| tried[k].at;
+    let wanted = match (best.checked_sub(1), (best + 1 < tried.len()).then_some(best + 1)) {
+        (Some(left), Some(right)) => {
+            let (to_left, to_right) = (at(best) - at(left), at(best) - at(right));
+            let (fall_left, fall_right) = (gain(best) - gain(left), gain(best) - gain(right));
+            let bend = to_left * fall_right - to_right * fall_left;
+            at(best) - 0.5 * (to_left * to_left * fall_right - to_right * to_right * fall_left) / bend
+        }
+        (Some(other), None) | (None, Some(other)) => 0.5 * (at(best) + at(other)),
+        (None, None) => return None,
+    };
+    (wanted.is_finite() && tried.iter().all(|other| (other.at - wanted).abs() > NEAR)).then_some(wanted)
 }
 
 /// A candidate with its nonlinear parameter moved by a part, −1 … 1, of what the screen leaves open; none where it has no such parameter.

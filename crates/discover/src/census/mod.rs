@@ -24,6 +24,7 @@ mod oracle;
 mod proof;
 mod scores;
 mod waves;
+mod white;
 
 use crate::accept::accepted::Accepted;
 use crate::accept::admit::doubt_of;

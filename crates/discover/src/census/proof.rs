@@ -11,9 +11,10 @@
 //! place, or depends on the poses before (Hotelling 1931; clustered errors: Liang and Zeger 1986). At so many rows that is what decides.
 
 use crate::accept::evidence::{Evidence, Gain};
-use crate::census::all_rows::{AllRows, whitened};
+use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::details::Detail;
+use crate::census::white::White;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::options::DiscoverOptions;
@@ -161,10 +162,8 @@ fn units(
     options: &DiscoverOptions,
 ) -> Result<Vec<Unit>, DiscoverError> {
     let of = |block: &Dataset| -> Result<Unit, DiscoverError> {
-        let linearisation = blocks.linearised(&all.at, block, options)?;
-        let (base, residual) = whitened(&linearisation, &all.fit);
-        let whitener = linearisation.whitener(linearisation.noise);
-        let columns = whitener.of(&linearisation.columns_of(candidate)?);
+        let white = White::of((block, blocks), (&all.at, &all.fit), candidate.effects(), options)?;
+        let White { base, columns, residual } = white;
         let left = (columns - base * &detail.taken) * &detail.basis;
         Ok(Unit {
             score: left.tr_mul(&residual),

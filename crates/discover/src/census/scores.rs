@@ -3,9 +3,10 @@
 //! X̃ᵀr = Xᵀr, since the fit of all rows leaves nothing of r along the model: a candidate costs its entries times `J̃ᵀr` of each visit, a set
 //! of functions at all sites one product a block, and all periods of a joint one sum a visit ([`crate::census::waves`]).
 
-use crate::census::all_rows::{AllRows, whitened};
+use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::waves::MotionBins;
+use crate::census::white::White;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
@@ -17,7 +18,7 @@ use crate::screen::functions::Functions;
 use crate::statistics::beta::surprisal;
 use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{AnyEffect, Dataset};
 
 /// Xᵀr of everything that a screen looks at.
 struct Scores {
@@ -102,8 +103,8 @@ fn scores(
         .collect();
     let of = |block: &Dataset| -> Result<Scores, DiscoverError> {
         let linearisation = blocks.linearised(&all.at, block, options)?;
-        let (_, residual) = whitened(&linearisation, &all.fit);
         let whitener = linearisation.whitener(linearisation.noise);
+        let residual = all.residual_of(&linearisation, &whitener);
         let tables = Tables::new(&linearisation, &whitener, &residual);
         let stations = || tables.stations.iter().copied();
         let mut sums = Vec::with_capacity(single.len());
@@ -167,8 +168,8 @@ pub(crate) fn sums(
     Ok(each)
 }
 
-/// Columns of candidates that a block has side by side, at least.
-const COLUMNS: usize = 128;
+/// Columns of candidates that a block has side by side, at least, where there are so many.
+const COLUMNS: usize = 256;
 
 fn sums_of_several(
     candidates: &[Candidate],
@@ -177,37 +178,29 @@ fn sums_of_several(
     options: &DiscoverOptions,
 ) -> Result<Vec<Option<Sums>>, DiscoverError> {
     let of = |block: &Dataset| -> Result<Vec<Option<Sums>>, DiscoverError> {
-        let linearisation = blocks.linearised(&all.at, block, options)?;
-        let (base, residual) = whitened(&linearisation, &all.fit);
-        let whitener = linearisation.whitener(linearisation.noise);
         let mut each = Vec::with_capacity(candidates.len());
         while each.len() < candidates.len() {
-            // As many side by side as are worked on at once.
-            let mut beside: Vec<Option<DMatrix<f64>>> = Vec::new();
-            let mut width = 0;
+            let mut widths: Vec<Option<usize>> = Vec::new();
+            let mut effects: Vec<Box<dyn AnyEffect>> = Vec::new();
             for candidate in &candidates[each.len()..] {
-                let columns = linearisation.columns(candidate.effects()).ok();
-                width += columns.as_ref().map_or(0, DMatrix::ncols);
-                beside.push(columns);
-                if width >= COLUMNS {
+                let width = White::width_of(candidate, &all.at, block);
+                if width.is_some() {
+                    effects.extend_from_slice(candidate.effects());
+                }
+                widths.push(width);
+                if widths.iter().flatten().sum::<usize>() >= COLUMNS {
                     break;
                 }
             }
-            let mut white = DMatrix::zeros(base.nrows(), width);
+            let white = White::of((block, blocks), (&all.at, &all.fit), &effects, options)?;
+            let along = cross(&white.base, &white.columns);
             let mut first = 0;
-            for columns in beside.iter().flatten() {
-                white.columns_mut(first, columns.ncols()).copy_from(columns);
-                first += columns.ncols();
-            }
-            whitener.apply(&mut white);
-            let along = cross(&base, &white);
-            let mut first = 0;
-            for columns in beside {
-                each.push(columns.map(|columns| {
-                    let own = white.columns(first, columns.ncols());
-                    let along = along.columns(first, columns.ncols()).into_owned();
-                    first += columns.ncols();
-                    Sums { along, raw: cross(&own, &own), score: own.tr_mul(&residual) }
+            for width in widths {
+                each.push(width.map(|width| {
+                    let own = white.columns.columns(first, width);
+                    let along = along.columns(first, width).into_owned();
+                    first += width;
+                    Sums { along, raw: cross(&own, &own), score: own.tr_mul(&white.residual) }
                 }));
             }
         }

@@ -33,6 +33,16 @@ impl Dataset {
         }
     }
 
+    /// The same data with the order of its poses worked out: else every part that is taken of it works it out anew, which is quadratic where there are many
+    /// parts.
+    #[must_use]
+    pub fn recorded(mut self) -> Dataset {
+        if self.record.is_none() {
+            self.record = Some(self.as_whole());
+        }
+        self
+    }
+
     /// The order of poses of the whole record that this data is, or is a part of.
     pub(super) fn whole(&self) -> Cow<'_, Record> {
         self.record.as_ref().map_or_else(|| Cow::Owned(self.as_whole()), Cow::Borrowed)

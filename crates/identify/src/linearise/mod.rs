@@ -16,8 +16,7 @@ pub(crate) use misfit::misfit;
 pub(crate) use rows::left_over_rows;
 pub use rows::{Rows, collect};
 pub(crate) use stations::Stations;
-pub(crate) use sums::dense;
-pub use sums::{factorise, gram, left_out, left_over, triangular, triangular_of};
+pub use sums::{dense, factorise, gram, left_out, left_over, triangular, triangular_of};
 
 #[cfg(test)]
 mod tests;

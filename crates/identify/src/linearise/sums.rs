@@ -82,25 +82,27 @@ fn triangle(
     Ok(triangle)
 }
 
-/// The whitened rows of `[A | r]` over all visits, in the order of their blocks.
+/// The whitened rows of `[A | r]` over all visits, over all columns or over these, in the order of their blocks.
 ///
 /// # Errors
 /// When the model and the data do not fit.
-pub(crate) fn dense(
+pub fn dense(
     model: &ErrorModel,
     data: &Dataset,
     visits: &Visits,
     noise: NoiseModel,
     coefficients: &[f64],
+    columns: Option<&[usize]>,
 ) -> Result<DMatrix<f64>, IdentifyError> {
     let Some(batches) = batches(data, visits, 0..visits.len()) else {
         let rows = collect(model, data, visits, noise, coefficients)?;
-        let width = rows.a.ncols();
-        let mut dense = rows.a.insert_column(width, 0.0);
+        let a = columns.map_or_else(|| rows.a.clone(), |columns| rows.a.select_columns(columns));
+        let width = a.ncols();
+        let mut dense = a.insert_column(width, 0.0);
         dense.set_column(width, &rows.residual);
         return Ok(dense);
     };
-    let mut blocks = Blocks::new(model, data, noise, coefficients, None)?;
+    let mut blocks = Blocks::new(model, data, noise, coefficients, columns)?;
     let wholes = blocks.wholes(&batches)?;
     let (rows, width) = (wholes.iter().map(|whole| whole.rows).sum(), blocks.width());
     let mut dense = DMatrix::zeros(rows, width + 1);

@@ -93,7 +93,7 @@ pub fn spread_factor(
     let length = model.chain().characteristic_length();
     let noise = NoiseModel { position_sd: 1e-3, visit_sd: 0.0, orientation_sd: 1e-3 / length };
     let visits = Visits { rows: (0..sample.len()).map(|row| vec![row]).collect() };
-    let rows = dense(model, &sample, &visits, noise, coefficients)?;
+    let rows = dense(model, &sample, &visits, noise, coefficients, None)?;
     // What the data itself shows can be shown: a function with narrow support may be missed by the postures above. Its
     // rows are whitened by other deviations, which moves no null space; they are made as large as those above.
     let (mine, theirs) = (rows.columns(0, own.columns()).norm(), own.r.norm());
