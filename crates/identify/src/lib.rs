@@ -51,14 +51,17 @@ pub use identification::{
 };
 pub use landmarks::{
     Contact, ContactRows, Freed, LandmarkFold, SensorFound, Suspect, Touched, landmark_cross_validation,
-    landmark_groups, leverages, suspects, touched,
+    landmark_groups, leverages, suspects, touched, unmeasured,
 };
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};
 pub use observer::{Answer, proceed};
 pub use placement::{Placement, Undetermined, place, place_fitted};
 pub use plain::{Plain, Way, plain};
-pub use planning::{Plan, PlanOptions, Planned, Why, plan};
+pub use planning::{
+    ObservedPlan, Plan, PlanOptions, Planned, PlannedVisitRows, Why, Within, plan, plan_observed,
+    within_reach,
+};
 pub use posture_observability::{PostureObservability, PostureScales, posture_observability};
 pub use prior::{Prior, PriorStrength};
 pub use pure_error::{PureError, exact_repeats, near_repeats, repeats_for, within_dwell};

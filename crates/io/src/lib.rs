@@ -40,7 +40,7 @@ pub use measurements::{
 };
 pub use model::{model_from_text, read_model};
 pub use parameters::{ParameterRow, parameters_file};
-pub use plan::{PlannedVisit, write_plan};
+pub use plan::{PlannedRow, PlannedVisit, write_plan};
 pub use poses::{
     CommandRow, CommandStatus, PoseForm, Poses, commands_file, poses_in_memory, read_poses, write_commands,
 };

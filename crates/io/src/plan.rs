@@ -20,6 +20,19 @@ pub struct PlannedVisit {
     pub why: &'static str,
     /// What it adds.
     pub worth: f64,
+    /// What is touched or read there, a line each; empty where positions are measured.
+    pub observed: Vec<PlannedRow>,
+}
+
+/// What is observed in a visit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PlannedRow {
+    /// The word of the column `kind`.
+    pub kind: &'static str,
+    /// The landmark or sensor.
+    pub landmark: String,
+    /// The target; empty where it is the tool's origin.
+    pub target: String,
 }
 
 /// Writes a plan, in m, rad and kg, or joints in these units, one for each that moves.
@@ -37,6 +50,10 @@ pub fn write_plan(
     let own = commanded(chain);
     let names = commanded_names(chain);
     let mut header = vec!["visit".to_owned()];
+    let observed = visits.iter().any(|visit| !visit.observed.is_empty());
+    if observed {
+        header.extend(["kind", "landmark", "target"].map(String::from));
+    }
     header.extend(
         names
             .iter()
@@ -52,21 +69,28 @@ pub fn write_plan(
     header.extend(["why", "worth"].map(String::from));
     let mut table = TableWriter::create(path.as_ref(), &header)?;
     for (number, visit) in (1..).zip(visits) {
-        table.integer(number);
         let values = controller_values(chain, &visit.joints);
-        own.iter().for_each(|&k| table.number(units[k].from_si(values[k])));
-        if loaded {
-            let (mass, com) = match visit.load {
-                Load::Payload(payload) => (payload.mass, payload.com.into()),
-                _ => (0.0, [0.0; 3]),
-            };
-            table.number(mass);
-            com.iter().for_each(|&c| table.number(c));
+        for row in 0..visit.observed.len().max(1) {
+            table.integer(number);
+            if observed {
+                let row = visit.observed.get(row);
+                let cells = row.map_or(["", "", ""], |row| [row.kind, &row.landmark, &row.target]);
+                cells.iter().for_each(|cell| table.text(cell));
+            }
+            own.iter().for_each(|&k| table.number(units[k].from_si(values[k])));
+            if loaded {
+                let (mass, com) = match visit.load {
+                    Load::Payload(payload) => (payload.mass, payload.com.into()),
+                    _ => (0.0, [0.0; 3]),
+                };
+                table.number(mass);
+                com.iter().for_each(|&c| table.number(c));
+            }
+            own.iter().for_each(|&k| table.integer(visit.approach[k] as i64));
+            table.text(visit.why);
+            table.number(visit.worth);
+            table.end_row()?;
         }
-        own.iter().for_each(|&k| table.integer(visit.approach[k] as i64));
-        table.text(visit.why);
-        table.number(visit.worth);
-        table.end_row()?;
     }
     table.finish()
 }

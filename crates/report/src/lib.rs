@@ -14,6 +14,7 @@ mod observers;
 mod page;
 mod parameters;
 mod plan;
+mod plan_observed;
 mod poses;
 mod run;
 mod sessions;
@@ -52,6 +53,7 @@ pub use page::{
 };
 pub use parameters::{ParameterSummary, ParametersSummary};
 pub use plan::PlanSummary;
+pub use plan_observed::ObservedPlanSummary;
 pub use poses::largest_error_by_pose;
 pub use run::{FileRecord, RunRecord};
 pub use sessions::{SessionSummary, session_summaries};

@@ -60,10 +60,14 @@ impl fmt::Display for PlanSummary {
             millimetres(self.now_mm * 1e-3),
             millimetres(self.then_mm * 1e-3)
         )?;
-        let indices: Vec<String> = (1..)
-            .zip(&self.observability)
-            .map(|(k, (now, then))| format!("O{k} {} → {}", significant(*now, 3), significant(*then, 3)))
-            .collect();
-        writeln!(f, "{}", indices.join("  "))
+        writeln!(f, "{}", indices(&self.observability))
     }
+}
+
+/// O1–O5, now and then.
+pub(crate) fn indices(observability: &[(f64, f64); 5]) -> String {
+    let each = (1..).zip(observability);
+    let words =
+        each.map(|(k, (now, then))| format!("O{k} {} → {}", significant(*now, 3), significant(*then, 3)));
+    words.collect::<Vec<String>>().join("  ")
 }

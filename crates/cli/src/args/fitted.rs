@@ -9,11 +9,23 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 pub struct Plan {
     /// A fit, as `identify` or `discover` writes it
-    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present = "robot")]
+    #[arg(long, value_name = "FILE", value_parser = input(), required_unless_present_any = ["robot", "model"])]
     pub fit: Option<PathBuf>,
     /// Which of its sessions the robot is in, of a fit that knows several
     #[arg(long, value_name = "NAME")]
     pub session: Option<String>,
+    /// Plan rows at the landmarks and sensors of this robot file: sockets, balls, plates, wires, gauges, cameras
+    #[arg(long, value_name = "FILE", value_parser = input(), conflicts_with_all = ["test", "rival", "report"])]
+    pub observe: Option<PathBuf>,
+    /// Measurements (CSV) among whose pose measurements is chosen; what they measured does not count [default: postures within the joints' ranges]
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "observe")]
+    pub among: Option<PathBuf>,
+    /// Target that touches or is seen [default: the first; the tool's origin when there is none]
+    #[arg(long, value_name = "NAME", requires = "observe", conflicts_with = "among")]
+    pub target: Option<String>,
+    /// Declared effects (TOML), where nothing has been fitted yet: their prior standard deviations stand for what is not known
+    #[arg(long, value_name = "FILE", value_parser = input(), requires = "observe", conflicts_with = "fit")]
+    pub model: Option<PathBuf>,
     /// Plan a test instead: iso9283, the cube, the five poses and the cycles of ISO 9283; monitor, the poses of the fit that show changes best (12, or --count); or transfer, those from which a new installation is found best (8, or --count)
     #[arg(long = "for", value_enum, value_name = "TEST", hide_possible_values = true, conflicts_with_all = ["rival", "at", "report"])]
     pub test: Option<PlannedTest>,

@@ -154,6 +154,11 @@ impl Campaign {
             let places = found.names.iter().zip(at).map(|(name, at)| (name.clone(), serde_json::json!(at)));
             used.provenance.insert("landmarks_m".into(), serde_json::Value::Object(places.collect()));
         }
+        let sensors = self.touched.iter().flat_map(|found| &found.sensors);
+        let cameras: serde_json::Map<_, _> = sensors.filter_map(camera_place).collect();
+        if !cameras.is_empty() {
+            used.provenance.insert("cameras".into(), serde_json::Value::Object(cameras));
+        }
         Ok(used)
     }
 
@@ -230,6 +235,14 @@ impl Campaign {
     }
 }
 
+/// The name of a camera, and where it was found.
+fn camera_place(found: &SensorFound) -> Option<(String, serde_json::Value)> {
+    let camera = (&*found.observation as &dyn Any).downcast_ref::<Camera>()?;
+    let place = camera.place?;
+    let xyz: [f64; 3] = place.translation.into();
+    Some((found.name.clone(), serde_json::json!({"xyz_m": xyz, "rpy_rad": place.rpy()})))
+}
+
 /// Contacts, which are rows like any other, in folds; none of too few.
 fn contacts_left_out(found: &Diagnosis, solver: &dyn Solver) -> Result<Option<CrossValidation>, Failure> {
     /// As in an identification.
@@ -241,7 +254,7 @@ fn contacts_left_out(found: &Diagnosis, solver: &dyn Solver) -> Result<Option<Cr
 }
 
 /// What the robot file says of the landmarks of a table; where it names none, all of them are unknown. The rows count as it does.
-fn declared(
+pub(super) fn declared(
     mut known: Surroundings,
     file: &Path,
     chain: &Chain,

@@ -25,6 +25,7 @@ pub(crate) mod parameters;
 mod plan;
 mod plan_iso9283;
 mod plan_monitor;
+mod plan_observed;
 mod plan_transfer;
 mod points;
 mod poses_of_fit;

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{DatasetBuilder, FittedModel, Measurement};
+use truepose_errormodel::{Dataset, DatasetBuilder, FittedModel, Measurement};
 use truepose_identify::{PlanOptions, plan};
 use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, read_measurements, write_plan};
 use truepose_kinematics::nalgebra::Vector3;
@@ -18,7 +18,7 @@ use truepose_kinematics::{Load, Payload};
 use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
 
 /// Pose measurements where the user gives no number.
-const POSES: usize = 30;
+pub(super) const POSES: usize = 30;
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
@@ -32,6 +32,9 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
         Some(PlannedTest::Transfer) => return super::plan_transfer::run(args, watch),
         None => {}
     }
+    if let Some(robot) = &args.observe {
+        return super::plan_observed::run(args, robot, watch);
+    }
     check_writable(&args.out)?;
     let file = args.fit.as_ref().ok_or_else(|| Failure::Input("--fit: a fit is needed".into()))?;
     let folder = Folder::with_head(args.report.as_ref(), "plan.json", args.certificate.as_ref())?;
@@ -39,26 +42,8 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     let fitted = chosen(read_fit(file, registry)?, args.session.as_deref(), true)?;
     let in_session = |fit| chosen(fit, args.session.as_deref(), true);
     let rival = args.rival.as_ref().map(|file| in_session(read_fit(file, registry)?)).transpose()?;
-    let goals = match &args.at {
-        Some(file) => {
-            let options = args.grouped.conditions_for(&fitted);
-            let (data, _, warnings) = read_measurements(file, fitted.chain(), &options)?;
-            terminal::warn(&warnings);
-            Some(data.derived_for(fitted.model())?.into_owned())
-        }
-        None => None,
-    };
-    if let Some(mass) = args.loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
-        return Err(Failure::Input(format!("--loads: {mass} is not a mass; give kilograms, 0 or more")));
-    }
-    let com = Vector3::from_column_slice(&args.com) * 1e-3;
-    let count = args.count.unwrap_or(POSES);
-    let options = PlanOptions {
-        count,
-        loads: args.loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect(),
-        pool: args.pool.max(count),
-        seed: args.seed,
-    };
+    let goals = goals(args, &fitted)?;
+    let options = options(args)?;
     watch.doing("choosing pose measurements");
     let made = plan(&fitted, rival.as_ref(), goals.as_ref(), &options)?;
     let visits: Vec<PlannedVisit> = made
@@ -73,6 +58,7 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
                 truepose_identify::Why::Repeat => "repeat",
             },
             worth: visit.worth,
+            observed: Vec::new(),
         })
         .collect();
     let chain = fitted.chain();
@@ -89,6 +75,30 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     }
     terminal::log(&format!("wrote {}", args.out.display()));
     Ok(())
+}
+
+/// Where accuracy matters; none where it is not said.
+pub(super) fn goals(args: &Plan, fitted: &FittedModel) -> Result<Option<Dataset>, Failure> {
+    let Some(file) = &args.at else { return Ok(None) };
+    let options = args.grouped.conditions_for(fitted);
+    let (data, _, warnings) = read_measurements(file, fitted.chain(), &options)?;
+    terminal::warn(&warnings);
+    Ok(Some(data.derived_for(fitted.model())?.into_owned()))
+}
+
+/// How many, with which loads, among how many.
+pub(super) fn options(args: &Plan) -> Result<PlanOptions, Failure> {
+    if let Some(mass) = args.loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
+        return Err(Failure::Input(format!("--loads: {mass} is not a mass; give kilograms, 0 or more")));
+    }
+    let com = Vector3::from_column_slice(&args.com) * 1e-3;
+    let count = args.count.unwrap_or(POSES);
+    Ok(PlanOptions {
+        count,
+        loads: args.loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect(),
+        pool: args.pool.max(count),
+        seed: args.seed,
+    })
 }
 
 /// The page of the plan.

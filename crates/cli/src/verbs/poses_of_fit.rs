@@ -30,6 +30,7 @@ pub fn write(
         approach: pose.approach.clone(),
         why,
         worth: 0.0,
+        observed: Vec::new(),
     };
     let visits: Vec<PlannedVisit> = poses.iter().map(visit).collect();
     let chain = fitted.chain();

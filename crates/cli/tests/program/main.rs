@@ -35,6 +35,7 @@ mod page;
 mod pages;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod plan_observed;
 mod programs;
 mod report;
 mod round_trip;

@@ -214,6 +214,10 @@ impl Observation for Camera {
         Ok(if self.free_intrinsics { descended(&Camera { place, ..self.clone() }, seen) } else { found })
     }
 
+    fn placed(&self) -> bool {
+        self.place.is_some()
+    }
+
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         let place = self.place();
         let rpy = place.rpy().map(f64::to_degrees);

@@ -112,6 +112,10 @@ impl Observation for Distance {
         Ok(descended(&start, seen))
     }
 
+    fn placed(&self) -> bool {
+        self.anchor.is_some()
+    }
+
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         let mut all = shown(self.at()).to_vec();
         all.extend([("gain", self.gain, "1"), ("offset", self.offset, "m")]);

@@ -127,6 +127,10 @@ impl Observation for Linear {
         Ok(descended(&start, seen))
     }
 
+    fn placed(&self) -> bool {
+        self.direction.is_some()
+    }
+
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         let mut all = shown_direction(self.direction()).to_vec();
         let offset = self.offset - self.gain * self.direction().dot(&self.about);

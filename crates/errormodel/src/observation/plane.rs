@@ -86,6 +86,10 @@ impl Observation for Plane {
         Ok(descended(&Plane { normal: Some(normal), point: Some(centre(seen)), known: false }, seen))
     }
 
+    fn placed(&self) -> bool {
+        self.normal.is_some() && self.point.is_some()
+    }
+
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         let mut all = shown_direction(self.normal()).to_vec();
         all.extend(shown(self.point()));

@@ -91,6 +91,10 @@ impl Observation for Relative {
         Ok(descended(&Relative { place: Some(Pose::new(rotation, middle - rotation * own)) }, seen))
     }
 
+    fn placed(&self) -> bool {
+        self.place.is_some()
+    }
+
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         let place = self.place();
         let turns = ["roll", "pitch", "yaw"].into_iter().zip(place.rpy());

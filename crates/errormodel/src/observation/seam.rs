@@ -91,6 +91,11 @@ pub trait Observation: Any + Debug + Send + Sync {
         Ok(self.boxed())
     }
 
+    /// Whether it is said where it is, exactly or about: else its readings cannot be foretold before rows of it were measured.
+    fn placed(&self) -> bool {
+        true
+    }
+
     /// What is known of it, found or declared, for people: name, value, SI unit.
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         Vec::new()

@@ -93,6 +93,10 @@ impl Observation for Sphere {
         Ok(descended(&Sphere { centre: Some(middle + c), radius: Some(radius), ..self.clone() }, seen))
     }
 
+    fn placed(&self) -> bool {
+        self.centre.is_some()
+    }
+
     fn values(&self) -> Vec<(&'static str, f64, &'static str)> {
         let mut all = shown(self.centre.unwrap_or_default()).to_vec();
         all.push(("radius", self.radius.unwrap_or(0.0), "m"));

@@ -147,7 +147,7 @@ impl Carried {
 }
 
 /// The tool on which a camera is mounted.
-fn mounted(chain: &Chain, mount: &str) -> Option<ToolId> {
+pub(crate) fn mounted(chain: &Chain, mount: &str) -> Option<ToolId> {
     if let Some(tool) = chain.tool_named(mount) {
         return Some(tool);
     }

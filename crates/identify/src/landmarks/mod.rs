@@ -26,14 +26,18 @@ mod freed;
 mod gauge;
 mod hand_eye;
 mod held_out;
+mod planned;
 mod prepared;
 mod sensors;
 mod suspects;
 mod ties;
 
+pub(crate) use carried::mounted;
 pub use contacts::{Contact, ContactRows};
 pub use freed::Freed;
 pub use held_out::{LandmarkFold, landmark_cross_validation};
+pub(crate) use planned::PlannedRows;
+pub use planned::unmeasured;
 pub use sensors::{SensorFound, leverages};
 pub use suspects::{Suspect, suspects};
 
@@ -330,4 +334,4 @@ mod contact_tests;
 #[cfg(test)]
 mod suspect_tests;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

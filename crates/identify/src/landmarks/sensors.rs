@@ -141,7 +141,17 @@ impl Sensors {
 
     /// Finds every sensor with the robot as it is; of rows of carried cameras these are poses of the tool.
     pub fn start(&mut self, at: &[Pose], carried: &Carried) -> Result<(), IdentifyError> {
-        for found in &mut self.found {
+        self.start_those(at, carried, &|_| true)
+    }
+
+    /// The same of these sensors alone.
+    pub fn start_those(
+        &mut self,
+        at: &[Pose],
+        carried: &Carried,
+        wanted: &dyn Fn(&dyn Observation) -> bool,
+    ) -> Result<(), IdentifyError> {
+        for found in self.found.iter_mut().filter(|found| wanted(&*found.observation)) {
             let first = found.rows.iter().filter(|&&row| self.which[row] == 0);
             let seen: Vec<Seen> = first
                 .map(|&row| (carried.seen_from(row, &at[row]).unwrap_or(at[row]), self.measured[row].clone()))

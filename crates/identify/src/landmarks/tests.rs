@@ -9,13 +9,13 @@ use truepose_solvers::PivotedQr;
 
 /// The arm of a light robot with errors, which touches sockets with its tool's origin: joints of touching postures are solved for here, by
 /// Newton's method on the true robot, so that the law is not that of the fit.
-pub(super) struct Cell {
-    pub(super) chain: Chain,
-    pub(super) truth: FittedModel,
-    pub(super) sockets: Vec<Vector3<f64>>,
+pub(crate) struct Cell {
+    pub(crate) chain: Chain,
+    pub(crate) truth: FittedModel,
+    pub(crate) sockets: Vec<Vector3<f64>>,
 }
 
-pub(super) fn cell(seed: u64) -> Cell {
+pub(crate) fn cell(seed: u64) -> Cell {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let chain = samples::ur10();
     let frames: Vec<_> = chain.frames().collect();
@@ -79,7 +79,7 @@ pub(super) fn touching_with(
     }
 }
 
-pub(super) fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Surroundings) {
+pub(crate) fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (Dataset, Surroundings) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut builder = DatasetBuilder::new(&of.chain);
     let mut at = Vec::new();
@@ -99,7 +99,7 @@ pub(super) fn campaign(of: &Cell, touches: usize, scatter: f64, seed: u64) -> (D
     (data, Surroundings { landmarks, distances: (0..6).map(distance).collect(), open: false })
 }
 
-pub(super) fn geometric() -> Vec<Box<dyn AnyEffect>> {
+pub(crate) fn geometric() -> Vec<Box<dyn AnyEffect>> {
     vec![Box::new(Geometric::default())]
 }
 

@@ -70,14 +70,8 @@ pub fn plan(
     goals: Option<&Dataset>,
     options: &PlanOptions,
 ) -> Result<Plan, IdentifyError> {
-    if options.count == 0 {
-        return Err(IdentifyError::Option { option: "count", value: 0.0, expected: "at least 1" });
-    }
-    for (option, value) in [("count", options.count), ("pool", options.pool)] {
-        if value > MOST {
-            return Err(IdentifyError::Option { option, value: value as f64, expected: "at most 100 000" });
-        }
-    }
+    checked("count", options.count)?;
+    checked("pool", options.pool)?;
     if options.pool < options.count {
         let value = options.pool as f64;
         return Err(IdentifyError::Option { option: "pool", value, expected: "at least `count`" });
@@ -105,4 +99,14 @@ pub fn plan(
     let planned: Vec<Conditions> = visits.iter().map(|visit| visit.conditions.clone()).collect();
     let (accuracy, observability) = accuracy::judged(fitted, &planned, goals, options.seed)?;
     Ok(Plan { visits, accuracy, separation, observability })
+}
+
+/// A number of visits that is one.
+pub(super) fn checked(option: &'static str, value: usize) -> Result<(), IdentifyError> {
+    let expected = match value {
+        0 => "at least 1",
+        1..=MOST => return Ok(()),
+        _ => "at most 100 000",
+    };
+    Err(IdentifyError::Option { option, value: value as f64, expected })
 }
