@@ -4,7 +4,13 @@
 //! depends on what is known outside: a known place fixes the base, a known length the scale.
 
 use super::sensors::Sensors;
+use nalgebra::{DMatrix, DVector};
+use std::any::Any;
 use truepose_errormodel::Surroundings;
+use truepose_errormodel::observation::Plane;
+
+/// Planes that miss a common point by less tell no length, m.
+const APART: f64 = 1e-2;
 
 /// What was measured, as far as it fixes a gauge.
 pub(super) struct Gauge<'a> {
@@ -27,7 +33,24 @@ impl Gauge<'_> {
     /// Whether some row says how long anything is.
     pub fn has_scale(&self) -> bool {
         let metric = self.sensors.found.iter().any(|found| found.observation.metric());
-        self.outside || self.distances || metric
+        self.outside || self.distances || metric || self.planes_apart()
+    }
+
+    /// Whether planes of known place do not all meet in one point: a robot that shrinks into such a point would stay on all of them.
+    fn planes_apart(&self) -> bool {
+        let planes = self.sensors.found.iter().filter_map(|found| {
+            let plane = (&*found.observation as &dyn Any).downcast_ref::<Plane>().filter(|of| of.known)?;
+            let normal = plane.normal?.normalize();
+            Some((normal, normal.dot(&plane.point?)))
+        });
+        let (normals, offsets): (Vec<_>, Vec<f64>) = planes.unzip();
+        if normals.is_empty() {
+            return false;
+        }
+        let a = DMatrix::from_fn(normals.len(), 3, |row, axis| normals[row][axis]);
+        let c = DVector::from_vec(offsets);
+        let nearest = a.clone().svd(true, true).solve(&c, 1e-6);
+        nearest.is_ok_and(|point| (a * point - c).amax() > APART)
     }
 
     /// Whether a robot that is as small as a point would agree with every row: with the planes, or the camera, as small as itself.
@@ -58,7 +81,7 @@ impl Gauge<'_> {
                 (false, _) => "the residual",
             };
             words.push(format!(
-                "the scale is not determined: add one known distance ([[distances]]), a `distance` of known gain, or a sphere of known radius; without it {what} says nothing about lengths"
+                "the scale is not determined: add one known distance ([[distances]]), a `distance` of known gain, a sphere of known radius, or known planes that do not all meet in one point; without it {what} says nothing about lengths"
             ));
         }
         let planes = self.sensors.found.iter().filter(|found| found.observation.kind() == "plane").count();

@@ -144,6 +144,7 @@ pub fn touched(
         remarks.push(structure.hold_scale(&at).ok_or_else(|| alone(&structure, &remarks))?);
     }
     let length = chain.characteristic_length();
+    let starting = poses.clone();
     let mut last = declared.clone();
     let mut seen = carried.with_targets(&placed, &poses)?;
     for _ in 0..ROUNDS {
@@ -181,6 +182,9 @@ pub fn touched(
             break;
         }
     }
+    if !has_scale && contacts.is_empty() {
+        same_size(&starting, &poses)?;
+    }
     let names = structure.points.iter().map(|point| point.name.clone()).collect();
     let distances = structure.distances.clone();
     let freed = freed::freed(&sensors, &poses, &carried, length);
@@ -200,6 +204,25 @@ pub fn touched(
         freed,
         remarks,
     })
+}
+
+/// No robot is a tenth larger or smaller than it is described; one that came out so has shrunk towards a point in which all rows agree.
+fn same_size(described: &[Pose], found: &[Pose]) -> Result<(), IdentifyError> {
+    const LARGEST: f64 = 0.1;
+    let spread = |poses: &[Pose]| {
+        let middle =
+            poses.iter().map(|pose| pose.translation).sum::<Vector3<f64>>() / poses.len().max(1) as f64;
+        poses.iter().map(|pose| (pose.translation - middle).norm_squared()).sum::<f64>().sqrt()
+    };
+    let (before, after) = (spread(described), spread(found));
+    if before > 0.0 && (after / before - 1.0).abs() <= LARGEST {
+        return Ok(());
+    }
+    let why = format!(
+        "the fit made the robot {:.2} times as large as it is described: these rows do not determine its scale; add a known distance, or check that rows name what they touched",
+        after / before.max(f64::MIN_POSITIVE)
+    );
+    Err(IdentifyError::Landmark { name: "or sensor".into(), why })
 }
 
 /// The only landmark of a campaign that says nothing of lengths.
@@ -331,6 +354,8 @@ fn put(data: &mut Dataset, at: &[Vector3<f64>]) {
 
 #[cfg(test)]
 mod contact_tests;
+#[cfg(test)]
+mod plane_tests;
 #[cfg(test)]
 mod suspect_tests;
 #[cfg(test)]

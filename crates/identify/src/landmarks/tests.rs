@@ -232,7 +232,7 @@ pub(super) fn shots(of: &Cell, landmarks: usize, shots: &[Shot], seed: u64) -> D
 }
 
 /// RMS of the distance between where the fitted robot and the true one are, without the place of the base, m.
-fn accuracy(of: &Cell, fitted: &FittedModel) -> f64 {
+pub(super) fn accuracy(of: &Cell, fitted: &FittedModel) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(77);
     let robot = fitted.without_landmarks().unwrap();
     let (mut a, mut b) =

@@ -271,13 +271,14 @@ fn of_kind(kind: Kind, size: Size, rng: &mut ChaCha8Rng) -> Vec<Thing> {
             ([550.0, 100.0, 50.0], [0.0, 0.0, 1.0]),
             ([750.0, 0.0, 450.0], [-1.0, 0.0, 0.0]),
             ([100.0, 700.0, 400.0], [0.0, -1.0, 0.0]),
+            ([500.0, -200.0, 600.0], [0.0, 0.0, -1.0]),
         ]
         .into_iter()
         .enumerate()
         .map(|(k, (at, normal))| {
-            // A granite cube of known place: without it no plane says how long anything is.
+            // Known planes, of which two are parallel: three that meet in a corner do not say how long anything is.
             let at = near(at);
-            let lines = format!("rows = 40\nsize_mm = [500, 500]\nsd_um = {}\n", 30.0 * noise);
+            let lines = format!("rows = 30\nsize_mm = [500, 500]\nsd_um = {}\n", 30.0 * noise);
             let plane = Plane {
                 normal: Some(Vector3::from(normal)),
                 point: Some(Vector3::from(at) * 1e-3),
