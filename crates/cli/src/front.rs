@@ -10,7 +10,7 @@ use crate::args::ExportFormat;
 use crate::failure::Failure;
 use crate::library::{Known, ROBOTS};
 use crate::recorded;
-use crate::verbs::compensate::Expected;
+use crate::verbs::expected::Expected;
 use crate::verbs::export::{Wanted, text};
 use crate::verbs::{beyond, compensate, discover, folds, identified, parameters, predict, sessions, sister};
 use clap::ValueEnum;

@@ -1,5 +1,6 @@
 //! `truepose compensate`: the joint commands that bring the real robot to desired poses.
 
+use super::expected::Expected;
 use super::frames::Placed;
 use super::joint_units::{self, in_units, joint_names};
 use super::reporting::Folder;
@@ -18,7 +19,7 @@ use truepose_compensate::{
     correction_helps, radius_95,
 };
 use truepose_errormodel::{
-    Beyond, Coverage, ErrorModel, FittedModel, History, Schema, Signal, history_of, presliding_of,
+    Coverage, ErrorModel, FittedModel, History, Schema, Signal, history_of, presliding_of,
 };
 use truepose_io::{
     CommandRow, MeasurementsOptions, PoseForm, Poses, Quantity, WholeFiles, check_writable, commands_file,
@@ -255,17 +256,6 @@ fn known(args: &Compensate, fitted: &FittedModel, poses: &Poses) -> Result<(), F
         );
     }
     Ok(())
-}
-
-/// The expected accuracy of a command.
-pub(crate) struct Expected {
-    /// Distance from the desired position within which the point lies with 95 % probability, m.
-    pub within_95: f64,
-    /// Distance of the nominal robot from there under this command, m.
-    pub correction: f64,
-    /// Whether the command is the model's; else it is the nominal robot's.
-    pub corrected: bool,
-    pub beyond: Vec<(Beyond, f64)>,
 }
 
 /// Compares every command with the data of the fit and with the nominal command, which replaces it where it is expected to be

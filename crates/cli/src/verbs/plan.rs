@@ -1,6 +1,7 @@
 //! `truepose plan`: further measurements.
 
 use super::joint_units::{self, in_units, joint_names};
+use super::plan_options::{goals, options};
 use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;
@@ -10,15 +11,11 @@ use crate::failure::Failure;
 use crate::terminal;
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
-use truepose_errormodel::{Dataset, DatasetBuilder, FittedModel, Measurement};
-use truepose_identify::{PlanOptions, plan};
-use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, read_measurements, write_plan};
-use truepose_kinematics::nalgebra::Vector3;
-use truepose_kinematics::{Load, Payload};
+use truepose_errormodel::{DatasetBuilder, FittedModel, Measurement};
+use truepose_identify::plan;
+use truepose_io::{PlannedVisit, WholeFiles, check_writable, read_fit, write_plan};
+use truepose_kinematics::Load;
 use truepose_report::{PlanSummary, PlanView, PlannedView, plan_report};
-
-/// Pose measurements where the user gives no number.
-pub(super) const POSES: usize = 30;
 
 /// Runs the verb.
 pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
@@ -75,30 +72,6 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     }
     terminal::log(&format!("wrote {}", args.out.display()));
     Ok(())
-}
-
-/// Where accuracy matters; none where it is not said.
-pub(super) fn goals(args: &Plan, fitted: &FittedModel) -> Result<Option<Dataset>, Failure> {
-    let Some(file) = &args.at else { return Ok(None) };
-    let options = args.grouped.conditions_for(fitted);
-    let (data, _, warnings) = read_measurements(file, fitted.chain(), &options)?;
-    terminal::warn(&warnings);
-    Ok(Some(data.derived_for(fitted.model())?.into_owned()))
-}
-
-/// How many, with which loads, among how many.
-pub(super) fn options(args: &Plan) -> Result<PlanOptions, Failure> {
-    if let Some(mass) = args.loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
-        return Err(Failure::Input(format!("--loads: {mass} is not a mass; give kilograms, 0 or more")));
-    }
-    let com = Vector3::from_column_slice(&args.com) * 1e-3;
-    let count = args.count.unwrap_or(POSES);
-    Ok(PlanOptions {
-        count,
-        loads: args.loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect(),
-        pool: args.pool.max(count),
-        seed: args.seed,
-    })
 }
 
 /// The page of the plan.

@@ -1,7 +1,7 @@
 //! `truepose plan --observe`: which sockets to touch from where, what to look at, and with which gauge.
 
 use super::campaign::declared;
-use super::plan::{goals, options};
+use super::plan_options::{goals, options};
 use super::sessions::chosen;
 use super::{joint_units, print_json, robot};
 use crate::args::{Plan, Robot};

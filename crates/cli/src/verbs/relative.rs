@@ -5,7 +5,7 @@
 //! ```
 
 use super::beyond;
-use super::compensate::Expected;
+use super::expected::Expected;
 use crate::failure::Failure;
 use crate::terminal;
 use std::path::Path;
