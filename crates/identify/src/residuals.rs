@@ -49,7 +49,6 @@ impl Residuals {
         let ordered = (fitted.domain.by_order && !data.schema.time).then(|| data.clone().ordered());
         let data = ordered.as_ref().unwrap_or(data);
         let data = &*data.derived_for(fitted.model())?;
-        fitted.bind(&data.schema)?;
         let part = |rows: std::ops::Range<usize>| -> Result<Self, IdentifyError> {
             let mut predictor = fitted.bind(&data.schema)?;
             let mut conditions = Conditions::default();
@@ -63,6 +62,9 @@ impl Residuals {
             }
             Ok(residuals)
         };
+        if data.len() <= PART {
+            return part(0..data.len());
+        }
         // Parts depend on the number of rows alone, and so do their numbers.
         let parts = (0..data.len().div_ceil(PART)).into_par_iter();
         let parts: Vec<Self> =
