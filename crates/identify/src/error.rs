@@ -75,6 +75,12 @@ pub enum IdentifyError {
         /// Why, and what would help.
         why: String,
     },
+    /// Rows at landmarks and sensors that do not determine the robot, or that cannot be planned.
+    #[error("{why}")]
+    Observations {
+        /// Why, and what would help.
+        why: String,
+    },
     /// Something that cannot be done on a stream of blocks.
     #[error("this cannot be done block by block: {why}; read the data as a whole")]
     NotStreamed {

@@ -59,8 +59,7 @@ pub use observer::{Answer, proceed};
 pub use placement::{Placement, Undetermined, place, place_fitted};
 pub use plain::{Plain, Way, plain};
 pub use planning::{
-    ObservedPlan, Plan, PlanOptions, Planned, PlannedVisitRows, Why, Within, plan, plan_observed,
-    within_reach,
+    ObservedPlan, ObservedVisit, Plan, PlanOptions, Planned, Why, Within, plan, plan_observed, within_reach,
 };
 pub use posture_observability::{PostureObservability, PostureScales, posture_observability};
 pub use prior::{Prior, PriorStrength};

@@ -1,11 +1,10 @@
 //! `truepose fleet`: fits of robots of one type as prior for the next.
 
-use super::print_json;
 use super::sessions::chosen;
+use super::told;
 use crate::args::Fleet;
 use crate::extensions::effects;
 use crate::failure::Failure;
-use crate::terminal;
 use truepose_io::{check_writable, read_fit, write_fit};
 use truepose_report::FleetSummary;
 use truepose_upkeep::fleet;
@@ -24,11 +23,5 @@ pub fn run(args: &Fleet) -> Result<(), Failure> {
     made.prior.provenance.insert("fleet_of".into(), made.robots.into());
     write_fit(&args.out, &made.prior)?;
     let summary = FleetSummary::new(&made);
-    if args.json {
-        print_json(&summary)?;
-    } else {
-        terminal::print(&summary.to_string());
-    }
-    terminal::log(&format!("wrote {}", args.out.display()));
-    Ok(())
+    told(&summary, args.json, &args.out)
 }

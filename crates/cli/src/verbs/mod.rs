@@ -142,6 +142,20 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     Ok(())
 }
 
+/// A summary on stdout, as JSON or in words, and where the result went.
+fn told(
+    summary: &(impl serde::Serialize + std::fmt::Display),
+    json: bool,
+    out: &Path,
+) -> Result<(), Failure> {
+    match json {
+        true => print_json(summary)?,
+        false => terminal::print(&summary.to_string()),
+    }
+    terminal::log(&format!("wrote {}", out.display()));
+    Ok(())
+}
+
 /// A status as files have it.
 fn status(status: Status) -> CommandStatus {
     match status {

@@ -2,9 +2,9 @@
 
 use super::joint_units::{self, in_units, joint_names};
 use super::plan_options::{goals, options};
-use super::print_json;
 use super::reporting::Folder;
 use super::sessions::chosen;
+use super::told;
 use crate::args::{Plan, PlannedTest};
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -65,13 +65,7 @@ pub fn run(args: &Plan, watch: &Watch) -> Result<(), Failure> {
     if let Some(folder) = &folder {
         write_page(args, folder, &fitted, &visits, &summary)?;
     }
-    if args.json {
-        print_json(&summary)?;
-    } else {
-        terminal::print(&summary.to_string());
-    }
-    terminal::log(&format!("wrote {}", args.out.display()));
-    Ok(())
+    told(&summary, args.json, &args.out)
 }
 
 /// The page of the plan.

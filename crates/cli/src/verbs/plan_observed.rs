@@ -3,7 +3,7 @@
 use super::campaign::declared;
 use super::plan_options::{goals, options};
 use super::sessions::chosen;
-use super::{joint_units, print_json, robot};
+use super::{joint_units, robot, told};
 use crate::args::{Plan, Robot};
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -78,13 +78,7 @@ pub fn run(args: &Plan, file: &Path, watch: &Watch) -> Result<(), Failure> {
     let left_out =
         left_out.into_iter().map(|(k, why)| (surroundings.landmarks[k].name.clone(), why)).collect();
     let summary = ObservedPlanSummary::new(&made, &names, left_out, args.among.is_none());
-    if args.json {
-        print_json(&summary)?;
-    } else {
-        terminal::print(&summary.to_string());
-    }
-    terminal::log(&format!("wrote {}", args.out.display()));
-    Ok(())
+    told(&summary, args.json, &args.out)
 }
 
 /// Landmarks and cameras where the fit has found them; landmarks that the robot file does not list are those that the fit has found.

@@ -1,7 +1,7 @@
 //! `truepose transfer`: the arm as identified, in another installation.
 
-use super::print_json;
 use super::sessions::{chosen, one};
+use super::told;
 use crate::args::Transfer;
 use crate::extensions::effects;
 use crate::failure::Failure;
@@ -30,11 +30,5 @@ pub fn run(args: &Transfer, watch: &Watch) -> Result<(), Failure> {
     provenance.insert("transfer_rows".into(), data.len().into());
     write_fit(&args.out, &made.fitted)?;
     let summary = TransferSummary::new(&made, &data);
-    if args.json {
-        print_json(&summary)?;
-    } else {
-        terminal::print(&summary.to_string());
-    }
-    terminal::log(&format!("wrote {}", args.out.display()));
-    Ok(())
+    told(&summary, args.json, &args.out)
 }

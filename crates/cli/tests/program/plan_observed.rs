@@ -27,7 +27,7 @@ fn sockets_are_planned_before_anything_is_measured_and_after() {
     // Nobody has said where the sockets are.
     let first = ["plan", "--model", "model.toml", "--observe", &robot, "--out", "plan.csv", "--count", "24"];
     let refused = folder.run(&first).ended(INPUT).log;
-    assert!(refused.contains("none can be planned: A1, A2, B1"), "{refused}");
+    assert!(refused.contains("no row can be planned at its landmarks and sensors: A1, A2, B1"), "{refused}");
     // Postures that touch them are in the table that the example measured.
     let among = [&first[..], &["--among", &data]].concat();
     let told = folder.run(&among).ended(0).out;

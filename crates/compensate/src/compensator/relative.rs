@@ -16,7 +16,7 @@ use crate::real::RealArm;
 use truepose_errormodel::{FittedModel, Schema};
 use truepose_kinematics::{Chain, Conditions, FrameId, Pose, ToolId};
 
-/// Commands that are sought at most: each has a hundredth of the bending of the one before, or less.
+/// Commands that are sought at most: what a command changes of the bending shrinks from one to the next.
 const ROUNDS: usize = 12;
 
 /// The other hand of these options.

@@ -141,7 +141,11 @@ fn refined(
             let before = next.len();
             let places: Vec<f64> = match round {
                 0 => (-SIDE..=SIDE).map(|step| f64::from(step) / f64::from(SIDE)).collect(),
-                _ => vertex(&known[k]).into_iter().collect(),
+                _ => {
+                    let of: Vec<[f64; 2]> =
+                        known[k].iter().map(|tried| [tried.at, tried.detail.gain]).collect();
+                    vertex(&of).into_iter().collect()
+                }
             };
             let moved = |at: f64| Some((k, at, moved(linearisation, candidate, at)?));
             next.extend(places.into_iter().filter_map(moved));
@@ -171,13 +175,13 @@ fn refined(
 }
 
 /// Where the parabola through the best value and its neighbours has its vertex; in the middle of the last gap where the best value is an end. None where that is the
-/// best value itself.
-fn vertex(tried: &[Tried]) -> Option<f64> {
+/// best value itself. `tried`: values, ascending, with the gain of each.
+fn vertex(tried: &[[f64; 2]]) -> Option<f64> {
     /// Parts of the range nearer than that are one value.
     const NEAR: f64 = 2e-3;
-    let gain = |k: usize| tried[k].detail.gain;
+    let gain = |k: usize| tried[k][1];
     let best = (0..tried.len()).max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
-    let at = |k: usize| tried[k].at;
+    let at = |k: usize| tried[k][0];
     let wanted = match (best.checked_sub(1), (best + 1 < tried.len()).then_some(best + 1)) {
         (Some(left), Some(right)) => {
             let (to_left, to_right) = (at(best) - at(left), at(best) - at(right));
@@ -188,7 +192,7 @@ fn vertex(tried: &[Tried]) -> Option<f64> {
         (Some(other), None) | (None, Some(other)) => 0.5 * (at(best) + at(other)),
         (None, None) => return None,
     };
-    (wanted.is_finite() && tried.iter().all(|other| (other.at - wanted).abs() > NEAR)).then_some(wanted)
+    (wanted.is_finite() && tried.iter().all(|other| (other[0] - wanted).abs() > NEAR)).then_some(wanted)
 }
 
 /// A candidate with its nonlinear parameter moved by a part, −1 … 1, of what the screen leaves open; none where it has no such parameter.
@@ -217,5 +221,27 @@ fn moved(linearisation: &Linearisation<'_>, candidate: &Candidate, part: f64) ->
         }
         Refinement::Edge(joint) => candidate.with_value(value + part * linearisation.travel(joint)? / 64.0),
         Refinement::Grid => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_value_lies_at_the_vertex_and_beyond_an_end_half_a_gap_is_tried() {
+        let grid = |peak: f64| -> Vec<[f64; 2]> {
+            (-4..=4).map(|k| 0.25 * f64::from(k)).map(|at| [at, 50.0 - 30.0 * (at - peak).powi(2)]).collect()
+        };
+        for peak in [-0.61, 0.07, 0.31] {
+            assert!((vertex(&grid(peak)).unwrap() - peak).abs() < 1e-12);
+        }
+        // The best value is there already.
+        assert_eq!(vertex(&grid(0.25)), None);
+        assert_eq!(vertex(&grid(1.4)), Some(0.875));
+        // Neighbours that are not equally far away, as after a first vertex.
+        let uneven = [-0.5, 0.1, 0.2].map(|at: f64| [at, 3.0 - (at - 0.13).powi(2)]);
+        assert!((vertex(&uneven).unwrap() - 0.13).abs() < 1e-12);
+        assert_eq!(vertex(&[[0.0, 1.0]]), None);
     }
 }

@@ -222,7 +222,7 @@ fn same_size(described: &[Pose], found: &[Pose]) -> Result<(), IdentifyError> {
         "the fit made the robot {:.2} times as large as it is described: these rows do not determine its scale; add a known distance, or check that rows name what they touched",
         after / before.max(f64::MIN_POSITIVE)
     );
-    Err(IdentifyError::Landmark { name: "or sensor".into(), why })
+    Err(IdentifyError::Observations { why })
 }
 
 /// The only landmark of a campaign that says nothing of lengths.

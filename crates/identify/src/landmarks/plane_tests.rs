@@ -16,11 +16,11 @@ const FACES: [([f64; 3], [f64; 3]); 4] = [
     ([0.0, 0.0, -1.0], [0.5, -0.2, 0.55]),
 ];
 
-/// Forty probed points on each of the first of them, with this noise.
-fn probed(of: &Cell, faces: usize, sd: f64) -> (Dataset, Vec<Landmark>) {
+/// So many probed points on each of the first of them, with this noise.
+fn probed(of: &Cell, (points, faces): (usize, usize), sd: f64) -> (Dataset, Vec<Landmark>) {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut rows = Vec::new();
-    for k in 0..40 * faces {
+    for k in 0..points * faces {
         let (normal, point) = (Vector3::from(FACES[k % faces].0), Vector3::from(FACES[k % faces].1));
         let beside = Vector3::from_fn(|_, _| rng.random_range(-0.25..0.25));
         let at = Some(point + beside - normal * normal.dot(&beside));
@@ -37,12 +37,12 @@ fn probed(of: &Cell, faces: usize, sd: f64) -> (Dataset, Vec<Landmark>) {
 #[test]
 fn known_planes_tell_the_scale_where_they_do_not_meet_in_one_point() {
     let of = cell(6);
-    let (data, landmarks) = probed(&of, 4, 2e-5);
+    let (data, landmarks) = probed(&of, (40, 4), 2e-5);
     let (made, found) = fitted(&of, &data, landmarks);
     assert!(made.has_scale && !made.remarks.join(" ").contains("scale"), "{:?}", made.remarks);
     let left = accuracy(&of, &found.fitted);
     assert!(left < 3e-4, "{left}");
-    let (data, landmarks) = probed(&of, 3, 2e-5);
+    let (data, landmarks) = probed(&of, (40, 3), 2e-5);
     let (made, _) = fitted(&of, &data, landmarks);
     let told = made.remarks.join(" ");
     assert!(!made.has_scale && told.contains("known planes that do not all meet in one point"), "{told}");
@@ -52,7 +52,7 @@ fn known_planes_tell_the_scale_where_they_do_not_meet_in_one_point() {
 fn a_robot_that_shrinks_into_the_corner_of_three_planes_is_refused() {
     let of = cell(6);
     // With next to no noise the corner, in which every row agrees exactly, is more likely than any robot.
-    let (data, landmarks) = probed(&of, 3, 1e-9);
+    let (data, landmarks) = probed(&of, (20, 3), 1e-9);
     let surroundings = Surroundings { landmarks, ..Surroundings::default() };
     let (solver, options) = (PivotedQr::default(), FitOptions::default());
     match touched(&of.chain, &geometric(), &data, &surroundings, (&solver, &options)) {

@@ -10,6 +10,6 @@ mod reach;
 mod view;
 
 pub use choose::{Plan, Planned, Why, plan};
-pub use observed::{ObservedPlan, PlannedVisitRows, plan_observed};
+pub use observed::{ObservedPlan, ObservedVisit, plan_observed};
 pub use options::PlanOptions;
 pub use reach::{Within, within_reach};

@@ -36,7 +36,7 @@ const DRAWS: usize = 21;
 
 /// A visit to make.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlannedVisitRows {
+pub struct ObservedVisit {
     /// Its rows among the candidates.
     pub rows: Vec<usize>,
     /// Share of the expected squared error that it takes away, beside all others.
@@ -47,7 +47,7 @@ pub struct PlannedVisitRows {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObservedPlan {
     /// In the order of their worth.
-    pub visits: Vec<PlannedVisitRows>,
+    pub visits: Vec<ObservedVisit>,
     /// Expected 3-D RMS error that the coefficients leave at the poses that matter, now and then, m: the part of it that such rows can tell.
     pub accuracy: (f64, f64),
     /// What no number of these rows tells, m. A displacement of the base, where nothing says where it is, and of the tool's point, where images alone are taken,
@@ -61,6 +61,13 @@ pub struct ObservedPlan {
 
 /// Chooses `options.count` visits of `candidates`, rows of any kind whose landmarks count in `surroundings`, for accuracy at `goals` (the joints'
 /// ranges when there are none). `options.pool` does not count.
+///
+/// ```text
+/// min tr(G P Gᵀ),   P = (1 + Σ BᵀB)⁻¹,   B = [A_c L, A_s S]
+/// ```
+///
+/// L Lᵀ: covariance of the fit; S: prior standard deviations of places of landmarks and sensors, which G leaves out; A: rows over their noise. I-optimality by
+/// choice and exchange (Fedorov 1972; Wu, Klimchik, Caro, Furet and Pashkevich 2015).
 ///
 /// # Errors
 /// When the fit has no coefficient with a deviation; [`IdentifyError::Landmark`] where a row cannot be observed from its posture, or nothing says
@@ -102,7 +109,7 @@ pub fn plan_observed(
     let (accuracy, observability) = of(&mut chosen.iter().map(|&(k, _)| k));
     let mut visits = vec![Vec::new(); rows.len()];
     candidates.visit.iter().enumerate().for_each(|(row, &visit)| visits[visit].push(row));
-    let planned = chosen.iter().map(|&(k, worth)| PlannedVisitRows { rows: visits[k].clone(), worth });
+    let planned = chosen.iter().map(|&(k, worth)| ObservedVisit { rows: visits[k].clone(), worth });
     let mut random = ChaCha8Rng::seed_from_u64(options.seed ^ 0x51c3);
     let mut order: Vec<usize> = (0..rows.len()).collect();
     let mut drawn: Vec<f64> = (0..DRAWS)
@@ -143,19 +150,18 @@ fn enough(chosen: &mut Vec<(usize, f64)>, (rows, goal): (&[DMatrix<f64>], &DMatr
     let whole = goal.trace().max(f64::MIN_POSITIVE);
     for _ in 0..things.len() {
         let have = |thing: &Thing| chosen.iter().map(|&(k, _)| thing.rows[k]).sum::<usize>();
-        let (kept, few): (Vec<&Thing>, Vec<&Thing>) =
-            things.iter().filter(|thing| have(thing) > 0).partition(|thing| have(thing) >= thing.need);
-        if few.is_empty() || kept.is_empty() {
+        let enough: Vec<bool> = things.iter().map(|thing| have(thing) >= thing.need).collect();
+        let few = things.iter().zip(&enough).any(|(thing, enough)| !enough && have(thing) > 0);
+        if !few || !enough.contains(&true) {
             break;
         }
+        let given_up =
+            |k: usize| things.iter().zip(&enough).any(|(thing, enough)| !enough && thing.rows[k] > 0);
         let wanted = chosen.len();
-        chosen.retain(|&(k, _)| few.iter().all(|thing| thing.rows[k] == 0));
+        chosen.retain(|&(k, _)| !given_up(k));
         let mut information = DMatrix::identity(goal.nrows(), goal.nrows());
         chosen.iter().for_each(|&(k, _)| information += rows[k].transpose() * &rows[k]);
-        let other = |k: usize| {
-            things.iter().any(|of| of.rows[k] > 0 && !kept.iter().any(|kept| std::ptr::eq(*kept, of)))
-        };
-        let barred: Vec<(usize, f64)> = (0..rows.len()).filter(|&k| other(k)).map(|k| (k, 0.0)).collect();
+        let barred: Vec<(usize, f64)> = (0..rows.len()).filter(|&k| given_up(k)).map(|k| (k, 0.0)).collect();
         while chosen.len() < wanted {
             let taken: Vec<(usize, f64)> = chosen.iter().chain(&barred).copied().collect();
             let Some((k, gain)) = best((rows, goal), &information, &taken) else { break };

@@ -129,10 +129,13 @@ fn nothing(surroundings: &Surroundings, left_out: &[(usize, String)]) -> Identif
     }
     let words = |(why, names): &(&str, Vec<&str>)| format!("{}: {why}", names.join(", "));
     let why = match reasons.is_empty() {
-        true => "the robot is described without any".into(),
-        false => format!("none can be planned: {}", reasons.iter().map(words).collect::<Vec<_>>().join("; ")),
+        true => "the robot is described without landmarks and sensors".into(),
+        false => format!(
+            "no row can be planned at its landmarks and sensors: {}",
+            reasons.iter().map(words).collect::<Vec<_>>().join("; ")
+        ),
     };
-    IdentifyError::Landmark { name: "or sensor".into(), why }
+    IdentifyError::Observations { why }
 }
 
 /// Where the robot goes to observe a thing.
