@@ -77,6 +77,8 @@ pub struct Touched {
     pub sensors: Vec<SensorFound>,
     /// What these take as given.
     pub freed: Vec<Freed>,
+    /// Of each row: the standstill of the robot in which it was taken. Rows that measured a number are pose measurements of their own in `data`.
+    pub standstills: Vec<usize>,
     /// What a user has to know, in sentences.
     pub remarks: Vec<String>,
 }
@@ -202,6 +204,7 @@ pub fn touched(
         has_scale,
         sensors,
         freed,
+        standstills: carried.images,
         remarks,
     })
 }

@@ -160,6 +160,15 @@ struct Thing {
     known: Landmark,
 }
 
+/// Where the camera on the robot is, in the tool: mm; roll, pitch and yaw, degrees.
+const EYE_MM: [f64; 3] = [40.0, -50.0, 30.0];
+const EYE_DEG: [f64; 3] = [3.0, -2.0, 40.0];
+
+/// The same as a pose.
+pub fn eye_place() -> Pose {
+    Pose::from_xyz_rpy(EYE_MM.map(|v| 1e-3 * v), EYE_DEG.map(f64::to_radians))
+}
+
 /// Seconds from one pose measurement to the next.
 const VISIT_S: f64 = 30.0;
 
@@ -345,8 +354,10 @@ fn of_kind(kind: Kind, size: Size, rng: &mut ChaCha8Rng) -> Vec<Thing> {
                 })
                 .collect();
             let lines = format!(
-                "images = {}\nxyz_mm = [40, -50, 30]\nrpy_deg = [3, -2, 40]\ndistance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = {}\n",
+                "images = {}\nxyz_mm = {:?}\nrpy_deg = {:?}\ndistance_mm = [250, 500]\nnormal = [0, 0, 1]\nsd_px = {}\n",
                 size.images,
+                EYE_MM,
+                EYE_DEG,
                 0.1 * noise
             );
             let known = seen(lens([900.0, 900.0, 640.0, 480.0], None), None);

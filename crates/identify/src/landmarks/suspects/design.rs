@@ -1,11 +1,14 @@
 //! The design matrix of a fit, and the score test of further columns beside it.
 
+use super::order::Order;
 use crate::linearise::Lineariser;
 use crate::{Fit, IdentifyError};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use truepose_errormodel::Dataset;
 
+/// A suspicion is reported from this p on, of all tests together. A convention.
+pub(super) const LEVEL: f64 = 1e-3;
 /// Places in the order of the rows at which a move is looked for, at most.
 const INSTANTS: usize = 24;
 /// Share of a column that the robot must leave for a test.
@@ -15,12 +18,13 @@ const FAR: f64 = 12.0;
 
 /// The design matrix of a fit, number by number, over their noise.
 pub(super) struct Design {
-    covariance: DMatrix<f64>,
-    x: DMatrix<f64>,
-    residual: DVector<f64>,
+    pub(super) covariance: DMatrix<f64>,
+    pub(super) x: DMatrix<f64>,
+    pub(super) residual: DVector<f64>,
     leverage: Vec<f64>,
     noise: Vec<f64>,
     pub(super) row: Vec<usize>,
+    pub(super) visit: Vec<usize>,
     pub(super) component: Vec<usize>,
 }
 
@@ -37,7 +41,8 @@ pub(super) struct Tested {
 }
 
 impl Design {
-    pub(super) fn of(fit: &Fit, data: &Dataset) -> Result<Self, IdentifyError> {
+    /// `standstills`: that of each row.
+    pub(super) fn of(fit: &Fit, data: &Dataset, standstills: &[usize]) -> Result<Self, IdentifyError> {
         let covariance = fit.fitted.covariance().clone();
         let mut lineariser = Lineariser::new(fit.fitted.model(), data, fit.noise, fit.fitted.coefficients())?;
         let width = lineariser.width();
@@ -60,7 +65,9 @@ impl Design {
         let x = DMatrix::from_row_iterator(row.len(), width - 1, x);
         let spread = &x * &covariance;
         let leverage = (0..row.len()).map(|i| x.row(i).dot(&spread.row(i)).clamp(0.0, 1.0)).collect();
-        Ok(Design { covariance, x, residual: DVector::from_vec(residual), leverage, noise, row, component })
+        let visit = row.iter().map(|&row| standstills[row]).collect();
+        let residual = DVector::from_vec(residual);
+        Ok(Design { covariance, x, residual, leverage, noise, row, visit, component })
     }
 
     /// Takes a suspicion's columns into X, with coefficients of their own; whether that could be done.
@@ -146,7 +153,8 @@ impl Design {
         Left { squares, freedom, numbers }
     }
 
-    /// Whether what these rows share changed from one of them on: the instant that explains most.
+    /// Whether what these rows share changed from one of them on, the first of its visit: the instant that explains most. The order of the visits has
+    /// to matter ([`Order`]).
     pub(super) fn moved(
         &self,
         width: usize,
@@ -160,30 +168,43 @@ impl Design {
         if width == 0 || rows.len() < 2 * least {
             return None;
         }
-        let places = rows.len() - 2 * least + 1;
-        let stride = places.div_ceil(INSTANTS);
         let (own, left) = (self.own(rows), self.left(of_kind));
+        // Nothing moves within a visit.
+        let begins = |instant: &usize| own.visit_of(rows[*instant]) != own.visit_of(rows[*instant - 1]);
+        let instants: Vec<usize> = (least..=rows.len() - least).filter(begins).collect();
+        let places = instants.len();
+        let stride = places.div_ceil(INSTANTS).max(1);
         let at = |instant: usize| {
             let from = rows[instant];
             let a = own.columns(width, |i| if self.row[i] >= from { column(i) } else { vec![0.0; width] });
             own.test(a, &left)
         };
         let mut best: Option<(Tested, usize)> = None;
-        let mut take = |instant: usize| {
+        let mut take = |place: usize| {
             *tests += 1;
-            if let Some(tested) = at(instant)
+            if let Some(tested) = at(instants[place])
                 && best.as_ref().is_none_or(|(best, _)| tested.p_value < best.p_value)
             {
-                best = Some((tested, instant));
+                best = Some((tested, place));
             }
-            best.as_ref().map(|(_, instant)| *instant)
+            best.as_ref().map(|(_, place)| *place)
         };
-        let rough = (0..places).step_by(stride).map(|k| take(least + k)).last().flatten()?;
-        let near = (rough + 1).saturating_sub(stride).max(least)..(rough + stride).min(least + places);
-        near.filter(|&instant| instant != rough).for_each(|instant| {
-            take(instant);
+        let rough = (0..places).step_by(stride).map(&mut take).last().flatten()?;
+        let near = (rough + 1).saturating_sub(stride)..(rough + stride).min(places);
+        near.filter(|&place| place != rough).for_each(|place| {
+            take(place);
         });
-        best.map(|(tested, instant)| (tested, rows[instant]))
+        let (tested, place) = best?;
+        if tested.p_value < LEVEL {
+            // Places of the instants among the visits.
+            let begins: Vec<usize> = (1..rows.len()).filter(begins).collect();
+            let places: Vec<usize> =
+                instants.iter().map(|&at| begins.partition_point(|&b| b < at) + 1).collect();
+            if !Order::of(self, &own.numbers, &own.columns(width, column)).matters(&places) {
+                return None;
+            }
+        }
+        Some((tested, rows[instants[place]]))
     }
 }
 
@@ -211,6 +232,12 @@ impl Own<'_> {
         a
     }
 
+    /// The visit of one of its rows.
+    fn visit_of(&self, row: usize) -> Option<usize> {
+        let at = self.numbers.partition_point(|&i| self.design.row[i] < row);
+        self.numbers.get(at).map(|&i| self.design.visit[i])
+    }
+
     /// The test of these columns; `kind` is what is left to the numbers of their kind.
     pub(super) fn test(&self, a: DMatrix<f64>, kind: &Left) -> Option<Tested> {
         let Design { covariance, residual, noise, .. } = self.design;
@@ -228,7 +255,7 @@ impl Own<'_> {
         if kind.freedom < k + 2.0 {
             return None;
         }
-        let squares = self.squares_after(&a, &by, &across, kind);
+        let squares = self.squares_after(&(&a * &by), &(&across * &by), kind);
         let scatter = squares / (kind.freedom - k);
         let p_value = FisherSnedecor::new(k, kind.freedom - k).ok()?.sf(explained / k / scatter);
         let fitted = left * &by;
@@ -246,11 +273,10 @@ impl Own<'_> {
 
     /// Squares of the numbers of a kind beside what is tested. What it explains is not taken from them: a fault pulls the whole fit along, and what
     /// it explains of other kinds and of the prior can be more than all that they have.
-    fn squares_after(&self, a: &DMatrix<f64>, by: &DVector<f64>, across: &DMatrix<f64>, kind: &Left) -> f64 {
-        let (own, pulled) = (a * by, across * by);
+    fn squares_after(&self, own: &DVector<f64>, pulled: &DVector<f64>, kind: &Left) -> f64 {
         let after = |&i: &usize| {
             let moved = self.numbers.binary_search(&i).map_or(0.0, |at| own[at]);
-            self.design.residual[i] - moved + self.design.x.row(i).tr_dot(&pulled)
+            self.design.residual[i] - moved + self.design.x.row(i).tr_dot(pulled)
         };
         kind.numbers.iter().map(|i| after(i).powi(2)).sum::<f64>().max(f64::MIN_POSITIVE)
     }

@@ -12,18 +12,21 @@
 //! | A | n × k: what the k further unknowns do to each number: K of a sensor from some row on, the columns of [`Freed`](super::Freed), of tool or base, or a row alone |
 //! | λ_i | leverage, x_i C x_iᵀ |
 //!
+//! Something that moved has to show more than the visits would in any other order (`order`).
+//!
 //! G allows for all that the robot can take over, so that an arm with errors is not taken for a bent table (Rao 1948; with the prior of the fit as
 //! that of a mixed model). p is multiplied by the number of tests. The most significant suspicion joins X and everything is tested again beside it:
 //! what is wrong with one thing pulls its neighbours along, and they are not to blame (forward selection).
 
 mod design;
+mod order;
 
 use super::Touched;
 use crate::{Fit, IdentifyError};
-use design::{Design, Tested};
+use design::{Design, LEVEL, Tested};
 use nalgebra::Vector3;
 use truepose_errormodel::{Column, Dataset, ErrorModel, own_channel};
-use truepose_kinematics::{FrameId, Site, ToolId};
+use truepose_kinematics::{FrameId, SEEN, Site, ToolId};
 
 /// What an observation takes as given, and what is wrong with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,8 +47,6 @@ pub struct Suspect {
     pub p_value: f64,
 }
 
-/// A suspicion is reported from this p on, of all tests together. A convention.
-const LEVEL: f64 = 1e-3;
 /// And where it explains so much of the squares of its rows: an arm with errors that the model lacks leaves more than noise, a little of
 /// which looks like anything. A convention.
 const SHARE: f64 = 0.25;
@@ -66,7 +67,7 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
     if derived.len() * 3 * fit.fitted.coefficients().len() > LARGEST {
         return Ok(Vec::new());
     }
-    let mut design = Design::of(fit, derived)?;
+    let mut design = Design::of(fit, derived, &touched.standstills)?;
     let ends = ends(fit.fitted.model());
     let mut found: Vec<Suspect> = Vec::new();
     while found.len() < MOST {
@@ -99,6 +100,7 @@ struct End {
     name: String,
     columns: Vec<Column>,
     places: Vec<usize>,
+    is_tool: bool,
 }
 
 /// Of each tool and of the base its six components, and its three translations alone: what is touched with one point shows no more.
@@ -113,10 +115,21 @@ fn ends(model: &ErrorModel) -> Vec<End> {
         let places: Vec<usize> =
             model.columns().iter().enumerate().filter(|(_, column)| own(column)).map(|(k, _)| k).collect();
         let columns = places.iter().map(|&k| model.columns()[k].clone()).collect();
-        End { name: chain.frame_word(frame).to_owned(), columns, places }
+        End { name: chain.frame_word(frame).to_owned(), columns, places, is_tool: frame != FrameId::BASE }
     };
     let both = tools.chain([FrameId::BASE]).flat_map(|frame| [of(frame, true), of(frame, false)]);
     both.filter(|end| !end.columns.is_empty()).collect()
+}
+
+/// Whether all these rows are images of one camera on the robot: its tool that sits differently is the camera that moved, and called so.
+fn carries_one_camera(data: &Dataset, touched: &Touched, rows: &[usize]) -> bool {
+    let targets = touched.chain.targets();
+    let seen = |row: usize| {
+        let of_row = data.target[row].and_then(|target| targets.get(target.0));
+        data.sensor(row).filter(|_| of_row.is_some_and(|target| target.name.starts_with(SEEN)))
+    };
+    let first = rows.first().and_then(|&row| seen(row));
+    first.is_some() && rows.iter().all(|&row| seen(row) == first)
 }
 
 /// The landmark at which a row was that named another one: the nearest to where the robot says that it was, much nearer than the one it names.
@@ -170,8 +183,11 @@ fn worst(
             best = Some(named);
         }
     };
-    for End { name, columns, places } in ends {
+    for End { name, columns, places, is_tool } in ends {
         let rows = design.rows_of(places);
+        if *is_tool && carries_one_camera(derived, touched, &rows) {
+            continue;
+        }
         let column = |i: usize| places.iter().map(|&place| design.number(i, place)).collect();
         if let Some((tested, from)) = design.moved(columns.len(), &rows, &column, &|_| true, &mut tests) {
             let (name, columns) = (name.clone(), columns.clone());
