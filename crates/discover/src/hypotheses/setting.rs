@@ -1,7 +1,7 @@
 //! What hypotheses need to know about the robot and the data.
 
 use crate::hypotheses::levels::Levels;
-use truepose_errormodel::Dataset;
+use truepose_errormodel::{Dataset, is_of_observation};
 use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer};
 
 /// A robot with its data: what variants of a hypothesis are made for.
@@ -41,10 +41,13 @@ impl<'a> Setting<'a> {
         Levels::of(self.chain, self.data, joint)
     }
 
-    /// The range of a channel, in its unit; none when it never changed.
+    /// The range of a channel, in its unit; none when it never changed, or says what was observed.
     pub fn channel_range(&self, channel: usize) -> Option<[f64; 2]> {
-        // A channel with the values of an earlier one has no hypotheses of its own.
         let (kinds, columns) = (&self.data.schema.channels, &self.data.channels);
+        if is_of_observation(&kinds[channel].name) {
+            return None;
+        }
+        // A channel with the values of an earlier one has no hypotheses of its own.
         let same = |other: &usize| {
             let kind = |k: usize| (kinds[k].temperature, &kinds[k].unit);
             let equal = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();

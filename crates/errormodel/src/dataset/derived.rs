@@ -29,13 +29,17 @@ use truepose_kinematics::Load;
 /// The channel of the mass that is declared to be carried, kg.
 pub const CARRIED: &str = "payload";
 
+/// Whether a channel of this name says what was observed in a row, and what came of it: nothing that an error of the robot could depend on.
+pub fn is_of_observation(channel: &str) -> bool {
+    channel == LANDMARK || of_observation(channel)
+}
+
 /// Whether a channel of this name is made from other columns.
 pub fn is_derived(channel: &str) -> bool {
     channel == CARRIED
         || channel == SESSION
-        || channel == LANDMARK
         || channel == TOOL
-        || of_observation(channel)
+        || is_of_observation(channel)
         || channel.contains(LATE)
         || presliding_of(channel).is_some()
         || step_of(channel).is_some()

@@ -28,7 +28,7 @@ mod visits;
 
 pub use approach::approach_from_order;
 pub use builder::DatasetBuilder;
-pub use derived::{CARRIED, is_derived};
+pub use derived::{CARRIED, is_derived, is_of_observation};
 pub use dwell::{Dwell, DwellTolerance};
 pub use history::{History, follow, history_channel, history_of};
 pub use landmark::LANDMARK;

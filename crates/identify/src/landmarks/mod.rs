@@ -28,6 +28,7 @@ mod hand_eye;
 mod held_out;
 mod planned;
 mod prepared;
+mod rounds;
 mod sensors;
 mod suspects;
 mod ties;
@@ -41,11 +42,12 @@ pub use planned::unmeasured;
 pub use sensors::{SensorFound, leverages};
 pub use suspects::{Suspect, suspects};
 
-use crate::{FitOptions, IdentifyError, fit};
+use crate::{FitOptions, IdentifyError, PriorStrength};
 use found_in::found_in;
 use hand_eye::with_base;
 use nalgebra::Vector3;
 use prepared::Prepared;
+use rounds::{Rounds, State};
 use std::collections::BTreeSet;
 use ties::Structure;
 use truepose_errormodel::effects::{AllTargets, Geometric, Landmarks, Observed, Where};
@@ -79,19 +81,22 @@ pub struct Touched {
     pub freed: Vec<Freed>,
     /// Of each row: the standstill of the robot in which it was taken. Rows that measured a number are pose measurements of their own in `data`.
     pub standstills: Vec<usize>,
+    /// Whether the errors of the arm had to be held to their expected sizes while landmarks and sensors were found.
+    pub arm_is_held: bool,
     /// What a user has to know, in sentences.
     pub remarks: Vec<String>,
 }
 
-/// Fits from one set of places to the next.
-const ROUNDS: usize = 12;
-/// A move, m, below which landmarks rest.
-const STILL: f64 = 1e-8;
-/// Rows along a direction rest where the robot and their sensors have moved by less since they were linearised: the square of this, over the
-/// distance to an anchor, is far below what anything measures. m, and expected sizes of a sensor's unknowns.
-const NEAR: f64 = 1e-5;
-/// Relative change of the weight of a kind below which it rests: its standard deviation is not known to a hundredth.
-const WEIGHED: f64 = 1e-2;
+impl Touched {
+    /// What these rows are to be fitted with.
+    pub fn options(&self, options: &FitOptions) -> FitOptions {
+        let prior = if self.arm_is_held { HELD } else { options.prior };
+        FitOptions { prior, ..options.clone() }
+    }
+}
+
+/// The prior of an arm whose errors are held to their expected sizes.
+const HELD: PriorStrength = PriorStrength::Fixed(1.0);
 
 /// Makes measurements of the rows that touched landmarks, and of those that measured numbers. The landmark of a row counts in `surroundings`.
 ///
@@ -141,49 +146,27 @@ pub fn touched(
         poses = sensors::poses(&bare(&placed)?, &plain)?;
     }
     sensors.start(&poses, &carried)?;
-    let mut at = start(&poses, &data, structure.points.len(), &surroundings, &structure.declared);
+    let at = start(&poses, &data, structure.points.len(), &surroundings, &structure.declared);
     if scale_is_open {
         remarks.push(structure.hold_scale(&at).ok_or_else(|| alone(&structure, &remarks))?);
     }
     let length = chain.characteristic_length();
-    let starting = poses.clone();
-    let mut last = declared.clone();
-    let mut seen = carried.with_targets(&placed, &poses)?;
-    for _ in 0..ROUNDS {
-        let points = structure.placed(&mut at);
-        put(&mut data, &at);
-        let own = sensors.effect(length);
-        if !sensors.is_empty() || !contacts.is_empty() {
-            let mut rays = sensors.linearised(&poses, &data, &carried)?;
-            contacts::measured(&contacts, &poses, &mut data, &mut rays);
-            data.set_rays(rays.iter().any(Option::is_some).then_some(&rays));
-            seen = carried.with_targets(&placed, &poses)?;
-        }
-        last = with(&declared, points, own);
-        let model = ErrorModel::new(seen.clone(), last.clone())?;
-        let found = fit(&model, &data, solver, options)?;
-        let moved = found.fitted.landmarks_displaced().unwrap_or_default();
-        at.iter_mut().zip(&moved).for_each(|(at, by)| *at += by);
-        let mut rests = moved.iter().all(|by| by.norm() < STILL);
-        if data.rays().is_some() {
-            let weighed = sensors.weigh(&found, &data)?;
-            let turned = sensors.moved(&found.fitted.sensors_moved().unwrap_or_default(), length);
-            let next = sensors::poses(&found.fitted.without_landmarks()?, &plain)?;
-            let away = |row: usize| match carried.seen_from(row, &poses[row]) {
-                Some(own) => {
-                    carried.point(row).map_or(0.0, |at| (next[row].apply(&own.translation) - at).norm())
-                }
-                None => (next[row].translation - poses[row].translation).norm(),
-            };
-            let far = (0..data.len()).filter(|&row| data.ray(row).is_some()).map(away).fold(0.0, f64::max);
-            poses = next;
-            rests =
-                moved.iter().all(|by| by.norm() < NEAR) && turned < NEAR && far < NEAR && weighed < WEIGHED;
-        }
-        if rests {
-            break;
-        }
-    }
+    let chain_seen = carried.with_targets(&placed, &poses)?;
+    let effects = declared.clone();
+    let start = State { data, sensors, structure, at, poses, chain: chain_seen, effects };
+    let starting = start.poses.clone();
+    let rounds = Rounds {
+        declared: &declared,
+        carried: &carried,
+        contacts: &contacts,
+        placed: &placed,
+        plain: &plain,
+        length,
+    };
+    let (state, held) = rounds.settled(start, solver, options)?;
+    let arm_is_held = held.is_some();
+    remarks.extend(held);
+    let State { data, sensors, structure, at, poses, chain: seen, effects } = state;
     if !has_scale && contacts.is_empty() {
         same_size(&starting, &poses)?;
     }
@@ -196,7 +179,7 @@ pub fn touched(
     Ok(Touched {
         data,
         chain,
-        effects: last,
+        effects,
         names,
         positions: at,
         distances,
@@ -205,6 +188,7 @@ pub fn touched(
         sensors,
         freed,
         standstills: carried.images,
+        arm_is_held,
         remarks,
     })
 }
@@ -314,17 +298,6 @@ fn unknown_tool(described: &Chain, declared: &[Box<dyn AnyEffect>]) -> Option<Bo
     })
 }
 
-fn with(declared: &[Box<dyn AnyEffect>], landmarks: Landmarks, sensors: Observed) -> Vec<Box<dyn AnyEffect>> {
-    let mut all = declared.to_vec();
-    if !landmarks.points.is_empty() {
-        all.push(Box::new(landmarks));
-    }
-    if !sensors.sensors.is_empty() {
-        all.push(Box::new(sensors));
-    }
-    all
-}
-
 /// Where the nominal robot touches each landmark in the mean; where it is declared to be, if it is.
 fn start(
     poses: &[Pose],
@@ -344,15 +317,6 @@ fn start(
         surroundings.landmarks[declared[k]].position.unwrap_or(sum / *count)
     };
     sums.iter().enumerate().map(place).collect()
-}
-
-/// Rows are measured where their landmark is.
-fn put(data: &mut Dataset, at: &[Vector3<f64>]) {
-    for row in 0..data.len() {
-        if let Some(k) = data.landmark(row) {
-            data.position[row] = at[k].into();
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::tests::{Cell, Shot, accuracy, cell, fitted, geometric, seen_by, shots};
 use super::*;
+use crate::fit;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use truepose_errormodel::Landmark;

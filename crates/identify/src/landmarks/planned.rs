@@ -10,8 +10,9 @@
 
 use super::contacts;
 use super::prepared::Prepared;
+use super::rounds::{put, with};
 use super::sensors::poses;
-use super::{all_known, alone, put, start, with, without_base};
+use super::{all_known, alone, start, without_base};
 use crate::IdentifyError;
 use crate::linearise::Lineariser;
 use nalgebra::{DMatrix, DVector};

@@ -6,6 +6,7 @@ use truepose_errormodel::Surroundings;
 use truepose_errormodel::effects::{Landmarks, Point, Tied};
 
 /// Landmarks of unknown place that were touched, each behind the one that it is tied to.
+#[derive(Clone)]
 pub(super) struct Structure {
     pub points: Vec<Point>,
     /// Of each point, its number among the declared landmarks.

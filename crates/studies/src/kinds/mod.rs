@@ -189,4 +189,13 @@ mod tests {
         assert_eq!((moved.len(), moved[0].name.as_str(), moved[0].what), (1, "eye", "moved"), "{moved:?}");
         assert!((moved[0].values[0].1 - 8e-4).abs() < 3e-4 && (moved[0].values[1].1 + 6e-4).abs() < 3e-4);
     }
+
+    #[test]
+    fn a_camera_that_moved_does_not_make_the_arm_another_one() {
+        // As far as straight lines go, this arm is likelier wrong by 0.9 m than its camera's rows by what they are.
+        let trial = Trial::of(&[Kind::Eye], Some(Fault::EyeMoved), Size::default(), 24).unwrap();
+        assert!(trial.touched.arm_is_held);
+        let moved = trial.suspects().unwrap();
+        assert_eq!((moved.len(), moved[0].name.as_str(), moved[0].what), (1, "eye", "moved"), "{moved:?}");
+    }
 }

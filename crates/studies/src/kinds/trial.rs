@@ -20,7 +20,7 @@ use truepose_solvers::PivotedQr;
 pub struct Trial {
     made: Made,
     found: Fit,
-    touched: Touched,
+    pub(super) touched: Touched,
     asked: (Vec<Kind>, Option<Fault>, Size, u64),
 }
 
@@ -39,7 +39,7 @@ impl Trial {
         let declared: Vec<Box<dyn AnyEffect>> = vec![Box::new(Geometric::default())];
         let touched = touched(&made.chain, &declared, &made.data, &made.described, (&solver, &options))?;
         let model = ErrorModel::new(touched.chain.clone(), touched.effects.clone())?;
-        let found = fit(&model, &touched.data, &solver, &options)?;
+        let found = fit(&model, &touched.data, &solver, &touched.options(&options))?;
         Ok(Trial { made, found, touched, asked: (kinds.to_vec(), fault, size, seed) })
     }
 
