@@ -50,8 +50,8 @@ pub use identification::{
     AsFound, Identification, IdentificationOptions, Stage, Step, TestSet, as_found, identify,
 };
 pub use landmarks::{
-    Contact, ContactRows, Freed, LandmarkFold, SensorFound, Suspect, Touched, landmark_cross_validation,
-    landmark_groups, leverages, suspects, touched, unmeasured,
+    Contact, ContactRows, Freed, LandmarkFold, SensorFound, Suspect, Touched, allowed_for,
+    landmark_cross_validation, landmark_groups, leverages, suspects, touched, unmeasured,
 };
 pub use noise::shrinkage;
 pub use observability::{Observability, observability};

@@ -110,6 +110,9 @@ pub struct DiscoverySummary {
     /// Each kind of observation, where rows measured single numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kinds: Option<crate::KindsSummary>,
+    /// What observed the robot, allowed not to be as described, against an error of the robot; where it was suspected.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observers: Option<crate::AllowedSummary>,
     /// The fitted robot in the numbers of its own description, where they were worked out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameters: Option<crate::ParametersSummary>,
@@ -201,6 +204,7 @@ impl DiscoverySummary {
             sessions: Vec::new(),
             landmarks: None,
             kinds: None,
+            observers: None,
             parameters: None,
             settings,
         }

@@ -45,7 +45,7 @@ pub use kinds::{KindSummary, KindsSummary, SensorSummary};
 pub use landmarks::{ContactSummary, KnownDistanceSummary, LandmarkSummary, LandmarksSummary};
 pub use largest::LargestError;
 pub use layout::{Alignment, table};
-pub use observers::SuspectSummary;
+pub use observers::{AllowedKind, AllowedSummary, SuspectSummary};
 pub use page::{
     CommandView, CommandsView, CorrectionView, MapView, PlaceView, PlanView, PlannedView, PredictionView,
     ProgramView, Report, acceptance_report, commands_report, comparison_report, discovery_report,

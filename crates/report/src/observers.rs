@@ -55,6 +55,17 @@ impl SuspectSummary {
 
     /// What is wrong, and what to do about it, in two sentences.
     pub fn sentence(&self) -> String {
+        let (what, advice) = self.words();
+        format!(
+            "{what}: {} {} RMS at its rows (p = {}). {advice}",
+            significant(self.rms, 2),
+            self.unit,
+            significant(self.p_value, 2)
+        )
+    }
+
+    /// What is wrong, by how much, and what to do about it.
+    fn words(&self) -> (String, &'static str) {
         let name = &self.name;
         let (what, advice) = match self.what.as_str() {
             "moved" => (
@@ -111,11 +122,73 @@ impl SuspectSummary {
             _ => self.values.iter().map(value).collect(),
         };
         let by = if values.is_empty() { String::new() } else { format!(", by {}", values.join(", ")) };
+        (format!("{what}{by}"), advice)
+    }
+}
+
+/// What observed the robot was allowed not to be as described, and the error of the robot that would explain the same.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AllowedSummary {
+    /// What was allowed for, as it was suspected beside the declared model.
+    pub suspects: Vec<SuspectSummary>,
+    /// What a search finds in the robot where nothing is allowed for; empty: nothing.
+    pub instead: Vec<String>,
+    /// Error on held-out rows, kind by kind.
+    pub kinds: Vec<AllowedKind>,
+    /// Of this against an effect of the robot, by how likely each makes the held-out rows.
+    pub probability: f64,
+    /// Whether the result is that of the search with this allowed for.
+    pub preferred: bool,
+}
+
+/// A kind of observation on held-out rows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AllowedKind {
+    /// `position`, `pixel`, …
+    pub kind: String,
+    /// `mm` or `px`.
+    pub unit: String,
+    /// RMS with the observers as described, and the effects of the robot that a search then finds.
+    pub as_described: f64,
+    /// RMS with what was allowed for, and the effects that a search finds beside it.
+    pub allowed: f64,
+}
+
+/// Probabilities with which neither is said to be to blame.
+const UNDECIDED: std::ops::RangeInclusive<f64> = 0.12..=0.88;
+
+impl AllowedSummary {
+    /// Which of both explains the rows, in a few sentences.
+    pub fn sentence(&self) -> String {
+        let wrong: Vec<String> = self.suspects.iter().map(|suspect| suspect.words().0).collect();
+        let instead = match self.instead.as_slice() {
+            [] => "nothing in the robot explains them".to_owned(),
+            names => format!("the robot would have {}", names.join(" and ")),
+        };
+        let kind = |kind: &AllowedKind| {
+            let AllowedKind { kind, unit, as_described, allowed } = kind;
+            format!("{kind} {} → {} {unit}", significant(*as_described, 3), significant(*allowed, 3))
+        };
+        let kinds: Vec<String> = self.kinds.iter().map(kind).collect();
+        let share = if self.preferred { self.probability } else { 1.0 - self.probability };
+        let share = if share > 0.99 { "> 0.99".to_owned() } else { significant(share, 2) };
+        let verdict = match (UNDECIDED.contains(&self.probability), self.preferred) {
+            (true, _) => {
+                "What observed the robot is not as described, or the robot is not: both explain the rows alike"
+            }
+            (_, true) => "What observed the robot is not as described",
+            (_, false) => "The robot is to blame, not what observed it",
+        };
+        let result = match self.preferred {
+            true => {
+                "The result is that with this allowed for: mend it, or declare it, before it is used again"
+            }
+            false => "The result is that without it",
+        };
         format!(
-            "{what}{by}: {} {} RMS at its rows (p = {}). {advice}",
-            significant(self.rms, 2),
-            self.unit,
-            significant(self.p_value, 2)
+            "{verdict} (probability {share}). Tried: {}. Otherwise {instead}. Held-out rows: {}. {result}.\n",
+            wrong.join("; "),
+            kinds.join(", ")
         )
     }
 }
@@ -142,6 +215,34 @@ mod tests {
             unit: "mm".into(),
             p_value: 1e-9,
         }
+    }
+
+    #[test]
+    fn who_is_wrong_is_said_with_both_errors() {
+        let mut tried = AllowedSummary {
+            suspects: vec![of("lens", None, &[("fx of A", 9.0, 0.4, "px")])],
+            instead: vec!["transmission j2".into()],
+            kinds: vec![AllowedKind {
+                kind: "pixel".into(),
+                unit: "px".into(),
+                as_described: 0.5,
+                allowed: 0.1,
+            }],
+            probability: 0.996,
+            preferred: true,
+        };
+        let words = "What observed the robot is not as described (probability > 0.99). Tried: A has another lens than stated, by fx of A 9.00 ± 0.40 px. Otherwise the robot would have transmission j2. Held-out rows: pixel 0.500 → 0.100 px.";
+        assert!(tried.sentence().starts_with(words), "{}", tried.sentence());
+        tried.probability = 0.4;
+        assert!(
+            tried.sentence().contains("both explain the rows alike (probability 0.40)"),
+            "{}",
+            tried.sentence()
+        );
+        (tried.probability, tried.preferred, tried.instead) = (0.05, false, Vec::new());
+        let words = "The robot is to blame, not what observed it (probability 0.95).";
+        assert!(tried.sentence().starts_with(words), "{}", tried.sentence());
+        assert!(tried.sentence().contains("Otherwise nothing in the robot explains them."));
     }
 
     #[test]

@@ -1,21 +1,21 @@
 //! What was measured, ready for a fit: rows of several installations in one frame, rows at landmarks where these were found.
 
+use super::declared_landmarks::declared;
+use super::held_out::among_all;
 use crate::failure::Failure;
 use crate::terminal;
 use std::any::Any;
 use std::path::Path;
 use truepose_discover::Diagnosis;
-use truepose_errormodel::observation::{Camera, FRAMES, KINDS, Sphere, unknown};
-use truepose_errormodel::{
-    AnyEffect, Dataset, FittedModel, Installed, Landmark, RobotPoint, SessionRules, Surroundings,
-};
+use truepose_errormodel::observation::Camera;
+use truepose_errormodel::{AnyEffect, Dataset, FittedModel, Installed, SessionRules, Surroundings};
 use truepose_identify::{
-    CrossValidation, Fit, FitOptions, Folds, Identification, LandmarkFold, Method, Residuals, SensorFound,
-    Split, Suspect, Touched, cross_validate, landmark_cross_validation, landmark_groups, leverages, suspects,
-    touched, unify,
+    CrossValidation, Fit, FitOptions, Folds, Identification, IdentifyError, LandmarkFold, Method, Residuals,
+    SensorFound, Split, Suspect, Touched, allowed_for, cross_validate, landmark_cross_validation,
+    landmark_groups, leverages, suspects, touched, unify,
 };
 use truepose_io::{CsvInfo, robot_sessions, robot_surroundings};
-use truepose_kinematics::{Chain, TargetId, ToolId};
+use truepose_kinematics::Chain;
 use truepose_report::{
     DiscoverySummary, IdentificationSummary, KindsSummary, LandmarksSummary, SessionSummary, SuspectSummary,
     session_summaries,
@@ -33,9 +33,38 @@ pub(crate) struct Campaign {
     /// RMS of each placement with the nominal arm, m.
     placed: Vec<Option<f64>>,
     /// Landmarks that were touched.
-    touched: Option<Touched>,
+    pub(super) touched: Option<Touched>,
+    /// The same before landmarks and sensors were found.
+    read: Option<Box<AsRead>>,
     /// What a user should know of it.
     pub remarks: Vec<String>,
+}
+
+/// Rows at landmarks as they were read, and what is declared of them.
+#[derive(Debug)]
+struct AsRead {
+    chain: Chain,
+    effects: Vec<Box<dyn AnyEffect>>,
+    data: Dataset,
+    surroundings: Surroundings,
+}
+
+impl AsRead {
+    /// With landmarks and sensors where they are found.
+    fn found(self, (solver, options): (&dyn Solver, &FitOptions)) -> Result<Campaign, IdentifyError> {
+        let AsRead { chain, effects, data, surroundings } = &self;
+        let found = touched(chain, effects, data, surroundings, (solver, options))?;
+        Ok(Campaign {
+            chain: found.chain.clone(),
+            effects: found.effects.clone(),
+            data: found.data.clone(),
+            installed: Vec::new(),
+            placed: Vec::new(),
+            remarks: found.remarks.clone(),
+            touched: Some(found),
+            read: Some(Box::new(self)),
+        })
+    }
 }
 
 impl Campaign {
@@ -68,8 +97,7 @@ impl Campaign {
         info: &CsvInfo,
         fit: (&dyn Solver, &FitOptions),
     ) -> Result<Self, Failure> {
-        let about =
-            |error: truepose_identify::IdentifyError| Failure::Input(format!("{}: {error}", file.display()));
+        let about = |error: IdentifyError| Failure::Input(format!("{}: {error}", file.display()));
         if !info.landmarks.is_empty() {
             if info.sessions.len() > 1 {
                 let words = "landmarks and several sessions in one table are not read: a socket does not move with an instrument";
@@ -77,21 +105,44 @@ impl Campaign {
             }
             let mut data = data;
             let surroundings = declared(surroundings, file, &chain, &mut data, info)?;
-            let found = touched(&chain, &effects, &data, &surroundings, fit).map_err(about)?;
-            let (chain, effects, data) = (found.chain.clone(), found.effects.clone(), found.data.clone());
-            let (installed, placed, remarks) = (Vec::new(), Vec::new(), found.remarks.clone());
-            return Ok(Campaign { chain, effects, data, installed, placed, touched: Some(found), remarks });
+            return AsRead { chain, effects, data, surroundings }.found(fit).map_err(about);
         }
         if info.sessions.len() < 2 {
             let (installed, placed, remarks) = (Vec::new(), Vec::new(), Vec::new());
-            return Ok(Campaign { chain, effects, data, installed, placed, touched: None, remarks });
+            return Ok(Campaign {
+                chain,
+                effects,
+                data,
+                installed,
+                placed,
+                touched: None,
+                read: None,
+                remarks,
+            });
         }
         let found = unify(&chain, &data, &info.sessions, rules).map_err(about)?;
         let mut effects = effects;
         effects.extend(found.effects);
         let placed = found.placed.iter().map(|session| session.rms).collect();
         let (chain, data, installed, remarks) = (found.chain, found.data, found.installed, found.remarks);
-        Ok(Campaign { chain, effects, data, installed, placed, touched: None, remarks })
+        Ok(Campaign { chain, effects, data, installed, placed, touched: None, read: None, remarks })
+    }
+
+    /// The same with a suspicion allowed for; none where that cannot be declared.
+    pub fn allowing(
+        &self,
+        suspect: &Suspect,
+        fit: (&dyn Solver, &FitOptions),
+    ) -> Option<Result<Campaign, IdentifyError>> {
+        let (found, read) = (self.touched.as_ref()?, self.read.as_ref()?);
+        let (data, surroundings) = allowed_for(suspect, found, &read.data, &read.surroundings)?;
+        let (chain, effects) = (read.chain.clone(), read.effects.clone());
+        Some(AsRead { chain, effects, data, surroundings }.found(fit))
+    }
+
+    /// What its rows are to be fitted with.
+    pub fn options(&self, options: &FitOptions) -> FitOptions {
+        self.touched.as_ref().map_or_else(|| options.clone(), |found| found.options(options))
     }
 
     /// Refuses a test set of an identification whose landmarks are left out as a whole.
@@ -141,7 +192,8 @@ impl Campaign {
             summary.landmarks = self.landmarks(&found.fit.fitted, held_out.as_ref(), &folds)?;
             left_out = held_out;
         }
-        summary.kinds = self.kinds(&found.fit, None, left_out.as_ref())?;
+        let left_out = left_out.unwrap_or_else(|| among_all(found, self.data.len()));
+        summary.kinds = self.kinds(&found.fit, None, Some(&left_out))?;
         self.suspected(&found.fit, summary.landmarks.as_mut(), summary.kinds.as_mut())
     }
 
@@ -251,130 +303,4 @@ fn contacts_left_out(found: &Diagnosis, solver: &dyn Solver) -> Result<Option<Cr
         return Ok(None);
     };
     Ok(Some(cross_validate(&found.fit, &found.data, &folds, solver, Method::Auto)?))
-}
-
-/// What the robot file says of the landmarks of a table; where it names none, all of them are unknown. The rows count as it does.
-pub(super) fn declared(
-    mut known: Surroundings,
-    file: &Path,
-    chain: &Chain,
-    data: &mut Dataset,
-    info: &CsvInfo,
-) -> Result<Surroundings, Failure> {
-    let frames = |row: usize| data.kind(row).is_some_and(|kind| KINDS[kind] == FRAMES);
-    let met = |k: usize| {
-        let mut rows = (0..data.len()).filter(|&row| data.landmark(row) == Some(k)).peekable();
-        rows.peek().is_some() && rows.all(frames)
-    };
-    if known.open || known.landmarks.is_empty() {
-        let point = |name: &String| Landmark { name: name.clone(), ..Landmark::default() };
-        let names = info.landmarks.iter().enumerate().filter(|(k, _)| !met(*k));
-        let further = names.filter(|(_, name)| known.landmarks.iter().all(|known| known.name != **name));
-        let further: Vec<Landmark> = further.map(|(_, name)| point(name)).collect();
-        known.landmarks.extend(further);
-    }
-    let mut numbers = Vec::new();
-    let mut meets = vec![None; data.len()];
-    for (k, name) in info.landmarks.iter().enumerate() {
-        let rows = (0..data.len()).filter(|&row| data.landmark(row) == Some(k));
-        let first = rows.clone().next().unwrap_or(0);
-        let refused = |row: usize, words: String| {
-            let line = data.line.get(row).map_or(String::new(), |line| format!("{line}: "));
-            Failure::Input(format!("{}:{line}{words}", file.display()))
-        };
-        if met(k) {
-            let point = robot_point(chain, name).map_err(|words| refused(first, words))?;
-            rows.for_each(|row| meets[row] = Some(point));
-            numbers.push(None);
-            continue;
-        }
-        let Some(number) = known.landmarks.iter().position(|landmark| landmark.name == *name) else {
-            let names: Vec<&str> = known.landmarks.iter().map(|landmark| landmark.name.as_str()).collect();
-            let words = format!(
-                "the robot file has no landmark `{name}`; declare it in [[landmarks]] (its landmarks: {})",
-                names.join(", ")
-            );
-            return Err(refused(first, words));
-        };
-        if rows.clone().next().is_none() && (0..data.len()).any(|row| data.point(row) == Some(k)) {
-            numbers.push(Some(number));
-            continue;
-        }
-        let word = |row: usize| data.kind(row).map_or("same_point", |kind| KINDS[kind]);
-        let kind = word(first);
-        if let Some(other) = rows.clone().find(|&row| word(row) != kind) {
-            let words = format!(
-                "landmark `{name}` is of kind `{}` here and of kind `{kind}` before; give each its own name",
-                word(other)
-            );
-            return Err(refused(other, words));
-        }
-        let landmark = &mut known.landmarks[number];
-        let described = landmark.observed.as_ref().map(|observed| observed.kind());
-        match (data.kind(first), described) {
-            (None, None) => {}
-            // A ball may be touched as a point as well.
-            (None, Some(Sphere::KIND)) => landmark.observed = None,
-            (Some(_), Some(described)) if described == kind => {}
-            (Some(number), None) => {
-                landmark.observed = unknown(number, landmark.position, landmark.known);
-                if landmark.observed.is_none() {
-                    let words = format!(
-                        "camera `{name}` has to be declared in [[cameras]] of the robot file, with fx, fy, cx, cy"
-                    );
-                    return Err(refused(first, words));
-                }
-            }
-            (_, Some(described)) => {
-                let words = format!(
-                    "landmark `{name}` is a `{described}` in the robot file, and the row is of kind `{kind}`"
-                );
-                return Err(refused(first, words));
-            }
-        }
-        let observed = landmark.observed.as_deref().map(|observed| observed as &dyn Any);
-        if let Some(Camera { size: Some(size), .. }) = observed.and_then(|observed| observed.downcast_ref()) {
-            for row in rows.clone() {
-                for (which, limit) in size.iter().enumerate() {
-                    let value = data.scalar(row, which).unwrap_or(0.0);
-                    if !(0.0..=*limit).contains(&value) {
-                        let column = ["u[px]", "v[px]"][which];
-                        let words = format!(
-                            "column `{column}`: {value} is outside of the image of camera `{name}` ({} × {} px)",
-                            size[0], size[1]
-                        );
-                        return Err(refused(row, words));
-                    }
-                }
-            }
-        }
-        numbers.push(Some(number));
-    }
-    let of_row: Vec<Option<usize>> =
-        (0..data.len()).map(|row| data.landmark(row).and_then(|k| numbers[k])).collect();
-    data.set_landmarks(Some(&of_row));
-    if (0..data.len()).any(|row| data.point(row).is_some()) {
-        let points: Vec<Option<usize>> =
-            (0..data.len()).map(|row| data.point(row).and_then(|k| numbers[k])).collect();
-        data.set_points(Some(&points));
-    }
-    if meets.iter().any(Option::is_some) {
-        data.set_meets(Some(&meets));
-    }
-    Ok(known)
-}
-
-/// The target or the tool of a name.
-fn robot_point(chain: &Chain, name: &str) -> Result<RobotPoint, String> {
-    let target = chain.targets().iter().position(|target| target.name == *name);
-    let tool = || chain.tools().iter().position(|tool| tool.name == *name);
-    let point = target.map(|k| RobotPoint::Target(TargetId(k)));
-    point.or_else(|| tool().map(|k| RobotPoint::Tool(ToolId(k)))).ok_or_else(|| {
-        let targets = chain.targets().iter().map(|target| target.name.as_str());
-        let all: Vec<&str> = targets.chain(chain.tools().iter().map(|tool| tool.name.as_str())).collect();
-        format!(
-            "`{name}` is no point of the robot: a row of kind `frames` names the target or tool that its own met, one of {}",
-            all.join(", ")
-        )
-    })
 }

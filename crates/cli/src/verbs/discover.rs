@@ -3,6 +3,7 @@
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::conforms;
+use super::observers::allowed;
 use super::reporting::Folder;
 use super::{declared, parameters, points, print_json, read_files, robot, suspected};
 use crate::args::Discover;
@@ -48,11 +49,10 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
     let solver = args.solver.build();
     let fit = FitOptions::default();
     let campaign = Campaign::read(files_read, chain, declared, data, &info, (&*solver, &fit))?;
-    let Campaign { chain, effects: declared, data, .. } = &campaign;
-    points::one_point(chain, data, &info, &args.measured.data)?;
-    terminal::warn(suspected(chain, data, &args.measured.data).as_slice());
-    terminal::warn(repeated(data, &args.measured.data).as_slice());
-    let options = DiscoverOptions {
+    points::one_point(&campaign.chain, &campaign.data, &info, &args.measured.data)?;
+    terminal::warn(suspected(&campaign.chain, &campaign.data, &args.measured.data).as_slice());
+    terminal::warn(repeated(&campaign.data, &args.measured.data).as_slice());
+    let options_of = |campaign: &Campaign| DiscoverOptions {
         holdout: args.holdout,
         seed: args.seed,
         rotations: args.rotations,
@@ -60,6 +60,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         most: args.most,
         competing_fits: args.rivals.is_some(),
         library: library(),
+        fit: campaign.options(&fit),
         ..DiscoverOptions::default()
     };
     let settings = DiscoverySettings {
@@ -68,25 +69,42 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         rotations: args.rotations,
         alpha: args.alpha,
     };
-    let origin = Origin { solver: args.solver.to_string(), rows: data.len(), seed: args.seed };
-    let bar = Bar::spinner(watch);
-    let found = diagnose(chain, declared, data, &*solver, &options, &|step| match step {
-        Progress::Interim(so_far) => {
-            let (out, origin) = (args.out.clone(), origin.clone());
-            let result = folder.as_ref().map(Folder::result);
-            watch.keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
-        }
-        step => {
-            if let Progress::Found(words) = &step {
-                watch.found(words);
+    let origin = Origin { solver: args.solver.to_string(), rows: campaign.data.len(), seed: args.seed };
+    let search = |campaign: &Campaign| {
+        let bar = Bar::spinner(watch);
+        let Campaign { chain, effects: declared, data, .. } = campaign;
+        let options = options_of(campaign);
+        diagnose(chain, declared, data, &*solver, &options, &|step| match step {
+            Progress::Interim(so_far) => {
+                let (out, origin) = (args.out.clone(), origin.clone());
+                let result = folder.as_ref().map(Folder::result);
+                watch.keep(move |why| incomplete(*so_far, settings, &origin, out, result, why));
             }
-            bar.show(&progress_text(&step));
+            step => {
+                if let Progress::Found(words) = &step {
+                    watch.found(words);
+                }
+                bar.show(&progress_text(&step));
+            }
+        })
+        .map_err(|error| refused(args, error))
+    };
+    let found = search(&campaign)?;
+    let (campaign, found, observers) = match allowed(&campaign, (&*solver, &fit))? {
+        None => (campaign, found, None),
+        Some(other) => {
+            let second = search(&other.campaign)?;
+            let judged = other.judged((&campaign, &found), &second);
+            let (campaign, found) =
+                if judged.preferred { (other.campaign, second) } else { (campaign, found) };
+            (campaign, found, Some(judged))
         }
-    })
-    .map_err(|error| refused(args, error))?;
-    drop(bar);
+    };
+    let Campaign { chain, effects: declared, data, .. } = &campaign;
+    let options = options_of(&campaign);
     let mut summary = DiscoverySummary::new(&found, settings);
     campaign.discovered(&mut summary, &found, (&*solver, &options.fit))?;
+    summary.observers = observers;
     if let Some(folds) = args.nested {
         // If a limit ends the validation, the completed search is shown and written.
         let whole = (summary.clone(), args.out.clone(), folder.as_ref().map(Folder::result));

@@ -40,7 +40,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     if args.positions_only {
         data.orientation.fill(None);
     }
-    let options = IdentificationOptions {
+    let mut options = IdentificationOptions {
         fit: args.fit(),
         split: match &args.fold_by {
             Some(channel) => Some(own_folds(&data, channel)?),
@@ -53,6 +53,7 @@ pub fn run(args: &Identify, watch: &Watch) -> Result<(), Failure> {
     let files_read = (args.measured.robot.robot.as_path(), args.measured.data.as_path());
     let solver = args.solver.build();
     let campaign = Campaign::read(files_read, chain, effects, data, &info, (&*solver, &options.fit))?;
+    options.fit = campaign.options(&options.fit);
     let Campaign { chain, effects, data, .. } = &campaign;
     points::one_point(chain, data, &info, &args.measured.data)?;
     campaign.without_test_set(args.holdout)?;

@@ -1,6 +1,6 @@
 //! `truepose plan --observe`: which sockets to touch from where, what to look at, and with which gauge.
 
-use super::campaign::declared;
+use super::declared_landmarks::declared;
 use super::plan_options::{goals, options};
 use super::sessions::chosen;
 use super::{joint_units, robot, told};

@@ -40,7 +40,7 @@ pub use held_out::{LandmarkFold, landmark_cross_validation};
 pub(crate) use planned::PlannedRows;
 pub use planned::unmeasured;
 pub use sensors::{SensorFound, leverages};
-pub use suspects::{Suspect, suspects};
+pub use suspects::{Suspect, allowed_for, suspects};
 
 use crate::{FitOptions, IdentifyError, PriorStrength};
 use found_in::found_in;

@@ -53,7 +53,7 @@ fn known_planes_tell_the_scale_where_they_do_not_meet_in_one_point() {
 fn a_robot_that_shrinks_into_the_corner_of_three_planes_is_refused() {
     let of = cell(6);
     // With next to no noise the corner, in which every row agrees exactly, is more likely than any robot. Whether the iteration ends there or
-    // at the robot hangs on its rounding, that is, on the processor: it has to be one of the two, and said.
+    // at the robot, its errors held, hangs on its rounding, that is, on the processor: it has to be one of the two, and said.
     let (data, landmarks) = probed(&of, (20, 3), 1e-9);
     let surroundings = Surroundings { landmarks, ..Surroundings::default() };
     let (solver, options) = (PivotedQr::default(), FitOptions::default());
@@ -62,7 +62,7 @@ fn a_robot_that_shrinks_into_the_corner_of_three_planes_is_refused() {
         Ok(made) => {
             assert!(!made.has_scale);
             let model = ErrorModel::new(made.chain.clone(), made.effects.clone()).unwrap();
-            let found = fit(&model, &made.data, &solver, &options).unwrap();
+            let found = fit(&model, &made.data, &solver, &made.options(&options)).unwrap();
             let left = accuracy(&of, &found.fitted);
             assert!(left < 1e-3, "{left}");
         }

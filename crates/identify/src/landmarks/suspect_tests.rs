@@ -18,6 +18,17 @@ fn tested(of: &Cell, data: &Dataset, surroundings: &Surroundings) -> Vec<Suspect
     suspects(&found, &made.data, &made).unwrap()
 }
 
+/// What is still suspected with a suspicion allowed for, and the landmarks there are then.
+fn with_it_allowed(of: &Cell, data: &Dataset, surroundings: &Surroundings) -> (Vec<Suspect>, usize, Dataset) {
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    // As rows of a file.
+    let data = Dataset { line: (2..).take(data.len()).collect(), ..data.clone() };
+    let made = touched(&of.chain, &geometric(), &data, surroundings, (&solver, &options)).unwrap();
+    let found = tested(of, &data, surroundings);
+    let (data, surroundings) = allowed_for(&found[0], &made, &data, surroundings).unwrap();
+    (tested(of, &data, &surroundings), surroundings.landmarks.len(), data)
+}
+
 /// The landmarks of a cell touched in rounds, all in each: of a round and a landmark how far the tip sits from where it is said to be, in the axes
 /// of the tool, and how far the landmark lies from where it was.
 fn in_rounds(
@@ -63,6 +74,10 @@ fn a_socket_that_moved_is_named_with_the_row_and_the_way() {
     for ((_, value, sd, _), way) in found[0].values.iter().zip(way.iter()) {
         assert!((value - way).abs() < 3e-5 + 2.0 * sd, "{value} ± {sd}, {way}");
     }
+    let (left, landmarks, data) = with_it_allowed(&of, &data, &surroundings);
+    assert_eq!((left, landmarks), (Vec::new(), 13));
+    let of_last = (0..data.len()).filter(|&row| data.landmark(row) == Some(12));
+    assert!(of_last.eq((round..18).map(|round| 12 * round + 3)));
 }
 
 #[test]
@@ -77,6 +92,8 @@ fn a_row_that_names_another_socket_is_told_with_the_one_it_touched() {
     let told: Vec<_> =
         found.iter().map(|s| (s.name.as_str(), s.what, s.from, s.instead.as_deref())).collect();
     assert_eq!(told, [("L5", "row", Some(row), Some("L2"))]);
+    let (left, _, rest) = with_it_allowed(&of, &data, &surroundings);
+    assert_eq!((left, rest.len()), (Vec::new(), data.len() - 1));
 }
 
 #[test]

@@ -16,6 +16,9 @@ impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", heading(&self.robot, self.rows, self.visits))?;
         self.verdict(f)?;
+        if let Some(observers) = &self.observers {
+            write!(f, "{}", observers.sentence())?;
+        }
         let used = self.before.holdout_used();
         writeln!(
             f,

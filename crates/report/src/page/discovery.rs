@@ -28,6 +28,9 @@ pub fn discovery_report(
     page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
     verdict(&mut page, summary);
+    if let Some(observers) = &summary.observers {
+        page.text(observers.sentence().trim_end());
+    }
     page.end_of_sheet();
     residual(&mut page, summary);
     let rows = rows(found, data, labels);

@@ -3,6 +3,7 @@
 mod camera;
 pub mod cell;
 mod eye;
+mod observers;
 mod refused;
 mod relative;
 

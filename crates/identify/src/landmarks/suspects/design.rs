@@ -18,19 +18,21 @@ const FAR: f64 = 12.0;
 
 /// The design matrix of a fit, number by number, over their noise.
 pub(super) struct Design {
-    pub(super) covariance: DMatrix<f64>,
-    pub(super) x: DMatrix<f64>,
-    pub(super) residual: DVector<f64>,
+    covariance: DMatrix<f64>,
+    x: DMatrix<f64>,
+    residual: DVector<f64>,
     leverage: Vec<f64>,
     noise: Vec<f64>,
     pub(super) row: Vec<usize>,
-    pub(super) visit: Vec<usize>,
+    visit: Vec<usize>,
     pub(super) component: Vec<usize>,
 }
 
 /// A test: what it explains of its own numbers, and by what.
 pub(super) struct Tested {
     pub p_value: f64,
+    /// F, which tells large changes apart where no p is left.
+    ratio: f64,
     pub share: f64,
     /// RMS over its numbers, in metres of the weighted rows.
     pub size: f64,
@@ -183,7 +185,7 @@ impl Design {
         let mut take = |place: usize| {
             *tests += 1;
             if let Some(tested) = at(instants[place])
-                && best.as_ref().is_none_or(|(best, _)| tested.p_value < best.p_value)
+                && best.as_ref().is_none_or(|(best, _)| tested.ratio > best.ratio)
             {
                 best = Some((tested, place));
             }
@@ -200,7 +202,10 @@ impl Design {
             let begins: Vec<usize> = (1..rows.len()).filter(begins).collect();
             let places: Vec<usize> =
                 instants.iter().map(|&at| begins.partition_point(|&b| b < at) + 1).collect();
-            if !Order::of(self, &own.numbers, &own.columns(width, column)).matters(&places) {
+            let visits: Vec<usize> = own.numbers.iter().map(|&i| self.visit[i]).collect();
+            let residual = self.residual.select_rows(&own.numbers);
+            let rows = (&own.x, &residual, &own.columns(width, column));
+            if !Order::of(&self.covariance, &visits, rows).matters(&places) {
                 return None;
             }
         }
@@ -257,12 +262,14 @@ impl Own<'_> {
         }
         let squares = self.squares_after(&(&a * &by), &(&across * &by), kind);
         let scatter = squares / (kind.freedom - k);
-        let p_value = FisherSnedecor::new(k, kind.freedom - k).ok()?.sf(explained / k / scatter);
+        let ratio = explained / k / scatter;
+        let p_value = FisherSnedecor::new(k, kind.freedom - k).ok()?.sf(ratio);
         let fitted = left * &by;
         let size: f64 = self.numbers.iter().zip(fitted.iter()).map(|(&i, v)| (v * noise[i]).powi(2)).sum();
         let values = by.iter().enumerate().map(|(j, v)| (*v, (scatter * inverse[(j, j)]).sqrt()));
         Some(Tested {
             p_value,
+            ratio,
             share: explained / residual.norm_squared().max(f64::MIN_POSITIVE),
             size: (size / self.numbers.len().max(1) as f64).sqrt(),
             values: values.collect(),

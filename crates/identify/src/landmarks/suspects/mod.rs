@@ -18,8 +18,11 @@
 //! that of a mixed model). p is multiplied by the number of tests. The most significant suspicion joins X and everything is tested again beside it:
 //! what is wrong with one thing pulls its neighbours along, and they are not to blame (forward selection).
 
+mod allowed;
 mod design;
 mod order;
+
+pub use allowed::allowed_for;
 
 use super::Touched;
 use crate::{Fit, IdentifyError};
@@ -90,7 +93,9 @@ pub fn suspects(fit: &Fit, data: &Dataset, touched: &Touched) -> Result<Vec<Susp
     Ok(found)
 }
 
-/// The word for one row that is elsewhere.
+/// The word for what lies elsewhere from some row on.
+const MOVED: &str = "moved";
+/// And for one row that is elsewhere.
 const ROW: &str = "row";
 /// And for a tool or a base that sits differently from some row on.
 const MOUNTED: &str = "mounted";
@@ -205,7 +210,7 @@ fn worst(
             keep(Named {
                 name,
                 columns: columns.clone(),
-                what: "moved",
+                what: MOVED,
                 from: Some(from),
                 weight: 1.0,
                 tested,
@@ -236,7 +241,7 @@ fn worst(
             observed.is_some_and(|observation| observation.kind() == sensor.observation.kind())
         };
         if let Some((tested, from)) = design.moved(columns.len(), &rows, &column, &of_kind, &mut tests) {
-            keep(Named { name: name.clone(), columns, what: "moved", from: Some(from), weight, tested });
+            keep(Named { name: name.clone(), columns, what: MOVED, from: Some(from), weight, tested });
         }
         let left = design.left(&of_kind);
         for &row in &rows {

@@ -15,7 +15,6 @@
 //! the arm: shuffled, they show what chance does (Fisher 1935; Good 2005, ch. 3). Of what follows from the order itself, wear or warming up, this
 //! says nothing.
 
-use super::design::Design;
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
@@ -32,26 +31,28 @@ struct Part {
     across: DMatrix<f64>,
 }
 
-/// The visits of some numbers, in their order.
+/// Some numbers of a design, by visit, in their order.
 pub(super) struct Order<'d> {
-    design: &'d Design,
+    covariance: &'d DMatrix<f64>,
     parts: Vec<Part>,
 }
 
 impl<'d> Order<'d> {
-    /// Of these numbers of a design, ascending; `a` is what the unknowns do to them all along.
-    pub fn of(design: &'d Design, numbers: &[usize], a: &DMatrix<f64>) -> Self {
+    /// Of numbers of these visits, which follow each other: X, r, and what the tested unknowns do to them all along; C of the fit.
+    pub fn of(
+        covariance: &'d DMatrix<f64>,
+        visits: &[usize],
+        (x, r, a): (&DMatrix<f64>, &DVector<f64>, &DMatrix<f64>),
+    ) -> Self {
         let mut parts = Vec::new();
         let mut from = 0;
-        while from < numbers.len() {
-            let visit = design.visit[numbers[from]];
-            let count = numbers[from..].iter().take_while(|&&i| design.visit[i] == visit).count();
-            let (own, a) = (&numbers[from..from + count], a.rows(from, count));
-            let (x, r) = (design.x.select_rows(own), design.residual.select_rows(own));
+        while from < visits.len() {
+            let count = visits[from..].iter().take_while(|&&visit| visit == visits[from]).count();
+            let (x, r, a) = (x.rows(from, count), r.rows(from, count), a.rows(from, count));
             parts.push(Part { g: a.tr_mul(&r), own: a.tr_mul(&a), across: x.tr_mul(&a) });
             from += count;
         }
-        Order { design, parts }
+        Order { covariance, parts }
     }
 
     /// Whether a change from one of these visits on, by their place, is more than chance shows in other orders.
@@ -82,7 +83,7 @@ impl<'d> Order<'d> {
             own += &part.own;
             across += &part.across;
             if instants.contains(&place) {
-                let matrix = &own - across.tr_mul(&(&self.design.covariance * &across));
+                let matrix = &own - across.tr_mul(&(self.covariance * &across));
                 let explained = matrix.cholesky().map(|factor| g.dot(&factor.solve(&g)));
                 most = most.max(explained.unwrap_or(0.0));
             }
