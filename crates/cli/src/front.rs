@@ -3,7 +3,7 @@
 mod campaign;
 mod program;
 
-pub use campaign::{Campaign, Fitting};
+pub use campaign::{Campaign, Fitting, Searched};
 pub use program::{Given, Rewriting, Rewritten, RewrittenFile, rewrite};
 
 use crate::args::ExportFormat;

@@ -79,6 +79,9 @@ pub fn identify(
         crate::model::prepare(&effects, &chain, &rows)?;
         let fitting: Fitting<'_> = (&*solver, &options.fit);
         let campaign = campaign(said, (&chain, &effects, &rows), &info, fitting)?;
+        let fit =
+            campaign.as_ref().map_or_else(|| options.fit.clone(), |campaign| campaign.options(&options.fit));
+        let options = IdentificationOptions { fit, ..options };
         let (chain, effects, data) = match &campaign {
             Some(campaign) => (campaign.chain(), campaign.effects(), campaign.data()),
             None => (&*chain, &effects[..], &*rows),

@@ -14,7 +14,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::sync::{Arc, Mutex, PoisonError};
-use truepose_cli::front::{self, Campaign, Fitting};
+use truepose_cli::front::{self, Campaign, Fitting, Searched};
 use truepose_discover::{
     Diagnosis, DiscoverOptions, FoldRun, Library, Nested, Progress, diagnose, nested, nested_fold,
 };
@@ -188,9 +188,6 @@ impl Search {
     }
 }
 
-/// The robot, effects and rows that are searched: those of a campaign in several installations or at landmarks, or as they were given.
-type Searched<'a> = (&'a Chain, &'a [Box<dyn AnyEffect>], &'a Dataset);
-
 impl Asked {
     fn campaign(&self, solver: &dyn Solver) -> PyResult<Option<Campaign>> {
         let Asked { chain, rows, info, said, effects, .. } = self;
@@ -199,6 +196,7 @@ impl Asked {
         campaign(said.clone(), (chain, effects, rows), info, fitting)
     }
 
+    /// Those of a campaign in several installations or at landmarks, or as they were given.
     fn searched<'a>(&'a self, campaign: Option<&'a Campaign>) -> Searched<'a> {
         match campaign {
             Some(campaign) => (campaign.chain(), campaign.effects(), campaign.data()),
@@ -209,7 +207,6 @@ impl Asked {
     fn found(&self, working: &Working, kept: &SoFar, validated: bool) -> PyResult<Found> {
         let (solver, _) = solver(&self.solver)?;
         let campaign = self.campaign(&*solver)?;
-        let (chain, effects, rows) = self.searched(campaign.as_ref());
         let observer = |step: Progress| match step {
             Progress::Interim(diagnosis) => {
                 *kept.lock().unwrap_or_else(PoisonError::into_inner) = Some(diagnosis);
@@ -217,8 +214,19 @@ impl Asked {
             }
             step => working.step(&front::progress_words(&step)),
         };
+        let search = |(chain, effects, rows): Searched<'_>, fit: FitOptions| {
+            let options = DiscoverOptions { fit, ..self.options.clone() };
+            diagnose(chain, effects, rows, &*solver, &options, &observer).map_err(|error| error.to_string())
+        };
+        let (campaign, found, observers) = match campaign {
+            Some(campaign) => {
+                let decided = campaign.decided((&*solver, &self.options.fit), &search).map_err(input)?;
+                (Some(decided.0), decided.1, decided.2)
+            }
+            None => (None, search(self.searched(None), self.options.fit.clone()).map_err(input)?, None),
+        };
+        let (chain, effects, rows) = self.searched(campaign.as_ref());
         let options = &self.options;
-        let found = diagnose(chain, effects, rows, &*solver, options, &observer).map_err(input)?;
         let mut summary = DiscoverySummary::new(&found, self.settings);
         let (mut used, remarks) = match &campaign {
             Some(campaign) => {
@@ -227,6 +235,7 @@ impl Asked {
             }
             None => (usable(&found.fit.fitted), Vec::new()),
         };
+        summary.observers = observers;
         if let Some(split) = self.split.as_ref().filter(|_| validated) {
             let observer = |fold: usize, step: Progress| {
                 working.step(&format!("fold {}: {}", fold + 1, front::progress_words(&step)))

@@ -1,19 +1,22 @@
 //! Measurements of several installations, at landmarks, or of single numbers, ready for a fit.
 
 use crate::failure::Failure;
-use crate::verbs::campaign;
+use crate::verbs::{campaign, observers};
 use truepose_discover::Diagnosis;
 use truepose_errormodel::{AnyEffect, Dataset, FittedModel, SessionRules, Surroundings};
 use truepose_identify::{FitOptions, Identification};
 use truepose_io::CsvInfo;
 use truepose_kinematics::Chain;
-use truepose_report::{DiscoverySummary, IdentificationSummary};
+use truepose_report::{AllowedSummary, DiscoverySummary, IdentificationSummary};
 use truepose_solvers::Solver;
 
 /// Robot, effects and rows of a fit, as `identify` and `discover` make them of what they read. Of one installation with measured positions they
 /// are those that were given.
 #[derive(Debug)]
 pub struct Campaign(campaign::Campaign);
+
+/// The robot, effects and rows that are searched.
+pub type Searched<'a> = (&'a Chain, &'a [Box<dyn AnyEffect>], &'a Dataset);
 
 /// The solver of a fit and its options.
 pub type Fitting<'a> = (&'a dyn Solver, &'a FitOptions);
@@ -51,9 +54,33 @@ impl Campaign {
         &self.0.data
     }
 
+    /// What its rows are to be fitted with.
+    pub fn options(&self, options: &FitOptions) -> FitOptions {
+        self.0.options(options)
+    }
+
     /// What a user should know.
     pub fn remarks(&self) -> &[String] {
         &self.0.remarks
+    }
+
+    /// Searches robot, effects and rows with the options of their fits, and with what is suspected of landmarks and sensors allowed for as well,
+    /// where something is: the better of both, as `discover` does.
+    ///
+    /// # Errors
+    /// When a search fails, or is ended.
+    pub fn decided(
+        self,
+        fit: Fitting<'_>,
+        search: &dyn Fn(Searched<'_>, FitOptions) -> Result<Diagnosis, String>,
+    ) -> Result<(Self, Diagnosis, Option<AllowedSummary>), String> {
+        let of_one = |campaign: &campaign::Campaign| {
+            let campaign::Campaign { chain, effects, data, .. } = campaign;
+            search((chain, effects, data), campaign.options(fit.1)).map_err(Failure::Input)
+        };
+        let decided = observers::decided(self.0, fit, &of_one).map_err(Failure::message)?;
+        let (campaign, found, told) = decided;
+        Ok((Campaign(campaign), found, told))
     }
 
     /// Refuses a test set where landmarks are left out as a whole.

@@ -3,7 +3,7 @@
 use super::campaign::Campaign;
 use super::folds::{different, split, split_words};
 use super::identified::conforms;
-use super::observers::allowed;
+use super::observers::decided;
 use super::reporting::Folder;
 use super::{declared, parameters, points, print_json, read_files, robot, suspected};
 use crate::args::Discover;
@@ -89,17 +89,7 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         })
         .map_err(|error| refused(args, error))
     };
-    let found = search(&campaign)?;
-    let (campaign, found, observers) = match allowed(&campaign, (&*solver, &fit))? {
-        None => (campaign, found, None),
-        Some(other) => {
-            let second = search(&other.campaign)?;
-            let judged = other.judged((&campaign, &found), &second);
-            let (campaign, found) =
-                if judged.preferred { (other.campaign, second) } else { (campaign, found) };
-            (campaign, found, Some(judged))
-        }
-    };
+    let (campaign, found, observers) = decided(campaign, (&*solver, &fit), &search)?;
     let Campaign { chain, effects: declared, data, .. } = &campaign;
     let options = options_of(&campaign);
     let mut summary = DiscoverySummary::new(&found, settings);

@@ -24,7 +24,7 @@ mod joint_units;
 mod map;
 mod monitor;
 mod nominal;
-mod observers;
+pub(crate) mod observers;
 pub(crate) mod parameters;
 mod plan;
 mod plan_iso9283;

@@ -28,14 +28,31 @@ const MOST: usize = 4;
 /// Δ within which two searches explain the rows equally well.
 const ALIKE: f64 = 2.0;
 
+/// A campaign, what a search finds in it, and whether that is with something allowed for.
+pub(crate) type Decided = (Campaign, Diagnosis, Option<AllowedSummary>);
+
+/// Searches a campaign, and with what is suspected allowed for as well, where something is: the better of both.
+pub(crate) fn decided(
+    campaign: Campaign,
+    fit: (&dyn Solver, &FitOptions),
+    search: &dyn Fn(&Campaign) -> Result<Diagnosis, Failure>,
+) -> Result<Decided, Failure> {
+    let found = search(&campaign)?;
+    let Some(other) = allowed(&campaign, fit)? else { return Ok((campaign, found, None)) };
+    let second = search(&other.campaign)?;
+    let judged = other.judged((&campaign, &found), &second);
+    let (campaign, found) = if judged.preferred { (other.campaign, second) } else { (campaign, found) };
+    Ok((campaign, found, Some(judged)))
+}
+
 /// A campaign in which what is suspected is allowed for.
-pub(super) struct Allowed {
-    pub campaign: Campaign,
+struct Allowed {
+    campaign: Campaign,
     suspects: Vec<SuspectSummary>,
 }
 
 /// Allows for what is suspected beside the declared model, one thing after the other; none where nothing is, or nothing can be allowed for.
-pub(super) fn allowed(
+fn allowed(
     campaign: &Campaign,
     (solver, options): (&dyn Solver, &FitOptions),
 ) -> Result<Option<Allowed>, Failure> {
@@ -67,7 +84,7 @@ fn in_pixels(found: &Touched, name: &str) -> bool {
 
 impl Allowed {
     /// Which of two searches explains the rows that neither has seen: that of the campaign as described, and that of this one.
-    pub fn judged(&self, described: (&Campaign, &Diagnosis), other: &Diagnosis) -> AllowedSummary {
+    fn judged(&self, described: (&Campaign, &Diagnosis), other: &Diagnosis) -> AllowedSummary {
         let of = |campaign: &Campaign, found: &Diagnosis| {
             campaign
                 .touched

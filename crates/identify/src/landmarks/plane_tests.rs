@@ -52,8 +52,8 @@ fn known_planes_tell_the_scale_where_they_do_not_meet_in_one_point() {
 #[test]
 fn a_robot_that_shrinks_into_the_corner_of_three_planes_is_refused() {
     let of = cell(6);
-    // With next to no noise the corner, in which every row agrees exactly, is more likely than any robot. Whether the iteration ends there or
-    // at the robot, its errors held, hangs on its rounding, that is, on the processor: it has to be one of the two, and said.
+    // With next to no noise the corner, in which every row agrees exactly, is more likely than any robot. Whether the iteration ends there, as
+    // with 40 points a plane, or at the robot with its errors held, as with these, hangs on the points: it has to be one of the two, and said.
     let (data, landmarks) = probed(&of, (20, 3), 1e-9);
     let surroundings = Surroundings { landmarks, ..Surroundings::default() };
     let (solver, options) = (PivotedQr::default(), FitOptions::default());
