@@ -1,9 +1,11 @@
 //! What the program does between reading and writing, for front ends in other languages: the same steps, so that the same bytes come out.
 
 mod campaign;
+mod observed;
 mod program;
 
 pub use campaign::{Campaign, Fitting, Searched};
+pub use observed::plan_observed;
 pub use program::{Given, Rewriting, Rewritten, RewrittenFile, rewrite};
 
 use crate::args::ExportFormat;

@@ -64,7 +64,7 @@ mod _core {
     #[pymodule_export]
     use crate::model::families;
     #[pymodule_export]
-    use crate::plan::plan;
+    use crate::plan::{plan, plan_observed};
     #[pymodule_export]
     use crate::program::run;
     #[pymodule_export]

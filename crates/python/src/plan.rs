@@ -1,13 +1,16 @@
-//! `plan`: what to measure next.
+//! `plan` and `plan_observed`: what to measure, to touch and to look at next.
 
 use crate::arrays::{beside, vector};
 use crate::data::Data;
 use crate::error::input;
 use crate::fit::Fit;
+use crate::robot::Robot;
 use crate::run::supervised;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use truepose_cli::front;
 use truepose_identify::{PlanOptions, Why, plan as chosen};
+use truepose_io::PlannedVisit;
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Load, Payload};
 use truepose_report::PlanSummary;
@@ -27,12 +30,7 @@ pub fn plan<'py>(
     pool: usize,
     seed: u64,
 ) -> PyResult<(Bound<'py, PyDict>, String, String)> {
-    if let Some(mass) = loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
-        return Err(input(format!("loads: {mass} is not a mass; give kilograms, 0 or more")));
-    }
-    let com = Vector3::from(com);
-    let loads = loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect();
-    let options = PlanOptions { count, loads, pool: pool.max(count), seed };
+    let options = options(count, (&loads, com), pool, seed)?;
     let (fitted, rival) = (fit.first()?, rival.map(|rival| rival.first()).transpose()?);
     let goals = at.map(|data| data.data.clone());
     let made = supervised(py, None, vec![fit.raised.clone()], move |_| {
@@ -57,6 +55,61 @@ pub fn plan<'py>(
     let all = planned(py, fit.fitted.chain(), &visits)?;
     let summary = PlanSummary::new(&made);
     Ok((all, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
+}
+
+/// What to touch and to look at next: the same, with what is observed in each (kind, landmark, target).
+#[pyfunction]
+#[pyo3(signature = (fit, robot, at, target, count, loads, com, pool, seed))]
+#[allow(clippy::too_many_arguments)]
+pub fn plan_observed<'py>(
+    py: Python<'py>,
+    fit: &Fit,
+    robot: &Robot,
+    at: Option<PyRef<'_, Data>>,
+    target: Option<String>,
+    count: usize,
+    loads: Vec<f64>,
+    com: [f64; 3],
+    pool: usize,
+    seed: u64,
+) -> PyResult<(Bound<'py, PyDict>, String, String)> {
+    let options = options(count, (&loads, com), pool, seed)?;
+    let (fitted, surroundings) = (fit.first()?, robot.beside.surroundings.clone());
+    let goals = at.map(|data| data.data.clone());
+    let (visits, summary) = supervised(py, None, vec![fit.raised.clone()], move |_| {
+        let goals = match &goals {
+            Some(data) => Some(data.derived_for(fitted.model()).map_err(input)?.into_owned()),
+            None => None,
+        };
+        front::plan_observed(&fitted, &surroundings, target.as_deref(), goals.as_ref(), &options)
+            .map_err(input)
+    })?;
+    let all: Vec<Planned<'_>> = visits
+        .iter()
+        .map(|visit| Planned {
+            joints: &visit.joints,
+            load: visit.load,
+            approach: &visit.approach,
+            why: visit.why,
+            worth: visit.worth,
+        })
+        .collect();
+    let all = planned(py, fit.fitted.chain(), &all)?;
+    let observed = |visit: &PlannedVisit| -> Vec<(&str, String, String)> {
+        visit.observed.iter().map(|row| (row.kind, row.landmark.clone(), row.target.clone())).collect()
+    };
+    all.set_item("observed", visits.iter().map(observed).collect::<Vec<_>>())?;
+    Ok((all, serde_json::to_string(&summary).map_err(input)?, summary.to_string()))
+}
+
+/// How many pose measurements, with which loads, among how many.
+fn options(count: usize, (loads, com): (&[f64], [f64; 3]), pool: usize, seed: u64) -> PyResult<PlanOptions> {
+    if let Some(mass) = loads.iter().find(|mass| !(mass.is_finite() && **mass >= 0.0)) {
+        return Err(input(format!("loads: {mass} is not a mass; give kilograms, 0 or more")));
+    }
+    let com = Vector3::from(com);
+    let loads = loads.iter().map(|&mass| Load::Payload(Payload { mass, com })).collect();
+    Ok(PlanOptions { count, loads, pool: pool.max(count), seed })
 }
 
 /// A pose measurement of a plan.

@@ -251,6 +251,22 @@ def test_looks_are_planned(fit: tp.Fit, tmp_path: Path) -> None:
     np.testing.assert_array_equal(planned.table["a1[rad]"], pd.read_csv(tmp_path / "plan.csv")["a1[rad]"])
 
 
+def test_touches_are_planned(example: Path, tmp_path: Path) -> None:
+    sockets, plan = example.parent / "09_sockets", tmp_path / "plan.csv"
+    robot = tp.Robot.from_toml(sockets / "robot.toml")
+    fit = tp.identify(robot, sockets / "measurements.csv")
+    fit.save(tmp_path / "fit.json")
+    asked = ("plan", "--fit", tmp_path / "fit.json", "--observe", sockets / "robot.toml", "--count", "12", "--pool", "200")
+    told = json.loads(ran(*asked, "--out", plan, "--json"))
+    planned, table = tp.plan_observed(fit, robot, count=12, pool=200), pd.read_csv(plan)
+    assert planned.summary == told and len(planned) == 12
+    np.testing.assert_array_equal(planned.table["j1[rad]"], table["j1[rad]"])
+    assert list(planned.table["landmark"]) == list(table["landmark"])
+    assert all(kind == "same_point" for things in planned.observed for kind, _, _ in things)
+    with pytest.raises(tp.InputError, match="the robot has no target `X`"):
+        tp.plan_observed(fit, robot, target="X")
+
+
 def test_the_library_of_robots(tmp_path: Path) -> None:
     robots = tp.Robot.library()
     assert len(robots) > 25 and "Panda" in robots["panda"]

@@ -29,7 +29,7 @@ pub(crate) mod parameters;
 mod plan;
 mod plan_iso9283;
 mod plan_monitor;
-mod plan_observed;
+pub(crate) mod plan_observed;
 mod plan_options;
 mod plan_transfer;
 mod points;

@@ -13,7 +13,7 @@ use std::any::Any;
 use std::path::Path;
 use truepose_errormodel::observation::{Camera, KINDS};
 use truepose_errormodel::{Dataset, FittedModel, Landmark, Surroundings};
-use truepose_identify::{Within, plan_observed, unmeasured, within_reach};
+use truepose_identify::{IdentifyError, PlanOptions, Within, plan_observed, unmeasured, within_reach};
 use truepose_io::{
     PlannedRow, PlannedVisit, check_writable, read_fit, read_measurements, read_model, robot_surroundings,
     write_plan,
@@ -38,23 +38,56 @@ pub fn run(args: &Plan, file: &Path, watch: &Watch) -> Result<(), Failure> {
     let goals = goals(args, &fitted)?;
     let options = options(args)?;
     watch.doing("choosing what to observe");
-    let (rows, surroundings, left_out) = match &args.among {
+    let (among, surroundings) = match &args.among {
         Some(among) => {
             let (mut data, info, warnings) =
                 read_measurements(among, fitted.chain(), &args.grouped.conditions_for(&fitted))?;
             terminal::warn(&warnings);
             let surroundings = declared(surroundings, among, fitted.chain(), &mut data, &info)?;
-            (data, surroundings, Vec::new())
+            (Some(data), surroundings)
         }
-        None => {
-            let target = target(args, &fitted)?;
-            let Within { rows, left_out } = within_reach(&fitted, &surroundings, target, &options)?;
-            (rows, surroundings, left_out)
+        None => (None, surroundings),
+    };
+    let from = match &among {
+        Some(rows) => From::Rows(rows),
+        None => From::Reach(target(args.target.as_deref(), &fitted)?),
+    };
+    let (visits, summary) =
+        planned(&fitted, &surroundings, from, goals.as_ref(), &options).map_err(|error| {
+            Failure::Input(format!("{}: {error}", args.among.as_deref().unwrap_or(file).display()))
+        })?;
+    let chain = fitted.chain();
+    let units = args.units.as_ref().map(|units| joint_units::chosen(chain, &joint_units::si(chain), units));
+    write_plan(&args.out, chain, &visits, units.as_deref())?;
+    told(&summary, args.json, &args.out)
+}
+
+/// What visits are chosen from.
+pub(crate) enum From<'a> {
+    /// These rows.
+    Rows(&'a Dataset),
+    /// Postures within reach, in which this target observes.
+    Reach(Option<TargetId>),
+}
+
+/// Chooses what to observe; `surroundings` as the fit has found them.
+pub(crate) fn planned(
+    fitted: &FittedModel,
+    surroundings: &Surroundings,
+    from: From<'_>,
+    goals: Option<&Dataset>,
+    options: &PlanOptions,
+) -> Result<(Vec<PlannedVisit>, ObservedPlanSummary), IdentifyError> {
+    let reached;
+    let (rows, left_out, within) = match from {
+        From::Rows(rows) => (rows, Vec::new(), false),
+        From::Reach(target) => {
+            let Within { rows, left_out } = within_reach(fitted, surroundings, target, options)?;
+            reached = rows;
+            (&reached, left_out, true)
         }
     };
-    let made = plan_observed(&fitted, (&rows, &surroundings), goals.as_ref(), &options).map_err(|error| {
-        Failure::Input(format!("{}: {error}", args.among.as_deref().unwrap_or(file).display()))
-    })?;
+    let made = plan_observed(fitted, (rows, surroundings), goals, options)?;
     let visits: Vec<PlannedVisit> = made
         .visits
         .iter()
@@ -66,23 +99,20 @@ pub fn run(args: &Plan, file: &Path, watch: &Watch) -> Result<(), Failure> {
                 approach: conditions.approach,
                 why: "new",
                 worth: visit.worth,
-                observed: observed(&rows, &visit.rows, &surroundings, &fitted),
+                observed: observed(rows, &visit.rows, surroundings, fitted),
             })
         })
         .collect();
-    let chain = fitted.chain();
-    let units = args.units.as_ref().map(|units| joint_units::chosen(chain, &joint_units::si(chain), units));
-    write_plan(&args.out, chain, &visits, units.as_deref())?;
     let names: Vec<Vec<String>> =
         visits.iter().map(|visit| visit.observed.iter().map(|row| row.landmark.clone()).collect()).collect();
     let left_out =
         left_out.into_iter().map(|(k, why)| (surroundings.landmarks[k].name.clone(), why)).collect();
-    let summary = ObservedPlanSummary::new(&made, &names, left_out, args.among.is_none());
-    told(&summary, args.json, &args.out)
+    let summary = ObservedPlanSummary::new(&made, &names, left_out, within);
+    Ok((visits, summary))
 }
 
 /// Landmarks and cameras where the fit has found them; landmarks that the robot file does not list are those that the fit has found.
-fn found_before(surroundings: &mut Surroundings, fitted: &FittedModel) {
+pub(crate) fn found_before(surroundings: &mut Surroundings, fitted: &FittedModel) {
     let of =
         |key: &str| fitted.provenance.get(key).and_then(serde_json::Value::as_object).into_iter().flatten();
     for (name, place) in of("landmarks_m") {
@@ -112,9 +142,9 @@ fn found_before(surroundings: &mut Surroundings, fitted: &FittedModel) {
 }
 
 /// The target that is asked for, or the first; none where there is none.
-fn target(args: &Plan, fitted: &FittedModel) -> Result<Option<TargetId>, Failure> {
+pub(crate) fn target(name: Option<&str>, fitted: &FittedModel) -> Result<Option<TargetId>, Failure> {
     let targets = fitted.chain().targets();
-    let Some(name) = &args.target else { return Ok((!targets.is_empty()).then_some(TargetId(0))) };
+    let Some(name) = name else { return Ok((!targets.is_empty()).then_some(TargetId(0))) };
     let names = || targets.iter().map(|target| target.name.as_str()).collect::<Vec<_>>().join(", ");
     let number = targets.iter().position(|target| target.name == *name);
     let unknown =

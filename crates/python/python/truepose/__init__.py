@@ -52,6 +52,7 @@ from truepose._verbs import (
     monitor,
     plan,
     plan_monitoring,
+    plan_observed,
     simulate,
     transfer,
 )
@@ -120,6 +121,7 @@ __all__ = [
     "monitor",
     "plan",
     "plan_monitoring",
+    "plan_observed",
     "read",
     "read_mcap",
     "rewrite",

@@ -225,6 +225,17 @@ def plan(
     pool: int,
     seed: int,
 ) -> tuple[dict[str, Any], str, str]: ...
+def plan_observed(
+    fit: Fit,
+    robot: Robot,
+    at: Data | None,
+    target: str | None,
+    count: int,
+    loads: list[float],
+    com: tuple[float, float, float],
+    pool: int,
+    seed: int,
+) -> tuple[dict[str, Any], str, str]: ...
 def simulate(plant: str, seed: int | None, campaign_seed: int | None) -> tuple[Robot, Data]: ...
 def transfer(fit: Fit, data: Data, tool: bool, targets: bool, update: bool) -> Fit: ...
 def monitor(

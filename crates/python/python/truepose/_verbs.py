@@ -213,7 +213,8 @@ def compare(
 @dataclass(frozen=True)
 class Plan:
     """Pose measurements to make, in the order of their worth: joint values `q` n × dof, `payload` (kg), direction of `approach` n × dof, `why`
-    (``new`` or ``repeat``) and `worth`. `summary` is what the program prints with ``--json``."""
+    (``new`` or ``repeat``) and `worth`; of `plan_observed`, what is `observed` in each: kind, landmark and target. `summary` is what the program
+    prints with ``--json``."""
 
     q: Floats
     payload: Floats
@@ -223,6 +224,7 @@ class Plan:
     summary: dict[str, Any]
     text: str
     robot: Robot
+    observed: Sequence[Sequence[tuple[str, str, str]]] = ()
 
     def __len__(self) -> int:
         return len(self.q)
@@ -232,10 +234,16 @@ class Plan:
 
     @property
     def table(self) -> Table:
-        """Under the headers of `truepose plan`."""
-        columns: dict[str, Any] = {f"{joint.name}[{joint.unit}]": self.q[:, k] for k, joint in enumerate(self.robot.joints)}
-        columns.update({f"approach_{joint.name}": self.approach[:, k] for k, joint in enumerate(self.robot.joints)})
-        return Table({**columns, "payload[kg]": self.payload, "why": list(self.why), "worth": self.worth})
+        """Under the headers of `truepose plan`; where something is observed, a line for each thing."""
+        rows = [(k, row) for k in range(len(self)) for row in (self.observed[k] if self.observed else [("", "", "")])]
+        of = [k for k, _ in rows]
+        columns: dict[str, Any] = {f"{joint.name}[{joint.unit}]": self.q[of, k] for k, joint in enumerate(self.robot.joints)}
+        columns.update({f"approach_{joint.name}": self.approach[of, k] for k, joint in enumerate(self.robot.joints)})
+        columns.update({"payload[kg]": self.payload[of], "why": [self.why[k] for k in of], "worth": self.worth[of]})
+        if self.observed:
+            for k, name in enumerate(("kind", "landmark", "target")):
+                columns[name] = [row[k] for _, row in rows]
+        return Table(columns)
 
 
 def plan(
@@ -263,6 +271,36 @@ def plan(
     return Plan(
         found["q"], found["payload"], found["approach"], found["why"], found["worth"], json.loads(summary), text, fit.robot
     )
+
+
+def plan_observed(
+    fit: Fit,
+    robot: Robot,
+    *,
+    at: Data = None,
+    target: str | None = None,
+    count: int = 30,
+    loads: Sequence[float] = (),
+    com: Sequence[float] = (0.0, 0.0, 0.0),
+    pool: int = 400,
+    seed: int = 0,
+) -> Plan:
+    """Plans what to touch and to look at next, and from where: the landmarks and cameras of `robot`, with postures within its joints' ranges in which
+    its `target` (the first) observes.
+
+    The places of landmarks and sensors that the robot leaves open are unknowns beside its errors; those that the fit has found are taken from it. The
+    plan's `observed` says what is observed in each posture. Other arguments as for `plan`.
+    """
+    goals = None if at is None else taken(fit.robot, at, {}, measured=False)
+    x, y, z = (float(v) for v in com)
+    found, summary, text = _core.plan_observed(
+        fit._core, robot._core, None if goals is None else goals._core, target, _count("count", count),
+        [float(mass) for mass in loads], (x, y, z), _count("pool", pool), _count("seed", seed),
+    )  # fmt: skip
+    return Plan(
+        found["q"], found["payload"], found["approach"], found["why"], found["worth"], json.loads(summary), text, fit.robot,
+        found["observed"],
+    )  # fmt: skip
 
 
 def plan_monitoring(fit: Fit, *, count: int = 12, alpha: float = 0.01) -> Plan:
