@@ -15,10 +15,10 @@ const LISTED: usize = 6;
 impl fmt::Display for DiscoverySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", heading(&self.robot, self.rows, self.visits))?;
-        self.verdict(f)?;
         if let Some(observers) = &self.observers {
-            write!(f, "{}", observers.sentence())?;
+            writeln!(f, "\n{}", observers.sentence().trim_end())?;
         }
+        self.verdict(f)?;
         let used = self.before.holdout_used();
         writeln!(
             f,

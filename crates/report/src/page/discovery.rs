@@ -27,10 +27,10 @@ pub fn discovery_report(
     let poses = format!("{} ({})", summary.visits, count(summary.rows, "row"));
     page.head(run, &[("pose measurements", poses)]);
     page.section("Verdict");
-    verdict(&mut page, summary);
     if let Some(observers) = &summary.observers {
         page.text(observers.sentence().trim_end());
     }
+    verdict(&mut page, summary);
     page.end_of_sheet();
     residual(&mut page, summary);
     let rows = rows(found, data, labels);
