@@ -154,10 +154,10 @@ pub struct AllowedKind {
     pub allowed: f64,
 }
 
-/// Probabilities with which neither is said to be to blame.
-const UNDECIDED: std::ops::RangeInclusive<f64> = 0.12..=0.88;
-
 impl AllowedSummary {
+    /// Logarithm of the ratio of likelihoods within which both explain the rows alike. A convention.
+    pub const ALIKE: f64 = 2.0;
+
     /// Which of both explains the rows, in a few sentences.
     pub fn sentence(&self) -> String {
         let wrong: Vec<String> = self.suspects.iter().map(|suspect| suspect.words().0).collect();
@@ -172,7 +172,8 @@ impl AllowedSummary {
         let kinds: Vec<String> = self.kinds.iter().map(kind).collect();
         let share = if self.preferred { self.probability } else { 1.0 - self.probability };
         let share = if share > 0.99 { "> 0.99".to_owned() } else { significant(share, 2) };
-        let verdict = match (UNDECIDED.contains(&self.probability), self.preferred) {
+        let alike = (self.probability / (1.0 - self.probability)).ln().abs() <= Self::ALIKE;
+        let verdict = match (alike, self.preferred) {
             (true, _) => {
                 "What observed the robot is not as described, or the robot is not: both explain the rows alike"
             }
@@ -186,7 +187,7 @@ impl AllowedSummary {
             false => "The result is that without it",
         };
         format!(
-            "{verdict} (probability {share}). Tried: {}. Otherwise {instead}. Held-out rows: {}. {result}.\n",
+            "{verdict} (probability {share}). Tried: {}. Otherwise {instead}. Held-out rows, by which this was decided: {}. {result}.\n",
             wrong.join("; "),
             kinds.join(", ")
         )
@@ -231,7 +232,7 @@ mod tests {
             probability: 0.996,
             preferred: true,
         };
-        let words = "What observed the robot is not as described (probability > 0.99). Tried: A has another lens than stated, by fx of A 9.00 ± 0.40 px. Otherwise the robot would have transmission j2. Held-out rows: pixel 0.500 → 0.100 px.";
+        let words = "What observed the robot is not as described (probability > 0.99). Tried: A has another lens than stated, by fx of A 9.00 ± 0.40 px. Otherwise the robot would have transmission j2. Held-out rows, by which this was decided: pixel 0.500 → 0.100 px.";
         assert!(tried.sentence().starts_with(words), "{}", tried.sentence());
         tried.probability = 0.4;
         assert!(

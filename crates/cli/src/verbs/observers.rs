@@ -25,8 +25,6 @@ use truepose_solvers::Solver;
 
 /// Suspicions that are allowed for, at most.
 const MOST: usize = 4;
-/// Δ within which two searches explain the rows equally well.
-const ALIKE: f64 = 2.0;
 
 /// A campaign, what a search finds in it, and whether that is with something allowed for.
 pub(crate) type Decided = (Campaign, Diagnosis, Option<AllowedSummary>);
@@ -102,7 +100,7 @@ impl Allowed {
             kinds.push(AllowedKind { kind: kind.clone(), unit: before.unit.into(), as_described, allowed });
         }
         let fewer = other.findings.len() <= described.1.findings.len();
-        let preferred = log_ratio > ALIKE || (log_ratio > -ALIKE && fewer);
+        let preferred = log_ratio > AllowedSummary::ALIKE || (log_ratio > -AllowedSummary::ALIKE && fewer);
         let words = |finding: &truepose_discover::Finding| finding.candidate.words();
         AllowedSummary {
             suspects: self.suspects.clone(),

@@ -43,7 +43,7 @@ pub(super) struct Tested {
 }
 
 impl Design {
-    /// `standstills`: that of each row.
+    /// `standstills`: that of each row; its visit where there are too few.
     pub(super) fn of(fit: &Fit, data: &Dataset, standstills: &[usize]) -> Result<Self, IdentifyError> {
         let covariance = fit.fitted.covariance().clone();
         let mut lineariser = Lineariser::new(fit.fitted.model(), data, fit.noise, fit.fitted.coefficients())?;
@@ -67,7 +67,7 @@ impl Design {
         let x = DMatrix::from_row_iterator(row.len(), width - 1, x);
         let spread = &x * &covariance;
         let leverage = (0..row.len()).map(|i| x.row(i).dot(&spread.row(i)).clamp(0.0, 1.0)).collect();
-        let visit = row.iter().map(|&row| standstills[row]).collect();
+        let visit = row.iter().map(|&row| standstills.get(row).copied().unwrap_or(data.visit[row])).collect();
         let residual = DVector::from_vec(residual);
         Ok(Design { covariance, x, residual, leverage, noise, row, visit, component })
     }
