@@ -89,7 +89,9 @@ pub fn run(args: &Discover, watch: &Watch) -> Result<(), Failure> {
         })
         .map_err(|error| refused(args, error))
     };
+    let told = campaign.remarks.len();
     let (campaign, found, observers) = decided(campaign, (&*solver, &fit), &search)?;
+    terminal::warn(&campaign.remarks[told..]);
     let Campaign { chain, effects: declared, data, .. } = &campaign;
     let options = options_of(&campaign);
     let mut summary = DiscoverySummary::new(&found, settings);

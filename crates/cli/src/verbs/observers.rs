@@ -29,18 +29,31 @@ const MOST: usize = 4;
 /// A campaign, what a search finds in it, and whether that is with something allowed for.
 pub(crate) type Decided = (Campaign, Diagnosis, Option<AllowedSummary>);
 
-/// Searches a campaign, and with what is suspected allowed for as well, where something is: the better of both.
+/// Searches a campaign, and with what is suspected allowed for as well, where something is: the better of both. Where only the second search fails,
+/// the first counts, and a remark of the campaign states why.
 pub(crate) fn decided(
-    campaign: Campaign,
+    mut campaign: Campaign,
     fit: (&dyn Solver, &FitOptions),
     search: &dyn Fn(&Campaign) -> Result<Diagnosis, Failure>,
 ) -> Result<Decided, Failure> {
     let found = search(&campaign)?;
     let Some(other) = allowed(&campaign, fit)? else { return Ok((campaign, found, None)) };
-    let second = search(&other.campaign)?;
+    let second = match search(&other.campaign) {
+        Ok(second) => second,
+        Err(failure) => {
+            campaign.remarks.push(unanswered(&other.suspects, failure));
+            return Ok((campaign, found, None));
+        }
+    };
     let judged = other.judged((&campaign, &found), &second);
     let (campaign, found) = if judged.preferred { (other.campaign, second) } else { (campaign, found) };
     Ok((campaign, found, Some(judged)))
+}
+
+/// That the search with these suspicions allowed for failed.
+fn unanswered(suspects: &[SuspectSummary], failure: Failure) -> String {
+    let names: Vec<&str> = suspects.iter().map(|suspect| suspect.name.as_str()).collect();
+    format!("with {} allowed for, the search failed: {}", names.join(", "), failure.message())
 }
 
 /// A campaign in which what is suspected is allowed for.

@@ -2,7 +2,16 @@
 
 use crate::folder::Folder;
 use serde_json::Value;
+use std::cell::Cell;
+use std::ops::ControlFlow::Continue;
 use std::path::Path;
+use truepose_cli::front::{Campaign, Searched};
+use truepose_discover::{DiscoverOptions, diagnose};
+use truepose_errormodel::SessionRules;
+use truepose_errormodel::effects::Geometric;
+use truepose_identify::FitOptions;
+use truepose_io::{MeasurementsOptions, RobotOptions, read_measurements, read_robot, robot_surroundings};
+use truepose_solvers::PivotedQr;
 
 #[test]
 fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
@@ -31,4 +40,24 @@ fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
     let values = found["kinds"]["sensors"][0]["values"].as_array().unwrap();
     let fx = values.iter().find(|value| value[0] == "fx").unwrap()[1].as_f64().unwrap();
     assert!((fx - 909.0).abs() < 1.5, "{fx}");
+
+    // Where the search fails with the lens allowed for, that of the campaign as described counts.
+    let (robot, data) = (folder.file("robot.toml"), folder.file("data.csv"));
+    let (chain, _) = read_robot(&robot, &RobotOptions::default()).unwrap();
+    let (rows, info, _) = read_measurements(data, &chain, &MeasurementsOptions::default()).unwrap();
+    let said = (SessionRules::default(), robot_surroundings(&robot).unwrap());
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    let campaign = Campaign::of(said, chain, vec![Box::new(Geometric::default())], rows, &info, (&solver, &options)).unwrap();
+    let searches = Cell::new(0);
+    let search = |(chain, effects, rows): Searched<'_>, fit: FitOptions| {
+        searches.set(searches.get() + 1);
+        let options = DiscoverOptions { fit, most: 0, ..DiscoverOptions::default() };
+        let found = diagnose(chain, effects, rows, &solver, &options, &|_| Continue(()));
+        if searches.get() == 1 { found.map_err(|error| error.to_string()) } else { Err("broken".into()) }
+    };
+    let (campaign, _, observers) = campaign.decided((&solver, &options), &search).unwrap();
+    assert_eq!(searches.get(), 2);
+    assert!(observers.is_none());
+    let last = campaign.remarks().last().unwrap();
+    assert_eq!(last, "with eye allowed for, the search failed: broken");
 }
