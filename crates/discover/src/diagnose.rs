@@ -198,11 +198,10 @@ fn attempt(
         let census = Census::new((context, &all_rows), every, &outcome)?;
         let searched = outcome.clone();
         outcome = census.of(outcome, progress)?;
-        if outcome.model.findings.len() > searched.model.findings.len() {
-            let searched = Outcome { model: census.settled(&searched.model)?, ..searched };
-            before_census = Some(searched);
-        }
         outcome.model = census.settled(&outcome.model)?;
+        if outcome.model.findings.len() > searched.model.findings.len() {
+            before_census = Some((census, searched));
+        }
         context = &all_rows;
     }
     outcome.model = outcome.model.between_rows(context)?;
@@ -216,12 +215,13 @@ fn attempt(
     let mut withdrawn = fallback::withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
     // What the census added may be at fault: the findings of the search are judged without it.
     if withdrawn.is_some()
-        && let Some(searched) = before_census
+        && let Some((census, searched)) = before_census.take()
     {
-        outcome = searched;
+        outcome = Outcome { model: census.settled(&searched.model)?, ..searched };
         unseen.held = held(&outcome.model)?;
         withdrawn = fallback::withdrawn(context, &outcome.model, &partition, &unseen, checks)?;
     }
+    drop(before_census);
     if withdrawn.is_some() {
         outcome.model = outcome.model.without_findings();
     }

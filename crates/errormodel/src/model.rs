@@ -3,7 +3,7 @@
 use crate::error::bounded;
 use crate::{AnyEffect, Column, Dataset, Emission, MOST_UNKNOWNS, ModelError, Schema, Signal};
 use std::ops::Range;
-use truepose_kinematics::{Chain, Posture, Slot};
+use truepose_kinematics::{Chain, Conditions, Posture, Slot};
 
 /// A robot and the effects that its model has. Immutable; coefficients live elsewhere.
 #[derive(Debug, Clone)]
@@ -176,6 +176,19 @@ impl<'m> BoundModel<'m> {
                 Slot::Time => alike(&data.time),
                 Slot::Approach(k) => alike(&data.approach[k]),
                 Slot::Channel(k) => alike(&data.channels[k]),
+            })
+    }
+
+    /// The same of conditions, whose loads are compared elsewhere.
+    pub(crate) fn reads_same(&self, a: &Conditions, b: &Conditions) -> bool {
+        let alike = |a: f64, b: f64| a.to_bits() == b.to_bits();
+        a.tool == b.tool
+            && a.joints.len() == b.joints.len()
+            && a.joints.iter().zip(&b.joints).all(|(a, b)| alike(*a, *b))
+            && self.slots.iter().all(|slot| match *slot {
+                Slot::Time => alike(a.time, b.time),
+                Slot::Approach(k) => alike(a.approach[k], b.approach[k]),
+                Slot::Channel(k) => alike(a.channels[k], b.channels[k]),
             })
     }
 

@@ -1,8 +1,10 @@
 //! The conformance kit for effects and kinds of observation, ours and a stranger's: `check_effect(&effect, &robot)`,
 //! `check_observation(&observation)`.
 
+use crate::batch::Lanes;
 use crate::observation::{Observation, Reading};
-use crate::{Channel, Effect, EffectRegistry, Emission, Entry, ErrorModel, Schema};
+use crate::{Channel, Dataset, Effect, EffectRegistry, Emission, Entry, ErrorModel, Schema};
+use std::collections::BTreeMap;
 use truepose_kinematics::nalgebra::Vector3;
 use truepose_kinematics::{Chain, Conditions, Load, Payload, Pose, PostureBuffer, rotation_vector};
 
@@ -36,6 +38,8 @@ pub fn check_effect<E: Effect>(effect: &E, chain: &Chain) {
         assert!(chain.site_index(entry.site) < chain.site_count(), "emits at {:?}", entry.site);
     }
 
+    check_lanes(effect, chain, &first);
+
     let json = serde_json::to_value(effect).unwrap_or_else(|error| panic!("cannot be written: {error}"));
     let registry = EffectRegistry::empty().with::<E>();
     let back = registry
@@ -65,6 +69,51 @@ pub fn check_effect<E: Effect>(effect: &E, chain: &Chain) {
                 }
             }
             assert_eq!(springs.entries(), said, "emits other than springs would");
+        }
+    }
+}
+
+/// A block of rows says what each of them does.
+fn check_lanes<E: Effect>(effect: &E, chain: &Chain, first: &[Vec<Entry>]) {
+    let (model, schema) = (model(effect, chain), everything(effect));
+    let conditions: Vec<Conditions> =
+        (0..first.len()).map(|k| tried(chain, k, schema.channels.len())).collect();
+    let column = |of: &dyn Fn(&Conditions) -> f64| conditions.iter().map(of).collect::<Vec<f64>>();
+    let count = conditions.len();
+    let movable = 0..chain.movable().len();
+    let data = Dataset {
+        joints: movable.clone().map(|k| column(&|at| at.joints[k])).collect(),
+        approach: movable.map(|k| column(&|at| at.approach[k])).collect(),
+        channels: (0..schema.channels.len()).map(|k| column(&|at| at.channels[k])).collect(),
+        time: column(&|at| at.time),
+        load: conditions.iter().map(|at| at.load).collect(),
+        position: vec![[f64::NAN; 3]; count],
+        position_sd: vec![[f64::NAN; 3]; count],
+        orientation: vec![None; count],
+        orientation_sd: vec![[f64::NAN; 3]; count],
+        target: vec![None; count],
+        visit: (0..count).collect(),
+        schema: schema.clone(),
+        ..Dataset::default()
+    };
+    let bound = model.bind(&schema).unwrap_or_else(|error| panic!("cannot be bound: {error}"));
+    let mut lanes = Lanes::new(bound);
+    lanes.gather(&data, &(0..count).collect::<Vec<usize>>());
+    lanes.settle(&data, &vec![0.0; model.columns().len()]);
+    for (row, entries) in first.iter().enumerate() {
+        let mut said: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+        for entry in entries {
+            *said.entry((entry.column, chain.site_index(entry.site))).or_default() += entry.value;
+        }
+        let mut in_block: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+        for phi in lanes.phi() {
+            *in_block.entry((phi.column, chain.site_index(phi.site))).or_default() +=
+                phi.factor * phi.values[row];
+        }
+        for (place, value) in said.iter().chain(&in_block) {
+            let [one, many] = [&said, &in_block].map(|map| map.get(place).copied().unwrap_or(0.0));
+            let close = (one - many).abs() <= 1e-11 * (1.0 + value.abs());
+            assert!(close, "a block says {many} where a row says {one} ({:?})", model.columns()[place.0]);
         }
     }
 }

@@ -81,8 +81,8 @@ pub use variance::estimate_noise;
 /// The steps of a fit one by one, for benchmarks and studies of their cost; no stable interface.
 pub mod engine {
     pub use crate::linearise::{
-        Batch, Block, Blocks, Lineariser, Rows, accumulate, batches, collect, dense, factorise, gram,
-        left_out, left_over, triangular, triangular_of,
+        Batch, Block, Blocks, ByVisits, Lineariser, Rows, accumulate, batches, by_visits, collect, dense,
+        factorise, gram, left_out, left_over, triangular, triangular_of,
     };
 }
 

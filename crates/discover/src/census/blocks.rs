@@ -115,6 +115,11 @@ impl Blocks {
         candidates.iter().take_while(fits).count().max(1)
     }
 
+    /// The rows of the first block with these channels.
+    pub fn first(&self, derived: &Derived) -> Dataset {
+        derived.select(&self.data, self.rows.first().map_or(&[], Vec::as_slice))
+    }
+
     /// Works on every `stride`-th block with these channels, several at once, and takes the results in order.
     pub fn each<T: Send>(
         &self,

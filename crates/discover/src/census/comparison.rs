@@ -5,13 +5,15 @@
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::details::Detail;
-use crate::census::scores::sums;
+use crate::census::sums::sums;
 use crate::contest::penalty::log_prior_odds;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
+use crate::hypotheses::family::Family;
 use crate::hypotheses::limits::Limit;
 use crate::hypotheses::nonlinear::Refinement;
+use crate::hypotheses::place::Place;
 use crate::options::DiscoverOptions;
 use crate::problem::linearisation::Linearisation;
 use crate::screen::candidates::Screen;
@@ -33,22 +35,31 @@ struct Competitor {
     prior: f64,
 }
 
-/// Compares the best causes that are not barred; none where nothing is left of them.
+/// What all rows say of the causes of one screen that were looked at: a cause that is barred changes nothing in it.
+#[derive(Default)]
+pub(crate) struct Known(Vec<(Family, Place, Vec<(Candidate, Detail)>)>);
+
+impl Known {
+    fn has(&self, family: Family, place: &Place) -> bool {
+        self.0.iter().any(|known| known.0 == family && known.1 == *place)
+    }
+}
+
+/// Compares the best causes that are not barred; none where nothing is left of them. `known` are those of earlier comparisons of the screen.
 pub(crate) fn compared(
     linearisation: &Linearisation<'_>,
     screen: &Screen,
-    barred: &[Candidate],
+    (barred, known): (&[Candidate], &mut Known),
     (all, blocks): (&AllRows, &Blocks),
     options: &DiscoverOptions,
 ) -> Result<Option<Compared>, DiscoverError> {
     let budget = &options.budget;
     let causes = screen.causes(linearisation);
     let best = causes.iter().map(|cause| cause.variants[0].1).fold(0.0, f64::max);
-    let open = causes
-        .into_iter()
-        .filter(|cause| !barred.iter().any(|b| b.family == cause.family && b.place == cause.place));
+    let is_barred = |family, place: &Place| barred.iter().any(|b| b.family == family && b.place == *place);
     let mut shortlist: Vec<Candidate> = Vec::new();
-    for cause in open.take(budget.causes) {
+    let open = causes.into_iter().filter(|cause| !is_barred(cause.family, &cause.place));
+    for cause in open.take(budget.causes).filter(|cause| !known.has(cause.family, &cause.place)) {
         // One of each size, as in a contest.
         let mut sizes = Vec::new();
         for (candidate, _, freedom) in cause.variants {
@@ -61,11 +72,18 @@ pub(crate) fn compared(
         }
     }
     let stride = stride(best, blocks);
+    let refined = refined(linearisation, shortlist, (all, blocks, stride), options)?;
+    for of_cause in refined.chunk_by(|a, b| a.0.same_cause(&b.0)) {
+        let (family, place) = (of_cause[0].0.family, of_cause[0].0.place.clone());
+        let judged =
+            of_cause.iter().filter_map(|(candidate, detail)| Some((candidate.clone(), detail.clone()?)));
+        known.0.push((family, place, judged.collect()));
+    }
     let penalty = (all.count as f64).ln();
-    let mut competitors: Vec<Competitor> = refined(linearisation, shortlist, (all, blocks, stride), options)?
-        .into_iter()
+    let judged = known.0.iter().filter(|(family, place, _)| !is_barred(*family, place));
+    let mut competitors: Vec<Competitor> = judged
+        .flat_map(|(_, _, variants)| variants.iter().cloned())
         .filter_map(|(candidate, detail)| {
-            let detail = detail?;
             let counted = penalty * detail.freedom() as f64;
             // All by evidence: at so many numbers a count would favour curves, which the contest of a sample charges so.
             let cost = detail.distribution.penalty.min(counted);

@@ -6,7 +6,7 @@
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::details::Detail;
-use crate::census::scores::sums;
+use crate::census::sums::sums;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;

@@ -23,6 +23,8 @@ pub(crate) mod gross;
 mod oracle;
 mod proof;
 mod scores;
+mod seen;
+mod sums;
 mod waves;
 mod white;
 
@@ -33,7 +35,7 @@ use crate::accept::model::Model;
 use crate::accept::outcome::{LastScreen, Outcome};
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
-use crate::census::comparison::{Compared, compared};
+use crate::census::comparison::{Compared, Known, compared};
 use crate::census::confirmed::confirmed;
 use crate::census::gross::gross;
 use crate::census::proof::evidence;
@@ -105,12 +107,16 @@ impl<'a> Census<'a> {
             outcome.last = LastScreen { p_value, detectable_gain: null.detectable(options.alpha, all.count) };
             let step = match outcome.model.findings.len() < most {
                 // A candidate that is barred changes neither model nor scores: the next one is compared.
-                true => loop {
-                    let screened = (&linearisation, &screen, &null);
-                    if let Some(step) = self.step(&mut outcome, &mut barred, screened, &all, progress)? {
-                        break step;
+                true => {
+                    let mut compared = Known::default();
+                    loop {
+                        let screened = (&linearisation, &screen, &null);
+                        let refused = (&mut barred, &mut compared);
+                        if let Some(step) = self.step(&mut outcome, refused, screened, &all, progress)? {
+                            break step;
+                        }
                     }
-                },
+                }
                 false if p_value > options.alpha => Step::Ended(Termination::NothingLeft),
                 false => Step::Ended(Termination::Limit),
             };
@@ -138,7 +144,7 @@ impl<'a> Census<'a> {
     fn step(
         &self,
         outcome: &mut Outcome,
-        barred: &mut Vec<Candidate>,
+        (barred, known): (&mut Vec<Candidate>, &mut Known),
         (linearisation, screen, null): (&Linearisation<'_>, &Screen, &NullDistribution),
         all: &AllRows,
         progress: &Begin<'_>,
@@ -153,7 +159,7 @@ impl<'a> Census<'a> {
         if barred.len() >= self.sample.budget().contests {
             return Ok(Some(Step::Ended(Termination::NothingConvincing)));
         }
-        let Some(best) = compared(linearisation, screen, barred, (all, blocks), options)? else {
+        let Some(best) = compared(linearisation, screen, (barred, known), (all, blocks), options)? else {
             return Ok(Some(Step::Ended(Termination::NothingConvincing)));
         };
         let Compared { candidate, competitors, prior_width, detail } = best;

@@ -3,7 +3,8 @@
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::details::Detail;
-use crate::census::scores::{screened, sums};
+use crate::census::scores::screened;
+use crate::census::sums::sums;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;

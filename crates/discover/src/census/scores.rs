@@ -5,20 +5,20 @@
 
 use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
+use crate::census::seen::Seen;
 use crate::census::waves::MotionBins;
-use crate::census::white::White;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
 use crate::options::DiscoverOptions;
+use crate::problem::emitted::Emitted;
 use crate::problem::linearisation::Linearisation;
-use crate::problem::tables::{Sums, Tables};
 use crate::screen::candidates::Screen;
 use crate::screen::functions::Functions;
 use crate::statistics::beta::surprisal;
-use crate::statistics::product::cross;
+use crate::statistics::product::dot;
 use nalgebra::{DMatrix, DVector};
-use truepose_errormodel::{AnyEffect, Dataset};
+use truepose_errormodel::Dataset;
 
 /// Xᵀr of everything that a screen looks at.
 struct Scores {
@@ -53,7 +53,11 @@ pub(crate) fn screened(
         let at_site = screen.functions().and_then(|f| f.scores_at(sample, candidate, &scores.functions));
         let own = match at_site {
             Some(score) => Some(score),
-            None if is_single(screen.functions(), sample, candidate) => next.next().cloned(),
+            None if screen.candidates[k].score.is_some()
+                && is_single(screen.functions(), sample, candidate) =>
+            {
+                next.next().cloned()
+            }
             None => None,
         };
         if let Some(score) = &mut screen.candidates[k].score {
@@ -86,9 +90,14 @@ fn scores(
     let single: Vec<&Candidate> = screen
         .candidates
         .iter()
+        // A candidate that the data lacks a covariate for has no score in the sample either.
+        .filter(|screened| screened.score.is_some())
         .map(|screened| &screened.candidate)
         .filter(|candidate| is_single(functions, sample, candidate))
         .collect();
+    let asked = Emitted::all(&all.at, &single, |candidate| candidate.effects())?;
+    let of_functions =
+        Emitted::all(&all.at, functions.map_or(&[][..], Functions::effects), std::slice::from_ref)?;
     let chain = sample.chain();
     let motions: Vec<_> = screen.periods.iter().map(|wave| (wave.joint, wave.shares())).collect();
     let empty: Vec<MotionBins> = screen
@@ -102,34 +111,45 @@ fn scores(
         })
         .collect();
     let of = |block: &Dataset| -> Result<Scores, DiscoverError> {
-        let linearisation = blocks.linearised(&all.at, block, options)?;
-        let whitener = linearisation.whitener(linearisation.noise);
-        let residual = all.residual_of(&linearisation, &whitener);
-        let tables = Tables::new(&linearisation, &whitener, &residual);
-        let stations = || tables.stations.iter().copied();
+        let seen = Seen::of((block, blocks), all, options)?;
+        let scores = seen.scores();
+        let scores_of = |site: usize| &scores.as_slice()[site * scores.nrows()..][..scores.nrows()];
         let mut sums = Vec::with_capacity(single.len());
-        for candidate in &single {
-            let mut sum = DVector::zeros(0);
-            // A candidate that the data lacks a covariate for has no score in the sample either.
-            if let Ok(evaluated) = linearisation.evaluate(candidate.effects()) {
-                sum = DVector::zeros(evaluated.width());
-                evaluated.each(stations(), &mut |visit, entries| {
-                    for &(column, site, value) in entries {
-                        sum[column] += value * tables.score(visit, site);
-                    }
-                })?;
+        for (part, asked) in &asked {
+            let mut sum = vec![0.0; asked.width()];
+            asked.each(block, &seen.rows, &mut |said| {
+                for one in &said.beside {
+                    let scores = &scores_of(one.site)[said.visits.clone()];
+                    sum[one.column] += one.factor * dot(one.values, scores);
+                }
+            })?;
+            let mut first = 0;
+            for candidate in *part {
+                let end = first + candidate.effects().len();
+                sums.push(DVector::from_column_slice(&sum[asked.columns_of(first..end)]));
+                first = end;
             }
-            sums.push(sum);
         }
-        let at_sites = match functions {
-            Some(functions) => functions.through(&linearisation, &tables)?,
-            None => DMatrix::zeros(0, 0),
-        };
+        let mut at_sites =
+            DMatrix::zeros(of_functions.iter().map(|(_, asked)| asked.width()).sum(), seen.sites);
+        let mut first = 0;
+        for (_, asked) in &of_functions {
+            asked.each(block, &seen.rows, &mut |said| {
+                for one in &said.beside {
+                    for site in 0..seen.sites {
+                        let scores = &scores_of(site)[said.visits.clone()];
+                        at_sites[(first + one.column, site)] += one.factor * dot(one.values, scores);
+                    }
+                }
+            })?;
+            first += asked.width();
+        }
         let mut bins = empty.clone();
         for ((joint, shares), bins) in motions.iter().zip(&mut bins) {
-            for (visit, station) in stations().enumerate() {
-                let Some(value) = linearisation.joint_at(station, *joint) else { continue };
-                bins.add(value, shares.iter().map(|&(site, share)| share * tables.score(visit, site)).sum());
+            let Some(column) = chain.coordinate(*joint) else { continue };
+            for (visit, &row) in seen.rows.iter().enumerate() {
+                let score = shares.iter().map(|&(site, share)| share * scores[(visit, site)]).sum();
+                bins.add(block.joints[column][row], score);
             }
         }
         Ok(Scores { single: sums, functions: at_sites, motions: bins })
@@ -150,76 +170,4 @@ fn scores(
         }
     })?;
     Ok(whole.unwrap_or(Scores { single: Vec::new(), functions: DMatrix::zeros(0, 0), motions: empty }))
-}
-
-/// XᵀX, AᵀX and Xᵀr of candidates over every `stride`-th block; none of those that the data lacks a covariate for.
-pub(crate) fn sums(
-    candidates: &[Candidate],
-    (all, blocks): (&AllRows, &Blocks),
-    stride: usize,
-    options: &DiscoverOptions,
-) -> Result<Vec<Option<Sums>>, DiscoverError> {
-    let mut each = Vec::with_capacity(candidates.len());
-    while each.len() < candidates.len() {
-        let rest = &candidates[each.len()..];
-        let several = &rest[..blocks.at_once(rest)];
-        each.extend(sums_of_several(several, (all, blocks), stride, options)?);
-    }
-    Ok(each)
-}
-
-/// Columns of candidates that a block has side by side, at least, where there are so many.
-const COLUMNS: usize = 256;
-
-fn sums_of_several(
-    candidates: &[Candidate],
-    (all, blocks): (&AllRows, &Blocks),
-    stride: usize,
-    options: &DiscoverOptions,
-) -> Result<Vec<Option<Sums>>, DiscoverError> {
-    let of = |block: &Dataset| -> Result<Vec<Option<Sums>>, DiscoverError> {
-        let mut each = Vec::with_capacity(candidates.len());
-        while each.len() < candidates.len() {
-            let mut widths: Vec<Option<usize>> = Vec::new();
-            let mut effects: Vec<Box<dyn AnyEffect>> = Vec::new();
-            for candidate in &candidates[each.len()..] {
-                let width = White::width_of(candidate, &all.at, block);
-                if width.is_some() {
-                    effects.extend_from_slice(candidate.effects());
-                }
-                widths.push(width);
-                if widths.iter().flatten().sum::<usize>() >= COLUMNS {
-                    break;
-                }
-            }
-            let white = White::of((block, blocks), (&all.at, &all.fit), &effects, options)?;
-            let along = cross(&white.base, &white.columns);
-            let mut first = 0;
-            for width in widths {
-                each.push(width.map(|width| {
-                    let own = white.columns.columns(first, width);
-                    let along = along.columns(first, width).into_owned();
-                    first += width;
-                    Sums { along, raw: cross(&own, &own), score: own.tr_mul(&white.residual) }
-                }));
-            }
-        }
-        Ok(each)
-    };
-    let derived =
-        blocks.derived(&all.fit, candidates.iter().flat_map(|candidate| candidate.effects().iter()));
-    let mut whole: Vec<Option<Sums>> = Vec::new();
-    blocks.each(stride, &derived, &of, &mut |_, part| {
-        if whole.is_empty() {
-            whole = part;
-            return;
-        }
-        for (sum, more) in whole.iter_mut().zip(part) {
-            match (sum.as_mut(), more) {
-                (Some(sum), Some(more)) => sum.merge(&more),
-                _ => *sum = None,
-            }
-        }
-    })?;
-    Ok(whole)
 }

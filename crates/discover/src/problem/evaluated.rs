@@ -3,6 +3,7 @@
 use crate::error::DiscoverError;
 use std::borrow::Cow;
 use std::ops::Range;
+use std::sync::Arc;
 use truepose_errormodel::{AnyEffect, Dataset, Emission, ErrorModel};
 use truepose_kinematics::{Chain, Conditions, PostureBuffer};
 
@@ -13,9 +14,9 @@ pub(crate) struct Station {
     /// Its first row.
     pub row: usize,
     pub conditions: Conditions,
-    pub nominal: PostureBuffer,
+    pub nominal: Arc<PostureBuffer>,
     /// Frames and wrenches where the real robot comes to rest.
-    pub settled: PostureBuffer,
+    pub settled: Arc<PostureBuffer>,
     /// Its observations.
     pub observations: Range<usize>,
 }

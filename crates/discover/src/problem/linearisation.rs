@@ -25,7 +25,7 @@ use crate::problem::whitening::Whitener;
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::borrow::Cow;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use truepose_errormodel::{AnyEffect, Dataset, Emission, Equilibrium, ErrorJacobian, FittedModel, Visits};
 use truepose_identify::Fit;
 use truepose_kinematics::{Chain, JointId, JointKind, PostureBuffer, Site, rotation_log};
@@ -106,17 +106,28 @@ impl<'a> Linearisation<'a> {
                     .last()
                     .is_some_and(|s| s.visit == visit && s.conditions == conditions);
                 if !stands {
-                    rest.settle(&bound, &conditions, fit.fitted.coefficients());
-                    let mut nominal = PostureBuffer::new(chain);
-                    nominal.update(chain, &conditions);
-                    let settled = rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
+                    // What the model does not read, as the time mostly, does not move the robot.
+                    let before = linearisation.stations.last().filter(|last| last.visit == visit);
+                    let before = before.filter(|last| bound.same_conditions(&inputs, last.row, row));
+                    let [nominal, settled] = match before {
+                        Some(last) => [Arc::clone(&last.nominal), Arc::clone(&last.settled)],
+                        None => {
+                            rest.settle(&bound, &conditions, fit.fitted.coefficients());
+                            let mut nominal = PostureBuffer::new(chain);
+                            nominal.update(chain, &conditions);
+                            let settled =
+                                rest.posture_at_rest(&bound, &conditions, fit.fitted.coefficients());
+                            [Arc::new(nominal), Arc::new(settled)]
+                        }
+                    };
+                    let observations = first..first;
                     linearisation.stations.push(Station {
                         visit,
                         row,
                         conditions,
                         nominal,
                         settled,
-                        observations: first..first,
+                        observations,
                     });
                 }
                 let (real, errors) = (rest.real(), rest.errors());

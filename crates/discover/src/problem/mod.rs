@@ -19,6 +19,7 @@ pub(crate) mod dense;
 pub(crate) mod dependence;
 #[cfg(test)]
 mod dependence_tests;
+pub(crate) mod emitted;
 pub(crate) mod equations;
 pub(crate) mod evaluated;
 pub(crate) mod joint_noise;

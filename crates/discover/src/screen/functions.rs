@@ -6,10 +6,8 @@ use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::series::{Series, functions, series};
 use crate::problem::linearisation::Linearisation;
 use crate::problem::projection::{Projection, Score};
-use crate::problem::tables::Tables;
 use crate::screen::screened::Screened;
 use crate::significance::rotation::{Largest, Rotations};
-use crate::statistics::product::cross;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -130,17 +128,9 @@ impl Functions {
         Ok(Functions { sets, scores, sites, values: values.map(|v| v as f32), effects })
     }
 
-    /// Xᵀr̃ of every function (rows) at every site (columns), in other rows.
-    pub fn through(
-        &self,
-        linearisation: &Linearisation<'_>,
-        tables: &Tables,
-    ) -> Result<DMatrix<f64>, DiscoverError> {
-        let values = evaluated(linearisation, &self.effects, &tables.stations)?;
-        let at_sites = DMatrix::from_fn(values.nrows(), linearisation.site_count(), |visit, site| {
-            tables.score(visit, site)
-        });
-        Ok(cross(&values, &at_sites))
+    /// All functions, side by side, each as one component of the base emits it.
+    pub fn effects(&self) -> &[Box<dyn AnyEffect>] {
+        &self.effects
     }
 
     /// Of these scores, functions × sites, those of a candidate; none when it has another form.

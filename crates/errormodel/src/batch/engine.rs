@@ -22,10 +22,23 @@ use crate::model::{BoundModel, Pace};
 use nalgebra::Vector3;
 use std::cell::Cell;
 use truepose_kinematics::pulp::Arch;
-use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer};
+use truepose_kinematics::{Conditions, FrameId, GravityFrame, PostureBuffer, Site};
 
 /// How often the weights follow the deflections, as in [`crate::Equilibrium`].
 const STEPS: usize = 2;
+
+/// What one column says of one site in a block of rows: `factor` times a value a row, m or rad per unit of the coefficient.
+#[derive(Debug, Clone, Copy)]
+pub struct Phi<'a> {
+    /// The column of the model.
+    pub column: usize,
+    /// The site.
+    pub site: Site,
+    /// The same in all rows.
+    pub factor: f64,
+    /// One a row.
+    pub values: &'a [f64],
+}
 
 /// A block of rows.
 #[derive(Debug, Clone)]
@@ -159,6 +172,16 @@ impl<'m> Lanes<'m> {
         }
     }
 
+    /// Φ of the block where the robot has come to rest, entry by entry; a column may speak of a site twice.
+    pub fn phi(&self) -> impl Iterator<Item = Phi<'_>> {
+        self.emission.entries.iter().map(|entry| Phi {
+            column: entry.column as usize,
+            site: entry.site,
+            factor: entry.factor,
+            values: &self.emission.numbers(entry.value)[..self.rows.len()],
+        })
+    }
+
     /// The standstills of the block, one a lane.
     fn come_to_rest(&mut self, data: &Dataset, coefficients: &[f64]) {
         let moves = coefficients.iter().any(|&c| c != 0.0);
@@ -171,12 +194,13 @@ impl<'m> Lanes<'m> {
         self.emission.clear();
         self.errors.clear();
         self.store.turn(chain, &self.joints);
-        self.emit(data, |pace| pace != Pace::Settling);
+        self.emit(data, |_, pace| pace != Pace::Settling);
         let still = self.emission.mark();
         if moves {
             self.errors.add(&self.emission, 0, coefficients);
         }
-        let weighed = self.settles && self.emit_at_nominal(data, still, &gravity);
+        let acts = self.acting(coefficients);
+        let weighed = self.settles && self.weighed_at_nominal(data, still, &gravity, &acts);
         let yields = weighed && moves && self.emission.mark() > still;
         if !yields {
             if moves {
@@ -189,19 +213,46 @@ impl<'m> Lanes<'m> {
         }
         self.stiff.become_as(&self.errors);
         self.errors.add(&self.emission, still, coefficients);
-        for _ in 0..STEPS {
+        for step in 1..=STEPS {
             self.walk(&gravity);
             self.emission.truncate(still);
-            self.emit(data, |pace| pace == Pace::Settling);
+            self.emit(data, |k, pace| pace == Pace::Settling && (acts[k] || step == STEPS));
             self.errors.become_as(&self.stiff);
             self.errors.add(&self.emission, still, coefficients);
         }
         self.store.walk(chain, &self.joints, &self.errors, self.standing.rows.len());
     }
 
-    /// What effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
+    /// For each effect: whether it moves the robot. What does not is asked where it has come to rest, and not before.
+    fn acting(&self, coefficients: &[f64]) -> Vec<bool> {
+        let model = self.bound.model();
+        let moves = |k: usize| coefficients[model.columns_of(k)].iter().any(|&c| c != 0.0);
+        (0..model.effects().len()).map(moves).collect()
+    }
+
+    /// What effects say at the nominal posture that may ask for frames and weights: those that move the robot, where these do ask, else all of
+    /// them. Whether one did.
+    fn weighed_at_nominal(
+        &mut self,
+        data: &Dataset,
+        still: usize,
+        gravity: &Vector3<f64>,
+        acts: &[bool],
+    ) -> bool {
+        let some = acts.contains(&true) && acts.contains(&false);
+        let acting = some && self.emit_at_nominal(data, still, gravity, &|k| acts[k]);
+        (acting && self.emission.mark() > still) || self.emit_at_nominal(data, still, gravity, &|_| true)
+    }
+
+    /// What some of the effects say that may ask for frames and weights, at the nominal posture; whether one did: otherwise nothing that they say depends
     /// on where the robot comes to rest (a polynomial in a measured wrench), and the nominal frames need not be there.
-    fn emit_at_nominal(&mut self, data: &Dataset, still: usize, gravity: &Vector3<f64>) -> bool {
+    fn emit_at_nominal(
+        &mut self,
+        data: &Dataset,
+        still: usize,
+        gravity: &Vector3<f64>,
+        wanted: &dyn Fn(usize) -> bool,
+    ) -> bool {
         let chain = self.bound.model().chain();
         let mut ready = false;
         loop {
@@ -211,19 +262,19 @@ impl<'m> Lanes<'m> {
                 ready = true;
             }
             self.emission.truncate(still);
-            self.asks = self.emit(data, |pace| pace == Pace::Settling);
+            self.asks = self.emit(data, |k, pace| pace == Pace::Settling && wanted(k));
             if ready || !self.asks {
                 return self.asks;
             }
         }
     }
 
-    /// Asks effects of some paces; whether one of them asked for frames or weights.
-    fn emit(&mut self, data: &Dataset, wanted: impl Fn(Pace) -> bool) -> bool {
+    /// Asks some of the effects, by their number and pace; whether one of them asked for frames or weights.
+    fn emit(&mut self, data: &Dataset, wanted: impl Fn(usize, Pace) -> bool) -> bool {
         let model = self.bound.model();
         let asked = Cell::new(false);
         let mut narrow = false;
-        for k in (0..model.effects().len()).filter(|k| wanted(model.pace(*k))) {
+        for k in (0..model.effects().len()).filter(|&k| wanted(k, model.pace(k))) {
             if !self.wide[k] {
                 narrow = true;
                 continue;
@@ -241,18 +292,24 @@ impl<'m> Lanes<'m> {
             model.effects()[k].eval_lanes(&posture, &mut self.emission);
         }
         if narrow {
-            for pace in [Pace::Constant, Pace::Moving, Pace::Settling].into_iter().filter(|p| wanted(*p)) {
-                self.emit_row_by_row(data, pace, &asked);
+            for pace in [Pace::Constant, Pace::Moving, Pace::Settling] {
+                self.emit_row_by_row(data, pace, &|k| wanted(k, pace), &asked);
             }
         }
         asked.get()
     }
 
-    /// Asks the effects of a pace that do not speak of blocks, at the frames and weights of the block.
-    fn emit_row_by_row(&mut self, data: &Dataset, pace: Pace, asked: &Cell<bool>) {
+    /// Asks those of some effects of a pace that do not speak of blocks, at the frames and weights of the block.
+    fn emit_row_by_row(
+        &mut self,
+        data: &Dataset,
+        pace: Pace,
+        wanted: &dyn Fn(usize) -> bool,
+        asked: &Cell<bool>,
+    ) {
         let model = self.bound.model();
-        let those: Vec<usize> =
-            (0..model.effects().len()).filter(|&k| !self.wide[k] && model.pace(k) == pace).collect();
+        let narrow = |&k: &usize| !self.wide[k] && model.pace(k) == pace && wanted(k);
+        let those: Vec<usize> = (0..model.effects().len()).filter(narrow).collect();
         if those.is_empty() {
             return;
         }

@@ -4,7 +4,7 @@ mod columns;
 mod engine;
 mod fill;
 
-pub use engine::Lanes;
+pub use engine::{Lanes, Phi};
 pub use fill::Component;
 
 #[cfg(test)]

@@ -184,6 +184,10 @@ fn rows_along_a_direction_agree_with_single_rows() {
         for size in [0.0, 0.1] {
             let coefficients: Vec<f64> = model.columns().iter().map(|column| size * column.scale).collect();
             levels().into_iter().for_each(|arch| check(&model, &data, &coefficients, arch));
+            // Every other effect moves nothing: it is asked where the robot has come to rest.
+            let mut some = coefficients;
+            (0..model.effects().len()).step_by(2).for_each(|effect| some[model.columns_of(effect)].fill(0.0));
+            check(&model, &data, &some, Arch::new());
         }
     }
 }

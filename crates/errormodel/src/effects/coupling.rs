@@ -16,6 +16,7 @@ use super::checks::{joint_moves, refused};
 use super::expansion::Basis;
 use super::robot_size::robot_size;
 use super::travel::{ascending, free, travel};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -99,6 +100,14 @@ impl Coupling {
         let mode = CouplingMode::Linkage;
         Coupling { mode, offset: Some(offset), crossed, ..Coupling::of(joint, driver) }
     }
+
+    /// Of a linkage that stands at these angles of the joint and of its driver: cot and 1/sin of the angle between coupler and rocker.
+    fn driven(&self, joint: f64, driver: f64) -> [f64; 2] {
+        let angle = joint + if self.crossed { -driver } else { driver } + self.offset.unwrap_or(FRAC_PI_2);
+        let (sine, cosine) = angle.sin_cos();
+        let sine = if sine < 0.0 { sine.min(-DEAD_CENTRE) } else { sine.max(DEAD_CENTRE) };
+        [cosine / sine, 1.0 / sine]
+    }
 }
 
 impl Effect for Coupling {
@@ -140,12 +149,9 @@ impl Effect for Coupling {
         let Some(motion) = at.chain().joint_motion(self.joint) else { return };
         let q = at.joint(self.driver);
         if self.mode == CouplingMode::Linkage {
-            let angle =
-                at.joint(self.joint) + if self.crossed { -q } else { q } + self.offset.unwrap_or(FRAC_PI_2);
-            let (sine, cosine) = angle.sin_cos();
-            let sine = if sine < 0.0 { sine.min(-DEAD_CENTRE) } else { sine.max(DEAD_CENTRE) };
-            out.along(0, &motion, cosine / sine);
-            out.along(1, &motion, 1.0 / sine);
+            let [ratio, inverse] = self.driven(at.joint(self.joint), q);
+            out.along(0, &motion, ratio);
+            out.along(1, &motion, inverse);
             return;
         }
         let [lower, upper] = travel(self.range, self.driver, at.chain());
@@ -161,6 +167,41 @@ impl Effect for Coupling {
             out.along(column, &motion, s);
             out.along(column + 1, &motion, c);
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let chain = at.chain();
+        let (Some(motion), Some(own), Some(driver)) =
+            (chain.joint_motion(self.joint), at.joint(self.joint), at.joint(self.driver))
+        else {
+            return false;
+        };
+        let rows = at.rows();
+        if self.mode == CouplingMode::Linkage {
+            let driven = |row: usize| self.driven(own[row], driver[row]);
+            let ratio = out.each(rows, |row| driven(row)[0]);
+            let inverse = out.each(rows, |row| driven(row)[1]);
+            out.along(0, &motion, ratio);
+            out.along(1, &motion, inverse);
+            return true;
+        }
+        let [lower, upper] = travel(self.range, self.driver, chain);
+        if self.degree > 0 {
+            let value = out.each(rows, |row| driver[row] - 0.5 * (lower + upper));
+            out.along(0, &motion, value);
+        }
+        for k in 2..=self.degree {
+            let value = out.each(rows, |row| Basis::chebyshev(k, driver[row], [lower, upper]));
+            out.along(k as usize - 1, &motion, value);
+        }
+        for (k, &h) in self.harmonics.iter().enumerate() {
+            let column = self.degree as usize + 2 * k;
+            for (more, wave) in [f64::sin, f64::cos].into_iter().enumerate() {
+                let value = out.each(rows, |row| wave(f64::from(h) * driver[row]));
+                out.along(column + more, &motion, value);
+            }
+        }
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

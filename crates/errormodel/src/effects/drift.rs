@@ -12,6 +12,7 @@ use super::checks::refused;
 use super::expansion::Basis;
 use super::spot::Spot;
 use super::travel::{ascending, free, positive};
+use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
@@ -117,6 +118,31 @@ impl Effect for Drift {
         basis.for_each_from(self.range[0], at.signal(0), |column, value| {
             self.spot.put(components, (column, stride), value, at, out);
         });
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let (times, components) = (&at.signal(0)[..at.rows()], self.components.as_deref());
+        let [from, until] = self.range;
+        if let Some(constant) = self.time_constant {
+            let stride = 1 + usize::from(self.second_time_constant.is_some());
+            for (k, constant) in std::iter::once(constant).chain(self.second_time_constant).enumerate() {
+                let come = |row: usize| -(-(times[row].clamp(from, until) - from) / constant).exp_m1();
+                let come = out.each(times.len(), come);
+                self.spot.put_lanes(components, (k, stride), come, (at.chain(), out));
+            }
+            return true;
+        }
+        let basis = self.basis();
+        let stride = basis.len() - 1;
+        let values = out.values(stride, |into| {
+            for (row, &time) in times.iter().enumerate() {
+                basis.for_each_from(from, time, |column, value| into[column * LANES + row] += value);
+            }
+        });
+        for (column, value) in values.enumerate() {
+            self.spot.put_lanes(components, (column, stride), value, (at.chain(), out));
+        }
+        true
     }
 
     fn needs(&self) -> Vec<Signal> {

@@ -19,6 +19,7 @@
 use super::checks::{joint_moves, refused};
 use super::robot_size::robot_size;
 use super::travel::{free, positive};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -95,6 +96,20 @@ impl Effect for LoadNonlinearity {
         if let Some(soft) = self.soft_load {
             out.along(self.powers().len(), &motion, load / (1.0 + load.abs() / soft));
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let Some(motion) = at.chain().joint_motion(self.joint) else { return false };
+        let load = at.joint_load(self.joint);
+        for (column, &power) in self.powers().iter().enumerate() {
+            let value = out.each(at.rows(), |row| load[row] * load[row].abs().powi(power as i32 - 1));
+            out.along(column, &motion, value);
+        }
+        if let Some(soft) = self.soft_load {
+            let value = out.each(at.rows(), |row| load[row] / (1.0 + load[row].abs() / soft));
+            out.along(self.powers().len(), &motion, value);
+        }
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

@@ -12,6 +12,7 @@
 use super::checks::refused;
 use super::spot::Spot;
 use super::travel::{ascending, free, positive};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{AnyEffect, Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, Posture};
@@ -107,6 +108,20 @@ impl Effect for Shift {
                 self.spot.put(self.components.as_deref(), (1, stride), share * left, at, out);
             }
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let (times, components) = (at.signal(0), self.components.as_deref());
+        let stride = 1 + usize::from(self.settling.is_some());
+        let share = out.each(at.rows(), |row| self.share(times[row]));
+        self.spot.put_lanes(components, (0, stride), share, (at.chain(), out));
+        if let Some(settling) = self.settling {
+            let left = |row: usize| (-(times[row] - self.at).max(0.0) / settling).exp();
+            let left = out.each(at.rows(), left);
+            let left = out.product(share, left);
+            self.spot.put_lanes(components, (1, stride), left, (at.chain(), out));
+        }
+        true
     }
 
     fn needs(&self) -> Vec<Signal> {

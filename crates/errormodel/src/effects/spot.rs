@@ -3,6 +3,7 @@
 use super::checks::{frame_exists, joint_moves, refused};
 use super::expansion::{Expansion, Place};
 use super::geometric::EXPECTED_ANGLE;
+use crate::lanes::{LaneEmission, LaneValue};
 use crate::{Emission, ModelError};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Axis, Chain, FrameId, JointId, Posture, Site};
@@ -105,6 +106,28 @@ impl Spot {
         match self {
             Spot::Joint(joint) => {
                 if let Some(motion) = at.chain().joint_motion(joint) {
+                    out.along(first, &motion, value);
+                }
+            }
+            Spot::Frame(frame) => {
+                for (k, &axis) in components.unwrap_or(&Axis::ALL).iter().enumerate() {
+                    out.push(first + k * stride, Site::Frame(frame, axis), value);
+                }
+            }
+        }
+    }
+
+    /// As [`Spot::put`], in a block of rows.
+    pub(super) fn put_lanes(
+        self,
+        components: Option<&[Axis]>,
+        (first, stride): (usize, usize),
+        value: LaneValue,
+        (chain, out): (&Chain, &mut LaneEmission),
+    ) {
+        match self {
+            Spot::Joint(joint) => {
+                if let Some(motion) = chain.joint_motion(joint) {
                     out.along(first, &motion, value);
                 }
             }

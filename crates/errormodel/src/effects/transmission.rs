@@ -17,6 +17,7 @@ use super::checks::{bounded, joint_moves, refused};
 use super::expansion::Basis;
 use super::robot_size::robot_size;
 use super::travel::{ascending, free, positive, travel, within};
+use crate::lanes::{LANES, LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -196,6 +197,55 @@ impl Effect for Transmission {
                 out.along(first + 1, &motion, c * load);
             }
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let (Some(joint), Some(motion)) = (at.joint(self.joint), at.chain().joint_motion(self.joint)) else {
+            return false;
+        };
+        let joint = &joint[..at.rows()];
+        let here = |q: f64| within(self.between, q);
+        match self.mode {
+            TransmissionMode::Gain => {
+                let value = out.each(joint.len(), |row| if here(joint[row]) { joint[row] } else { 0.0 });
+                out.along(0, &motion, value);
+                return true;
+            }
+            TransmissionMode::Curve => {
+                let [lower, upper] = travel(self.range, self.joint, at.chain());
+                let (basis, middle) = (self.basis(at.chain()), 0.5 * (lower + upper));
+                // The unknowns of a curve are one fewer than its functions: it is zero in the middle.
+                let values = out.values(basis.len() - 1, |into| {
+                    for (row, &q) in joint.iter().enumerate().filter(|(_, q)| here(**q)) {
+                        basis.for_each_from(middle, q, |column, value| into[column * LANES + row] += value);
+                    }
+                });
+                values.enumerate().for_each(|(column, value)| out.along(column, &motion, value));
+                return true;
+            }
+            TransmissionMode::Periodic => {}
+        }
+        let load = self.by_load.then(|| at.joint_load(self.joint));
+        let period = self.period();
+        for (k, &h) in self.harmonics.iter().enumerate() {
+            let mut waves = out.values(2, |into| {
+                let (sines, cosines) = into.split_at_mut(LANES);
+                for (row, &q) in joint.iter().enumerate().filter(|(_, q)| here(**q)) {
+                    (sines[row], cosines[row]) = (f64::from(h) * (TAU * q / period)).sin_cos();
+                }
+            });
+            let (Some(sine), Some(cosine)) = (waves.next(), waves.next()) else { return false };
+            out.along(2 * k, &motion, sine);
+            out.along(2 * k + 1, &motion, cosine);
+            if let Some(load) = load {
+                let size = out.each(joint.len(), |row| load[row].abs());
+                let first = 2 * (self.harmonics.len() + k);
+                let products = [sine, cosine].map(|wave| out.product(wave, size));
+                out.along(first, &motion, products[0]);
+                out.along(first + 1, &motion, products[1]);
+            }
+        }
+        true
     }
 
     fn validate(&self, chain: &Chain) -> Result<(), ModelError> {

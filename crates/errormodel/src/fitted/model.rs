@@ -240,6 +240,7 @@ impl FittedModel {
             nominal: PostureBuffer::new(self.chain()),
             rest: Equilibrium::new(&self.model),
             rows: DMatrix::zeros(6, self.coefficients.len()),
+            stands: false,
             conditions: Conditions {
                 joints: vec![0.0; self.chain().movable().len()],
                 approach: vec![0.0; self.chain().movable().len()],
@@ -275,8 +276,10 @@ pub struct Predictor<'m> {
     rest: Equilibrium,
     /// [`Predictor::sensitivity`] of the last posture that was judged.
     rows: DMatrix<f64>,
-    /// Used where a declared load is wrong.
+    /// Those under which it stands, with the load that it carries.
     conditions: Conditions,
+    /// Whether it was brought to rest under these.
+    stands: bool,
     /// Of the fallback.
     declared: Option<Box<Predictor<'m>>>,
 }
@@ -379,13 +382,15 @@ impl Predictor<'_> {
     }
 
     fn settle(&mut self, conditions: &Conditions) {
-        let conditions = if self.fitted.loads.is_empty() {
-            conditions
-        } else {
-            self.conditions.clone_from(conditions);
-            self.conditions.load = self.fitted.carried(conditions.load, conditions.time);
-            &self.conditions
-        };
-        self.rest.settle(&self.bound, conditions, &self.fitted.coefficients);
+        let load = self.fitted.carried(conditions.load, conditions.time);
+        // Several targets are looked at from one standstill: the robot is brought to rest once.
+        if self.stands && self.conditions.load == load && self.bound.reads_same(&self.conditions, conditions)
+        {
+            return;
+        }
+        self.conditions.clone_from(conditions);
+        self.conditions.load = load;
+        self.stands = true;
+        self.rest.settle(&self.bound, &self.conditions, &self.fitted.coefficients);
     }
 }

@@ -3,7 +3,8 @@
 use super::standing::Standing;
 use super::width::LANES;
 use crate::Entry;
-use truepose_kinematics::{Axis, Chain, JointKind, JointMotion, Site};
+use nalgebra::Vector3;
+use truepose_kinematics::{Axis, Chain, FrameId, JointKind, JointMotion, Site};
 
 /// Values of one function in a block; several entries may share them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +74,12 @@ impl LaneEmission {
         LaneValue((at / LANES) as u32)
     }
 
+    /// As [`LaneEmission::value`], of the first rows, row by row.
+    #[inline]
+    pub fn each(&mut self, rows: usize, of: impl Fn(usize) -> f64) -> LaneValue {
+        self.value(|into| into[..rows].iter_mut().enumerate().for_each(|(row, value)| *value = of(row)))
+    }
+
     /// As [`LaneEmission::value`], for so many values that are written together, one after the other.
     #[inline]
     pub fn values<F: FnOnce(&mut [f64])>(
@@ -111,6 +118,18 @@ impl LaneEmission {
     pub fn push(&mut self, column: usize, site: Site, value: LaneValue) {
         let column = (self.first_column + column) as u32;
         self.entries.push(LaneEntry { column, site, value, factor: 1.0 });
+    }
+
+    /// Per unit of the effect's own column, a frame moves by this vector (in its own axes) times `value`.
+    #[inline]
+    pub(crate) fn shift(&mut self, column: usize, frame: FrameId, vector: &Vector3<f64>, value: LaneValue) {
+        let column = (self.first_column + column) as u32;
+        for axis in Axis::TRANSLATIONS {
+            let factor = vector[axis.direction()];
+            if factor != 0.0 {
+                self.entries.push(LaneEntry { column, site: Site::Frame(frame, axis), value, factor });
+            }
+        }
     }
 
     /// Per unit of the effect's own column, the joint moves by `value` (rad or m) beyond what it says.

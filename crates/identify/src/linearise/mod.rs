@@ -14,7 +14,7 @@ pub(crate) use lineariser::stand;
 pub use lineariser::{Block, Lineariser};
 pub(crate) use misfit::misfit;
 pub(crate) use rows::left_over_rows;
-pub use rows::{Rows, collect};
+pub use rows::{ByVisits, Rows, by_visits, collect};
 pub(crate) use stations::Stations;
 pub use sums::{dense, factorise, gram, left_out, left_over, triangular, triangular_of};
 

@@ -47,7 +47,9 @@ fn a_lens_that_is_not_the_stated_one_is_blamed_and_found() {
     let (rows, info, _) = read_measurements(data, &chain, &MeasurementsOptions::default()).unwrap();
     let said = (SessionRules::default(), robot_surroundings(&robot).unwrap());
     let (solver, options) = (PivotedQr::default(), FitOptions::default());
-    let campaign = Campaign::of(said, chain, vec![Box::new(Geometric::default())], rows, &info, (&solver, &options)).unwrap();
+    let campaign =
+        Campaign::of(said, chain, vec![Box::new(Geometric::default())], rows, &info, (&solver, &options))
+            .unwrap();
     let searches = Cell::new(0);
     let search = |(chain, effects, rows): Searched<'_>, fit: FitOptions| {
         searches.set(searches.get() + 1);

@@ -34,6 +34,7 @@ mod weight;
 use super::checks::{joint_moves, refused};
 use super::robot_size::robot_size;
 use super::travel::{ascending, free, positive, within};
+use crate::lanes::{LaneEmission, LanePosture};
 use crate::{Column, Effect, Emission, ModelError, NonlinearParameter, Search, Signal, presliding_channel};
 use serde::{Deserialize, Serialize};
 use truepose_kinematics::{Chain, JointId, JointKind, Posture};
@@ -170,6 +171,38 @@ impl Effect for Backlash {
                 out.along(1, &motion, 0.5 * side * at.joint_load(self.joint).abs());
             }
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let (Some(joint), Some(motion)) = (at.joint(self.joint), at.chain().joint_motion(self.joint)) else {
+            return false;
+        };
+        let here = |row: usize| within(self.between, joint[row]);
+        match self.side {
+            Side::Approach | Side::ByLoad | Side::Presliding => {
+                let from = at.signal(0);
+                let half = out.each(at.rows(), |row| if here(row) { -0.5 * from[row] } else { 0.0 });
+                out.along(0, &motion, half);
+                if self.side == Side::ByLoad {
+                    let load = at.joint_load(self.joint);
+                    let load = out.each(at.rows(), |row| load[row].abs());
+                    let by_load = out.product(half, load);
+                    out.along(1, &motion, by_load);
+                }
+            }
+            Side::Load | Side::LoadThenApproach => {
+                let load = at.joint_load(self.joint);
+                let from = (self.side == Side::LoadThenApproach).then(|| at.signal(0));
+                let half = out.each(at.rows(), |row| {
+                    let pressed = self.pressed(load[row]);
+                    let free = from.map_or(0.0, |from| (1.0 - pressed.abs()) * from[row]);
+                    if here(row) { 0.5 * (pressed - free) } else { 0.0 }
+                });
+                out.along(0, &motion, half);
+            }
+            Side::Weight => return false,
+        }
+        true
     }
 
     fn needs(&self) -> Vec<Signal> {

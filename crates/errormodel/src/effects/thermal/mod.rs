@@ -24,6 +24,7 @@ use crate::effects::checks::refused;
 use crate::effects::spot::Part;
 use crate::effects::spot::Spot;
 use crate::effects::travel::{ascending, free};
+use crate::lanes::{LaneEmission, LanePosture, LaneValue};
 use crate::{
     Column, Effect, Emission, History, ModelError, NonlinearParameter, Search, Signal, late_channel,
 };
@@ -212,6 +213,60 @@ impl Thermal {
         }
     }
 
+    /// As [`Thermal::grow`], in a block of rows.
+    fn grow_lanes(
+        &self,
+        (first, at_reference): (usize, bool),
+        warmer: LaneValue,
+        at: &LanePosture<'_>,
+        out: &mut LaneEmission,
+    ) {
+        let chain = at.chain();
+        let slid = |joint: JointId, out: &mut LaneEmission| {
+            let place = at.joint(joint).map(|place| out.value(|into| into.copy_from_slice(place)));
+            place.zip(chain.joint_motion(joint))
+        };
+        let lengthen = |joint: JointId, out: &mut LaneEmission| {
+            let (root, tip) = chain.link(joint);
+            out.shift(first, chain.frame_after(joint), &(tip - root), warmer);
+        };
+        if self.grows == Some(Grows::Arm) {
+            for &joint in chain.movable() {
+                if chain.joint(joint).kind == JointKind::Prismatic
+                    && let Some((place, motion)) = slid(joint, out)
+                {
+                    let longer = out.product(place, warmer);
+                    out.along(first, &motion, longer);
+                }
+                lengthen(joint, out);
+            }
+            return;
+        }
+        match self.growth(chain) {
+            Some((joint, Grows::Length)) => lengthen(joint, out),
+            Some((joint, Grows::Scale)) => {
+                if let Some((place, motion)) = slid(joint, out) {
+                    let longer = out.product(place, warmer);
+                    out.along(first, &motion, longer);
+                    if self.offset && at_reference {
+                        out.along(first + 1, &motion, place);
+                    }
+                }
+            }
+            _ => self.spot.put_lanes(self.components.as_deref(), (first, 1), warmer, (chain, out)),
+        }
+    }
+
+    /// How many columns a time constant has, with the scale at the reference.
+    fn count(&self, chain: &Chain) -> usize {
+        match self.growth(chain) {
+            _ if self.grows == Some(Grows::Arm) => 1,
+            Some((_, Grows::Scale)) => 1 + usize::from(self.offset),
+            Some((_, Grows::Length)) => 1,
+            _ => self.spot.count(self.components.as_deref()),
+        }
+    }
+
     /// What grows, when it is a joint's.
     fn growth(&self, chain: &Chain) -> Option<(JointId, Grows)> {
         let Spot::Joint(joint) = self.spot else { return None };
@@ -256,13 +311,24 @@ impl Effect for Thermal {
                 warmer -= at.signal(part * stride + 1);
             }
             self.grow(first, warmer, part == 0, at, out);
-            first += match self.growth(at.chain()) {
-                _ if self.grows == Some(Grows::Arm) => 1,
-                Some((_, Grows::Scale)) => 1 + usize::from(self.offset),
-                Some((_, Grows::Length)) => 1,
-                _ => self.spot.count(self.components.as_deref()),
-            };
+            first += self.count(at.chain());
         }
+    }
+
+    fn eval_lanes(&self, at: &LanePosture<'_>, out: &mut LaneEmission) -> bool {
+        let stride = 1 + usize::from(self.minus.is_some());
+        let reference = if self.history().is_some() { 0.0 } else { self.reference };
+        let chain = at.chain();
+        let mut first = 0;
+        for part in 0..self.parts() {
+            let warm = at.signal(part * stride);
+            let less = self.minus.is_some().then(|| at.signal(part * stride + 1));
+            let above = |row: usize| warm[row] - reference - less.map_or(0.0, |less| less[row]);
+            let warmer = out.each(at.rows(), above);
+            self.grow_lanes((first, part == 0), warmer, at, out);
+            first += self.count(chain);
+        }
+        true
     }
 
     fn needs(&self) -> Vec<Signal> {
@@ -353,8 +419,8 @@ impl Thermal {
 
 /// The link behind a joint grows by this strain.
 fn lengthen(joint: JointId, column: usize, strain: f64, at: &Posture<'_>, out: &mut Emission) {
-    let (span, frame) = (at.span(joint), at.chain().frame_after(joint));
-    let longer = at.frame(frame).rotation.tr_mul(&(span.tip - span.root)) * strain;
+    let ((root, tip), frame) = (at.chain().link(joint), at.chain().frame_after(joint));
+    let longer = (tip - root) * strain;
     for axis in Axis::TRANSLATIONS {
         out.push(column, Site::Frame(frame, axis), longer[axis.direction()]);
     }
