@@ -63,6 +63,22 @@ impl Gauge<'_> {
         self.touched && !self.has_scale() && !self.has_base()
     }
 
+    /// How well known distances alone determine the scale, where nothing else does: the relative standard deviation of lengths where the errors of
+    /// these distances are independent, and where all of them share one, as those of one part that was measured once.
+    ///
+    /// ```text
+    /// s² = 1/Σ (L/σ)²,   s' = Σ w σ/L,   w = (L/σ)²/Σ (L/σ)²
+    /// ```
+    fn scale_by_distances(&self, surroundings: &Surroundings) -> Option<[f64; 2]> {
+        let metric = self.sensors.found.iter().any(|found| found.observation.metric());
+        let others = self.outside || metric || self.planes_apart();
+        let stated = &surroundings.distances;
+        let known = self.distances && !others && stated.iter().all(|of| of.sd > 0.0 && of.value > 0.0);
+        let sum: f64 = stated.iter().map(|of| (of.value / of.sd).powi(2)).sum();
+        let shared: f64 = stated.iter().map(|of| of.value / of.sd).sum::<f64>() / sum;
+        (known && sum > 0.0).then(|| [1.0 / sum.sqrt(), shared])
+    }
+
     /// Sentences.
     pub fn words(&self, surroundings: &Surroundings) -> Vec<String> {
         let mut words = Vec::new();
@@ -82,6 +98,20 @@ impl Gauge<'_> {
             };
             words.push(format!(
                 "the scale is not determined: add one known distance ([[distances]]), a `distance` of known gain, a sphere of known radius, or known planes that do not all meet in one point; without it {what} says nothing about lengths"
+            ));
+        }
+        // A tenth of a millimetre over a metre.
+        const WORTH_TELLING: f64 = 1e-4;
+        if let Some([apart, shared]) = self
+            .scale_by_distances(surroundings)
+            .map(|of| of.map(|sd| 1.96 * sd))
+            .filter(|of| of[1] > WORTH_TELLING)
+        {
+            let percent = |part: f64| format!("±{:.2} %", 100.0 * part);
+            words.push(format!(
+                "known distances alone determine the scale: lengths are known to {} if their errors are independent, to {} if all are of one part that was measured once (95 %); longer distances determine it better",
+                percent(apart),
+                percent(shared)
             ));
         }
         let planes = self.sensors.found.iter().filter(|found| found.observation.kind() == "plane").count();

@@ -134,6 +134,27 @@ fn an_arm_is_calibrated_with_nothing_but_sockets_at_known_distances() {
 }
 
 #[test]
+fn how_well_known_distances_determine_the_scale_is_stated() {
+    let of = cell(5);
+    let (data, mut surroundings) = campaign(&of, 8, 2e-5, 3);
+    for distance in &mut surroundings.distances {
+        (distance.value, distance.sd) = (0.05, 1e-4);
+    }
+    let (solver, options) = (PivotedQr::default(), FitOptions::default());
+    let told = |surroundings: &Surroundings| {
+        let made = touched(&of.chain, &geometric(), &data, surroundings, (&solver, &options)).unwrap();
+        made.remarks.join("; ")
+    };
+    // 1.96 standard deviations of 0.2 %, of six of them less where they are independent.
+    assert_eq!(surroundings.distances.len(), 6);
+    let remark = told(&surroundings);
+    assert!(remark.contains("±0.16 % if their errors are independent, to ±0.39 % if"), "{remark}");
+    surroundings.distances.iter_mut().for_each(|distance| distance.sd = 0.0);
+    let remark = told(&surroundings);
+    assert!(!remark.contains("alone determine"), "{remark}");
+}
+
+#[test]
 fn without_a_distance_the_scale_is_said_to_be_unknown() {
     let of = cell(5);
     let (data, mut surroundings) = campaign(&of, 8, 2e-5, 3);
