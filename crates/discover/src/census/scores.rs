@@ -7,6 +7,7 @@ use crate::census::all_rows::AllRows;
 use crate::census::blocks::Blocks;
 use crate::census::seen::Seen;
 use crate::census::waves::MotionBins;
+use crate::census::white::White;
 use crate::error::DiscoverError;
 use crate::hypotheses::candidate::Candidate;
 use crate::hypotheses::change::Change;
@@ -22,8 +23,8 @@ use truepose_errormodel::Dataset;
 
 /// Xᵀr of everything that a screen looks at.
 struct Scores {
-    /// Of candidates that are taken for themselves.
-    single: Vec<DVector<f64>>,
+    /// Of candidates that are taken for themselves, by their number.
+    single: Vec<Option<DVector<f64>>>,
     /// Of functions (rows) at sites (columns).
     functions: DMatrix<f64>,
     /// Of the own motion of joints.
@@ -47,19 +48,10 @@ pub(crate) fn screened(
         let fraction = (explained / all.squares).min(1.0 - 1e-12);
         (-rows * (1.0 - fraction).ln(), surprisal(fraction, basis.ncols(), freedom))
     };
-    let mut next = scores.single.iter();
     for k in 0..screen.candidates.len() {
         let candidate = &screen.candidates[k].candidate;
         let at_site = screen.functions().and_then(|f| f.scores_at(sample, candidate, &scores.functions));
-        let own = match at_site {
-            Some(score) => Some(score),
-            None if screen.candidates[k].score.is_some()
-                && is_single(screen.functions(), sample, candidate) =>
-            {
-                next.next().cloned()
-            }
-            None => None,
-        };
+        let own = at_site.or_else(|| scores.single[k].clone());
         if let Some(score) = &mut screen.candidates[k].score {
             (score.gain, score.surprisal) = match &own {
                 Some(own) if own.len() == score.basis.nrows() => judged(&score.basis, own),
@@ -87,15 +79,20 @@ fn scores(
     options: &DiscoverOptions,
 ) -> Result<Scores, DiscoverError> {
     let functions = screen.functions();
-    let single: Vec<&Candidate> = screen
+    let effects = screen.candidates.iter().flat_map(|screened| screened.candidate.effects().iter());
+    let derived = blocks.derived(&all.fit, effects);
+    let first = blocks.first(&derived);
+    // What nothing is left of in the sample, or what the data lacks a covariate for, has no score.
+    let single: Vec<(usize, &Candidate)> = screen
         .candidates
         .iter()
-        // A candidate that the data lacks a covariate for has no score in the sample either.
-        .filter(|screened| screened.score.is_some())
-        .map(|screened| &screened.candidate)
-        .filter(|candidate| is_single(functions, sample, candidate))
+        .enumerate()
+        .filter(|(_, screened)| screened.score.is_some())
+        .map(|(k, screened)| (k, &screened.candidate))
+        .filter(|(_, candidate)| is_single(functions, sample, candidate))
+        .filter(|(_, candidate)| White::width_of(candidate, &all.at, &first).is_some())
         .collect();
-    let asked = Emitted::all(&all.at, &single, |candidate| candidate.effects())?;
+    let asked = Emitted::all(&all.at, &single, |(_, candidate)| candidate.effects())?;
     let of_functions =
         Emitted::all(&all.at, functions.map_or(&[][..], Functions::effects), std::slice::from_ref)?;
     let chain = sample.chain();
@@ -114,7 +111,7 @@ fn scores(
         let seen = Seen::of((block, blocks), all, options)?;
         let scores = seen.scores();
         let scores_of = |site: usize| &scores.as_slice()[site * scores.nrows()..][..scores.nrows()];
-        let mut sums = Vec::with_capacity(single.len());
+        let mut sums = vec![None; screen.candidates.len()];
         for (part, asked) in &asked {
             let mut sum = vec![0.0; asked.width()];
             asked.each(block, &seen.rows, &mut |said| {
@@ -124,9 +121,9 @@ fn scores(
                 }
             })?;
             let mut first = 0;
-            for candidate in *part {
+            for (k, candidate) in *part {
                 let end = first + candidate.effects().len();
-                sums.push(DVector::from_column_slice(&sum[asked.columns_of(first..end)]));
+                sums[*k] = Some(DVector::from_column_slice(&sum[asked.columns_of(first..end)]));
                 first = end;
             }
         }
@@ -154,20 +151,20 @@ fn scores(
         }
         Ok(Scores { single: sums, functions: at_sites, motions: bins })
     };
-    let derived =
-        blocks.derived(&all.fit, screen.candidates.iter().flat_map(|s| s.candidate.effects().iter()));
     let mut whole: Option<Scores> = None;
     blocks.each(1, &derived, &of, &mut |_, part| match &mut whole {
         None => whole = Some(part),
         Some(whole) => {
-            for (sum, more) in whole.single.iter_mut().zip(part.single) {
-                if sum.len() == more.len() {
-                    *sum += more;
-                }
+            for (sum, more) in whole.single.iter_mut().flatten().zip(part.single.into_iter().flatten()) {
+                *sum += more;
             }
             whole.functions += part.functions;
             whole.motions.iter_mut().zip(&part.motions).for_each(|(sum, more)| sum.merge(more));
         }
     })?;
-    Ok(whole.unwrap_or(Scores { single: Vec::new(), functions: DMatrix::zeros(0, 0), motions: empty }))
+    Ok(whole.unwrap_or(Scores {
+        single: vec![None; screen.candidates.len()],
+        functions: DMatrix::zeros(0, 0),
+        motions: empty,
+    }))
 }

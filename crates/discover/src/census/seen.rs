@@ -92,20 +92,15 @@ fn in_blocks(
     visits: &Visits,
 ) -> Result<ByVisits, DiscoverError> {
     let model = all.at.fitted.model();
-    let (chain, known) = (model.chain(), model.columns().len());
+    let known = model.columns().len();
     let mut effects = model.effects().to_vec();
     effects.push(Box::new(Geometric::default()));
-    let beside = ErrorModel::new(chain.clone(), effects)?;
+    let beside = ErrorModel::new(model.chain().clone(), effects)?;
     let mut coefficients = all.at.fitted.coefficients().to_vec();
     coefficients.resize(beside.columns().len(), 0.0);
     let mut wanted = all.at.reduction.kept.clone();
-    let rank = wanted.len();
-    wanted.resize(rank + chain.site_count(), 0);
-    for (column, described) in beside.columns().iter().enumerate().skip(known) {
-        if let Some(site) = described.site {
-            wanted[rank + chain.site_index(site)] = column;
-        }
-    }
+    // A constant error of every site, in their order.
+    wanted.extend(known..beside.columns().len());
     let noise = blocks.noise_of(&all.at).rows;
     Ok(by_visits(&beside, block, visits, noise, &coefficients, &wanted)?)
 }

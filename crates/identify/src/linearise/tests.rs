@@ -1,4 +1,4 @@
-use super::{Blocks, batches};
+use super::{Blocks, ByVisits, Lineariser, batches, by_visits};
 use crate::NoiseModel;
 use nalgebra::Vector3;
 use truepose_errormodel::batch::Component;
@@ -82,4 +82,42 @@ fn every_level_of_the_processor_gives_the_same_fit() {
             }
         }
     }
+}
+
+/// Several rows and a shared scatter a visit, some without a component, and a visit longer than a block.
+#[test]
+fn numbers_by_visits_are_those_of_one_visit_after_the_other() {
+    let chain = samples::ur10();
+    let effects: Vec<Box<dyn truepose_errormodel::AnyEffect>> =
+        vec![Box::new(Geometric::default()), Box::new(JointCompliance::default())];
+    let model = ErrorModel::new(chain, effects).unwrap();
+    let mut data = visits(300, model.chain().movable().len());
+    for row in 0..data.len() {
+        data.visit[row] = row % 47;
+        if row % 11 == 0 {
+            data.position[row][row % 3] = f64::NAN;
+        }
+    }
+    let zero = vec![0.0; model.columns().len()];
+    let columns = [40, 3, 17, 2, model.columns().len() - 1];
+    let noise = NoiseModel { visit_sd: 2e-5, ..NoiseModel::default() };
+    let same = |data: &Dataset| {
+        let visits = Visits::of(data);
+        let ByVisits { numbers, visits: ranges } =
+            by_visits(&model, data, &visits, noise, &zero, &columns).unwrap();
+        let mut lineariser = Lineariser::new(&model, data, noise, &zero).unwrap().of_columns(&columns);
+        assert_eq!(ranges.len(), visits.len());
+        for (rows, range) in visits.rows.iter().zip(ranges) {
+            let expected = nalgebra::DMatrix::from_column_slice(6, range.len(), lineariser.visit(rows).rows);
+            let have = numbers.columns(range.start, range.len());
+            // Within a visit their order is free.
+            let (have, expected) = (have * have.transpose(), &expected * expected.transpose());
+            assert!((&have - &expected).amax() < 1e-9 * expected.amax().max(1.0), "{have}{expected}");
+        }
+    };
+    assert!(batches(&data, &Visits::of(&data), 0..47).is_some());
+    same(&data);
+    data.visit.iter_mut().for_each(|visit| *visit %= 2);
+    assert!(batches(&data, &Visits::of(&data), 0..2).is_none());
+    same(&data);
 }
