@@ -37,11 +37,17 @@ struct Competitor {
 
 /// What all rows say of the causes of one screen that were looked at: a cause that is barred changes nothing in it.
 #[derive(Default)]
-pub(crate) struct Known(Vec<(Family, Place, Vec<(Candidate, Detail)>)>);
+pub(crate) struct Known(Vec<KnownCause>);
+
+struct KnownCause {
+    family: Family,
+    place: Place,
+    variants: Vec<(Candidate, Detail)>,
+}
 
 impl Known {
     fn has(&self, family: Family, place: &Place) -> bool {
-        self.0.iter().any(|known| known.0 == family && known.1 == *place)
+        self.0.iter().any(|known| known.family == family && known.place == *place)
     }
 }
 
@@ -77,12 +83,12 @@ pub(crate) fn compared(
         let (family, place) = (of_cause[0].0.family, of_cause[0].0.place.clone());
         let judged =
             of_cause.iter().filter_map(|(candidate, detail)| Some((candidate.clone(), detail.clone()?)));
-        known.0.push((family, place, judged.collect()));
+        known.0.push(KnownCause { family, place, variants: judged.collect() });
     }
     let penalty = (all.count as f64).ln();
-    let judged = known.0.iter().filter(|(family, place, _)| !is_barred(*family, place));
+    let judged = known.0.iter().filter(|known| !is_barred(known.family, &known.place));
     let mut competitors: Vec<Competitor> = judged
-        .flat_map(|(_, _, variants)| variants.iter().cloned())
+        .flat_map(|known| known.variants.iter().cloned())
         .filter_map(|(candidate, detail)| {
             let counted = penalty * detail.freedom() as f64;
             // All by evidence: at so many numbers a count would favour curves, which the contest of a sample charges so.

@@ -53,7 +53,7 @@ impl Emitted {
                 width <= MOST
             };
             let (part, others) = rest.split_at(rest.iter().take_while(fits).count().max(1));
-            parts.push((part, Emitted::new(fit, part.iter().flat_map(|of| effects(of)))?));
+            parts.push((part, Emitted::new(fit, part.iter().flat_map(&effects))?));
             rest = others;
         }
         Ok(parts)
