@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::testkit::{check_effect, emitted};
+use truepose_kinematics::Site;
 use truepose_kinematics::{Conditions, samples};
 
 #[test]
